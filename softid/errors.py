@@ -1,0 +1,109 @@
+"""Errors that say what is wrong, where, the value met and what to do, and the milder `Issue`.
+
+Every error that a user can cause derives from `SoftidError`; its `exit_code` is what the command
+line returns. An `Issue` is the same four facts about something that did not stop the work.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+Severity = Literal["info", "warning", "error"]
+
+
+class SoftidError(Exception):
+    """A failure told in one sentence.
+
+    Parameters
+    ----------
+    what
+        What is wrong, without a full stop: ``"the time runs backward"``.
+    where
+        File, column, row or option: ``"step.csv, column time_s, row 17"``.
+    value
+        The offending value as met.
+    remedy
+        What the user can do, in the imperative and without a full stop.
+
+    Examples
+    --------
+    >>> str(InputError("the file is empty", where="a.csv", remedy="check how it was recorded"))
+    'a.csv: the file is empty; check how it was recorded.'
+    """
+
+    exit_code: ClassVar[int] = 3
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        where: str | None = None,
+        value: object = None,
+        remedy: str | None = None,
+    ) -> None:
+        self.what = what
+        self.where = where
+        self.value = value
+        self.remedy = remedy
+        super().__init__(self._sentence())
+
+    def _sentence(self) -> str:
+        text = f"{self.where}: {self.what}" if self.where else self.what
+        if self.value is not None:
+            text += f" (got {self.value!r})"
+        if self.remedy:
+            text += f"; {self.remedy}"
+        return text + "."
+
+
+class UsageError(SoftidError):
+    """The request contradicts itself or names something that does not exist."""
+
+    exit_code = 2
+
+
+class InputError(SoftidError):
+    """A file or array given by the user cannot be used."""
+
+    exit_code = 3
+
+
+class OutputError(SoftidError):
+    """A result cannot be written; nothing partial is left behind."""
+
+    exit_code = 3
+
+
+class IdentificationError(SoftidError):
+    """The data were read but no trustworthy parameters came out of them."""
+
+    exit_code = 4
+
+
+class MissingExtraError(SoftidError):
+    """An optional dependency is needed for what was asked."""
+
+    exit_code = 2
+
+
+@dataclass(frozen=True)
+class Issue:
+    """Something noticed on the way that the user should know and that did not stop the work.
+
+    Attributes
+    ----------
+    code
+        Stable identifier in kebab case, for programs: ``"extrapolation"``.
+    severity
+        ``"info"``, ``"warning"`` or ``"error"``.
+    message
+        One sentence: what, where, the value.
+    remedy
+        What to do about it, or None.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    remedy: str | None = None

@@ -1,0 +1,452 @@
+"""One recording as softid sees it: times, channels, roles and the samples to leave out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import InputError, Issue, UsageError
+from softid.units import CANONICAL_UNIT, CHANNEL_QUANTITY, factor_to_canonical
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+OUTPUT_PREFERENCE = (
+    "angle",
+    "contraction",
+    "distance",
+    "length",
+    "position",
+    "torque",
+    "force",
+)
+"""Which channel is the output when the user names none: the first of these that is there."""
+
+STALL_MIN_S = 0.5
+STALL_MIN_PERIODS = 10.0
+
+
+def read_only(values: npt.ArrayLike) -> Array:
+    """Copy to a float64 array that nobody can change."""
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a log came from.
+
+    Attributes
+    ----------
+    path
+        File as the user named it.
+    sha256
+        Fingerprint of the file's bytes.
+    file_format
+        Name of the reader: ``"csv"``, ``"mat"``, …
+    """
+
+    path: str
+    sha256: str
+    file_format: str
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One measured quantity over the log's own times.
+
+    Attributes
+    ----------
+    name
+        Known name (`softid.units.CHANNEL_QUANTITY`) or, for a raw channel, the column's.
+    values
+        Samples in ``unit``, shape (n,); NaN where nothing was recorded.
+    unit
+        Canonical unit, or the user's own for a raw channel.
+    display_unit, display_factor
+        Unit of the file and the factor from ``unit`` to it, so that results can be shown in it.
+    column
+        Column of the file, or None for arrays.
+    """
+
+    name: str
+    values: Array
+    unit: str
+    display_unit: str
+    display_factor: float = 1.0
+    column: str | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", read_only(self.values))
+
+    @property
+    def displayed(self) -> Array:
+        """The samples in the unit of the file."""
+        return self.values * self.display_factor
+
+
+def make_channel(
+    name: str, values: npt.ArrayLike, unit: str | None = None, *, column: str | None = None
+) -> Channel:
+    """Build a channel from values in any unit.
+
+    Parameters
+    ----------
+    name
+        A known channel name, or any other name for a raw channel.
+    values
+        Samples, shape (n,), in ``unit``.
+    unit
+        Their unit; None means the canonical one (a raw channel: ``"1"``).
+    column
+        Column of the file they came from.
+
+    Raises
+    ------
+    InputError
+        The unit does not measure what the channel is.
+
+    Examples
+    --------
+    >>> make_channel("pressure", [0.0, 1.5], "bar").values.tolist()
+    [0.0, 150.0]
+    """
+    quantity = CHANNEL_QUANTITY.get(name, "raw")
+    if quantity == "raw":
+        own = unit or "1"
+        return Channel(name, read_only(values), own, own, 1.0, column)
+    canonical = CANONICAL_UNIT[quantity]
+    shown = unit or canonical
+    factor = factor_to_canonical(shown, quantity, where=column or name)
+    scaled = np.asarray(values, dtype=np.float64) * factor
+    return Channel(name, scaled, canonical, shown, 1.0 / factor, column)
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch of one log without a stall, with the roles resolved to arrays.
+
+    Attributes
+    ----------
+    log_name
+        The log that it is part of.
+    index
+        Position among the segments of that log.
+    start, stop
+        Half-open range of the log's samples.
+    time_s
+        Sample times, shape (n,).
+    input
+        The input channel's samples in its unit, shape (n,).
+    outputs
+        Output channel name → samples, each of shape (n,).
+    used
+        Output channel name → which samples count in the residual, each of shape (n,).
+    """
+
+    log_name: str
+    index: int
+    start: int
+    stop: int
+    time_s: Array
+    input: Array
+    outputs: Mapping[str, Array]
+    used: Mapping[str, BoolArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """One recording.
+
+    Sampling may be irregular: nothing in softid resamples the output. Where the clock stalls for
+    longer than `stall_s`, the log falls into segments, each with its own initial state.
+
+    Attributes
+    ----------
+    name
+        Short name used in tables and plots, normally the file's stem.
+    time_s
+        Strictly increasing times, shape (n,).
+    channels
+        Channel name → `Channel`; all of shape (n,).
+    input
+        Name of the channel that drives.
+    outputs
+        Names of the channels to be explained.
+    masked
+        Samples to leave out of every residual, shape (n,).
+    source
+        File of origin, or None for arrays.
+    issues
+        What the reader repaired or noticed.
+    metadata
+        Free text facts from the file's preamble or sidecar.
+
+    Raises
+    ------
+    InputError
+        Times not strictly increasing, shapes that differ, or an input with missing samples.
+    UsageError
+        A role names a channel that the log does not have.
+    """
+
+    name: str
+    time_s: Array
+    channels: Mapping[str, Channel]
+    input: str
+    outputs: tuple[str, ...]
+    masked: BoolArray | None = None
+    source: Source | None = None
+    issues: tuple[Issue, ...] = ()
+    metadata: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        time = read_only(self.time_s)
+        object.__setattr__(self, "time_s", time)
+        object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
+        object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
+        masked = np.zeros(time.size, bool) if self.masked is None else np.array(self.masked, bool)
+        masked.setflags(write=False)
+        object.__setattr__(self, "masked", masked)
+        self._check()
+
+    def _check(self) -> None:
+        if self.time_s.size < 2:
+            raise InputError(
+                "a log needs at least two samples",
+                where=self.name,
+                value=int(self.time_s.size),
+                remedy="record the response over time",
+            )
+        backward = np.flatnonzero(~(np.diff(self.time_s) > 0))
+        if backward.size:
+            raise InputError(
+                "the time does not increase",
+                where=f"{self.name}, sample {int(backward[0]) + 2}",
+                value=float(self.time_s[backward[0] + 1]),
+                remedy="sort the log or remove the repeated samples",
+            )
+        for channel in self.channels.values():
+            if channel.values.shape != self.time_s.shape:
+                raise InputError(
+                    f"the channel has {channel.values.size} samples, the time {self.time_s.size}",
+                    where=f"{self.name}, {channel.name}",
+                    remedy="give one sample per time",
+                )
+        for role in (self.input, *self.outputs):
+            if role not in self.channels:
+                raise UsageError(
+                    f"the log has no channel {role}",
+                    where=self.name,
+                    remedy=f"choose from {', '.join(self.channels)}, or map a column with --channel",
+                )
+        if self.input in self.outputs:
+            raise UsageError(
+                f"{self.input} cannot be input and output at once",
+                where=self.name,
+                remedy="choose another --output",
+            )
+        missing = np.flatnonzero(~np.isfinite(self.channels[self.input].values))
+        if missing.size:
+            raise InputError(
+                f"the input {self.input} has {missing.size} missing samples",
+                where=f"{self.name}, sample {int(missing[0]) + 1}",
+                remedy="drop those samples",
+            )
+
+    def __len__(self) -> int:
+        return int(self.time_s.size)
+
+    @property
+    def pressure_kpa(self) -> Array:
+        """Measured pressure, shape (n,)."""
+        return self._known("pressure")
+
+    @property
+    def pressure_command_kpa(self) -> Array:
+        """Commanded pressure, shape (n,)."""
+        return self._known("pressure_command")
+
+    def _known(self, name: str) -> Array:
+        if name not in self.channels:
+            raise UsageError(
+                f"the log has no channel {name}",
+                where=self.name,
+                remedy=f"choose from {', '.join(self.channels)}",
+            )
+        return self.channels[name].values
+
+    @property
+    def period_s(self) -> float:
+        """Median sampling interval."""
+        return float(np.median(np.diff(self.time_s)))
+
+    @property
+    def stall_s(self) -> float:
+        """Longest interval that still belongs to one segment: max(0.5 s, 10 periods)."""
+        return max(STALL_MIN_S, STALL_MIN_PERIODS * self.period_s)
+
+    def segments(self) -> tuple[Segment, ...]:
+        """Stretches between stalls, in order; single samples between two stalls are dropped."""
+        breaks = np.flatnonzero(np.diff(self.time_s) > self.stall_s) + 1
+        edges = [0, *breaks.tolist(), len(self)]
+        spans = [(a, b) for a, b in zip(edges, edges[1:], strict=False) if b - a >= 2]
+        return tuple(self._segment(k, a, b) for k, (a, b) in enumerate(spans))
+
+    def _segment(self, index: int, start: int, stop: int) -> Segment:
+        span = slice(start, stop)
+        outputs = {name: self.channels[name].values[span] for name in self.outputs}
+        keep = ~self.masked[span] if self.masked is not None else np.ones(stop - start, bool)
+        used = {name: keep & np.isfinite(values) for name, values in outputs.items()}
+        return Segment(
+            self.name,
+            index,
+            start,
+            stop,
+            self.time_s[span],
+            self.channels[self.input].values[span],
+            outputs,
+            used,
+        )
+
+    def with_roles(self, *, input: str | None = None, outputs: Sequence[str] = ()) -> Log:
+        """The same recording with other input and output channels."""
+        return replace(
+            self, input=input or self.input, outputs=tuple(outputs) if outputs else self.outputs
+        )
+
+    def with_masked(self, masked: npt.ArrayLike) -> Log:
+        """The same recording with more samples left out of the residuals."""
+        assert self.masked is not None
+        return replace(self, masked=self.masked | np.asarray(masked, bool))
+
+    def between(self, start_s: float, stop_s: float) -> Log:
+        """The samples with ``start_s <= time_s < stop_s`` as a log of its own.
+
+        Raises
+        ------
+        InputError
+            Fewer than two samples lie in the range.
+        """
+        kept = np.flatnonzero((self.time_s >= start_s) & (self.time_s < stop_s))
+        assert self.masked is not None
+        channels = {k: replace(c, values=c.values[kept]) for k, c in self.channels.items()}
+        return replace(self, time_s=self.time_s[kept], channels=channels, masked=self.masked[kept])
+
+    @classmethod
+    def from_arrays(
+        cls,
+        time_s: npt.ArrayLike,
+        channels: Mapping[str, npt.ArrayLike],
+        *,
+        units: Mapping[str, str] | None = None,
+        input: str = "pressure",
+        outputs: Sequence[str] = (),
+        name: str = "log",
+    ) -> Log:
+        """Build a log from arrays.
+
+        Parameters
+        ----------
+        time_s
+            Times, shape (n,).
+        channels
+            Channel name → samples of shape (n,).
+        units
+            Channel name → unit; channels not named are in their canonical unit.
+        input, outputs
+            Roles; without outputs the first known output channel is taken.
+        name
+            Name shown in tables.
+
+        Examples
+        --------
+        >>> log = Log.from_arrays(
+        ...     [0.0, 0.1], {"pressure": [0.0, 1.0], "angle": [0.0, 30.0]},
+        ...     units={"pressure": "bar", "angle": "deg"},
+        ... )
+        >>> log.pressure_kpa.tolist()
+        [0.0, 100.0]
+        """
+        units = units or {}
+        made = {k: make_channel(k, v, units.get(k)) for k, v in channels.items()}
+        chosen = tuple(outputs) or default_outputs(made, input, where=name)
+        return cls(name=name, time_s=read_only(time_s), channels=made, input=input, outputs=chosen)
+
+
+def default_outputs(
+    channels: Mapping[str, Channel], input_name: str, *, where: str
+) -> tuple[str, ...]:
+    """The output channel to explain when the user names none.
+
+    Raises
+    ------
+    InputError
+        No channel has a name that is recognised as an output.
+    """
+    for name in OUTPUT_PREFERENCE:
+        if name in channels and name != input_name:
+            return (name,)
+    raise InputError(
+        "no output channel is recognised",
+        where=where,
+        value=", ".join(channels),
+        remedy="name one with --channel angle=COLUMN:UNIT or --output",
+    )
+
+
+@dataclass(frozen=True)
+class LogSet:
+    """Several logs of one actuator, in the order given.
+
+    Raises
+    ------
+    UsageError
+        Two logs share a name, or the logs differ in input or outputs.
+    """
+
+    logs: tuple[Log, ...]
+
+    def __post_init__(self) -> None:
+        if not self.logs:
+            raise UsageError("no log was given", remedy="name at least one file")
+        names = [log.name for log in self.logs]
+        twice = sorted({n for n in names if names.count(n) > 1})
+        if twice:
+            raise UsageError(
+                f"two logs are called {twice[0]}", remedy="give each log once, or rename one"
+            )
+        first = self.logs[0]
+        for log in self.logs[1:]:
+            if (log.input, log.outputs) != (first.input, first.outputs):
+                raise UsageError(
+                    f"{log.name} has {log.input} → {', '.join(log.outputs)}, but {first.name} has "
+                    f"{first.input} → {', '.join(first.outputs)}",
+                    remedy="name the roles with --input and --output",
+                )
+
+    def __iter__(self) -> Iterator[Log]:
+        return iter(self.logs)
+
+    def __len__(self) -> int:
+        return len(self.logs)
+
+    @property
+    def input(self) -> str:
+        """Channel that drives, the same in every log."""
+        return self.logs[0].input
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Channels to be explained, the same in every log."""
+        return self.logs[0].outputs
+
+    @property
+    def input_unit(self) -> str:
+        """Unit of the input channel."""
+        return self.logs[0].channels[self.input].unit

@@ -1,0 +1,14 @@
+"""The models, by name. A new model is one file and one line in `MODELS`."""
+
+from softid.models.base import Model, Response
+from softid.models.muscle import Muscle
+from softid.models.oscillator import Oscillator
+from softid.models.polynomial import Polynomial
+
+MODELS: dict[str, type[Model]] = {
+    Muscle.name: Muscle,
+    Oscillator.name: Oscillator,
+    Polynomial.name: Polynomial,
+}
+
+__all__ = ["MODELS", "Model", "Muscle", "Oscillator", "Polynomial", "Response"]

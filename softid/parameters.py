@@ -1,0 +1,213 @@
+"""Named parameters with bounds, scale and ties, and the bridge to lmfit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import UsageError
+
+if TYPE_CHECKING:
+    import lmfit
+
+Array = npt.NDArray[np.float64]
+Scale = Literal["linear", "log"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One model parameter.
+
+    Attributes
+    ----------
+    name
+        Identifier, valid as a Python name.
+    value
+        Current value in ``unit``.
+    unit
+        Unit as text, ``"1"`` when there is none.
+    lower, upper
+        Bounds; infinite when there are none.
+    scale
+        ``"log"`` for a positive parameter that is searched over its logarithm.
+    fixed
+        Held at ``value`` in a fit.
+    tie
+        An lmfit expression in other parameters that gives the value, or None.
+    meaning
+        One sentence for people.
+    source
+        Paper and equation.
+    """
+
+    name: str
+    value: float
+    unit: str = "1"
+    lower: float = -np.inf
+    upper: float = np.inf
+    scale: Scale = "linear"
+    fixed: bool = False
+    tie: str | None = None
+    meaning: str = ""
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.upper:
+            raise UsageError(
+                "the lower bound is above the upper bound",
+                where=f"parameter {self.name}",
+                value=(self.lower, self.upper),
+                remedy="swap the bounds",
+            )
+        if not np.isfinite(self.value) or not self.lower <= self.value <= self.upper:
+            raise UsageError(
+                f"the value is not within [{self.lower:g}, {self.upper:g}]",
+                where=f"parameter {self.name}",
+                value=self.value,
+                remedy="give a value inside the bounds, or widen them",
+            )
+        if self.scale == "log" and self.lower < 0:
+            raise UsageError(
+                "a parameter on a logarithmic scale cannot have a negative lower bound",
+                where=f"parameter {self.name}",
+                value=self.lower,
+                remedy="use a linear scale",
+            )
+
+
+@dataclass(frozen=True)
+class ParameterSet(Mapping[str, Parameter]):
+    """Parameters in a fixed order.
+
+    Examples
+    --------
+    >>> s = ParameterSet((Parameter("M", 2.0), Parameter("N", 3.0, fixed=True)))
+    >>> s.free, s.values_vector().tolist()
+    (('M',), [2.0, 3.0])
+    """
+
+    items_: tuple[Parameter, ...]
+
+    def __post_init__(self) -> None:
+        names = [p.name for p in self.items_]
+        if len(set(names)) != len(names):
+            raise UsageError("a parameter is declared twice", value=names)
+
+    def __getitem__(self, name: str) -> Parameter:
+        for parameter in self.items_:
+            if parameter.name == name:
+                return parameter
+        raise KeyError(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return (p.name for p in self.items_)
+
+    def __len__(self) -> int:
+        return len(self.items_)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names, in order."""
+        return tuple(p.name for p in self.items_)
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """Names of the parameters that a fit varies."""
+        return tuple(p.name for p in self.items_ if not p.fixed and p.tie is None)
+
+    def values_vector(self) -> Array:
+        """All values in order, shape (K,)."""
+        return np.array([p.value for p in self.items_], dtype=np.float64)
+
+    def values_dict(self) -> dict[str, float]:
+        """Name → value."""
+        return {p.name: p.value for p in self.items_}
+
+    def with_values(self, values: Mapping[str, float]) -> ParameterSet:
+        """The same parameters at other values, clipped to their bounds.
+
+        Raises
+        ------
+        UsageError
+            A name is unknown.
+        """
+        self._known(values)
+        return ParameterSet(
+            tuple(
+                replace(p, value=float(np.clip(values.get(p.name, p.value), p.lower, p.upper)))
+                for p in self.items_
+            )
+        )
+
+    def with_fixed(self, values: Mapping[str, float]) -> ParameterSet:
+        """Hold the named parameters at the given values, moving a bound that is in the way."""
+        self._known(values)
+
+        def hold(p: Parameter) -> Parameter:
+            if p.name not in values:
+                return p
+            v = float(values[p.name])
+            return replace(
+                p, value=v, fixed=True, lower=min(p.lower, v), upper=max(p.upper, v), tie=None
+            )
+
+        return ParameterSet(tuple(hold(p) for p in self.items_))
+
+    def replacing(self, parameter: Parameter) -> ParameterSet:
+        """The same set with one parameter exchanged for another of the same name."""
+        self._known({parameter.name: 0.0})
+        return ParameterSet(
+            tuple(parameter if p.name == parameter.name else p for p in self.items_)
+        )
+
+    def _known(self, names: Mapping[str, float]) -> None:
+        unknown = [n for n in names if n not in self.names]
+        if unknown:
+            raise UsageError(
+                f"the model has no parameter {unknown[0]}",
+                remedy=f"choose from {', '.join(self.names)}",
+            )
+
+    def to_lmfit(self) -> lmfit.Parameters:
+        """The parameters as lmfit knows them; a tie becomes lmfit's ``expr``."""
+        import lmfit  # about a second to import, and only users of lmfit and ties need it
+
+        out = lmfit.Parameters()
+        for p in self.items_:
+            out.add(p.name, value=p.value, vary=not p.fixed, min=p.lower, max=p.upper)
+        for p in self.items_:
+            if p.tie is not None:
+                out[p.name].expr = p.tie
+        return out
+
+    def updated_from_lmfit(self, parameters: lmfit.Parameters) -> ParameterSet:
+        """Take value, bounds, ``vary`` and ``expr`` from lmfit parameters; the rest stays.
+
+        Raises
+        ------
+        UsageError
+            lmfit's set names a parameter that the model does not have.
+        """
+        self._known(dict.fromkeys(parameters, 0.0))
+        taken = []
+        for p in self.items_:
+            if p.name not in parameters:
+                taken.append(p)
+                continue
+            q = parameters[p.name]
+            lower = max(q.min, 0.0) if p.scale == "log" else q.min
+            taken.append(
+                replace(
+                    p,
+                    value=float(q.value),
+                    lower=float(lower),
+                    upper=float(q.max),
+                    fixed=not q.vary and q.expr is None,
+                    tie=q.expr,
+                )
+            )
+        return ParameterSet(tuple(taken))
