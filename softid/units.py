@@ -6,7 +6,9 @@ is handed to pint.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal
 
 from softid.errors import InputError
@@ -50,7 +52,9 @@ _SPELLINGS: dict[str, tuple[Quantity, float]] = {
     "msec": ("time", 1e-3),
     "millis": ("time", 1e-3),
     "us": ("time", 1e-6),
+    "usec": ("time", 1e-6),
     "µs": ("time", 1e-6),
+    "μs": ("time", 1e-6),
     "micros": ("time", 1e-6),
     "ns": ("time", 1e-9),
     "min": ("time", 60.0),
@@ -61,7 +65,11 @@ _SPELLINGS: dict[str, tuple[Quantity, float]] = {
     "mbar": ("pressure", 0.1),
     "psi": ("pressure", _PSI_KPA),
     "psig": ("pressure", _PSI_KPA),
+    "psi(g)": ("pressure", _PSI_KPA),
+    "barg": ("pressure", 100.0),
     "atm": ("pressure", 101.325),
+    "mmhg": ("pressure", 0.133322387415),
+    "torr": ("pressure", 0.133322368421),
     "rad": ("angle", 1.0),
     "radian": ("angle", 1.0),
     "radians": ("angle", 1.0),
@@ -76,6 +84,7 @@ _SPELLINGS: dict[str, tuple[Quantity, float]] = {
     "m": ("length", 1000.0),
     "um": ("length", 1e-3),
     "µm": ("length", 1e-3),
+    "μm": ("length", 1e-3),
     "in": ("length", 25.4),
     "inch": ("length", 25.4),
     "n": ("force", 1.0),
@@ -97,6 +106,33 @@ _CASE_SENSITIVE: dict[str, tuple[Quantity, float]] = {
     "mPa": ("pressure", 1e-6),
     "MN": ("force", 1e6),
 }
+_SYMBOLS = {
+    "kpa": "kPa",
+    "pa": "Pa",
+    "hpa": "hPa",
+    "kn": "kN",
+    "n": "N",
+    "nmm": "N·mm",
+    "nm": "N·m",
+    "mnm": "mN·m",
+    "ncm": "N·cm",
+    "mmhg": "mmHg",
+    "degree": "deg",
+    "degrees": "deg",
+    "degs": "deg",
+    "°": "deg",
+    "sec": "s",
+    "second": "s",
+    "seconds": "s",
+    "msec": "ms",
+    "millis": "ms",
+    "usec": "us",
+    "micros": "us",
+}
+# What may be handed to pint: names with small exponents, so that no text can ask for 9**9**9.
+_UNIT_TEXT = re.compile(r"[^\W\d]\w*(\^-?\d)?( ?[*/·. ] ?[^\W\d]\w*(\^-?\d)?)*")
+_LONGEST_UNIT = 40
+_SCALED = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*[*·]?\s*(\D.*)")
 _PINT_DIMENSIONS: tuple[tuple[str, Quantity, str], ...] = (
     ("[time]", "time", "s"),
     ("[mass] / [length] / [time] ** 2", "pressure", "kPa"),
@@ -166,16 +202,60 @@ def lookup_unit(text: str) -> Unit | None:
     return Unit(text, *hit) if hit else None
 
 
+def unit_symbol(text: str) -> str:
+    """The usual way to write a unit that a header spells in lower case or in words.
+
+    Examples
+    --------
+    >>> unit_symbol("kpa"), unit_symbol("MPa"), unit_symbol("counts")
+    ('kPa', 'MPa', 'counts')
+    """
+    stripped = text.strip()
+    if stripped in _CASE_SENSITIVE:
+        return stripped
+    lower = stripped.lower().replace(" ", "")
+    if lower in _SYMBOLS:
+        return _SYMBOLS[lower]
+    return lower if lower in _SPELLINGS and lower.isalpha() and lower.isascii() else stripped
+
+
+def split_scale(text: str) -> tuple[float, str]:
+    """Split a number before a unit from it: the value of one step of a counter or a voltage.
+
+    Parameters
+    ----------
+    text
+        A unit, or a number times a unit, ``"35.15*N"``.
+
+    Returns
+    -------
+    tuple
+        The number, 1.0 when there is none, and the unit.
+
+    Examples
+    --------
+    >>> split_scale("35.15*N"), split_scale("kPa")
+    ((35.15, 'N'), (1.0, 'kPa'))
+    """
+    match = _SCALED.fullmatch(text.strip())
+    return (float(match[1]), match[2].strip()) if match else (1.0, text.strip())
+
+
+@cache
 def _parse_with_pint(text: str) -> Unit | None:
+    plain = " ".join(text.replace("**", "^").split())
+    if len(plain) > _LONGEST_UNIT or not _UNIT_TEXT.fullmatch(plain):
+        return None
+
     import pint  # 0.2 s, and only an unusual unit needs it
 
     registry = pint.UnitRegistry()
     try:
-        quantity = registry.Quantity(1.0, text)
+        quantity = registry.Quantity(1.0, plain.replace("·", "*")).to_base_units()
     except Exception:  # noqa: BLE001 - pint raises tokenizer, attribute and value errors alike
         return None
-    if quantity.dimensionless and quantity.units != registry.Unit("dimensionless"):
-        return Unit(text, "angle", float(quantity.to("rad").magnitude))
+    if quantity.units == registry.Unit("radian"):
+        return Unit(text, "angle", float(quantity.magnitude))
     for dimension, name, canonical in _PINT_DIMENSIONS:
         if quantity.check(dimension):
             return Unit(text, name, float(quantity.to(canonical).magnitude))

@@ -15,6 +15,7 @@ from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 
 Array = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,8 @@ class Response:
     by_parameter
         Output channel → ∂y/∂θ, shape (n, K), in the order of `Model.parameters`; None if not asked.
     by_state
-        Output channel → ∂y/∂(initial state), shape (n, S); None if not asked.
+        Output channel → ∂y/∂(initial state), shape (n, S), in the order of `Model.start_states`;
+        None if not asked.
     start
         Initial state used, shape (S,).
     """
@@ -57,6 +59,9 @@ class Model(ABC):
         Input channels that the model accepts; empty for any.
     outputs
         Output channels that the model can produce; empty for any.
+    own_zero
+        Whether a parameter already is the output's constant, so that a sensor zero would be the
+        same thing twice.
     identified_by
         Parameter name → the excitation that shows it, one sentence.
     """
@@ -68,11 +73,30 @@ class Model(ABC):
     states: ClassVar[tuple[str, ...]] = ()
     inputs: ClassVar[tuple[str, ...]] = ()
     outputs: ClassVar[tuple[str, ...]] = ()
+    own_zero: ClassVar[bool] = False
     identified_by: ClassVar[Mapping[str, str]] = {}
+
+    @property
+    def start_states(self) -> tuple[str, ...]:
+        """States whose initial value matters with these options."""
+        return self.states
 
     @abstractmethod
     def parameters(self) -> ParameterSet:
         """The parameters with generic values, units, bounds, meaning and source."""
+
+    def adapted(self, units: Mapping[str, str], *, inverted: bool = False) -> Model:
+        """The model with its units taken from the logs.
+
+        Parameters
+        ----------
+        units
+            Canonical unit of the input under ``"input"`` and of each output under its name.
+        inverted
+            Whether the outputs fall as the input rises.
+        """
+        del units, inverted
+        return self
 
     @abstractmethod
     def guess(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
@@ -95,6 +119,8 @@ class Model(ABC):
         *,
         start: Array | None,
         derivatives: bool,
+        relative: bool = False,
+        substeps: IntArray | None = None,
     ) -> Response:
         """Simulate one segment.
 
@@ -110,16 +136,43 @@ class Model(ABC):
             Initial state, shape (S,); None starts at the equilibrium of the first input.
         derivatives
             Whether to return exact derivatives too.
+        relative
+            Whether ``start`` is a deviation from the equilibrium of the first input, so that the
+            derivatives by the parameters move the start along with it.
+        substeps
+            Division of the sampling intervals from `plan`; None plans anew.
         """
+
+    def plan(self, theta: Array, segment: Segment) -> IntArray | None:
+        """Steps per sampling interval that the accuracy calls for; None for a static model.
+
+        An optimiser holds the plan still while it searches: the cost would jump where a count
+        changes.
+        """
+        del theta, segment
+        return None
+
+    @abstractmethod
+    def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
+        """Output at rest, without sensor zero, for inputs of shape (m,); NaN where undefined."""
 
     def derived(self, values: Mapping[str, float]) -> dict[str, tuple[float, str]]:
         """Quantities that people quote, computed from the parameters: name → (value, unit)."""
         del values
         return {}
 
-    def limits(self) -> tuple[Model, ...]:
-        """Simpler models that this one becomes when a term cannot be seen, nearest first."""
-        return ()
+    def limit(self, theta: Array, period_s: float) -> tuple[Model, str] | None:
+        """The simpler model to continue with when a term cannot be seen, and why.
+
+        Parameters
+        ----------
+        theta
+            Fitted values, shape (K,).
+        period_s
+            Median sampling interval of the logs.
+        """
+        del theta, period_s
+        return None
 
     def spec(self) -> ModelSpec:
         """Name and options, enough to build the model again."""

@@ -1,0 +1,1 @@
+"""The command line of softid: parse, load, one library call, write."""

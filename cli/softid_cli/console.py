@@ -1,0 +1,216 @@
+"""What goes to stderr: messages, progress, and errors in one line each."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
+
+import click
+
+from softid.errors import SoftidError
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+INTERRUPTED = 130
+BROKEN_PIPE = 141
+UNEXPECTED = 70
+BAD_OUTPUT = 3
+
+PATIENCE_S = 1.0
+"""Work that takes less shows no progress."""
+
+_BAR_STEPS = 1000
+
+ProgressCallback = Callable[[str, float], None]
+
+
+def say(message: str) -> None:
+    """Print one message on stderr."""
+    click.echo(f"softid: {message}", err=True)
+
+
+@contextmanager
+def progress(*, quiet: bool) -> Iterator[ProgressCallback | None]:
+    """Show how far the work is, once it takes longer than a second.
+
+    Yields a function of stage and fraction done, or None when the user wants quiet. On a terminal
+    it moves a bar, elsewhere it prints a line for each new stage.
+    """
+    if quiet:
+        yield None
+        return
+    shown: _Bar | _Lines = _Bar() if sys.stderr.isatty() else _Lines()
+    timer = threading.Timer(PATIENCE_S, shown.show)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield shown.update
+    finally:
+        timer.cancel()
+        shown.close()
+
+
+class _Lines:
+    """Progress for a file or a pipe: one line per stage."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._stage = ""
+        self._visible = False
+
+    def show(self) -> None:
+        with self._lock:
+            self._visible = True
+            if self._stage:
+                say(f"{self._stage} …")
+
+    def update(self, stage: str, fraction: float) -> None:
+        del fraction
+        with self._lock:
+            if stage == self._stage:
+                return
+            self._stage = stage
+            if self._visible:
+                say(f"{stage} …")
+
+    def close(self) -> None:
+        with self._lock:
+            self._visible = False
+
+
+class _Bar:
+    """Progress for a terminal: a bar that disappears when the work is done."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._bar: Progress | None = None
+        self._task: TaskID | None = None
+        self._last = ("working", 0.0)
+        self._closed = False
+
+    def show(self) -> None:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        with self._lock:
+            if self._closed:
+                return
+            self._bar = Progress(console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(
+                self._last[0], total=_BAR_STEPS, completed=_steps(self._last[1])
+            )
+            self._bar.start()
+
+    def update(self, stage: str, fraction: float) -> None:
+        with self._lock:
+            self._last = (stage, fraction)
+            if self._bar is not None and self._task is not None:
+                self._bar.update(self._task, description=stage, completed=_steps(fraction))
+
+    def close(self) -> None:
+        with self._lock:
+            self._closed = True
+            if self._bar is not None:
+                self._bar.stop()
+
+
+def _steps(fraction: float) -> int:
+    return round(fraction * _BAR_STEPS)
+
+
+def announce_compilation(*, quiet: bool) -> None:
+    """Say that the first run compiles, for it takes far longer than any later one."""
+    from softid.kernels import needs_compiling
+
+    if not quiet and needs_compiling():
+        say("compiling numerical kernels, once; later runs start at once …")
+
+
+def report_failure(error: BaseException, *, debug: bool) -> int:
+    """Print one line about an error and return the exit code.
+
+    Parameters
+    ----------
+    error
+        Anything that ended a command.
+    debug
+        Whether to print the traceback first.
+    """
+    if debug:
+        traceback.print_exception(error)
+    sentence, code = _told(error)
+    _settle_stdout()
+    if sentence:
+        with suppress(OSError):  # stderr may be as closed or full as stdout
+            click.echo(f"softid: {sentence}", err=True)
+    return code
+
+
+def _told(error: BaseException) -> tuple[str, int]:
+    if isinstance(error, SoftidError):
+        return f"error: {_one_line(str(error))}", error.exit_code
+    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+        return f"no command was given\n{error.format_message()}", error.exit_code
+    if isinstance(error, click.UsageError):
+        path = error.ctx.command_path if error.ctx else "softid"
+        message = _one_line(error.format_message()).replace(". (Did", " (did").rstrip(".")
+        return f"error: {_lowered(message)}; see `{path} --help`.", error.exit_code
+    if isinstance(error, click.ClickException):
+        return f"error: {_lowered(_one_line(error.format_message()))}", error.exit_code
+    if isinstance(error, KeyboardInterrupt | click.Abort):
+        return "interrupted.", INTERRUPTED
+    if isinstance(error, BrokenPipeError):
+        return "", BROKEN_PIPE
+    if isinstance(error, MemoryError):
+        return "error: there is not enough memory; use a shorter log.", BAD_OUTPUT
+    if isinstance(error, OSError):
+        return f"error: {_os_sentence(error)}", BAD_OUTPUT
+    return (
+        f"error: this is a fault of softid, not of your input ({_where(error)}: "
+        f"{type(error).__name__}: {_one_line(str(error))}); please report what "
+        "`softid --debug …` prints.",
+        UNEXPECTED,
+    )
+
+
+def _os_sentence(error: OSError) -> str:
+    place = error.filename if error.filename is not None else "standard output"
+    reason = (error.strerror or str(error)).lower()
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+    remedy = "free some space" if full else "check the path and its permissions"
+    return f"{place}: {reason}; {remedy}."
+
+
+def _where(error: BaseException) -> str:
+    frames = traceback.extract_tb(error.__traceback__)
+    ours = [f for f in frames if "softid" in f.filename]
+    last = (ours or list(frames))[-1:]
+    return f"{os.path.basename(last[0].filename)}, line {last[0].lineno}" if last else "nowhere"
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _lowered(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def _settle_stdout() -> None:
+    """Flush stdout; where that fails, point it elsewhere lest the interpreter's flush fail too."""
+    try:
+        sys.stdout.flush()
+        return
+    except OSError:
+        pass
+    with suppress(OSError, ValueError):
+        devnull = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(devnull, sys.stdout.fileno())
+        os.close(devnull)

@@ -1,0 +1,234 @@
+"""`softid fit`: from logs to parameters, tables, plots and params.json."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from softid.errors import IdentificationError, OutputError, UsageError
+from softid_cli.console import announce_compilation, progress
+from softid_cli.model_options import chosen_model, chosen_parameters
+from softid_cli.options import (
+    FILE,
+    GreedyCommand,
+    json_option,
+    load_logs,
+    log_options,
+    out_options,
+    quiet_option,
+)
+
+if TYPE_CHECKING:
+    from softid.log import Log
+    from softid.results import FitResult
+
+RESULTS = Path("softid-out")
+PARAMS = "params.json"
+
+
+@dataclass(frozen=True)
+class FitRequest:
+    """What the user asked of `softid fit`; the fields are its options."""
+
+    logs: tuple[Path, ...]
+    hold_out: tuple[Path, ...] = ()
+    model: str | None = None
+    damping: str | None = None
+    fixed_length: float | None = None
+    diameter: float | None = None
+    fix: tuple[str, ...] = ()
+    bound: tuple[str, ...] = ()
+    tie: tuple[str, ...] = ()
+    channel: tuple[str, ...] = ()
+    input: str | None = None
+    output: tuple[str, ...] = ()
+    out: Path | None = None
+    force: bool = False
+    plots: bool = True
+    seed: int = 0
+    as_json: bool = False
+    quiet: bool = False
+
+
+@click.command(cls=GreedyCommand, greedy=("--hold-out",))
+@click.argument("logs", nargs=-1, type=FILE, metavar="LOG...")
+@click.option("--model", metavar="NAME", help="Model; without it softid chooses and says why.")
+@click.option(
+    "--hold-out",
+    multiple=True,
+    type=FILE,
+    metavar="LOG...",
+    help="Logs to score but not to fit: all up to the next option.",
+)
+@click.option(
+    "--fix", multiple=True, metavar="NAME=VALUE", help="Hold a parameter; may be repeated."
+)
+@click.option(
+    "--bound",
+    multiple=True,
+    metavar="NAME=LO:HI",
+    help="Bound a parameter; either end may be empty; may be repeated.",
+)
+@click.option(
+    "--tie",
+    multiple=True,
+    metavar="NAME=EXPR",
+    help="Compute a parameter from others, such as a2=0.1*c2; may be repeated.",
+)
+@log_options
+@click.option(
+    "--damping",
+    type=click.Choice(["constant", "exponential"]),
+    help="Damping of the muscle model.",
+)
+@click.option(
+    "--fixed-length", type=float, metavar="MM", help="Fixed length of the muscle's arc geometry."
+)
+@click.option("--diameter", type=float, metavar="MM", help="Diameter of the muscle's arc geometry.")
+@out_options
+@click.option("--no-plots", is_flag=True, help="Write params.json only.")
+@click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Random seed.")
+@json_option
+@quiet_option
+def fit(
+    logs: tuple[Path, ...],
+    model: str | None,
+    hold_out: tuple[Path, ...],
+    fix: tuple[str, ...],
+    bound: tuple[str, ...],
+    tie: tuple[str, ...],
+    channel: tuple[str, ...],
+    input: str | None,
+    output: tuple[str, ...],
+    damping: str | None,
+    fixed_length: float | None,
+    diameter: float | None,
+    out: Path | None,
+    force: bool,
+    no_plots: bool,
+    seed: int,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Identify a model from one or more LOGs of the same actuator.
+
+    Prints parameters with errors, 95 % intervals and what the logs say about each, and how well the
+    simulated response follows every log. Writes params.json and plots to softid-out/LOG, or to DIR.
+    """
+    identify(
+        FitRequest(
+            logs=logs,
+            hold_out=hold_out,
+            model=model,
+            damping=damping,
+            fixed_length=fixed_length,
+            diameter=diameter,
+            fix=fix,
+            bound=bound,
+            tie=tie,
+            channel=channel,
+            input=input,
+            output=output,
+            out=out,
+            force=force,
+            plots=not no_plots,
+            seed=seed,
+            as_json=as_json,
+            quiet=quiet,
+        )
+    )
+
+
+def identify(request: FitRequest) -> None:
+    """Load, fit, print and write.
+
+    Raises
+    ------
+    UsageError
+        The options contradict each other.
+    IdentificationError
+        The optimum was not reached; nothing is written.
+    """
+    if not request.logs:
+        raise UsageError(
+            "no log was given to fit",
+            remedy="name at least one log before --hold-out"
+            if request.hold_out
+            else "name at least one log",
+        )
+    _refuse_old_results(request)
+    model = chosen_model(
+        request.model,
+        damping=request.damping,
+        fixed_length_mm=request.fixed_length,
+        diameter_mm=request.diameter,
+    )
+    parameters = chosen_parameters(model, fix=request.fix, bound=request.bound, tie=request.tie)
+    paths = (*request.logs, *request.hold_out)
+    logs = load_logs(paths, request.channel, request.input, request.output)
+    announce_compilation(quiet=request.quiet)
+
+    from softid.identification import fit as fit_model
+
+    fitted, held_out = logs[: len(request.logs)], logs[len(request.logs) :]
+    with progress(quiet=request.quiet) as report:
+        result = fit_model(
+            fitted,
+            model=model,
+            hold_out=held_out,
+            parameters=parameters,
+            seed=request.seed,
+            progress=report,
+        )
+    if not result.success:
+        raise IdentificationError(
+            f"{result.status.value}, so no results were written",
+            where=", ".join(log.name for log in fitted),
+            remedy="fix or bound a parameter, choose a simpler --model, or add a log",
+        )
+    _deliver(request, result, fitted[0])
+
+
+def _deliver(request: FitRequest, result: FitResult, first: Log) -> None:
+    """Print the tables first, so that a full disk does not take them too; then write."""
+    from softid.records import dump_json, fit_document, write_folder
+
+    document = fit_document(result)
+    if not request.as_json:
+        from softid_cli.tables import print_fit
+
+        print_fit(result)
+    files: dict[str, str | bytes] = {PARAMS: dump_json(document)}
+    if request.plots:
+        from softid_cli.figures import fit_figures
+
+        files |= fit_figures(result)
+    folder = request.out or _free_folder(RESULTS / first.name.replace("/", "_"))
+    written = write_folder(folder, files, overwrite=request.force)
+    if request.as_json:
+        click.echo(dump_json(document | {"files": [str(p) for p in written]}), nl=False)
+    else:
+        click.echo(f"\nWritten to {folder}{'' if str(folder).endswith('/') else '/'}:")
+        click.echo("  " + "  ".join(p.name for p in written))
+
+
+def _refuse_old_results(request: FitRequest) -> None:
+    """Say before the work, not after it, that the results would have no place."""
+    if request.out is not None and (request.out / PARAMS).exists() and not request.force:
+        raise OutputError(
+            "the folder holds results already",
+            where=str(request.out),
+            remedy="say --force to replace them, or name another folder with --out",
+        )
+
+
+def _free_folder(wanted: Path) -> Path:
+    """The folder, or the first of ``-2``, ``-3``, … that does not exist."""
+    folder, number = wanted, 1
+    while folder.exists():
+        number += 1
+        folder = wanted.with_name(f"{wanted.name}-{number}")
+    return folder

@@ -1,0 +1,118 @@
+"""The `softid` command: a table of commands, each loaded when it is called."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Sequence
+from importlib import import_module
+
+import click
+
+from softid_cli.console import report_failure
+
+COMMANDS: dict[str, tuple[str, str]] = {
+    "inspect": ("softid_cli.inspect", "Say what is in a log and what can be identified from it."),
+    "fit": ("softid_cli.fit", "Identify a model from logs: parameters with errors, plots."),
+    "validate": (
+        "softid_cli.validate",
+        "Score a fitted model on other logs, or check softid itself.",
+    ),
+    "simulate": ("softid_cli.simulate", "Predict the response to a log's pressure, as CSV."),
+    "synthesize": ("softid_cli.synthesize", "Make logs whose true parameters are known."),
+    "models": ("softid_cli.models", "List the models: equation, parameters, what shows them."),
+    "demo": ("softid_cli.demo", "Fit a bundled log, to see what comes out."),
+}
+"""Command → module that holds the click command of that name, and its line in the help."""
+
+
+class LazyGroup(click.Group):
+    """A group that imports a command's module only to run it or to print its own help."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names in the order of a user's work, not of the alphabet."""
+        del ctx
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import the command, or None when there is none of that name."""
+        del ctx
+        if cmd_name not in COMMANDS:
+            return None
+        command = getattr(import_module(COMMANDS[cmd_name][0]), cmd_name)
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands from the table, without importing any."""
+        del ctx
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, line) for name, (_, line) in COMMANDS.items()])
+
+
+def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if not wanted or ctx.resilient_parsing:
+        return
+    from importlib import metadata  # 20 ms, and only the version needs it
+
+    try:
+        click.echo(f"softid {metadata.version('softid')}")
+    except metadata.PackageNotFoundError:
+        click.echo("softid, run from a source tree that is not installed")
+    ctx.exit()
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option(
+    "--version",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_print_version,
+    help="Print the version and exit.",
+)
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+def softid(debug: bool) -> None:
+    """Identify models of soft pneumatic actuators from measured logs.
+
+    Results go to stdout, messages and progress to stderr. Exit codes: 0 done, 1 the verdict is
+    negative, 2 wrong usage, 3 bad input or output, 4 the identification failed.
+    """
+    if not debug and not sys.warnoptions:
+        warnings.simplefilter("ignore")  # numerical remarks of libraries are not for users
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command line and return its exit code; nothing is raised.
+
+    Parameters
+    ----------
+    arguments
+        What the user typed after ``softid``.
+    """
+    context: click.Context | None = None
+    try:
+        try:
+            context = softid.make_context("softid", list(arguments))
+            with context, warnings.catch_warnings():
+                softid.invoke(context)
+            code = 0
+        except click.exceptions.Exit as ended:
+            code = ended.exit_code
+        sys.stdout.flush()
+    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the last line of defence
+        debug = context is not None and bool(context.params.get("debug"))
+        return report_failure(error, debug=debug)
+    return code
+
+
+def main() -> None:
+    """Entry point of the installed script."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a terminal without θ shows a ?
+    sys.exit(run(sys.argv[1:]))
+
+
+if __name__ == "__main__":
+    main()

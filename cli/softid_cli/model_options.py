@@ -1,0 +1,161 @@
+"""The model and its parameters as the command line describes them."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING
+
+from softid.errors import UsageError
+from softid_cli.options import assignments
+
+if TYPE_CHECKING:
+    from softid.models.base import Model
+    from softid.parameters import Parameter, ParameterSet
+
+_FLAGS = {
+    "damping": "--damping",
+    "fixed_length_mm": "--fixed-length",
+    "diameter_mm": "--diameter",
+}
+
+
+def chosen_model(
+    name: str | None,
+    *,
+    damping: str | None = None,
+    fixed_length_mm: float | None = None,
+    diameter_mm: float | None = None,
+) -> Model | None:
+    """The model that the options describe, or None when softid is to choose.
+
+    Raises
+    ------
+    UsageError
+        There is no such model, or it does not have an option that was given.
+    """
+    given: dict[str, str | float] = {}
+    if damping is not None:
+        given["damping"] = damping
+    if fixed_length_mm is not None:
+        given["fixed_length_mm"] = fixed_length_mm
+    if diameter_mm is not None:
+        given["diameter_mm"] = diameter_mm
+    if name is None and not given:
+        return None
+
+    from softid.models import MODELS
+
+    if name is None:
+        owners = [k for k, m in MODELS.items() if given.keys() <= {f.name for f in fields(m)}]
+        name = owners[0]
+    if name not in MODELS:
+        raise UsageError(
+            "there is no such model",
+            where="--model",
+            value=name,
+            remedy=f"choose from {', '.join(MODELS)}",
+        )
+    known = {f.name for f in fields(MODELS[name])}
+    for option in given:
+        if option not in known:
+            raise UsageError(
+                f"the {name} model has no such option",
+                where=_FLAGS[option],
+                remedy=f"leave {_FLAGS[option]} away, or choose --model muscle",
+            )
+    options: dict[str, object] = dict(given)
+    model: Model = MODELS[name](**options)
+    return model
+
+
+def chosen_parameters(
+    model: Model | None, *, fix: Sequence[str], bound: Sequence[str], tie: Sequence[str]
+) -> ParameterSet | None:
+    """The model's parameters with what is fixed, bounded and tied; None when nothing is.
+
+    Raises
+    ------
+    UsageError
+        A text is malformed, names an unknown parameter, or the model was not named.
+    """
+    if not (fix or bound or tie):
+        return None
+    if model is None:
+        raise UsageError(
+            "parameters have no meaning before the model is chosen",
+            where="--fix, --bound, --tie",
+            remedy="name the model with --model",
+        )
+    declared = model.parameters()
+    for name, text in assignments(bound, option="--bound", form="NAME=LO:HI").items():
+        parameter = _known(declared, name, option="--bound")
+        declared = declared.replacing(_bounded(parameter, text))
+    for name, text in assignments(tie, option="--tie", form="NAME=EXPR").items():
+        parameter = _known(declared, name, option="--tie")
+        declared = declared.replacing(_tied(parameter, text))
+    held = {}
+    for name, text in assignments(fix, option="--fix", form="NAME=VALUE").items():
+        parameter = _known(declared, name, option="--fix")
+        if parameter.tie is not None:
+            raise UsageError(f"{name} is fixed and tied at once", remedy="give only one of both")
+        held[name] = _number(text, option="--fix", parameter=name)
+    return declared.with_fixed(held)
+
+
+def _known(parameters: ParameterSet, name: str, *, option: str) -> Parameter:
+    if name not in parameters:
+        raise UsageError(
+            "the model has no such parameter",
+            where=option,
+            value=name,
+            remedy=f"choose from {', '.join(parameters.names)}",
+        )
+    return parameters[name]
+
+
+def _number(text: str, *, option: str, parameter: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if value != value or abs(value) == float("inf"):
+        raise UsageError(
+            "this is not a number",
+            where=f"{option} {parameter}",
+            value=text,
+            remedy="write it as 0.5 or 5e-1",
+        )
+    return value
+
+
+def _bounded(parameter: Parameter, text: str) -> Parameter:
+    low, colon, high = text.partition(":")
+    if not colon:
+        raise UsageError(
+            "this is not of the form LO:HI",
+            where=f"--bound {parameter.name}",
+            value=text,
+            remedy="write both ends with a colon between them, either end may be empty",
+        )
+    lower, upper = parameter.lower, parameter.upper
+    if low.strip():
+        lower = _number(low.strip(), option="--bound", parameter=parameter.name)
+    if high.strip():
+        upper = _number(high.strip(), option="--bound", parameter=parameter.name)
+    inside = min(max(parameter.value, lower), max(lower, upper))
+    return replace(parameter, lower=lower, upper=upper, value=inside)
+
+
+def _tied(parameter: Parameter, expression: str) -> Parameter:
+    try:
+        ast.parse(expression, mode="eval")
+    except SyntaxError as error:
+        raise UsageError(
+            f"this is not an expression: {error.msg}",
+            where=f"--tie {parameter.name}",
+            value=expression,
+            remedy="write it in the other parameters, such as 0.1*c2",
+        ) from error
+    return replace(parameter, tie=expression, fixed=False)

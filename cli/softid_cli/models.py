@@ -1,0 +1,104 @@
+"""`softid models`: the catalogue."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from softid.errors import UsageError
+from softid_cli.options import json_option
+
+if TYPE_CHECKING:
+    from softid.models.base import Model
+
+
+@click.command()
+@click.argument("name", required=False)
+@json_option
+def models(name: str | None, as_json: bool) -> None:
+    """List the models, or describe the one called NAME."""
+    from softid.models import MODELS
+    from softid.records import dump_json
+    from softid_cli.tables import print_rows
+
+    if name is not None and name not in MODELS:
+        raise UsageError(
+            "there is no such model", value=name, remedy=f"choose from {', '.join(MODELS)}"
+        )
+    if as_json:
+        chosen = [MODELS[name]] if name else list(MODELS.values())
+        click.echo(dump_json([describe(in_own_units(model())) for model in chosen]), nl=False)
+    elif name is None:
+        rows = [(key, model.title, model.equation) for key, model in MODELS.items()]
+        print_rows([("model", "left"), ("what it describes", "left"), ("equation", "left")], rows)
+        click.echo("\n`softid models NAME` tells parameters, units and what identifies them.")
+    else:
+        print_description(in_own_units(MODELS[name]()))
+
+
+def in_own_units(model: Model) -> Model:
+    """The model with u and x for units that it takes from the logs."""
+    open_units = {
+        f.name: f.name.removesuffix("_unit")
+        for f in dataclasses.fields(model)
+        if f.name.endswith("_unit") and getattr(model, f.name) == "1"
+    }
+    return dataclasses.replace(model, **open_units)
+
+
+def describe(model: Model) -> dict[str, Any]:
+    """A model's entry in the catalogue as plain values."""
+    return {
+        "name": model.name,
+        "title": model.title,
+        "equation": model.equation,
+        "source": model.source,
+        "inputs": model.inputs,
+        "outputs": model.outputs,
+        "options": {f.name: getattr(model, f.name) for f in dataclasses.fields(model)},
+        "parameters": [
+            {
+                "name": p.name,
+                "unit": p.unit,
+                "start": p.value,
+                "lower": p.lower,
+                "upper": p.upper,
+                "fixed": p.fixed,
+                "meaning": p.meaning,
+                "source": p.source,
+                "identified_by": model.identified_by.get(p.name),
+            }
+            for p in model.parameters().values()
+        ],
+    }
+
+
+def print_description(model: Model) -> None:
+    """Print one model's entry."""
+    from softid_cli.tables import print_rows, print_text
+
+    print_text(f"{model.name}: {model.title}")
+    print_text(f"  {model.equation}")
+    print_text(f"  source: {model.source}")
+    print_text(f"  input: {', '.join(model.inputs) or 'any channel'}")
+    print_text(f"  output: {', '.join(model.outputs) or 'any channel'}")
+    click.echo()
+    parameters = list(model.parameters().values())
+    rows = [
+        (p.name, p.unit, f"{_bound(p.lower)} … {_bound(p.upper)}", p.meaning) for p in parameters
+    ]
+    columns = [("parameter", "left"), ("unit", "left"), ("bounds", "left"), ("meaning", "left")]
+    print_rows(columns, rows)
+    shown = [
+        (p.name, model.identified_by[p.name]) for p in parameters if p.name in model.identified_by
+    ]
+    if shown:
+        click.echo()
+        print_rows([("parameter", "left"), ("is identified by", "left")], shown)
+
+
+def _bound(value: float) -> str:
+    return "any" if math.isinf(value) else f"{value:g}"

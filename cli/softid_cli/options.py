@@ -1,0 +1,182 @@
+"""Options that several commands share, and the loading of logs as those options say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+import click
+
+from softid.errors import UsageError
+
+if TYPE_CHECKING:
+    from softid.log import Log
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+FILE = click.Path(path_type=Path)
+"""A path that the library, not click, finds wanting: its errors name the remedy."""
+
+
+class GreedyCommand(click.Command):
+    """A command some of whose options take all values up to the next option.
+
+    ``--hold-out a.csv b.csv`` then means what the shell's ``--hold-out held/*.csv`` needs.
+    """
+
+    def __init__(self, *args: Any, greedy: tuple[str, ...] = (), **attributes: Any) -> None:
+        super().__init__(*args, **attributes)
+        self._greedy = greedy
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Repeat a greedy option before each of its values, as click knows it."""
+        spread: list[str] = []
+        option: str | None = None
+        for position, arg in enumerate(args):
+            if arg == "--":
+                spread += args[position:]
+                break
+            if arg in self._greedy:
+                option = arg
+                if all(following.startswith("-") for following in args[position + 1 :][:1]):
+                    raise click.BadOptionUsage(arg, f"{arg} needs at least one value", ctx)
+            elif arg.startswith("-"):
+                option = None
+                spread.append(arg)
+            else:
+                spread += [option, arg] if option else [arg]
+        return super().parse_args(ctx, spread)
+
+
+def channel_option(command: Callable[P, R]) -> Callable[P, R]:
+    """Add ``--channel`` (keyword: channel)."""
+    return click.option(
+        "--channel",
+        multiple=True,
+        metavar="NAME=COL:UNIT",
+        help="Take channel NAME from column COL (name or number), in UNIT; may be repeated.",
+    )(command)
+
+
+def log_options(command: Callable[P, R]) -> Callable[P, R]:
+    """Add ``--channel``, ``--input`` and ``--output`` (keywords: channel, input, output)."""
+    command = click.option(
+        "--output",
+        multiple=True,
+        metavar="CH",
+        help="Channel to explain, such as angle; may be repeated.",
+    )(command)
+    command = click.option(
+        "--input", metavar="CH", help="Channel that drives, such as pressure_command."
+    )(command)
+    return channel_option(command)
+
+
+def quiet_option(command: Callable[P, R]) -> Callable[P, R]:
+    """Add ``--quiet`` (keyword: quiet)."""
+    return click.option(
+        "--quiet", is_flag=True, help="No progress and no messages on stderr but errors."
+    )(command)
+
+
+def json_option(command: Callable[P, R]) -> Callable[P, R]:
+    """Add ``--json`` (keyword: as_json)."""
+    return click.option(
+        "--json", "as_json", is_flag=True, help="Print JSON instead of tables on stdout."
+    )(command)
+
+
+def out_options(command: Callable[P, R]) -> Callable[P, R]:
+    """Add ``--out`` and ``--force`` (keywords: out, force)."""
+    command = click.option("--force", is_flag=True, help="Replace results that are there already.")(
+        command
+    )
+    return click.option("--out", type=FILE, metavar="DIR", help="Folder for the results.")(command)
+
+
+def split_assignment(text: str, *, option: str, form: str) -> tuple[str, str]:
+    """Split ``NAME=REST``.
+
+    Raises
+    ------
+    UsageError
+        There is no ``=``, or nothing on one side of it.
+    """
+    name, equals, rest = text.partition("=")
+    if not equals or not name.strip() or not rest.strip():
+        raise UsageError(
+            f"this is not of the form {form}",
+            where=option,
+            value=text,
+            remedy=f"write {option} {form}",
+        )
+    return name.strip(), rest.strip()
+
+
+def assignments(texts: Sequence[str], *, option: str, form: str) -> dict[str, str]:
+    """Turn a repeated ``NAME=REST`` option into a mapping.
+
+    Raises
+    ------
+    UsageError
+        A text is malformed or a name is given twice.
+    """
+    found: dict[str, str] = {}
+    for text in texts:
+        name, rest = split_assignment(text, option=option, form=form)
+        if name in found:
+            raise UsageError(
+                f"{name} is given twice", where=option, remedy=f"give {option} once per name"
+            )
+        found[name] = rest
+    return found
+
+
+def load_logs(
+    paths: Sequence[Path], channel: Sequence[str], input: str | None, output: Sequence[str]
+) -> list[Log]:
+    """Read logs with the channels and roles of the command line.
+
+    Logs of equal file name from different folders get the folder into their name.
+
+    Parameters
+    ----------
+    paths
+        Files, in the order given.
+    channel
+        ``NAME=COL:UNIT`` texts.
+    input, output
+        Roles, or None and empty for those that the reader chooses.
+
+    Raises
+    ------
+    UsageError
+        A malformed option, or the same file twice.
+    InputError
+        A file cannot be read.
+    """
+    columns = assignments(channel, option="--channel", form="NAME=COL:UNIT")
+    _refuse_repeated(paths)
+
+    from softid.readers import load  # numpy and the readers, not wanted by `softid --help`
+
+    logs = [load(p, channels=columns or None, input=input, outputs=tuple(output)) for p in paths]
+    names = [log.name for log in logs]
+    return [
+        replace(log, name=f"{path.resolve().parent.name}/{log.name}")
+        if names.count(log.name) > 1
+        else log
+        for path, log in zip(paths, logs, strict=True)
+    ]
+
+
+def _refuse_repeated(paths: Sequence[Path]) -> None:
+    seen: set[Path] = set()
+    for path in paths:
+        real = path.resolve()
+        if real in seen:
+            raise UsageError("the log is given twice", where=str(path), remedy="give it once")
+        seen.add(real)

@@ -1,0 +1,191 @@
+"""Results as text for a terminal of 80 columns."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from softid.errors import Issue
+from softid.results import (
+    FitResult,
+    FitStatistics,
+    ModelSpec,
+    ParameterEstimate,
+    Validation,
+)
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+WIDTH = 80
+_MOST_DIGITS = 9
+
+
+def print_fit(result: FitResult) -> None:
+    """Print parameters with errors, scores per log, the choice of the model, and issues."""
+    _print(f"Model: {model_text(result.model)}, {_roles(result.input, result.outputs)}")
+    if result.choice:
+        _print(f"Why this model: {result.choice}")
+    _print("", _parameter_table(result.parameters), "")
+    for estimate in result.parameters:
+        told = any(issue.message.startswith(f"{estimate.name} ") for issue in result.issues)
+        if estimate.reason and not told:
+            _print(f"{estimate.name} is {estimate.verdict}: {estimate.reason}")
+    for name, (value, unit) in result.derived.items():
+        _print(f"{name.replace('_', ' ')}: {value:.4g} {_unit(unit)}")
+    _print("", _score_table(result.statistics))
+    print_issues(result.issues)
+
+
+def print_validation(validation: Validation) -> None:
+    """Print scores per log, the verdict against the bar, and issues."""
+    roles = _roles(validation.input, validation.outputs)
+    _print(f"Model: {model_text(validation.model)}, {roles}", "")
+    _print(_score_table(validation.statistics))
+    if validation.threshold_percent is not None:
+        verdict = "Every fit reaches" if validation.passed else "Not every fit reaches"
+        _print("", f"{verdict} the bar of {validation.threshold_percent:g} %.")
+    print_issues(validation.issues)
+
+
+def print_issues(issues: Sequence[Issue]) -> None:
+    """Print each issue with its remedy below."""
+    if issues:
+        _print("")
+    for issue in issues:
+        _print(f"{issue.severity}: {issue.message}")
+        if issue.remedy:
+            _print(f"  → {issue.remedy}")
+
+
+def print_rows(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table; a column is a heading and ``"left"`` or ``"right"``."""
+    table = _table(columns)
+    for row in rows:
+        table.add_row(*row)
+    _print(table)
+
+
+def print_text(text: str) -> None:
+    """Print text wrapped to the width of the terminal."""
+    _print(text)
+
+
+def model_text(spec: ModelSpec) -> str:
+    """Model and the options that were set, for people."""
+    options = [
+        f"{name.removesuffix('_mm').replace('_', ' ')} {value:g} mm"
+        if name.endswith("_mm") and isinstance(value, float | int)
+        else f"{name} {value:g}"
+        if isinstance(value, float | int)
+        else f"{value} {name.replace('_', ' ')}"
+        for name, value in spec.options.items()
+        if value is not None and value is not False and not name.endswith("_unit")
+    ]
+    return f"{spec.name} ({', '.join(options)})" if options else spec.name
+
+
+def with_error(value: float, stderr: float | None) -> str:
+    """Value and standard error to the error's second significant digit.
+
+    Examples
+    --------
+    >>> with_error(1.23456, 0.0123), with_error(1.2e-7, 3.4e-9), with_error(5.0, None)
+    ('1.235 ± 0.012', '(1.200 ± 0.034)e-07', '5')
+    """
+    if stderr is None or not math.isfinite(stderr) or stderr <= 0:
+        return f"{value:.6g}"
+    largest = max(abs(value), stderr)
+    exponent = math.floor(math.log10(largest))
+    scaled = not -3 <= exponent < 5
+    scale = 10.0**exponent if scaled else 1.0
+    decimals = 1 - math.floor(math.log10(stderr / scale))
+    decimals = min(max(decimals, 0), _MOST_DIGITS)
+    text = f"{value / scale:.{decimals}f} ± {stderr / scale:.{decimals}f}"
+    return f"({text})e{exponent:+03d}" if scaled else text
+
+
+def interval(ci95: tuple[float | None, float | None] | None) -> str:
+    """A confidence interval; an end that the logs leave open is ``…``."""
+    if ci95 is None:
+        return ""
+    ends = ["…" if e is None or not math.isfinite(e) else f"{e:.4g}" for e in ci95]
+    return f"[{ends[0]}, {ends[1]}]"
+
+
+def _parameter_table(parameters: Sequence[ParameterEstimate]) -> Table:
+    table = _table(
+        [
+            ("parameter", "left"),
+            ("value ± std. error", "right"),
+            ("95 % interval", "right"),
+            ("unit", "left"),
+            ("verdict", "left"),
+        ]
+    )
+    for p in parameters:
+        verdict = f"= {p.tie}" if p.tie else p.verdict + (", at bound" if p.at_bound else "")
+        table.add_row(
+            p.name, with_error(p.value, p.stderr), interval(p.ci95), _unit(p.unit), verdict
+        )
+    return table
+
+
+def _score_table(statistics: Sequence[FitStatistics]) -> Table:
+    table = _table(
+        [
+            ("log", "left"),
+            ("channel", "left"),
+            ("samples", "right"),
+            ("rmse", "right"),
+            ("unit", "left"),
+            ("fit %", "right"),
+            ("", "left"),
+        ]
+    )
+    for s in statistics:
+        table.add_row(
+            s.log,
+            s.channel,
+            str(s.n),
+            f"{s.rmse * s.display_factor:.4g}",
+            _unit(s.display_unit),
+            f"{s.fit_percent:.1f}",
+            "in sample" if s.in_sample else "held out",
+        )
+    return table
+
+
+def _table(columns: Sequence[tuple[str, str]]) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
+    for heading, side in columns:
+        table.add_column(
+            heading, justify="right" if side == "right" else "left", no_wrap=side == "right"
+        )
+    return table
+
+
+def _print(*blocks: str | Table) -> None:
+    from rich.console import Console
+
+    width = None if sys.stdout.isatty() else WIDTH
+    console = Console(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
+    for block in blocks:
+        with console.capture() as text:
+            console.print(block)
+        click.echo("\n".join(line.rstrip() for line in text.get().split("\n")), nl=False)
+
+
+def _roles(input_name: str, outputs: Sequence[str]) -> str:
+    return f"{input_name} → {', '.join(outputs)}"
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else unit

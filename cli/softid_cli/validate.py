@@ -1,0 +1,149 @@
+"""`softid validate`: score a model on other logs, or check softid against known truths."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from softid.errors import UsageError
+from softid_cli.console import announce_compilation, progress, say
+from softid_cli.options import (
+    FILE,
+    channel_option,
+    json_option,
+    load_logs,
+    out_options,
+    quiet_option,
+)
+
+
+@click.command()
+@click.argument("params", required=False, type=FILE)
+@click.argument("logs", nargs=-1, type=FILE, metavar="[LOG]...")
+@click.option(
+    "--threshold",
+    type=float,
+    metavar="PERCENT",
+    help="The bar: exit with 1 if any fit is below it.",
+)
+@channel_option
+@out_options
+@json_option
+@quiet_option
+@click.pass_context
+def validate(
+    ctx: click.Context,
+    params: Path | None,
+    logs: tuple[Path, ...],
+    threshold: float | None,
+    channel: tuple[str, ...],
+    out: Path | None,
+    force: bool,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Score the model in PARAMS (a params.json) on logs that it did not see.
+
+    Without arguments softid checks itself: it refits every bundled synthetic log and compares the
+    parameters with the truth.
+    """
+    if params is None and (threshold is not None or channel or out is not None):
+        raise UsageError(
+            "these options belong to a model and logs, and the self-check has none",
+            where="--threshold, --channel, --out",
+            remedy="name PARAMS and a LOG, or leave the options away",
+        )
+    if params is None:
+        passed = check_self(as_json=as_json, quiet=quiet)
+    elif not logs:
+        raise UsageError(
+            "no log was given to score the model on",
+            where=str(params),
+            remedy="name at least one log after it",
+        )
+    else:
+        passed = score(
+            params,
+            logs,
+            threshold=threshold,
+            channel=channel,
+            out=out,
+            force=force,
+            as_json=as_json,
+            quiet=quiet,
+        )
+    if not passed:
+        ctx.exit(1)
+
+
+def score(
+    params: Path,
+    paths: tuple[Path, ...],
+    *,
+    threshold: float | None,
+    channel: tuple[str, ...],
+    out: Path | None,
+    force: bool,
+    as_json: bool,
+    quiet: bool,
+) -> bool:
+    """Score a saved model; returns whether it reached the bar."""
+    from softid.records import dump_json, load_params, validation_document, write_folder
+    from softid.validation import validate as validate_model
+    from softid_cli.tables import print_validation
+
+    saved = load_params(params)
+    logs = load_logs(paths, channel, saved.input, saved.outputs)
+    announce_compilation(quiet=quiet)
+    result = validate_model(saved, logs, threshold_percent=threshold)
+    noticed = [issue for issue in saved.issues if issue not in result.issues]
+    result = replace(result, issues=(*noticed, *result.issues))
+    document = dump_json(validation_document(result, params=params))
+    if not as_json:
+        print_validation(result)
+    if out is not None:
+        (written,) = write_folder(out, {"validation.json": document}, overwrite=force)
+        say(f"written to {written}")
+    if as_json:
+        click.echo(document, nl=False)
+    return result.passed
+
+
+def check_self(*, as_json: bool, quiet: bool) -> bool:
+    """Refit the bundled logs; returns whether every truth lies where it should."""
+    from softid.records import dump_json
+    from softid.validation import self_check
+    from softid_cli.tables import interval, print_rows
+
+    announce_compilation(quiet=quiet)
+    with progress(quiet=quiet) as report:
+        found = self_check(progress=report)
+    if as_json:
+        click.echo(dump_json(found), nl=False)
+        return found.passed
+    print_rows(
+        [
+            ("logs", "left"),
+            ("parameter", "left"),
+            ("truth", "right"),
+            ("estimate", "right"),
+            ("95 % interval", "right"),
+            ("", "left"),
+        ],
+        [
+            (
+                row.group,
+                row.parameter,
+                f"{row.truth:.5g}",
+                f"{row.estimate:.5g}",
+                interval(row.ci95),
+                "inside" if row.inside else "OUTSIDE",
+            )
+            for row in found.rows
+        ],
+    )
+    inside = sum(row.inside for row in found.rows)
+    click.echo(f"{inside} of {len(found.rows)} truths lie inside their 95 % interval.")
+    return found.passed

@@ -1,0 +1,317 @@
+"""Cut an input into stretches of one kind of excitation each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.excitation.holds import (
+    Motion,
+    SettledWindow,
+    describe_motion,
+    distinct_levels,
+    find_holds,
+    windows_of,
+)
+from softid.excitation.shapes import Piece, Shape, recognise_shapes
+
+Array = npt.NDArray[np.float64]
+Kind = Literal["step", "staircase", "sine", "sweep", "rest", "free"]
+
+KIND_OF_SHAPE: dict[Shape, Kind] = {
+    "sine": "sine",
+    "triangle": "sweep",
+    "ramp": "sweep",
+    "chirp": "sweep",
+    "free": "free",
+}
+SLOW_TRANSITION = 0.5
+LONGEST_TRANSITION = 1.5
+SAME_LEVEL = 2.0
+LONG_WAVE_CYCLES = 3
+MOST_HELD_OF_WAVE = 0.5
+LONGEST_EXTREME = 0.8
+BRIEF_LEVEL = 0.1
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a log on which the input is excited in one way.
+
+    Attributes
+    ----------
+    kind
+        ``"step"`` (two levels), ``"staircase"`` (more), ``"sine"``, ``"sweep"``, ``"rest"`` or
+        ``"free"`` (anything else).
+    start, stop
+        Half-open range of the samples.
+    start_s, stop_s
+        Times of its first and last sample.
+    low, high
+        Smallest and largest input, glitches aside, in the input's unit.
+    shape
+        Of a sweep: ``"ramp"``, ``"triangle"`` or ``"chirp"``.
+    levels
+        Of steps and staircases: the distinct levels, rising.
+    transitions
+        Of steps and staircases: the number of changes of level.
+    hold_s
+        Of steps, staircases and rests: median time for which a level is held.
+    frequency_hz, frequency_end_hz
+        Of sines, triangles and chirps; the latter is a chirp's last frequency.
+    amplitude, offset
+        Of sines and sweeps: half of peak to peak, and the middle.
+    cycles
+        Of sines, triangles and chirps.
+    rate
+        Of ramps and triangles: speed in the input's unit per second.
+    """
+
+    kind: Kind
+    start: int
+    stop: int
+    start_s: float
+    stop_s: float
+    low: float
+    high: float
+    shape: Literal["ramp", "triangle", "chirp"] | None = None
+    levels: tuple[float, ...] = ()
+    transitions: int | None = None
+    hold_s: float | None = None
+    frequency_hz: float | None = None
+    frequency_end_hz: float | None = None
+    amplitude: float | None = None
+    offset: float | None = None
+    cycles: float | None = None
+    rate: float | None = None
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first to the last sample."""
+        return self.stop_s - self.start_s
+
+
+def segment_excitation(time_s: Array, input_values: Array) -> tuple[Stretch, ...]:
+    """Recognise how a log is excited, from its input alone.
+
+    Holds are found first (`softid.excitation.settled_windows`); those joined by quick changes of
+    level are steps or staircases, single ones rests. What moves between them is cut at its turning
+    points into parts with equal cycles (sine or triangle, whichever fits better), with steadily
+    changing cycles (chirp), single ramps, and the rest, which is called free.
+
+    Parameters
+    ----------
+    time_s, input_values
+        Samples, shape (n,), finite; the sampling may be irregular.
+
+    Returns
+    -------
+    tuple of Stretch
+        In order of time, without overlap.
+
+    Examples
+    --------
+    >>> time_s = np.arange(2000) * 0.01
+    >>> (found,) = segment_excitation(time_s, 30.0 + 20.0 * np.sin(2 * np.pi * 0.5 * time_s))
+    >>> found.kind, round(found.frequency_hz, 3), round(found.amplitude, 2)
+    ('sine', 0.5, 20.0)
+    """
+    motion = describe_motion(time_s, input_values)
+    spans = find_holds(motion)
+    for start, stop in _long_waves(motion):
+        spans = [s for s in spans if not _is_extreme(motion, s, (start, stop))]
+    return _Assembly(motion, time_s, input_values, spans).stretches()
+
+
+def _long_waves(motion: Motion) -> list[tuple[int, int]]:
+    """Ranges that are a sine, triangle or chirp over several cycles, whose extremes are no holds.
+
+    Half a cycle is added on either side, for the extremes there.
+    """
+    if motion.turns.size < 2 * LONG_WAVE_CYCLES:
+        return []
+    times = motion.time_s
+    spans = find_holds(motion, strict=True)
+    found = []
+    for piece in recognise_shapes(times, motion.values, motion.turns):
+        inside = motion.turns[(motion.turns >= piece.start) & (motion.turns < piece.stop)]
+        if piece.shape in ("free", "ramp") or inside.size < 2 * LONG_WAVE_CYCLES:
+            continue
+        first, last = int(inside[0]), int(inside[-1])
+        held = [min(b, last) - max(a, first) for a, b in spans if a < last and b > first]
+        if sum(held) > MOST_HELD_OF_WAVE * (last - first):
+            continue
+        before_s = 0.5 * float(times[inside[2]] - times[inside[0]])
+        after_s = 0.5 * float(times[inside[-1]] - times[inside[-3]])
+        found.append(
+            (
+                int(np.searchsorted(times, times[first] - before_s)),
+                int(np.searchsorted(times, times[last] + after_s)),
+            )
+        )
+    return found
+
+
+def _is_extreme(motion: Motion, span: tuple[int, int], wave: tuple[int, int]) -> bool:
+    """Whether a hold lies for the most part inside a wave and is shorter than its half cycles."""
+    overlap = min(span[1], wave[1]) - max(span[0], wave[0])
+    if overlap <= 0.5 * (span[1] - span[0]):
+        return False
+    times, turns = motion.time_s, motion.turns
+    nearest = np.sort(np.abs(turns - span[0]).argsort()[:5])
+    half_s = float(np.median(np.diff(times[turns[nearest]])))
+    return float(times[span[1] - 1] - times[span[0]]) <= LONGEST_EXTREME * half_s
+
+
+def dominant_kind(stretches: Sequence[Stretch]) -> Kind:
+    """The kind of excitation that lasts longest; rest only when there is nothing else.
+
+    Parameters
+    ----------
+    stretches
+        At least one stretch of one log.
+
+    Examples
+    --------
+    >>> dominant_kind(segment_excitation(np.arange(100.0), np.zeros(100)))
+    'rest'
+    """
+    lasting: dict[Kind, float] = {}
+    for stretch in stretches:
+        if stretch.kind != "rest":
+            lasting[stretch.kind] = lasting.get(stretch.kind, 0.0) + stretch.duration_s
+    return max(lasting, key=lambda kind: lasting[kind]) if lasting else "rest"
+
+
+def _lasting_levels(
+    windows: Sequence[SettledWindow], held_s: Sequence[float], margin: float
+) -> tuple[float, ...]:
+    """Distinct levels, without those of which the log has next to nothing."""
+    levels = np.array(distinct_levels([w.level for w in windows], margin))
+    nearest = [int(np.abs(levels - w.level).argmin()) for w in windows]
+    lasting = np.bincount(nearest, weights=held_s, minlength=levels.size)
+    return tuple(levels[lasting >= BRIEF_LEVEL * np.median(lasting)].tolist())
+
+
+class _Assembly:
+    """Turns holds and the pieces between them into stretches of the original samples."""
+
+    def __init__(
+        self,
+        motion: Motion,
+        time_s: Array,
+        input_values: Array,
+        spans: list[tuple[int, int]],
+    ) -> None:
+        self.motion = motion
+        self.time_s = time_s
+        self.input = input_values
+        self.spans = spans
+        self.edges = np.append(motion.index, input_values.size)
+
+    def stretches(self) -> tuple[Stretch, ...]:
+        found: list[Stretch] = []
+        group: list[tuple[int, int]] = []
+        reached, entry = 0, 0
+        for span in self.spans:
+            pieces = self._moving(reached, span[0])
+            before = group[-1] if group else None
+            if not self._is_transition(before, span, pieces):
+                found += self._held(group, entry, reached)
+                found += [self._moved(piece) for piece in pieces]
+                group, entry = [], span[0]
+            group.append(span)
+            reached = span[1]
+        pieces = self._moving(reached, self.motion.values.size)
+        if group and self._is_transition(group[-1], None, pieces):
+            reached, pieces = self.motion.values.size, ()
+        found += self._held(group, entry, reached)
+        found += [self._moved(piece) for piece in pieces]
+        return tuple(found)
+
+    def _moving(self, start: int, stop: int) -> tuple[Piece, ...]:
+        """The pieces of a moving range, which takes in the ends of the holds beside it."""
+        if stop - start < 1:
+            return ()
+        turns = self.motion.turns
+        inside = turns[(turns > start) & (turns < stop - 1)] - start
+        part = slice(start, stop)
+        pieces = recognise_shapes(self.motion.time_s[part], self.motion.values[part], inside)
+        return tuple(replace(p, start=p.start + start, stop=p.stop + start) for p in pieces)
+
+    def _is_transition(
+        self,
+        before: tuple[int, int] | None,
+        after: tuple[int, int] | None,
+        pieces: tuple[Piece, ...],
+    ) -> bool:
+        """Whether the input changes level quickly and simply, as a step does.
+
+        Without a hold before or after, the log begins or ends in the middle of a change.
+        """
+        times = self.motion.time_s
+        held = [float(times[s[1] - 1] - times[s[0]]) for s in (before, after) if s is not None]
+        since = before[1] - 1 if before is not None else 0
+        until = after[0] if after is not None else times.size - 1
+        lasting = float(times[until] - times[since])
+        most = LONGEST_TRANSITION if before is not None and after is not None else 1.0
+        if lasting > most * max(held):
+            return False
+        slow = lasting > SLOW_TRANSITION * min(held)
+        return not (slow and any(p.shape in ("ramp", "sine", "triangle", "chirp") for p in pieces))
+
+    def _held(self, group: list[tuple[int, int]], entry: int, leave: int) -> list[Stretch]:
+        if not group:
+            return []
+        windows = windows_of(self.motion, group, self.input)
+        visited = [w.level for w in windows]
+        if entry < group[0][0]:
+            visited.insert(0, float(self.motion.values[entry]))
+        if leave > group[-1][1]:
+            visited.append(float(self.motion.values[leave - 1]))
+        margin = SAME_LEVEL * self.motion.tolerance
+        held = [float(self.time_s[w.stop - 1] - self.time_s[w.start]) for w in windows]
+        levels = _lasting_levels(windows, held, margin)
+        changes = int(np.count_nonzero(np.abs(np.diff(visited)) > margin))
+        kind: Kind = "staircase" if len(levels) > 2 else "step" if changes else "rest"
+        base = self._stretch(kind, int(self.edges[entry]), int(self.edges[leave]))
+        return [
+            replace(
+                base,
+                levels=levels,
+                transitions=None if kind == "rest" else changes,
+                hold_s=float(np.median(held)),
+            )
+        ]
+
+    def _moved(self, piece: Piece) -> Stretch:
+        base = self._stretch(
+            KIND_OF_SHAPE[piece.shape], int(self.edges[piece.start]), int(self.edges[piece.stop])
+        )
+        return replace(
+            base,
+            shape=piece.shape if piece.shape in ("ramp", "triangle", "chirp") else None,
+            frequency_hz=piece.frequency_hz,
+            frequency_end_hz=piece.frequency_end_hz,
+            amplitude=piece.amplitude,
+            offset=piece.offset,
+            cycles=piece.cycles,
+            rate=piece.rate,
+        )
+
+    def _stretch(self, kind: Kind, start: int, stop: int) -> Stretch:
+        first, last = np.searchsorted(self.motion.index, [start, stop])
+        seen = self.motion.values[first : max(last, first + 1)]
+        return Stretch(
+            kind,
+            start,
+            stop,
+            float(self.time_s[start]),
+            float(self.time_s[stop - 1]),
+            float(seen.min()),
+            float(seen.max()),
+        )

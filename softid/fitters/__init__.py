@@ -1,0 +1,5 @@
+"""How parameters are found: simultaneous output error, and each paper's own protocol by name."""
+
+from softid.fitters import muscle, polynomial
+
+__all__ = ["muscle", "polynomial"]

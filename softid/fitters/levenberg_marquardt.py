@@ -1,0 +1,219 @@
+"""Bounded Levenberg–Marquardt on the normal equations, for exact Jacobians.
+
+One evaluation gives the cost, Jᵀr and JᵀJ, so that large data are never factorised. The trust
+region is a ball in units of each unknown's plausible move rather than of its Jacobian column: a
+long flat valley is walked in long strides. The damping follows Nielsen (1999). A coordinate on a
+bound whose gradient points outward is held there (Kanzow, Yamashita and Fukushima, J. Comput. Appl.
+Math. 172, 2004). A non-finite trial point is a rejected step. Sums of exponentials have narrow
+curved valleys; the geodesic acceleration of Transtrum and Sethna (arXiv:1201.5885) follows the bend
+of the valley instead of stopping at its wall.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+BEND_STEP = 0.1
+"""Fraction of a step at which the second derivative along it is measured."""
+
+MOST_BEND = 0.75
+"""A step whose acceleration is larger than this share of its velocity is too long to trust."""
+
+INITIAL_DAMPING = 1e-5
+LARGEST_DECREASE = 0.1
+MOST_DAMPING = 1e30
+LARGEST_STEP = 3.0
+SMALLEST_STEP = 1e-11
+_SCALE_FLOOR = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Normal:
+    """Cost and normal equations at one point.
+
+    Attributes
+    ----------
+    point
+        The point, shape (U,): the one asked for, or better along unknowns that enter linearly.
+    cost
+        ½‖r‖²; infinite where the model is not finite.
+    gradient
+        Jᵀr with J = ∂(simulated)/∂z and r = measured − simulated: the direction of descent,
+        shape (U,).
+    matrix
+        JᵀJ, shape (U, U).
+    n
+        Number of residuals.
+    residual, jacobian
+        r of shape (n,) and J of shape (n, U) where they are small enough to keep.
+    """
+
+    point: Array
+    cost: float
+    gradient: Array
+    matrix: Array
+    n: int
+    residual: Array | None = None
+    jacobian: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where the iteration ended.
+
+    Attributes
+    ----------
+    point
+        Unknowns, shape (U,).
+    normal
+        Cost and normal equations there.
+    evaluations
+        Number of evaluations.
+    reach
+        `attainable_offset` at the end.
+    """
+
+    point: Array
+    normal: Normal
+    evaluations: int
+    reach: float
+
+
+def minimise(
+    evaluate: Callable[[Array], Normal],
+    start: Array,
+    lower: Array,
+    upper: Array,
+    reach: Array,
+    *,
+    evaluations: int,
+    tolerance: float,
+    bend: Callable[[Array, Array, Normal], Array | None] | None = None,
+) -> Minimum:
+    """Minimise ½‖r(z)‖² within bounds.
+
+    Parameters
+    ----------
+    evaluate
+        Cost and normal equations at a point.
+    start, lower, upper
+        Start and bounds, each of shape (U,).
+    reach
+        How far each unknown may plausibly still move, shape (U,); see `attainable_offset`. A step
+        is shortened to at most `LARGEST_STEP` of it.
+    evaluations
+        Limit of evaluations.
+    tolerance
+        Stop when `attainable_offset` falls below it.
+    bend
+        (z, v, normal) → Jᵀ∂²ŷ/∂v², the second derivative of the simulated response along v seen
+        from the parameters, shape (U,); None, or a None result, for no acceleration.
+    """
+    z = np.clip(start, lower, upper)
+    now = evaluate(z)
+    z = now.point
+    used = 1
+    damping, growth = INITIAL_DAMPING, 2.0
+    scale = 1.0 / reach
+    damping *= float(np.max(np.diag(now.matrix) * reach**2, initial=0.0))
+    while used < evaluations and np.isfinite(now.cost) and z.size:
+        moving = movable(z, now.gradient, lower, upper)
+        offset = attainable_offset(now, moving, reach)
+        if offset <= tolerance or not moving.any():
+            break
+        step = _step(now, moving, scale, damping)
+        step *= min(1.0, LARGEST_STEP / max(float(np.max(np.abs(step) / reach)), 1e-300))
+        straight = np.clip(z + step, lower, upper) - z
+        predicted = float(straight @ now.gradient - 0.5 * straight @ now.matrix @ straight)
+        if bend is not None:
+            pull = bend(z, step, now)
+            used += 1
+            if pull is not None:
+                correction = -0.5 * _step(replace(now, gradient=pull), moving, scale, damping)
+                share = float(np.linalg.norm(scale * correction) / np.linalg.norm(scale * step))
+                if 2.0 * share <= MOST_BEND:
+                    step = step + correction
+                elif damping < MOST_DAMPING:
+                    damping, growth = damping * growth, growth * 2.0
+                    continue
+        trial = np.clip(z + step, lower, upper)
+        taken = trial - z
+        if np.all(np.abs(taken) <= SMALLEST_STEP * (np.abs(z) + SMALLEST_STEP)):
+            break
+        then = evaluate(trial)
+        used += 1
+        gained = now.cost - then.cost
+        if np.isfinite(then.cost) and gained > 0 and predicted > 0:
+            ratio = gained / predicted
+            damping *= max(LARGEST_DECREASE, 1.0 - (2.0 * min(ratio, 1.5) - 1.0) ** 3)
+            growth = 2.0
+            z, now = then.point, then
+        elif damping > MOST_DAMPING:
+            break
+        else:
+            damping, growth = damping * growth, growth * 2.0
+    if not np.isfinite(now.cost):
+        return Minimum(z, now, used, np.inf)
+    moving = movable(z, now.gradient, lower, upper)
+    return Minimum(z, now, used, attainable_offset(now, moving, reach))
+
+
+def movable(z: Array, gradient: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
+    """Which unknowns are inside their bounds or pulled inward, shape (U,)."""
+    stuck = ((z <= lower) & (gradient < 0)) | ((z >= upper) & (gradient > 0))
+    return ~stuck & (upper > lower)
+
+
+def attainable_offset(
+    normal: Normal, moving: npt.NDArray[np.bool_], reach: Array, *, floor: float = 0.0
+) -> float:
+    """How far the estimate is from the optimum, in its own standard errors.
+
+    The relative offset of Bates and Watts (Technometrics 23, 1981), √(gᵀ(JᵀJ + Λ)⁻¹g / P) / s with
+    s² = ‖r‖²/(n − P). The ridge Λ = s²/reach² is the only difference: a parameter whose move by its
+    whole reach changes the response by less than the residual's standard deviation cannot be called
+    far from its optimum, however its column points.
+
+    Parameters
+    ----------
+    normal
+        Cost and normal equations.
+    moving
+        Which unknowns count, shape (U,).
+    reach
+        How far each unknown may plausibly move, shape (U,).
+    floor
+        Smallest residual standard deviation that counts, for data without noise.
+    """
+    count = int(moving.sum())
+    if count == 0:
+        return 0.0
+    variance = max(2.0 * normal.cost / max(normal.n - count, 1), floor**2, 1e-300)
+    matrix = normal.matrix[np.ix_(moving, moving)] + np.diag(variance / reach[moving] ** 2)
+    gradient = normal.gradient[moving]
+    scale = 1.0 / np.sqrt(np.diag(matrix))
+    solution = _solve(matrix * np.outer(scale, scale), gradient * scale)
+    return float(np.sqrt(max(solution @ (gradient * scale), 0.0) / count / variance))
+
+
+def _step(normal: Normal, moving: npt.NDArray[np.bool_], scale: Array, damping: float) -> Array:
+    d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
+    matrix = normal.matrix[np.ix_(moving, moving)] / np.outer(d, d)
+    step = np.zeros(moving.size)
+    step[moving] = _solve(matrix + damping * np.eye(d.size), normal.gradient[moving] / d) / d
+    return step
+
+
+def _solve(matrix: Array, vector: Array) -> Array:
+    """Solution of a symmetric semidefinite system; least-norm where it is singular."""
+    try:
+        solution = np.linalg.solve(matrix, vector)
+    except np.linalg.LinAlgError:
+        solution = np.linalg.lstsq(matrix, vector, rcond=None)[0]
+    return np.asarray(solution, dtype=np.float64)

@@ -1,0 +1,325 @@
+"""Simultaneous output-error fit: all logs and outputs at once, from several starts, and checked.
+
+Minimises Σ_c Σ_k (y_ck − ŷ_ck)²/σ_c² over the unknowns of a `Problem`, σ_c being the residual's own
+standard deviation when several channels are fitted together. The optimiser's word is not taken for
+success: the distance from the optimum in standard errors must be small at the end, and perturbed
+restarts must not find anything better.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.fitters.levenberg_marquardt import (
+    BEND_STEP,
+    Minimum,
+    Normal,
+    attainable_offset,
+    minimise,
+    movable,
+)
+from softid.fitters.problem import IntArray, Problem
+from softid.results import FitStatus
+
+Array = npt.NDArray[np.float64]
+Progress = Callable[[str, float], None]
+
+SCOUT_EVALUATIONS = 30
+POLISH_EVALUATIONS = 400
+TOLERANCE = 1e-3
+OFFSET_TOLERANCE = 1e-2
+"""Largest `attainable_offset` at which the optimum counts as reached: the estimate is then within a
+hundredth of its own white-noise standard error of it."""
+
+RESTARTS = 3
+RESTART_SPREAD = 0.3
+MAX_ROUNDS = 4
+MAX_PLANS = 6
+BETTER = 1e-3
+RESIDUAL_FLOOR = 1e-9
+KEPT_ENTRIES = 8_000_000
+"""Largest Jacobian that is kept whole for the acceleration (64 MB); a larger one is only summed."""
+
+_REWEIGHTS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """Where an output-error fit ended.
+
+    Attributes
+    ----------
+    unknowns
+        Vector of unknowns of the `Problem`, shape (U,).
+    cost
+        Half the weighted sum of squares.
+    sigma
+        Output channel → weight σ_c.
+    status
+        Whether the optimum was reached.
+    offset
+        `attainable_offset` at the end.
+    evaluations
+        Simulations of all logs, over all starts.
+    at_bound
+        Which unknowns lie on a bound, shape (U,).
+    start
+        Unknowns at the start that led here, shape (U,).
+    """
+
+    unknowns: Array
+    cost: float
+    sigma: Mapping[str, float]
+    status: FitStatus
+    offset: float
+    evaluations: int
+    at_bound: npt.NDArray[np.bool_]
+    start: Array
+
+
+class Objective:
+    """Weighted cost and normal equations, with the discretisation held still."""
+
+    def __init__(self, problem: Problem, sigma: Mapping[str, float]) -> None:
+        self.problem = problem
+        self.sigma = dict(sigma)
+        self.evaluations = 0
+        self.plans: list[IntArray | None] | None = None
+
+    def __call__(self, z: Array) -> Normal:
+        """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
+        self.evaluations += 1
+        size = self.problem.size
+        cost, n = 0.0, 0
+        gradient, matrix = np.zeros(size), np.zeros((size, size))
+        kept: list[tuple[Array, Array]] = []
+        keep = self.problem.n_samples * size <= KEPT_ENTRIES
+        with np.errstate(all="ignore"):
+            found = list(self.problem.blocks(z, derivatives=True, plans=self.plans))
+            z, found = self.problem.with_best_zeros(z, found)
+            for block in found:
+                assert block.jacobian is not None
+                r = block.residual / self.sigma[block.channel]
+                jacobian = block.jacobian / self.sigma[block.channel]
+                cost += 0.5 * float(r @ r)
+                gradient += jacobian.T @ r
+                matrix += jacobian.T @ jacobian
+                n += r.size
+                if keep:
+                    kept.append((r, jacobian))
+        if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
+            return Normal(z, np.inf, np.zeros(size), np.eye(size), n)
+        if not kept:
+            return Normal(z, cost, gradient, matrix, n)
+        stacked = np.concatenate([r for r, _ in kept]), np.concatenate([j for _, j in kept])
+        return Normal(z, cost, gradient, matrix, n, *stacked)
+
+    def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
+        """Jᵀ∂²ŷ/∂v² along ``step``, or None where the Jacobian was too large to keep."""
+        if normal.residual is None or normal.jacobian is None:
+            return None
+        self.evaluations += 1
+        with np.errstate(all="ignore"):
+            blocks = self.problem.blocks(z + BEND_STEP * step, derivatives=False, plans=self.plans)
+            there = np.concatenate([b.residual / self.sigma[b.channel] for b in blocks])
+            moved = (normal.residual - there) / BEND_STEP
+            second = 2.0 / BEND_STEP * (moved - normal.jacobian @ step)
+        return normal.jacobian.T @ second if np.isfinite(second).all() else None
+
+    def solve(self, start: Array, evaluations: int) -> Minimum:
+        """Minimise from a start, planning the substeps anew until the plan stays."""
+        lower, upper = self.problem.bounds()
+        reach = self.problem.reach()
+        point = np.clip(start, lower, upper)
+        for _ in range(MAX_PLANS):
+            plans = self.problem.plans(point)
+            if self.plans is not None and _same(plans, self.plans):
+                break
+            self.plans = plans
+            found = minimise(
+                self,
+                point,
+                lower,
+                upper,
+                reach,
+                evaluations=evaluations,
+                tolerance=TOLERANCE,
+                bend=self.bend,
+            )
+            point = found.point
+            if evaluations <= SCOUT_EVALUATIONS:
+                break
+        self.plans = None
+        return found
+
+
+def output_error(
+    problem: Problem,
+    starts: Sequence[Mapping[str, float]],
+    *,
+    rng: np.random.Generator,
+    rounds: int = MAX_ROUNDS,
+    progress: Progress | None = None,
+) -> Optimum:
+    """Fit a problem from several starts.
+
+    Parameters
+    ----------
+    problem
+        What to fit.
+    starts
+        Parameter name → value, one mapping per start, in any order.
+    rng
+        Draws the perturbed restarts.
+    rounds
+        How often at most a better optimum is looked for; 0 takes the first one found.
+    progress
+        Called with a sentence and the fraction done.
+
+    Returns
+    -------
+    Optimum
+        The best point found; its status says whether it may be trusted.
+    """
+    report = progress or (lambda message, fraction: None)
+    objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
+    points = [problem.unknowns(start) for start in starts]
+    report("searching from several starts", 0.1)
+    scouted = _scout(objective, points)
+    if not scouted:
+        return _nothing(objective, points)
+    report("refining the best starts", 0.3)
+    polished = [
+        (objective.solve(found.point, POLISH_EVALUATIONS), start) for found, start in scouted[:2]
+    ]
+    best, start = min(polished, key=lambda row: row[0].normal.cost)
+    best = _reweighted(objective, best)
+    report("looking for a better optimum", 0.6)
+    best, stable = _challenge(objective, best, start, rng, rounds)
+    report("checking the optimum", 0.9)
+    return _judge(objective, best, start, stable=stable)
+
+
+def refit_nuisance(problem: Problem) -> Optimum:
+    """Estimate only zeros and initial states, all parameters being fixed in the problem."""
+    objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
+    start = problem.unknowns({})
+    return _judge(objective, objective.solve(start, POLISH_EVALUATIONS), start, stable=True)
+
+
+def _same(a: Sequence[IntArray | None], b: Sequence[IntArray | None]) -> bool:
+    return all(
+        (p is None and q is None) or (p is not None and q is not None and np.array_equal(p, q))
+        for p, q in zip(a, b, strict=True)
+    )
+
+
+def _span(problem: Problem, name: str) -> float:
+    joined = np.concatenate([s.outputs[name][s.used[name]] for s in problem.segments])
+    return float(np.ptp(joined)) if joined.size and np.ptp(joined) > 0 else 1.0
+
+
+def _scout(objective: Objective, points: Sequence[Array]) -> list[tuple[Minimum, Array]]:
+    """Short runs from every start, best first; the compiled kernels release the lock."""
+
+    def run(point: Array) -> tuple[Minimum, Array]:
+        own = Objective(objective.problem, objective.sigma)
+        found = own.solve(point, SCOUT_EVALUATIONS)
+        objective.evaluations += own.evaluations
+        return found, point
+
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        ended = [row for row in pool.map(run, points) if np.isfinite(row[0].normal.cost)]
+    return sorted(ended, key=lambda row: row[0].normal.cost)
+
+
+def _reweighted(objective: Objective, best: Minimum) -> Minimum:
+    """With several channels, let each weight be its own residual's standard deviation."""
+    if len(objective.problem.outputs) == 1:
+        return best
+    for _ in range(_REWEIGHTS):
+        parts: dict[str, list[Array]] = {name: [] for name in objective.problem.outputs}
+        for block in objective.problem.blocks(best.point, derivatives=False):
+            parts[block.channel].append(block.residual)
+        for name, residuals in parts.items():
+            floor = RESIDUAL_FLOOR * _span(objective.problem, name)
+            objective.sigma[name] = max(float(np.std(np.concatenate(residuals))), floor)
+        best = objective.solve(best.point, POLISH_EVALUATIONS)
+    return best
+
+
+def _challenge(
+    objective: Objective, best: Minimum, start: Array, rng: np.random.Generator, rounds: int
+) -> tuple[Minimum, bool]:
+    """Restart near the optimum until nothing better turns up; False when it never settles.
+
+    The first restart also takes back what has drifted far from its start: a term that has faded
+    away has no gradient left by which it could return.
+    """
+    n_free = len(objective.problem.free)
+    if n_free == 0 or rounds == 0:
+        return best, True
+    reach = objective.problem.reach()[:n_free]
+    for _ in range(rounds):
+        points = []
+        for k in range(RESTARTS):
+            point = best.point.copy()
+            if k == 0:
+                drifted = np.abs(point[:n_free] - start[:n_free]) > reach
+                point[:n_free][drifted] = start[:n_free][drifted]
+            size = np.minimum(reach / 2.0, np.maximum(np.abs(point[:n_free]), 1.0))
+            point[:n_free] += RESTART_SPREAD * size * rng.standard_normal(n_free)
+            points.append(point)
+        rivals = _scout(objective, points)
+        if not rivals or rivals[0][0].normal.cost > best.normal.cost * (1 - BETTER):
+            return best, True
+        best = objective.solve(rivals[0][0].point, POLISH_EVALUATIONS)
+    return best, False
+
+
+def _judge(objective: Objective, best: Minimum, start: Array, *, stable: bool) -> Optimum:
+    z, normal = best.point, best.normal
+    lower, upper = objective.problem.bounds()
+    reach = objective.problem.reach()
+    width = np.where(np.isfinite(upper - lower), upper - lower, np.inf)
+    near = np.where(np.isfinite(width), 1e-6 * width, 0.0)
+    at_bound = (z - lower <= near) | (upper - z <= near)
+    moving = movable(z, normal.gradient, lower, upper)
+    offset = attainable_offset(normal, moving, reach, floor=RESIDUAL_FLOOR)
+    if not np.isfinite(normal.cost):
+        status = FitStatus.NON_FINITE
+    elif offset <= OFFSET_TOLERANCE and stable:
+        status = FitStatus.CONVERGED
+    elif np.allclose(z, np.clip(start, lower, upper), rtol=2e-3, atol=1e-12):
+        status = FitStatus.NOT_MOVED
+    else:
+        status = FitStatus.NOT_OPTIMAL if stable else FitStatus.MAX_EVALUATIONS
+    return Optimum(
+        z,
+        normal.cost,
+        dict(objective.sigma),
+        status,
+        offset,
+        objective.evaluations,
+        at_bound,
+        start,
+    )
+
+
+def _nothing(objective: Objective, points: Sequence[Array]) -> Optimum:
+    z = points[0] if points else np.zeros(objective.problem.size)
+    return Optimum(
+        z,
+        np.inf,
+        dict(objective.sigma),
+        FitStatus.NON_FINITE,
+        np.inf,
+        objective.evaluations,
+        np.zeros(z.size, bool),
+        z,
+    )

@@ -1,0 +1,341 @@
+"""The output-error problem: one vector of unknowns, one residual, one exact Jacobian.
+
+Unknowns, in order: the free parameters (logarithms where the scale says so), one sensor zero per
+log and output, and the initial state of every segment that does not start at rest, as its deviation
+from the equilibrium where the model has one. Written like that, a static curve that saturates
+outside the data leaves a straight valley in these unknowns instead of a bent one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.log import Log, Segment
+from softid.models.base import Model
+from softid.parameters import ParameterSet
+
+Array = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
+
+REST_WINDOW_S = 0.3
+REST_MIN_SAMPLES = 5
+REST_FRACTION = 0.02
+"""A segment starts at rest when over its first 0.3 s (at least five samples) input and outputs stay
+within 2 % of their spans in that log."""
+
+LOG_REACH = 2.0
+LINEAR_REACH = 3.0
+FREE_REACH = 1e3
+_LOG_FLOOR = 1e-300
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Residual and Jacobian of one output channel over one segment.
+
+    Attributes
+    ----------
+    channel
+        Output channel.
+    segment
+        Index in `Problem.segments`.
+    residual
+        Measured minus simulated at the used samples, in the channel's unit, shape (m,).
+    jacobian
+        ∂(simulated)/∂(unknowns), shape (m, U); None if not asked.
+    """
+
+    channel: str
+    segment: int
+    residual: Array
+    jacobian: Array | None
+
+
+class Problem:
+    """Output error of one model over all segments of several logs.
+
+    Parameters
+    ----------
+    model
+        The model with its options.
+    parameters
+        Bounds, scales, fixed values and ties.
+    logs
+        Logs to be explained.
+    zeros
+        Whether every log has a sensor zero of its own.
+    """
+
+    def __init__(
+        self, model: Model, parameters: ParameterSet, logs: Sequence[Log], *, zeros: bool = True
+    ) -> None:
+        self.model = model
+        self.parameters = parameters
+        self.logs = tuple(logs)
+        self.outputs = self.logs[0].outputs
+        self.segments: list[Segment] = [s for log in self.logs for s in log.segments()]
+        self.owner = [k for k, log in enumerate(self.logs) for _ in log.segments()]
+        self.free = parameters.free
+        self._free_index = [parameters.names.index(name) for name in self.free]
+        self._log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
+        self._tied = _tie_function(parameters)
+        at_start = parameters.values_vector()
+        self.has_equilibrium = all(
+            np.isfinite(model.static_output(at_start, s.input[:1], self.outputs[0])[0])
+            for s in self.segments
+        )
+        self.zeros = zeros and self.has_equilibrium and not model.own_zero
+        spans = [_spans(log) for log in self.logs]
+        self.at_rest = [
+            not model.start_states
+            or (self.has_equilibrium and s.index == 0 and starts_at_rest(s, spans[k]))
+            for s, k in zip(self.segments, self.owner, strict=True)
+        ]
+        self._layout()
+
+    def plans(self, z: Array) -> list[IntArray | None]:
+        """Division of every segment's sampling intervals that the parameters at ``z`` call for."""
+        theta = self.theta(z)
+        with np.errstate(all="ignore"):
+            return [self.model.plan(theta, segment) for segment in self.segments]
+
+    def _layout(self) -> None:
+        n = len(self.free)
+        n_zero = len(self.logs) * len(self.outputs) if self.zeros else 0
+        self._zero_from = n
+        position = n + n_zero
+        self._start_from: list[int | None] = []
+        for rest in self.at_rest:
+            self._start_from.append(None if rest else position)
+            position += 0 if rest else len(self.model.start_states)
+        self.size = position
+
+    @property
+    def n_samples(self) -> int:
+        """Number of residuals over all channels."""
+        return sum(int(s.used[name].sum()) for s in self.segments for name in self.outputs)
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Bounds of the unknowns, each of shape (U,)."""
+        lower, upper = np.full(self.size, -np.inf), np.full(self.size, np.inf)
+        for k, name in enumerate(self.free):
+            p = self.parameters[name]
+            lower[k], upper[k] = p.lower, p.upper
+            if p.scale == "log":
+                lower[k] = np.log(max(p.lower, _LOG_FLOOR))
+                upper[k] = np.log(p.upper)
+        return lower, upper
+
+    def reach(self) -> Array:
+        """How far each unknown may plausibly move from where it is, shape (U,).
+
+        A factor of e² where the scale is logarithmic, a few times the value where it is linear;
+        anything for zeros and states, which the data always pin down.
+        """
+        far = np.full(self.size, FREE_REACH)
+        values = np.array([self.parameters[name].value for name in self.free])
+        linear = LINEAR_REACH * np.maximum(np.abs(values), 1.0)
+        far[: len(self.free)] = np.where(self._log_scaled, LOG_REACH, linear)
+        return far
+
+    def unknowns(self, values: Mapping[str, float]) -> Array:
+        """Vector of unknowns at given parameter values; zeros and states from the data."""
+        z = np.zeros(self.size)
+        for k, name in enumerate(self.free):
+            z[k] = values[name]
+        scaled = np.flatnonzero(self._log_scaled)
+        z[scaled] = np.log(np.maximum(z[scaled], _LOG_FLOOR))
+        self._data_nuisance(z)
+        return z
+
+    def _data_nuisance(self, z: Array) -> None:
+        """Start at equilibrium, or at the first sample where the model has none; zeros to match."""
+        if not self.has_equilibrium:
+            name = self.outputs[0]
+            for k, segment in enumerate(self.segments):
+                at, first = self._start_from[k], np.flatnonzero(segment.used[name])
+                if at is not None and first.size:
+                    z[at] = segment.outputs[name][first[0]]
+        if self.zeros:
+            blocks = list(self.blocks(z, derivatives=False))
+            z[:] = self.with_best_zeros(z, blocks)[0]
+
+    def with_best_zeros(self, z: Array, blocks: Sequence[Block]) -> tuple[Array, list[Block]]:
+        """Move every sensor zero to its optimum, which is the mean residual of its log.
+
+        Parameters
+        ----------
+        z
+            Unknowns, shape (U,).
+        blocks
+            Residuals at ``z``.
+
+        Returns
+        -------
+        z, blocks
+            Moved unknowns and residuals; the Jacobian does not depend on the zeros.
+        """
+        if not self.zeros:
+            return z, list(blocks)
+        moved = z.copy()
+        parts: dict[int, list[Array]] = {}
+        for block in blocks:
+            at = self.zero_position(self.owner[block.segment], block.channel)
+            parts.setdefault(at, []).append(block.residual)
+        shift = {
+            at: float(np.mean(np.concatenate(rs))) for at, rs in parts.items() if sum(map(len, rs))
+        }
+        for at, level in shift.items():
+            moved[at] += level if np.isfinite(level) else 0.0
+        shifted = []
+        for block in blocks:
+            at = self.zero_position(self.owner[block.segment], block.channel)
+            shifted.append(replace(block, residual=block.residual - shift.get(at, 0.0)))
+        return moved, shifted
+
+    def zero_position(self, log: int, channel: str) -> int:
+        """Where the sensor zero of one log and channel stands among the unknowns."""
+        return self._zero_from + log * len(self.outputs) + self.outputs.index(channel)
+
+    def _start(self, z: Array, segment: int) -> Array | None:
+        at = self._start_from[segment]
+        if at is None:
+            return None
+        state = np.zeros(len(self.model.states))
+        count = len(self.model.start_states)
+        state[:count] = z[at : at + count]
+        return state
+
+    def start_state(self, z: Array, segment: int) -> tuple[float, ...]:
+        """Initial state used for one segment."""
+        response = self.model.response(
+            self.theta(z),
+            self.segments[segment],
+            self.outputs[:1],
+            start=self._start(z, segment),
+            derivatives=False,
+            relative=self.has_equilibrium,
+        )
+        return tuple(float(v) for v in response.start)
+
+    def theta(self, z: Array) -> Array:
+        """All parameter values at the unknowns, shape (K,)."""
+        values = self.parameters.values_vector()
+        free = z[: len(self.free)].copy()
+        free[self._log_scaled] = np.exp(free[self._log_scaled])
+        values[self._free_index] = free
+        return values if self._tied is None else self._tied(values)
+
+    def _chain(self, z: Array) -> Array:
+        """∂θ/∂(free unknowns), shape (K, F)."""
+        theta = self.theta(z)
+        chain = np.zeros((theta.size, len(self.free)))
+        slope = np.where(self._log_scaled, theta[self._free_index], 1.0)
+        chain[self._free_index, np.arange(len(self.free))] = slope
+        if self._tied is None:
+            return chain
+        for k, index in enumerate(self._free_index):
+            h = 1e-6 * max(abs(theta[index]), 1e-12)
+            up, down = theta.copy(), theta.copy()
+            up[index] += h
+            down[index] -= h
+            chain[:, k] = (self._tied(up) - self._tied(down)) / (2 * h) * slope[k]
+        return chain
+
+    def blocks(
+        self, z: Array, *, derivatives: bool, plans: Sequence[IntArray | None] | None = None
+    ) -> Iterator[Block]:
+        """Residuals, and Jacobians if asked, per segment and channel.
+
+        Parameters
+        ----------
+        z
+            Unknowns, shape (U,).
+        derivatives
+            Whether to compute Jacobians.
+        plans
+            From `plans`, to hold the discretisation still; None plans anew.
+        """
+        theta = self.theta(z)
+        chain = self._chain(z) if derivatives else None
+        for k, segment in enumerate(self.segments):
+            with np.errstate(all="ignore"):
+                response = self.model.response(
+                    theta,
+                    segment,
+                    self.outputs,
+                    start=self._start(z, k),
+                    derivatives=derivatives,
+                    relative=self.has_equilibrium,
+                    substeps=plans[k] if plans is not None else None,
+                )
+            for name in self.outputs:
+                used = segment.used[name]
+                zero = z[self.zero_position(self.owner[k], name)] if self.zeros else 0.0
+                residual = (segment.outputs[name] - response.outputs[name] - zero)[used]
+                jacobian = None
+                if chain is not None and response.by_parameter is not None:
+                    jacobian = np.zeros((residual.size, self.size))
+                    jacobian[:, : len(self.free)] = response.by_parameter[name][used] @ chain
+                    if self.zeros:
+                        jacobian[:, self.zero_position(self.owner[k], name)] = 1.0
+                    at = self._start_from[k]
+                    if at is not None and response.by_state is not None:
+                        width = len(self.model.start_states)
+                        jacobian[:, at : at + width] = response.by_state[name][used]
+                yield Block(name, k, residual, jacobian)
+
+
+def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
+    """Whether input and outputs hold still at the start of a segment.
+
+    Parameters
+    ----------
+    segment
+        The segment.
+    spans
+        ``"input"`` and output name → largest minus smallest value over the whole log.
+    """
+    n = int(np.searchsorted(segment.time_s, segment.time_s[0] + REST_WINDOW_S))
+    n = max(n, REST_MIN_SAMPLES)
+    if np.ptp(segment.input[:n]) > REST_FRACTION * spans["input"]:
+        return False
+    for name, values in segment.outputs.items():
+        head = values[:n][segment.used[name][:n]]
+        if head.size < REST_MIN_SAMPLES:
+            return False
+        half = head.size // 2
+        moved = abs(float(head[half:].mean() - head[:half].mean()))
+        if moved > REST_FRACTION * spans[name]:
+            return False
+    return True
+
+
+def _spans(log: Log) -> dict[str, float]:
+    spans = {"input": float(np.ptp(log.channels[log.input].values))}
+    for name in log.outputs:
+        values = log.channels[name].values
+        finite = values[np.isfinite(values)]
+        spans[name] = float(np.ptp(finite)) if finite.size else 0.0
+    return spans
+
+
+def _tie_function(parameters: ParameterSet) -> Callable[[Array], Array] | None:
+    """Function that recomputes the tied entries of θ, or None without ties."""
+    if all(p.tie is None for p in parameters.values()):
+        return None
+    table = parameters.to_lmfit()
+    names = parameters.names
+
+    def tied(theta: Array) -> Array:
+        for name, value in zip(names, theta, strict=True):
+            if table[name].expr is None:
+                table[name].value = value
+        table.update_constraints()
+        return np.array([table[name].value for name in names])
+
+    return tied

@@ -1,0 +1,6 @@
+"""From logs to parameters with honest errors."""
+
+from softid.identification.choice import ModelChoice, choose_model
+from softid.identification.workflow import fit
+
+__all__ = ["ModelChoice", "choose_model", "fit"]

@@ -1,0 +1,113 @@
+"""What the user should know about a fit beyond its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from softid.errors import Issue
+from softid.identification.estimates import Errors
+from softid.log import Log, LogSet
+from softid.models.base import Model
+from softid.results import FitStatistics, ParameterEstimate
+
+RANGE_MARGIN = 0.02
+"""Share of the fitted range by which a log may pass it before that counts as extrapolation."""
+
+POOR_FIT_PERCENT = 70.0
+
+
+def fitted_range(logs: LogSet) -> dict[str, tuple[float, float]]:
+    """Smallest and largest value of the input and of each output over the logs."""
+    ranges = {}
+    for name in (logs.input, *logs.outputs):
+        values = np.concatenate([log.channels[name].values for log in logs])
+        finite = values[np.isfinite(values)]
+        ranges[name] = (float(finite.min()), float(finite.max()))
+    return ranges
+
+
+def extrapolation(
+    log: Log, channel: str, ranges: Mapping[str, tuple[float, float]]
+) -> Issue | None:
+    """A warning when a log drives the model outside the range that was fitted."""
+    if channel not in ranges:
+        return None
+    low, high = ranges[channel]
+    margin = RANGE_MARGIN * (high - low)
+    values = log.channels[channel].values
+    outside = (values < low - margin) | (values > high + margin)
+    if not outside.any():
+        return None
+    unit = log.channels[channel].unit
+    worst = float(values.max()) if values.max() > high + margin else float(values.min())
+    return Issue(
+        "extrapolation",
+        "warning",
+        f"{log.name}: {channel} reaches {worst:.4g} {unit} and {100 * outside.mean():.0f} % of the "
+        f"samples lie outside the fitted {low:.4g} to {high:.4g} {unit}: this is extrapolation",
+        f"fit a log that covers {worst:.4g} {unit}",
+    )
+
+
+def issues_of(
+    model: Model,
+    estimates: Sequence[ParameterEstimate],
+    errors: Errors,
+    unseen: Mapping[str, str],
+    ranges: Mapping[str, tuple[float, float]],
+    held: Sequence[Log],
+    statistics: Sequence[FitStatistics],
+) -> list[Issue]:
+    """Everything worth saying about a fit, most serious first."""
+    found: list[Issue] = []
+    for log in held:
+        issue = extrapolation(log, log.input, ranges)
+        if issue is not None:
+            found.append(issue)
+    for name, reason in unseen.items():
+        remedy = model.identified_by.get(name)
+        found.append(
+            Issue(
+                "not-seen",
+                "warning",
+                f"{name} cannot be seen in these logs: {reason}; the fit continues without it",
+                f"to see it, record {remedy}" if remedy else None,
+            )
+        )
+    for e in estimates:
+        if e.verdict in ("not identified", "weakly identified") and e.name not in unseen:
+            remedy = model.identified_by.get(e.name)
+            found.append(
+                Issue(
+                    e.verdict.replace(" ", "-"),
+                    "warning" if e.verdict == "not identified" else "info",
+                    f"{e.name} is {e.verdict}: {e.reason}",
+                    f"to pin it down, record {remedy}" if remedy else None,
+                )
+            )
+    for row in statistics:
+        if row.fit_percent < POOR_FIT_PERCENT:
+            where = "fitted" if row.in_sample else "held out"
+            found.append(
+                Issue(
+                    "poor-fit",
+                    "warning",
+                    f"{row.log} ({where}): the model explains {row.channel} only to "
+                    f"{row.fit_percent:.0f} %, leaving {row.rmse * row.display_factor:.3g} "
+                    f"{row.display_unit} rms",
+                    "look at the residual plots for what is missing",
+                )
+            )
+    found += [
+        Issue(
+            "coloured-residual",
+            "info",
+            f"the residual of {noise.channel} is coloured: about {noise.effective_n:.0f} "
+            "independent samples; standard errors allow for it",
+        )
+        for noise in errors.noise
+        if not noise.white
+    ]
+    return found

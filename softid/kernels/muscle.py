@@ -1,0 +1,54 @@
+"""Coefficients of the muscle law at any pressure, and their derivatives."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+Array = npt.NDArray[np.float64]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def coefficients(pressure_bar: Array, theta: Array) -> tuple[Array, Array, Array]:
+    """N, Q and P at the given pressures.
+
+    Parameters
+    ----------
+    pressure_bar
+        Any pressures, shape (L,).
+    theta
+        M, a1, b1, c1, a2, b2, c2.
+
+    Returns
+    -------
+    damping, stiffness, force
+        N = a2·exp(b2·p) + c2, Q = a1·exp(b1·p) + c1 and P = exp(b1·p), each of shape (L,).
+    """
+    a1, b1, c1, a2, b2, c2 = theta[1], theta[2], theta[3], theta[4], theta[5], theta[6]
+    force = np.exp(b1 * pressure_bar)
+    stiffness = a1 * force + c1
+    damping = a2 * np.exp(b2 * pressure_bar) + c2
+    return damping, stiffness, force
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def coefficient_derivatives(pressure_bar: Array, theta: Array) -> tuple[Array, Array, Array]:
+    """∂N/∂θ, ∂Q/∂θ and ∂P/∂θ at the given pressures, each of shape (L, 7)."""
+    a1, b1, a2, b2 = theta[1], theta[2], theta[4], theta[5]
+    n = pressure_bar.size
+    damping_by = np.zeros((n, 7))
+    stiffness_by = np.zeros((n, 7))
+    force_by = np.zeros((n, 7))
+    for i in range(n):
+        p = pressure_bar[i]
+        e1 = np.exp(b1 * p)
+        e2 = np.exp(b2 * p)
+        force_by[i, 2] = p * e1
+        stiffness_by[i, 1] = e1
+        stiffness_by[i, 2] = a1 * p * e1
+        stiffness_by[i, 3] = 1.0
+        damping_by[i, 4] = e2
+        damping_by[i, 5] = a2 * p * e2
+        damping_by[i, 6] = 1.0
+    return damping_by, stiffness_by, force_by

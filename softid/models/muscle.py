@@ -1,0 +1,311 @@
+"""The bending pneumatic muscle of Ru et al.: a mass, damper and spring that depend on pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import UsageError
+from softid.kernels.muscle import coefficient_derivatives, coefficients
+from softid.log import Segment
+from softid.models.base import Model, Response
+from softid.models.geometry import ArcGeometry
+from softid.models.second_order import IntArray, Law, plan_substeps, simulate_law
+from softid.models.starts import hammerstein_starts
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
+_KPA_PER_BAR = 100.0
+ORDERS = ("static", "first", "second")
+_UNSEEN_INERTIA_PERIODS = 0.1
+_RU = "Ru et al. 2019"
+
+
+class MuscleLaw(Law):
+    """Coefficients of Ru's law at fixed parameters; the input is pressure in kPa."""
+
+    def __init__(self, theta: Array) -> None:
+        self._theta = theta
+        self.mass = float(theta[0])
+        self.mass_by = np.eye(len(NAMES))[0]
+
+    def coefficients(self, u: Array) -> tuple[Array, Array, Array]:
+        """N, Q and P at pressures of shape (L,)."""
+        found: tuple[Array, Array, Array] = coefficients(u / _KPA_PER_BAR, self._theta)
+        return found
+
+    def derivatives(self, u: Array) -> tuple[Array, Array, Array]:
+        """Derivatives of N, Q and P by the seven parameters, each of shape (L, 7)."""
+        found: tuple[Array, Array, Array] = coefficient_derivatives(u / _KPA_PER_BAR, self._theta)
+        return found
+
+    def exponent_rate(self) -> float:
+        """The larger of b1 and b2, per kPa."""
+        return float(max(abs(self._theta[2]), abs(self._theta[5]))) / _KPA_PER_BAR
+
+
+@dataclass(frozen=True)
+class Muscle(Model):
+    """M·ẍ + N(p)·ẋ + Q(p)·x = P(p) with P = exp(b1·p), Q = a1·P + c1, N = a2·exp(b2·p) + c2.
+
+    x is the contraction L0 − L, p the pressure in bar. P has no factor of its own, which fixes the
+    scale: M, N and Q are not in SI units. At rest x∞(p) = 1/(a1 + c1·exp(−b1·p)), a sigmoid that
+    does not pass through zero at p = 0.
+
+    Attributes
+    ----------
+    damping
+        ``"exponential"``, or ``"constant"`` for N = c2.
+    order
+        ``"second"``; ``"first"`` drops M, ``"static"`` drops N too.
+    fixed_length_mm, diameter_mm
+        L0 and d of the arc geometry; without them x is whatever the output records, so an angle
+        makes x an angle.
+    x_unit
+        Unit of x: ``"mm"``, or ``"rad"`` for an angle without geometry.
+    inverted
+        Whether the recorded output falls as the pressure rises.
+
+    Source: Ru et al. 2019, Eq 3 to 7; geometry Eq 1 and 2.
+    """
+
+    damping: Literal["exponential", "constant"] = "exponential"
+    order: Literal["second", "first", "static"] = "second"
+    fixed_length_mm: float | None = None
+    diameter_mm: float | None = None
+    x_unit: str = "mm"
+    inverted: bool = False
+
+    name: ClassVar[str] = "muscle"
+    title: ClassVar[str] = "Bending pneumatic muscle with pressure-dependent coefficients"
+    equation: ClassVar[str] = (
+        "M x'' + (a2 exp(b2 p) + c2) x' + (a1 exp(b1 p) + c1) x = exp(b1 p),  p in bar"
+    )
+    source: ClassVar[str] = "Ru et al. 2019, doi 10.1007/s11432-018-9709-x, Eq 4 to 7"
+    states: ClassVar[tuple[str, ...]] = ("x", "v")
+    inputs: ClassVar[tuple[str, ...]] = ("pressure", "pressure_command")
+    outputs: ClassVar[tuple[str, ...]] = ("angle", "contraction", "length", "distance", "position")
+    identified_by: ClassVar[Mapping[str, str]] = {
+        "M": "fast steps or a chirp past the natural frequency, sampled well above it",
+        "a1": "settled levels close to the highest pressure, where the curve saturates",
+        "b1": "settled levels across the steep middle of the curve",
+        "c1": "settled levels at low pressure",
+        "a2": "steps up and down, or a sine, that reach high pressures",
+        "b2": "transients at three or more pressures spread over the range",
+        "c2": "any transient that is slow enough to be sampled",
+    }
+
+    def __post_init__(self) -> None:
+        if (self.fixed_length_mm is None) != (self.diameter_mm is None):
+            raise UsageError(
+                "the arc geometry needs both lengths",
+                value=(self.fixed_length_mm, self.diameter_mm),
+                remedy="give --fixed-length and --diameter, or neither",
+            )
+
+    @property
+    def geometry(self) -> ArcGeometry | None:
+        """The arc geometry, or None when it was not given."""
+        if self.fixed_length_mm is None or self.diameter_mm is None:
+            return None
+        return ArcGeometry(self.fixed_length_mm, self.diameter_mm)
+
+    def adapted(self, units: Mapping[str, str], *, inverted: bool = False) -> Muscle:
+        """The model with x in the unit that the outputs call for.
+
+        Raises
+        ------
+        UsageError
+            The outputs are not linked without the arc geometry.
+        """
+        wanted = [name for name in units if name != "input"]
+        if self.geometry is None:
+            if "distance" in wanted:
+                raise UsageError(
+                    "a distance is linked to the contraction by the arc geometry",
+                    remedy="give --fixed-length and --diameter in mm",
+                )
+            if "angle" in wanted and len(wanted) > 1:
+                raise UsageError(
+                    "angle and length outputs are linked by the arc geometry",
+                    remedy="give --fixed-length and --diameter in mm, or fit one output",
+                )
+        angle_is_x = self.geometry is None and wanted == ["angle"]
+        falling = inverted and wanted[0] not in ("length", "distance")
+        return replace(self, x_unit="rad" if angle_is_x else "mm", inverted=falling)
+
+    @property
+    def start_states(self) -> tuple[str, ...]:
+        """Both states, or fewer in the first-order and static limits."""
+        return self.states[: ORDERS.index(self.order)]
+
+    def parameters(self) -> ParameterSet:
+        """The seven parameters; those that the options drop are fixed at zero."""
+        x = self.x_unit
+        declared = (
+            _positive("M", 1e-3, f"s²/{x}", "inertia", "Eq 4"),
+            _positive("a1", 1e-2, f"1/{x}", "inverse of the largest contraction", "Eq 5"),
+            _positive("b1", 2.0, "1/bar", "steepness of the static curve", "Eq 5", 1e-3, 300.0),
+            _positive("c1", 1.0, f"1/{x}", "stiffness left without pressure", "Eq 5"),
+            _positive("a2", 1e-4, f"s/{x}", "damping that changes with pressure", "Eq 6"),
+            Parameter(
+                "b2",
+                0.0,
+                "1/bar",
+                -300.0,
+                300.0,
+                meaning="how fast damping changes with pressure",
+                source=f"{_RU}, Eq 6",
+            ),
+            _positive("c2", 1e-1, f"s/{x}", "damping without pressure", "Eq 6"),
+        )
+        dropped: set[str] = set()
+        if self.order != "second":
+            dropped.add("M")
+        if self.order == "static":
+            dropped |= {"a2", "b2", "c2"}
+        if self.damping == "constant":
+            dropped |= {"a2", "b2"}
+        return ParameterSet(declared).with_fixed(dict.fromkeys(dropped, 0.0))
+
+    def guess(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
+        """Starts by a search over steepness, midpoint and speed, with the gain solved linearly."""
+        declared = self.parameters()
+        geometry = self.geometry
+        sign = -1.0 if self.inverted or output == "length" else 1.0
+        motions = []
+        for segment in segments:
+            y = segment.outputs[output]
+            if geometry is not None and output == "distance":
+                y = geometry.contraction_from_distance_mm(y)
+            elif geometry is not None and output == "angle":
+                y = y * geometry.diameter_mm
+            motions.append(sign * y)
+        starts = hammerstein_starts(
+            segments, motions, output, MuscleLaw, static=self.order == "static"
+        )
+        usable = []
+        for start in starts:
+            values = {k: v for k, v in start.items() if not declared[k].fixed}
+            usable.append(declared.with_values(values))
+        return tuple(usable)
+
+    def response(
+        self,
+        theta: Array,
+        segment: Segment,
+        outputs: Sequence[str],
+        *,
+        start: Array | None,
+        derivatives: bool,
+        relative: bool = False,
+        substeps: IntArray | None = None,
+    ) -> Response:
+        """Simulate one segment; see `Model.response`."""
+        law = MuscleLaw(theta)
+        motion = simulate_law(
+            law,
+            segment.time_s,
+            segment.input,
+            start,
+            derivatives=derivatives,
+            relative=relative,
+            substeps=substeps,
+        )
+        values: dict[str, Array] = {}
+        by_parameter: dict[str, Array] = {}
+        by_state: dict[str, Array] = {}
+        for name in outputs:
+            values[name], slope = self._output(name, motion.x)
+            if motion.by_parameter is not None and motion.by_state is not None:
+                by_parameter[name] = motion.by_parameter * slope[:, None]
+                by_state[name] = (motion.by_state * slope[:, None])[:, : len(self.start_states)]
+        return Response(
+            values,
+            by_parameter if derivatives else None,
+            by_state if derivatives else None,
+            np.array([motion.x[0], motion.v[0]]),
+        )
+
+    def _output(self, name: str, x: Array) -> tuple[Array, Array]:
+        """Output and its slope dy/dx; Ru Eq 1 to 3."""
+        geometry = self.geometry
+        sign = -1.0 if self.inverted else 1.0
+        if name == "distance" and geometry is not None:
+            return geometry.distance_mm(x), geometry.distance_slope(x)
+        if name == "length":
+            whole = geometry.fixed_length_mm if geometry is not None else 0.0
+            return whole - x, np.full(x.size, -1.0)
+        scale = sign / geometry.diameter_mm if geometry is not None and name == "angle" else sign
+        return scale * x, np.full(x.size, scale)
+
+    def plan(self, theta: Array, segment: Segment) -> IntArray:
+        """Steps per sampling interval; see `Model.plan`."""
+        return plan_substeps(MuscleLaw(theta), segment.time_s, segment.input)
+
+    def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
+        """The sigmoid x∞(p) = 1/(a1 + c1·exp(−b1·p)) as the output records it."""
+        _, stiffness, force = MuscleLaw(theta).coefficients(input_values)
+        return self._output(output, force / stiffness)[0]
+
+    def damping_curve(self, theta: Array, pressure_kpa: Array) -> Array:
+        """N(p) at pressures of shape (m,), in s per unit of x; Ru Eq 6."""
+        return MuscleLaw(theta).coefficients(pressure_kpa)[0]
+
+    def derived(self, values: Mapping[str, float]) -> dict[str, tuple[float, str]]:
+        """Largest and resting contraction, midpoint, and the motion's speed at the midpoint."""
+        a1, b1, c1 = values["a1"], values["b1"], values["c1"]
+        midpoint_kpa = float(np.log(c1 / a1) / b1) * _KPA_PER_BAR
+        theta = np.array([values[name] for name in NAMES])
+        damping, stiffness, _ = MuscleLaw(theta).coefficients(np.array([midpoint_kpa]))
+        found = {
+            "x_max": (1.0 / a1, self.x_unit),
+            "x_at_zero_pressure": (1.0 / (a1 + c1), self.x_unit),
+            "midpoint_pressure": (midpoint_kpa, "kPa"),
+        }
+        if self.order != "static":
+            found["time_constant_at_midpoint"] = (float(damping[0] / stiffness[0]), "s")
+        if values["M"] > 0:
+            omega = float(np.sqrt(stiffness[0] / values["M"]))
+            found["natural_frequency_at_midpoint"] = (omega / (2 * np.pi), "Hz")
+            ratio = float(damping[0] / (2 * np.sqrt(stiffness[0] * values["M"])))
+            found["damping_ratio_at_midpoint"] = (ratio, "1")
+        return found
+
+    def limit(self, theta: Array, period_s: float) -> tuple[Muscle, str] | None:
+        """First order when M/N is far below the sampling interval, static when N/Q is."""
+        values = dict(zip(NAMES, theta, strict=True))
+        middle = np.array([np.log(values["c1"] / values["a1"]) / values["b1"] * _KPA_PER_BAR])
+        damping, stiffness, _ = MuscleLaw(theta).coefficients(middle)
+        unseen = _UNSEEN_INERTIA_PERIODS * period_s
+        if self.order == "second" and values["M"] < unseen * float(damping[0]):
+            return replace(self, order="first"), (
+                f"the inertia dies out within {values['M'] / float(damping[0]):.2g} s, far below "
+                f"the sampling interval of {period_s:.2g} s"
+            )
+        if self.order == "first" and float(damping[0]) < unseen * float(stiffness[0]):
+            return replace(self, order="static"), (
+                f"the motion settles within {float(damping[0] / stiffness[0]):.2g} s, far below "
+                f"the sampling interval of {period_s:.2g} s"
+            )
+        return None
+
+
+def _positive(
+    name: str,
+    value: float,
+    unit: str,
+    meaning: str,
+    equation: str,
+    lower: float = 1e-15,
+    upper: float = 1e15,
+) -> Parameter:
+    return Parameter(
+        name, value, unit, lower, upper, "log", meaning=meaning, source=f"{_RU}, {equation}"
+    )

@@ -1,0 +1,270 @@
+"""The conventional mass–spring–damper, for any pair of channels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import ClassVar, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.log import Segment
+from softid.models.base import Model, Response
+from softid.models.second_order import IntArray, Law, plan_substeps, simulate_law
+from softid.models.weak_form import weak_form_coefficients
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+NAMES = ("M", "N", "Q", "G", "offset")
+WINDOWS = (0.01, 0.03, 0.1, 0.3)
+"""Lengths of the weak form's test functions as fractions of the longest segment."""
+
+SPEEDS = 7
+DAMPING_RATIOS = (0.15, 0.7, 3.0)
+N_STARTS = 4
+ORDERS = ("static", "first", "second")
+_UNSEEN_INERTIA_PERIODS = 0.1
+
+
+class OscillatorLaw(Law):
+    """Constant coefficients and a force linear in the input."""
+
+    def __init__(self, theta: Array) -> None:
+        self._theta = theta
+        self.mass = float(theta[0])
+        self.mass_by = np.eye(len(NAMES))[0]
+
+    def coefficients(self, u: Array) -> tuple[Array, Array, Array]:
+        """N, Q and G·(u − offset) at inputs of shape (L,)."""
+        _, damping, stiffness, gain, offset = self._theta
+        return np.full(u.size, damping), np.full(u.size, stiffness), gain * (u - offset)
+
+    def derivatives(self, u: Array) -> tuple[Array, Array, Array]:
+        """Derivatives by the five parameters, each of shape (L, 5)."""
+        damping_by, stiffness_by, force_by = (np.zeros((u.size, len(NAMES))) for _ in range(3))
+        damping_by[:, 1] = 1.0
+        stiffness_by[:, 2] = 1.0
+        force_by[:, 3] = u - self._theta[4]
+        force_by[:, 4] = -self._theta[3]
+        return damping_by, stiffness_by, force_by
+
+    def exponent_rate(self) -> float:
+        """Nothing bends: the coefficients do not depend on the input."""
+        return 0.0
+
+
+@dataclass(frozen=True)
+class Oscillator(Model):
+    """M·ẍ + N·ẋ + Q·x = G·(u − offset).
+
+    Multiplying all coefficients by one number changes nothing, so G is held at 1 and M, N and Q are
+    in units of the input: for a force in N and a position in m they are a mass, a viscous friction
+    and a stiffness.
+
+    Attributes
+    ----------
+    order
+        ``"second"``; ``"first"`` drops M, ``"static"`` drops N too.
+    spring
+        ``"linear"``, or ``"none"`` for Q = 0 with an offset of the input to be found.
+    x_unit, u_unit
+        Units of output and input.
+    inverted
+        Whether the output falls as the input rises; G is then −1.
+    """
+
+    order: Literal["second", "first", "static"] = "second"
+    spring: Literal["linear", "none"] = "linear"
+    x_unit: str = "1"
+    u_unit: str = "1"
+    inverted: bool = False
+
+    name: ClassVar[str] = "oscillator"
+    title: ClassVar[str] = "Mass–spring–damper with constant coefficients"
+    equation: ClassVar[str] = "M x'' + N x' + Q x = G (u - offset)"
+    source: ClassVar[str] = "the conventional second-order model; baseline in Ru et al. 2019, Eq 4"
+    states: ClassVar[tuple[str, ...]] = ("x", "v")
+    identified_by: ClassVar[Mapping[str, str]] = {
+        "M": "fast steps or a chirp past the natural frequency, sampled well above it",
+        "N": "any transient that is slow enough to be sampled",
+        "Q": "two or more settled levels",
+        "G": "nothing: only its ratio to M, N and Q shows",
+        "offset": "levels of both signs, and a known sensor zero",
+    }
+
+    def adapted(self, units: Mapping[str, str], *, inverted: bool = False) -> Oscillator:
+        """The model with the units of the logs."""
+        output = next(name for name in units if name != "input")
+        return replace(self, x_unit=units[output], u_unit=units["input"], inverted=inverted)
+
+    @property
+    def start_states(self) -> tuple[str, ...]:
+        """Both states, or fewer in the first-order and static limits."""
+        return self.states[: ORDERS.index(self.order)]
+
+    def parameters(self) -> ParameterSet:
+        """M, N, Q; G held at ±1 and, with a spring, the offset held at 0."""
+        per = f"{self.u_unit}/{self.x_unit}"
+        declared = ParameterSet(
+            (
+                Parameter("M", 1e-2, f"{per}·s²", 1e-15, 1e15, "log", meaning="inertia"),
+                Parameter("N", 1.0, f"{per}·s", 1e-15, 1e15, "log", meaning="viscous damping"),
+                Parameter("Q", 1.0, per, 1e-15, 1e15, "log", meaning="stiffness"),
+                Parameter("G", 1.0, "1", meaning="input gain, held: it sets the scale"),
+                Parameter("offset", 0.0, self.u_unit, meaning="input at which nothing pushes"),
+            )
+        )
+        held = {"G": -1.0 if self.inverted else 1.0}
+        if self.spring == "linear":
+            held["offset"] = 0.0
+        else:
+            held["Q"] = 0.0
+        if self.order != "second":
+            held["M"] = 0.0
+        if self.order == "static":
+            held["N"] = 0.0
+        return declared.with_fixed(held)
+
+    def guess(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
+        """Weak-form regression at several window lengths and a grid of speeds, ranked."""
+        declared = self.parameters()
+        sign = declared["G"].value
+        candidates = [
+            np.array([m, n, q, sign, offset])
+            for window in WINDOWS
+            for m, n, q, offset in weak_form_coefficients(
+                segments, output, window, gain=sign, spring=self.spring == "linear"
+            )
+        ]
+        if self.spring == "linear":
+            candidates += self._grid(segments, output, sign)
+        scored = [(_score(segments, output, theta, declared), theta) for theta in candidates]
+        scored = sorted((row for row in scored if np.isfinite(row[0])), key=lambda row: row[0])
+        starts = []
+        for _, theta in scored[:N_STARTS]:
+            named = dict(zip(NAMES, theta.tolist(), strict=True))
+            starts.append(
+                declared.with_values({k: v for k, v in named.items() if not declared[k].fixed})
+            )
+        return tuple(starts)
+
+    def _grid(self, segments: Sequence[Segment], output: str, sign: float) -> list[Array]:
+        """Static gain by regression, speeds and damping ratios by a grid."""
+        slope = _static_slope(segments, output)
+        stiffness = 1.0 / max(sign * slope, 1e-12)
+        shortest = min(float(np.median(np.diff(s.time_s))) for s in segments)
+        longest = max(float(s.time_s[-1] - s.time_s[0]) for s in segments)
+        grid = []
+        for tau, ratio in product(np.geomspace(shortest, longest / 4, SPEEDS), DAMPING_RATIOS):
+            damping = stiffness * tau
+            mass = damping**2 / (4 * ratio**2 * stiffness)
+            grid.append(np.array([mass, damping, stiffness, sign, 0.0]))
+        return grid
+
+    def response(
+        self,
+        theta: Array,
+        segment: Segment,
+        outputs: Sequence[str],
+        *,
+        start: Array | None,
+        derivatives: bool,
+        relative: bool = False,
+        substeps: IntArray | None = None,
+    ) -> Response:
+        """Simulate one segment; see `Model.response`."""
+        law = OscillatorLaw(theta)
+        motion = simulate_law(
+            law,
+            segment.time_s,
+            segment.input,
+            start,
+            derivatives=derivatives,
+            relative=relative,
+            substeps=substeps,
+        )
+        first = np.array([motion.x[0], motion.v[0]])
+        values = dict.fromkeys(outputs, motion.x)
+        if motion.by_parameter is None or motion.by_state is None:
+            return Response(values, None, None, first)
+        return Response(
+            values,
+            dict.fromkeys(outputs, motion.by_parameter),
+            dict.fromkeys(outputs, motion.by_state[:, : len(self.start_states)]),
+            first,
+        )
+
+    def plan(self, theta: Array, segment: Segment) -> IntArray:
+        """Steps per sampling interval; see `Model.plan`."""
+        return plan_substeps(OscillatorLaw(theta), segment.time_s, segment.input)
+
+    def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
+        """The line x = G·(u − offset)/Q; NaN without a spring."""
+        del output
+        _, stiffness, force = OscillatorLaw(theta).coefficients(input_values)
+        return np.where(stiffness > 0, force / np.where(stiffness > 0, stiffness, 1.0), np.nan)
+
+    def derived(self, values: Mapping[str, float]) -> dict[str, tuple[float, str]]:
+        """Static gain, time constant, natural frequency and damping ratio."""
+        mass, damping, stiffness = values["M"], values["N"], values["Q"]
+        found: dict[str, tuple[float, str]] = {}
+        if stiffness > 0:
+            found["static_gain"] = (values["G"] / stiffness, f"{self.x_unit}/{self.u_unit}")
+            if damping > 0:
+                found["time_constant"] = (damping / stiffness, "s")
+        if mass > 0 and stiffness > 0:
+            found["natural_frequency"] = (float(np.sqrt(stiffness / mass) / (2 * np.pi)), "Hz")
+            found["damping_ratio"] = (float(damping / (2 * np.sqrt(stiffness * mass))), "1")
+        return found
+
+    def limit(self, theta: Array, period_s: float) -> tuple[Oscillator, str] | None:
+        """First order when M/N is far below the sampling interval, static when N/Q is."""
+        mass, damping, stiffness = theta[:3].tolist()
+        unseen = _UNSEEN_INERTIA_PERIODS * period_s
+        if self.order == "second" and mass < unseen * damping:
+            return replace(self, order="first"), (
+                f"the inertia dies out within {mass / damping:.2g} s, far below the sampling "
+                f"interval of {period_s:.2g} s"
+            )
+        if self.order == "first" and damping < unseen * stiffness:
+            return replace(self, order="static"), (
+                f"the motion settles within {damping / stiffness:.2g} s, far below the sampling "
+                f"interval of {period_s:.2g} s"
+            )
+        return None
+
+
+def _static_slope(segments: Sequence[Segment], output: str) -> float:
+    cross = power = 0.0
+    for s in segments:
+        used = s.used[output]
+        if used.sum() < 2:
+            continue
+        u, y = s.input[used], s.outputs[output][used]
+        cross += float((u - u.mean()) @ (y - y.mean()))
+        power += float((u - u.mean()) @ (u - u.mean()))
+    return cross / power if power > 0 else 0.0
+
+
+def _score(segments: Sequence[Segment], output: str, theta: Array, declared: ParameterSet) -> float:
+    """Residual sum of squares with the zeros projected out, or infinity."""
+    at = theta.copy()
+    for k, p in enumerate(declared.values()):
+        at[k] = p.value if p.fixed else min(max(at[k], p.lower), p.upper)
+    total = 0.0
+    for s in segments:
+        used = s.used[output]
+        if not used.any():
+            continue
+        start = None
+        if at[2] <= 0:
+            first = np.flatnonzero(used)[0]
+            start = np.array([s.outputs[output][first], 0.0])
+        x = simulate_law(OscillatorLaw(at), s.time_s, s.input, start, derivatives=False).x[used]
+        r = s.outputs[output][used] - x
+        r = r - r.mean()
+        total += float(r @ r)
+    return total

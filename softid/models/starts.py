@@ -1,0 +1,227 @@
+"""Start values of the muscle law from data alone.
+
+With a1 = 1 the law answers with x/X, where X = 1/a1 is the largest contraction, so that for given
+steepness b1, midpoint p50 and time constant the measured output is linear in X and in one sensor
+zero per segment. With that linear solve inside, a coarse grid over the three finds the static
+curve, a grid over frequency and damping ratio the motion, and a few variants how the damping goes
+with pressure; only then does the optimiser start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.log import Segment
+from softid.models.second_order import Law, simulate_law
+
+Array = npt.NDArray[np.float64]
+
+STEEPNESS = (0.7, 2.0, 4.0, 8.0, 16.0)
+"""b1 times the range of the pressure."""
+
+MIDPOINTS = (-0.5, 0.0, 0.25, 0.5, 0.75, 1.0, 1.5)
+"""p50 as a fraction of the range of the pressure."""
+
+DAMPING_RATIOS = (0.15, 0.4, 1.0, 3.0)
+"""Damping ratio at the midpoint on the second grid, next to `N_FREQUENCIES` natural frequencies."""
+
+DAMPING_SHAPES = ((0.0, 0.0), (0.5, 1.0), (0.5, -1.0))
+"""Share of the damping that depends on pressure, and its b2 in units of b1."""
+
+N_SPEEDS = 7
+N_FREQUENCIES = 14
+N_BASES = 8
+N_MOTIONS = 5
+N_STARTS = 5
+SMALL_INERTIA = 0.02
+SMALL_SHARE = 1e-3
+MAX_SAMPLES = 1000
+_MOST_DECAY_LENGTHS = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    time_s: Array
+    input: Array
+    motion: Array
+    used: npt.NDArray[np.bool_]
+
+
+def hammerstein_starts(
+    segments: Sequence[Segment],
+    motions: Sequence[Array],
+    output: str,
+    law: Callable[[Array], Law],
+    *,
+    static: bool,
+) -> list[dict[str, float]]:
+    """Rank start values for the muscle law, the most promising first.
+
+    Parameters
+    ----------
+    segments
+        Fitted segments.
+    motions
+        Measured x up to a zero, one array per segment.
+    output
+        Channel whose unused samples are left out.
+    law
+        Builds the law from theta of shape (7,).
+    static
+        Whether the law has no damping, so that no speed is searched.
+    """
+    stretches = _thinned(segments, motions, output)
+    low = min(float(s.input.min()) for s in stretches) / 100.0
+    span = max(float(s.input.max()) for s in stretches) / 100.0 - low
+    speeds = np.array([0.0]) if static else _speeds(stretches)
+    grid = [
+        _theta(steep / span, low + middle * span, tau)
+        for steep, middle, tau in product(STEEPNESS, MIDPOINTS, speeds)
+    ]
+    coarse = _ranked(stretches, law, grid)
+    if static:
+        return [
+            _as_values(theta, gain) for _, gain, theta in _diverse(coarse, N_STARTS, _static_kind)
+        ]
+    bases = [row[2] for row in _diverse(coarse, N_BASES, _static_kind)]
+    slowest, fastest = 0.3 / speeds[-1], 1.0 / speeds[0]
+    oscillating = [
+        _theta(t[2], np.log(t[3]) / t[2], 2.0 * ratio / omega, inertia=0.5 / (ratio * omega))
+        for t in bases
+        for omega in np.geomspace(slowest, fastest, N_FREQUENCIES)
+        for ratio in DAMPING_RATIOS
+    ]
+    medium = _diverse(_ranked(stretches, law, [*bases, *oscillating]), N_MOTIONS, _motion_kind)
+    shaped = [variant for _, _, theta in medium for variant in _shapes(theta)]
+    fine = _diverse(_ranked(stretches, law, shaped), N_STARTS, _motion_kind)
+    return [_as_values(theta, gain) for _, gain, theta in fine]
+
+
+def _ranked(
+    stretches: Sequence[_Stretch], law: Callable[[Array], Law], grid: Sequence[Array]
+) -> list[tuple[float, float, Array]]:
+    """Residual sum of squares, gain and theta of every grid point, best first."""
+    scored = [(*_score(stretches, law, theta), theta) for theta in grid]
+    return sorted(scored, key=lambda row: row[0])
+
+
+def _theta(
+    b1: float,
+    p50: float,
+    tau: float,
+    *,
+    inertia: float = 0.0,
+    share: float = 0.0,
+    b2: float = 0.0,
+) -> Array:
+    """Parameters with a1 = 1 that have N/Q = ``tau`` and M/N = ``inertia`` at the midpoint."""
+    c1 = float(np.exp(np.clip(b1 * p50, -60.0, 60.0)))
+    damping = 2.0 * c1 * tau
+    a2 = share * damping * float(np.exp(np.clip(-b2 * p50, -60.0, 60.0)))
+    return np.array([inertia * damping, 1.0, b1, c1, a2, b2, (1.0 - share) * damping])
+
+
+def _shapes(theta: Array) -> list[Array]:
+    """The same static curve and speed with damping that is constant, grows or falls."""
+    mass, _, b1, c1, _, _, damping = theta.tolist()
+    p50, tau, inertia = np.log(c1) / b1, damping / (2.0 * c1), max(mass / damping, 0.0)
+    return [
+        _theta(b1, p50, tau, inertia=inertia, share=share, b2=factor * b1)
+        for share, factor in DAMPING_SHAPES
+    ]
+
+
+def _diverse(
+    ranked: Sequence[tuple[float, float, Array]],
+    count: int,
+    kind: Callable[[Array], tuple[int, ...]],
+) -> list[tuple[float, float, Array]]:
+    """The best row of each kind, at most ``count``."""
+    chosen: dict[tuple[int, ...], tuple[float, float, Array]] = {}
+    for row in ranked:
+        if np.isfinite(row[0]):
+            chosen.setdefault(kind(row[2]), row)
+    return list(chosen.values())[:count]
+
+
+def _static_kind(theta: Array) -> tuple[int, ...]:
+    b1, log_c1 = theta[2], np.log(theta[3])
+    return round(2 * float(np.log(b1))), round(float(log_c1))
+
+
+def _motion_kind(theta: Array) -> tuple[int, ...]:
+    """Steepness, natural frequency, damping ratio and shape of the damping, in coarse steps."""
+    mass, stiffness = max(theta[0], 1e-300), theta[1] + theta[3]
+    damping = max(theta[4] * np.exp(theta[5] * np.log(theta[3]) / theta[2]) + theta[6], 1e-300)
+    ratio = min(damping / (2.0 * np.sqrt(stiffness * mass)), 10.0)
+    return (
+        round(2 * float(np.log(theta[2]))),
+        round(float(np.log(stiffness / damping))),
+        round(float(np.log(ratio))),
+        int(np.sign(theta[5])),
+    )
+
+
+def _as_values(theta: Array, gain: float) -> dict[str, float]:
+    """Back to parameters with a gain; what is zero starts small, so that it can still grow."""
+    mass, a1, b1, c1, a2, b2, c2 = theta.tolist()
+    small = SMALL_INERTIA * c2**2 / (2.0 * c1)
+    return {
+        "M": max(mass, small) / gain,
+        "a1": a1 / gain,
+        "b1": b1,
+        "c1": c1 / gain,
+        "a2": max(a2, SMALL_SHARE * c2) / gain,
+        "b2": b2,
+        "c2": c2 / gain,
+    }
+
+
+def _score(
+    stretches: Sequence[_Stretch], law: Callable[[Array], Law], theta: Array
+) -> tuple[float, float]:
+    """Residual sum of squares and the gain X that reaches it, zeros projected out."""
+    cross = power = total = 0.0
+    for s in stretches:
+        x = simulate_law(law(theta), s.time_s, s.input, None, derivatives=False).x[s.used]
+        y = s.motion[s.used]
+        if x.size == 0 or not np.all(np.isfinite(x)):
+            continue
+        x, y = x - x.mean(), y - y.mean()
+        cross += float(x @ y)
+        power += float(x @ x)
+        total += float(y @ y)
+    if power <= 0.0 or cross <= 0.0:
+        return np.inf, 1.0
+    return total - cross**2 / power, cross / power
+
+
+def _speeds(stretches: Sequence[_Stretch]) -> Array:
+    shortest = min(float(np.median(np.diff(s.time_s))) for s in stretches)
+    longest = max(float(s.time_s[-1] - s.time_s[0]) for s in stretches)
+    return np.geomspace(0.3 * shortest, _MOST_DECAY_LENGTHS * longest, N_SPEEDS)
+
+
+def _thinned(segments: Sequence[Segment], motions: Sequence[Array], output: str) -> list[_Stretch]:
+    """Block averages, at most MAX_SAMPLES in total: enough to find the basin."""
+    total = sum(s.time_s.size for s in segments)
+    k = max(1, int(np.ceil(total / MAX_SAMPLES)))
+    out = []
+    for segment, motion in zip(segments, motions, strict=True):
+        n = segment.time_s.size // k
+        if n < 2:
+            continue
+        used = segment.used[output][: n * k].reshape(n, k).all(axis=1)
+        filled = np.where(np.isfinite(motion), motion, 0.0)
+
+        def mean(a: Array, n: int = n) -> Array:
+            averaged: Array = a[: n * k].reshape(n, k).mean(axis=1)
+            return averaged
+
+        out.append(_Stretch(mean(segment.time_s), mean(segment.input), mean(filled), used))
+    return out

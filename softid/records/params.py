@@ -1,0 +1,150 @@
+"""A fit as params.json."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from importlib import metadata
+from pathlib import Path
+
+from softid.errors import IdentificationError
+from softid.records.plain import Plain, content_sha256, dump_json, to_jsonable
+from softid.records.writing import write_atomic
+from softid.results import FitResult, FitStatistics, ModelSpec, ParameterEstimate, Simulation
+
+PARAMS_SCHEMA = "softid.params/1"
+
+_LIBRARIES = ("softid", "numpy", "scipy", "numba")
+
+
+def save_fit(result: FitResult, path: Path, *, overwrite: bool = False) -> None:
+    """Write a fit to ``params.json``.
+
+    Parameters
+    ----------
+    result
+        A fit that reached its optimum.
+    path
+        Target file.
+    overwrite
+        Whether a file of that name may be replaced.
+
+    Raises
+    ------
+    IdentificationError
+        The fit did not succeed, so that its values are not parameters of anything.
+    OutputError
+        The file cannot be written.
+    """
+    write_atomic(Path(path), dump_json(fit_document(result)), overwrite=overwrite)
+
+
+def fit_document(result: FitResult) -> dict[str, Plain]:
+    """The content of params.json as plain values, as `softid/schemas/v1/params.json` says.
+
+    Parameters
+    ----------
+    result
+        A fit that reached its optimum.
+
+    Raises
+    ------
+    IdentificationError
+        The fit did not succeed.
+    """
+    if not result.success:
+        raise IdentificationError(
+            f"there are no parameters to write: {result.status.value}",
+            remedy="fix or bound a parameter, choose a simpler model, or add a log",
+        )
+    return {
+        "schema": PARAMS_SCHEMA,
+        "model": model_entry(result.model),
+        "input": result.input,
+        "outputs": list(result.outputs),
+        "channels": channel_entries(result.input, result.simulations, result.statistics),
+        "parameters": [parameter_entry(p) for p in result.parameters],
+        "derived": {
+            k: {"value": to_jsonable(v), "unit": u} for k, (v, u) in result.derived.items()
+        },
+        "effects": [],
+        "nuisances": to_jsonable(result.nuisances),
+        "statistics": to_jsonable(result.statistics),
+        "noise": to_jsonable(result.noise),
+        "fitted_range": to_jsonable(result.fitted_range),
+        "data": data_entries(result.fingerprints, result.statistics),
+        "fit": {
+            "status": to_jsonable(result.status),
+            "message": result.message,
+            "choice": result.choice,
+            "evaluations": result.evaluations,
+            "condition_number": to_jsonable(result.condition_number),
+            "aic": to_jsonable(result.aic),
+            "bic": to_jsonable(result.bic),
+            "free": list(result.free),
+            "covariance": to_jsonable(result.covariance),
+            "correlation": to_jsonable(result.correlation),
+        },
+        "versions": versions(),
+        "seed": _whole(result.options.get("seed")),
+        "options": to_jsonable({k: v for k, v in result.options.items() if k != "seed"}),
+        "issues": to_jsonable(result.issues),
+        "content_sha256": content_sha256(result.model.name, result.model.options, result.values),
+    }
+
+
+def _whole(seed: str | float | None) -> Plain:
+    """A seed is a whole number, but options hold floats."""
+    return int(seed) if isinstance(seed, float) and seed.is_integer() else seed
+
+
+def model_entry(spec: ModelSpec) -> Plain:
+    """Model name and options."""
+    return {"name": spec.name, "options": to_jsonable(dict(spec.options))}
+
+
+def parameter_entry(estimate: ParameterEstimate) -> Plain:
+    """One parameter; its value keeps every digit."""
+    return to_jsonable(estimate)
+
+
+def channel_entries(
+    input_name: str,
+    simulations: tuple[Simulation, ...],
+    statistics: tuple[FitStatistics, ...],
+) -> dict[str, Plain]:
+    """Channel → unit of its numbers, and the unit of the file in which people know it."""
+    entries: dict[str, Plain] = {}
+    for simulation in simulations[:1]:
+        entries[input_name] = {"unit": simulation.input_unit}
+        for name, unit in simulation.units.items():
+            entries[name] = {"unit": unit}
+    for row in statistics:
+        entries[row.channel] = {
+            "unit": row.unit,
+            "display_unit": row.display_unit,
+            "display_factor": row.display_factor,
+        }
+    return entries
+
+
+def data_entries(
+    fingerprints: Mapping[str, str], statistics: tuple[FitStatistics, ...]
+) -> list[Plain]:
+    """One entry per log: name, fingerprint (null for arrays) and whether it was fitted."""
+    fitted = {row.log: row.in_sample for row in statistics}
+    return [
+        {"log": log, "sha256": sha256 or None, "in_sample": fitted.get(log, True)}
+        for log, sha256 in fingerprints.items()
+    ]
+
+
+def versions() -> dict[str, Plain]:
+    """Versions of softid and of the libraries on which its numbers rest; null if unknown."""
+    found: dict[str, Plain] = {"python": platform.python_version()}
+    for name in _LIBRARIES:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:  # run from a source tree that is not installed
+            found[name] = None
+    return found

@@ -1,0 +1,221 @@
+"""params.json read back as a model with values."""
+
+from __future__ import annotations
+
+import math
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from softid.errors import InputError, Issue, SoftidError
+from softid.records.params import PARAMS_SCHEMA
+from softid.records.plain import content_sha256
+from softid.records.reading import read_document
+from softid.results import LogNuisance, ModelSpec, SegmentStart
+
+if TYPE_CHECKING:
+    from softid.models.base import Model
+
+
+@dataclass(frozen=True, eq=False)
+class SavedModel:
+    """A fitted model read back from its file.
+
+    Attributes
+    ----------
+    path
+        The file.
+    model
+        The model and its options.
+    input, outputs
+        Roles of the channels in the fit.
+    units
+        Channel → unit of its numbers in the file.
+    display
+        Channel → (unit, factor to it) in which the fitted logs recorded it.
+    values
+        Parameter name → value, in the model's order.
+    bounds
+        Parameter name → (lower, upper); infinite where there was none.
+    nuisances
+        Log name → what was estimated for that log alone.
+    fitted_range
+        Channel → (smallest, largest) value that the fitted logs reached.
+    fingerprints
+        Log name → sha256 of its file; None for a log that was given as arrays.
+    fitted_logs
+        Names of the logs that the parameters were fitted to; the others were held out.
+    issues
+        What was noticed in reading, such as an edit by hand.
+    """
+
+    path: str
+    model: ModelSpec
+    input: str
+    outputs: tuple[str, ...]
+    units: Mapping[str, str]
+    display: Mapping[str, tuple[str, float]]
+    values: Mapping[str, float]
+    bounds: Mapping[str, tuple[float, float]]
+    nuisances: Mapping[str, LogNuisance]
+    fitted_range: Mapping[str, tuple[float, float]]
+    fingerprints: Mapping[str, str | None]
+    fitted_logs: tuple[str, ...]
+    issues: tuple[Issue, ...] = ()
+
+    def build_model(self) -> Model:
+        """The model with its options, ready for `softid.simulate`."""
+        return _build(self.model, where=self.path)
+
+
+def load_params(path: Path | str) -> SavedModel:
+    """Read ``params.json``.
+
+    Parameters
+    ----------
+    path
+        A file that `save_fit` wrote.
+
+    Returns
+    -------
+    SavedModel
+        Model, values and what they were fitted to. Values that were changed by hand but are still
+        valid give an issue, for the stated errors and scores are no longer theirs.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is of another version, breaks its schema, or names a model,
+        option or parameter that does not exist or a value outside its bounds.
+    """
+    path = Path(path)
+    document = read_document(path, schema=PARAMS_SCHEMA)
+    where = str(path)
+    spec = ModelSpec(document["model"]["name"], document["model"]["options"])
+    names = _build(spec, where=where).parameters().names
+    values, bounds = _parameters(document["parameters"], names, where=where)
+    data = document["data"]
+    return SavedModel(
+        path=where,
+        model=spec,
+        input=document["input"],
+        outputs=tuple(document["outputs"]),
+        units={name: entry["unit"] for name, entry in document["channels"].items()},
+        display={
+            name: (entry["display_unit"], float(entry["display_factor"]))
+            for name, entry in document["channels"].items()
+            if "display_unit" in entry
+        },
+        values=values,
+        bounds=bounds,
+        nuisances={entry["log"]: _nuisance(entry) for entry in document["nuisances"]},
+        fitted_range={k: (float(a), float(b)) for k, (a, b) in document["fitted_range"].items()},
+        fingerprints={entry["log"]: entry["sha256"] for entry in data},
+        fitted_logs=tuple(entry["log"] for entry in data if entry["in_sample"]),
+        issues=_edits(document, spec, values, where=where),
+    )
+
+
+def _build(spec: ModelSpec, *, where: str) -> Model:
+    from softid.models import MODELS  # numba, which a reader of other files does not need
+
+    if spec.name not in MODELS:
+        raise InputError(
+            "this softid has no such model",
+            where=f"{where}, $.model.name",
+            value=spec.name,
+            remedy=f"choose from {', '.join(MODELS)}, or install the softid that wrote the file",
+        )
+    model_class = MODELS[spec.name]
+    hints = typing.get_type_hints(model_class)
+    known = [f.name for f in fields(model_class)]
+    for name, value in spec.options.items():
+        if name not in known:
+            raise InputError(
+                f"the {spec.name} model has no such option",
+                where=f"{where}, $.model.options",
+                value=name,
+                remedy=f"choose from {', '.join(known)}" if known else "remove it",
+            )
+        if typing.get_origin(hints[name]) is Literal and value not in typing.get_args(hints[name]):
+            raise InputError(
+                f"expected {' or '.join(map(str, typing.get_args(hints[name])))}",
+                where=f"{where}, $.model.options.{name}",
+                value=value,
+                remedy="restore the file that softid wrote, or fit again",
+            )
+    try:
+        return model_class(**spec.options)
+    except (SoftidError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the options make no {spec.name} model ({str(error).rstrip('.')})",
+            where=f"{where}, $.model.options",
+            remedy="restore the file that softid wrote, or fit again",
+        ) from error
+
+
+def _parameters(
+    entries: list[dict[str, Any]], names: tuple[str, ...], *, where: str
+) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+    found: dict[str, float] = {}
+    bounds: dict[str, tuple[float, float]] = {}
+    for k, entry in enumerate(entries):
+        name, at = entry["name"], f"{where}, $.parameters[{k}]"
+        if name not in names or name in found:
+            raise InputError(
+                "the parameter is there twice" if name in found else "unknown parameter",
+                where=f"{at}.name",
+                value=name,
+                remedy=f"the model has {', '.join(names)}, each once",
+            )
+        value = float(entry["value"])
+        lower = -math.inf if entry["lower"] is None else float(entry["lower"])
+        upper = math.inf if entry["upper"] is None else float(entry["upper"])
+        if not math.isfinite(value) or not lower <= value <= upper:
+            raise InputError(
+                f"{name} is not within its bounds [{lower:g}, {upper:g}]",
+                where=f"{at}.value",
+                value=value,
+                remedy="give a value inside the bounds, or change the bounds in the file",
+            )
+        found[name], bounds[name] = value, (lower, upper)
+    missing = [name for name in names if name not in found]
+    if missing:
+        raise InputError(
+            f"the parameter {missing[0]} is missing",
+            where=f"{where}, $.parameters",
+            remedy=f"the model has {', '.join(names)}, each once",
+        )
+    return {name: found[name] for name in names}, bounds
+
+
+def _nuisance(entry: dict[str, Any]) -> LogNuisance:
+    return LogNuisance(
+        log=entry["log"],
+        zero={name: float(zero) for name, zero in entry["zero"].items()},
+        zero_stderr=dict(entry["zero_stderr"]),
+        starts=tuple(
+            SegmentStart(
+                float(start["start_s"]), start["at_rest"], tuple(map(float, start["state"]))
+            )
+            for start in entry["starts"]
+        ),
+    )
+
+
+def _edits(
+    document: dict[str, Any], spec: ModelSpec, values: Mapping[str, float], *, where: str
+) -> tuple[Issue, ...]:
+    if document["content_sha256"] == content_sha256(spec.name, spec.options, values):
+        return ()
+    return (
+        Issue(
+            "edited-by-hand",
+            "warning",
+            f"{where} was edited by hand: the stated errors and scores no longer belong to its "
+            "values",
+            "score the values with `softid validate`, or fit again",
+        ),
+    )

@@ -1,0 +1,66 @@
+"""Scores of a model as validation.json."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from softid.records.params import channel_entries, data_entries, model_entry, versions
+from softid.records.plain import Plain, dump_json, to_jsonable
+from softid.records.writing import write_atomic
+from softid.results import Validation
+
+VALIDATION_SCHEMA = "softid.validation/1"
+
+
+def save_validation(
+    validation: Validation, path: Path, *, params: Path | None = None, overwrite: bool = False
+) -> None:
+    """Write scores to ``validation.json``.
+
+    Parameters
+    ----------
+    validation
+        What `softid.validate` returned.
+    path
+        Target file.
+    params
+        File of the model that was scored, named in the record.
+    overwrite
+        Whether a file of that name may be replaced.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    document = validation_document(validation, params=params)
+    write_atomic(Path(path), dump_json(document), overwrite=overwrite)
+
+
+def validation_document(validation: Validation, *, params: Path | None = None) -> dict[str, Plain]:
+    """The content of validation.json, as `softid/schemas/v1/validation.json` says.
+
+    Parameters
+    ----------
+    validation
+        What `softid.validate` returned.
+    params
+        File of the model that was scored.
+    """
+    return {
+        "schema": VALIDATION_SCHEMA,
+        "params": None if params is None else str(params),
+        "model": model_entry(validation.model),
+        "input": validation.input,
+        "outputs": list(validation.outputs),
+        "channels": channel_entries(
+            validation.input, validation.simulations, validation.statistics
+        ),
+        "threshold_percent": to_jsonable(validation.threshold_percent),
+        "passed": validation.passed,
+        "statistics": to_jsonable(validation.statistics),
+        "nuisances": to_jsonable(validation.nuisances),
+        "data": data_entries(validation.fingerprints, validation.statistics),
+        "versions": versions(),
+        "issues": to_jsonable(validation.issues),
+    }

@@ -1,0 +1,398 @@
+"""What is left of an output after a fit: its size, its memory and its ties to the input.
+
+Plain arrays in, frozen results out. A NaN is a sample that was not used; every sum runs over the
+pairs of samples that are there. The residuals of real logs are autocorrelated, so each correlation
+comes with a band that allows for it next to the band for white noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import chdtrc
+
+from softid.errors import InputError, UsageError
+from softid.results import FitStatistics
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+NORMAL_95 = 1.959963984540054
+"""Two-sided 95 % quantile of the normal law."""
+
+
+@dataclass(frozen=True, eq=False)
+class Autocorrelation:
+    """Correlation of a residual with its own past.
+
+    Attributes
+    ----------
+    lags
+        Lags in samples, 0 … max_lag.
+    values
+        Autocorrelation at each lag; 1 at lag 0.
+    white_band
+        95 % of the values lie within ± this if the residual is white.
+    bartlett_band
+        95 % half-width at each lag if the true correlation ends before it, shape (max_lag + 1,).
+    n
+        Samples used.
+    """
+
+    lags: npt.NDArray[np.int64]
+    values: Array
+    white_band: float
+    bartlett_band: Array
+    n: int
+
+
+@dataclass(frozen=True, eq=False)
+class CrossCorrelation:
+    """Correlation of a residual with the input.
+
+    Attributes
+    ----------
+    lags
+        Lags in samples, −max_lag … max_lag; at a positive lag the residual follows the input.
+    values
+        Correlation at each lag.
+    band
+        95 % half-width if residual and input are unrelated, each with the memory it shows.
+    white_band
+        The narrower half-width if one of the two were white.
+    n
+        Samples used.
+    """
+
+    lags: npt.NDArray[np.int64]
+    values: Array
+    band: float
+    white_band: float
+    n: int
+
+
+@dataclass(frozen=True)
+class WhitenessTest:
+    """Outcome of a portmanteau test.
+
+    Attributes
+    ----------
+    statistic
+        Q, to be compared with χ² of ``degrees_of_freedom``.
+    p_value
+        Chance of a larger Q from white noise.
+    degrees_of_freedom
+        Lags less fitted noise coefficients.
+    """
+
+    statistic: float
+    p_value: float
+    degrees_of_freedom: int
+
+
+def autocorrelation(residual: Array, max_lag: int) -> Autocorrelation:
+    """Autocorrelation of a residual with white and Bartlett bands.
+
+    r_k = (1 − k/n) · mean over pairs of (x_t x_{t+k}) / mean of x_t², x without its mean; for a
+    record without gaps this is the usual estimate Σ x_t x_{t+k} / Σ x_t². Bartlett's band at lag k
+    is 1.96 √[(1 + 2 Σ_{0<j<k} r_j²)/n].
+
+    Parameters
+    ----------
+    residual
+        Samples, shape (n,); NaN where not used.
+    max_lag
+        Largest lag, below the number of samples.
+
+    Returns
+    -------
+    Autocorrelation
+
+    Raises
+    ------
+    InputError
+        Fewer than two samples are used, or all are equal.
+    UsageError
+        The largest lag is not within the record.
+
+    Notes
+    -----
+    M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946) 27.
+
+    Examples
+    --------
+    >>> autocorrelation(np.array([1.0, -1.0, 1.0, -1.0]), 1).values.tolist()
+    [1.0, -0.75]
+    """
+    _check_lag(max_lag, residual.size)
+    centred, used = _centred(residual, "residual")
+    n = int(used.sum())
+    sums = _lagged_sums(centred, centred, max_lag)
+    pairs = np.rint(_lagged_sums(used.astype(float), used.astype(float), max_lag))
+    lags = np.arange(max_lag + 1)
+    mean = np.divide(sums, pairs, out=np.zeros_like(sums), where=pairs > 0)
+    values = np.clip(1.0 - lags / n, 0.0, None) * mean * n / sums[0]
+    before = np.concatenate(([0.0, 0.0], np.cumsum(values[1:-1] ** 2)))[: max_lag + 1]
+    band = NORMAL_95 * np.sqrt((1.0 + 2.0 * before) / n)
+    return Autocorrelation(lags, values, NORMAL_95 / np.sqrt(n), band, n)
+
+
+def cross_correlation(residual: Array, input: Array, max_lag: int) -> CrossCorrelation:
+    """Correlation of a residual with the input, with a band that knows the memory of both.
+
+    r_k = (1 − |k|/n) · mean over pairs of (e_t u_{t−k}) / (s_e s_u). If the two are unrelated,
+    var r_k ≈ (1/n) Σ_j ρ_e(j) ρ_u(j) (Bartlett), here with |j| up to half the record and never
+    below 1/n.
+
+    Parameters
+    ----------
+    residual
+        Samples, shape (n,); NaN where not used.
+    input
+        Samples at the same times, shape (n,).
+    max_lag
+        Largest lag, below the number of samples.
+
+    Returns
+    -------
+    CrossCorrelation
+
+    Raises
+    ------
+    InputError
+        Shapes differ, fewer than two samples are used, or one of the two is constant.
+    UsageError
+        The largest lag is not within the record.
+
+    Notes
+    -----
+    M. S. Bartlett, J. R. Stat. Soc. 98 (1935) 536.
+
+    Examples
+    --------
+    >>> u = np.array([0.0, 1.0, 0.0, -1.0] * 8)
+    >>> c = cross_correlation(np.roll(u, 1), u, 2)
+    >>> int(c.lags[np.argmax(c.values)])
+    1
+    """
+    if residual.shape != input.shape:
+        raise InputError(
+            "residual and input differ in length",
+            value=(residual.size, input.size),
+            remedy="give one input sample per residual",
+        )
+    _check_lag(max_lag, residual.size)
+    e, used_e = _centred(residual, "residual")
+    u, used_u = _centred(input, "input")
+    n = int((used_e & used_u).sum())
+    later = _mean_product(u, e, used_u, used_e, max_lag)
+    earlier = _mean_product(e, u, used_e, used_u, max_lag)
+    lags = np.arange(-max_lag, max_lag + 1)
+    spread = np.sqrt((e @ e) / used_e.sum() * (u @ u) / used_u.sum())
+    taper = np.clip(1.0 - np.abs(lags) / max(n, 1), 0.0, None)
+    values = taper * np.concatenate((earlier[:0:-1], later)) / spread
+    half = max(1, residual.size // 2)
+    rho_e, rho_u = autocorrelation(residual, half).values, autocorrelation(input, half).values
+    factor = max(1.0, 1.0 + 2.0 * float(rho_e[1:] @ rho_u[1:]))
+    white = NORMAL_95 / np.sqrt(max(n, 1))
+    return CrossCorrelation(lags, values, float(white * np.sqrt(factor)), float(white), n)
+
+
+def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> WhitenessTest:
+    """Test whether a residual is white.
+
+    Q = n(n + 2) Σ_k r_k²/m_k with r_k = Σ x_t x_{t+k}/Σ x_t² over the m_k available pairs, m_k =
+    n − k without gaps. Under whiteness Q follows χ² with ``lags − fitted_parameters`` degrees of
+    freedom.
+
+    Parameters
+    ----------
+    residual
+        Samples, shape (n,); NaN where not used. Join several segments with ``lags`` NaN between.
+    lags
+        Number of lags.
+    fitted_parameters
+        Coefficients of a noise model that made this residual (an autoregression of order p: p).
+        The parameters of a simulated response do not count here.
+
+    Returns
+    -------
+    WhitenessTest
+        Of a constant residual: Q = 0, p = 1.
+
+    Raises
+    ------
+    InputError
+        Fewer than two samples are used.
+    UsageError
+        There are no more lags than fitted parameters, or more than the record has.
+
+    Notes
+    -----
+    G. M. Ljung and G. E. P. Box, Biometrika 65 (1978) 297; D. S. Stoffer and C. M. C. Toloi,
+    Stat. Probab. Lett. 13 (1992) 391, for missing samples.
+
+    Examples
+    --------
+    >>> ljung_box(np.array([1.0, -1.0] * 50), 5).p_value < 1e-9
+    True
+    """
+    _check_lag(lags, residual.size)
+    if lags <= fitted_parameters:
+        raise UsageError(
+            "the whiteness test has no degrees of freedom left",
+            value=(lags, fitted_parameters),
+            remedy="use more lags than the noise model has coefficients",
+        )
+    used = np.isfinite(residual)
+    n = int(used.sum())
+    if n < 2:
+        raise InputError("fewer than two residuals are used", value=n, remedy="mask fewer samples")
+    freedom = lags - fitted_parameters
+    if float(np.ptp(residual[used])) == 0.0:
+        return WhitenessTest(0.0, 1.0, freedom)
+    centred = np.where(used, residual - residual[used].mean(), 0.0)
+    sums = _lagged_sums(centred, centred, lags)
+    pairs = np.rint(_lagged_sums(used.astype(float), used.astype(float), lags))
+    there = pairs[1:] > 0
+    q = float(n * (n + 2.0) * np.sum((sums[1:][there] / sums[0]) ** 2 / pairs[1:][there]))
+    return WhitenessTest(q, float(chdtrc(freedom, q)), freedom)
+
+
+def rmse(measured: Array, simulated: Array) -> float:
+    """Root mean square of the difference, √mean (y − ŷ)², over samples that are finite in both."""
+    y, s = _pairs(measured, simulated)
+    return float(np.sqrt(np.mean((y - s) ** 2)))
+
+
+def nrmse(measured: Array, simulated: Array) -> float:
+    """Normalised error ‖y − ŷ‖/‖y − mean y‖; NaN for a constant measurement."""
+    y, s = _pairs(measured, simulated)
+    spread = float(np.linalg.norm(y - y.mean()))
+    return float(np.linalg.norm(y - s)) / spread if spread > 0.0 else float("nan")
+
+
+def fit_percent(measured: Array, simulated: Array) -> float:
+    """Fit 100 (1 − nrmse), as MATLAB's ``compare``; NaN for a constant measurement."""
+    return 100.0 * (1.0 - nrmse(measured, simulated))
+
+
+def r2(measured: Array, simulated: Array) -> float:
+    """Coefficient of determination 1 − nrmse²; NaN for a constant measurement."""
+    return 1.0 - nrmse(measured, simulated) ** 2
+
+
+def vaf(measured: Array, simulated: Array) -> float:
+    """Variance accounted for, 100 (1 − var(y − ŷ)/var y); NaN for a constant measurement."""
+    y, s = _pairs(measured, simulated)
+    variance = float(np.var(y))
+    return 100.0 * (1.0 - float(np.var(y - s)) / variance) if variance > 0.0 else float("nan")
+
+
+def fit_statistics(
+    measured: Array,
+    simulated: Array,
+    *,
+    log: str,
+    channel: str,
+    unit: str,
+    in_sample: bool,
+    used: BoolArray | None = None,
+    display_unit: str | None = None,
+    display_factor: float = 1.0,
+) -> FitStatistics:
+    """Score a simulated output against a measured one.
+
+    Parameters
+    ----------
+    measured, simulated
+        Samples, shape (n,), in ``unit``.
+    log, channel, unit
+        What is compared.
+    in_sample
+        Whether the parameters were fitted to this log.
+    used
+        Samples to compare, shape (n,); by default those that are finite in both.
+    display_unit, display_factor
+        Unit of the file and the factor to it; by default ``unit``.
+
+    Returns
+    -------
+    FitStatistics
+        The relative scores are NaN when the measurement is constant.
+
+    Raises
+    ------
+    InputError
+        No sample can be compared.
+
+    Examples
+    --------
+    >>> y = np.array([0.0, 1.0, 2.0])
+    >>> s = fit_statistics(y, y, log="a", channel="angle", unit="rad", in_sample=True)
+    >>> s.n, s.fit_percent
+    (3, 100.0)
+    """
+    y = measured if used is None else np.where(used, measured, np.nan)
+    both, _ = _pairs(y, simulated, where=f"{log}, {channel}")
+    return FitStatistics(
+        log=log,
+        channel=channel,
+        unit=unit,
+        in_sample=in_sample,
+        kind="simulated",
+        n=both.size,
+        rmse=rmse(y, simulated),
+        nrmse=nrmse(y, simulated),
+        fit_percent=fit_percent(y, simulated),
+        r2=r2(y, simulated),
+        vaf=vaf(y, simulated),
+        display_unit=unit if display_unit is None else display_unit,
+        display_factor=display_factor,
+    )
+
+
+def _pairs(measured: Array, simulated: Array, where: str | None = None) -> tuple[Array, Array]:
+    there = np.isfinite(measured) & np.isfinite(simulated)
+    if not there.any():
+        raise InputError("there is no sample to compare", where=where, remedy="mask fewer samples")
+    return measured[there], simulated[there]
+
+
+def _check_lag(max_lag: int, n: int) -> None:
+    if not 1 <= max_lag < n:
+        raise UsageError(
+            "the largest lag is not within the record",
+            value=max_lag,
+            remedy=f"choose one from 1 to {n - 1}",
+        )
+
+
+def _centred(values: Array, name: str) -> tuple[Array, BoolArray]:
+    """Values without their mean, zero where missing, and which are there."""
+    used = np.isfinite(values)
+    if not used.any() or float(np.ptp(values[used])) == 0.0:
+        raise InputError(
+            f"the {name} does not vary, so it has no correlation",
+            value=int(used.sum()),
+            remedy="use a longer or livelier record",
+        )
+    return np.where(used, values - values[used].mean(), 0.0), used
+
+
+def _mean_product(
+    first: Array, second: Array, used_first: BoolArray, used_second: BoolArray, max_lag: int
+) -> Array:
+    """Mean of first_t second_{t+k} over the available pairs, k = 0 … max_lag."""
+    sums = _lagged_sums(first, second, max_lag)
+    pairs = np.rint(_lagged_sums(used_first.astype(float), used_second.astype(float), max_lag))
+    return np.divide(sums, pairs, out=np.zeros_like(sums), where=pairs > 0)
+
+
+def _lagged_sums(first: Array, second: Array, max_lag: int) -> Array:
+    """Σ_t first_t second_{t+k}, k = 0 … max_lag, by a zero-padded transform."""
+    size = 1 << int(first.size + max_lag).bit_length()
+    spectrum = np.conj(np.fft.rfft(first, size)) * np.fft.rfft(second, size)
+    return np.fft.irfft(spectrum, size)[: max_lag + 1]

@@ -1,0 +1,103 @@
+"""The response of a model to a log's input, on the log's own times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import IdentificationError, UsageError
+from softid.log import Log
+from softid.models.base import Model
+from softid.results import LogNuisance, Simulation
+
+Array = npt.NDArray[np.float64]
+
+
+def parameter_vector(model: Model, values: Mapping[str, float]) -> Array:
+    """Named values as the model's vector θ, shape (K,).
+
+    Raises
+    ------
+    UsageError
+        A parameter is missing or unknown.
+    """
+    names = model.parameters().names
+    odd = sorted(set(values) ^ set(names))
+    if odd:
+        raise UsageError(
+            f"the {model.name} model needs exactly the parameters {', '.join(names)}",
+            value=odd,
+            remedy="give each of them one value",
+        )
+    return np.array([values[name] for name in names], dtype=np.float64)
+
+
+def simulate(
+    model: Model,
+    values: Mapping[str, float],
+    log: Log,
+    *,
+    nuisance: LogNuisance | None = None,
+) -> Simulation:
+    """Simulate a model on one log.
+
+    Parameters
+    ----------
+    model
+        The model with its options.
+    values
+        Parameter name → value.
+    log
+        Supplies times, input and, for comparison, measured outputs.
+    nuisance
+        Sensor zeros and initial states; without it every segment starts at rest and zeros are 0.
+
+    Returns
+    -------
+    Simulation
+        Free-run response of every output channel, sensor zero included; NaN at a lone sample
+        between two stalls.
+
+    Raises
+    ------
+    IdentificationError
+        The response is not finite.
+    """
+    theta = parameter_vector(model, values)
+    simulated = {name: np.full(len(log), np.nan) for name in log.outputs}
+    used = {name: np.zeros(len(log), bool) for name in log.outputs}
+    segments = log.segments()
+    for segment in segments:
+        start = _start(nuisance, segment.index)
+        response = model.response(theta, segment, log.outputs, start=start, derivatives=False)
+        span = slice(segment.start, segment.stop)
+        for name in log.outputs:
+            zero = nuisance.zero.get(name, 0.0) if nuisance else 0.0
+            simulated[name][span] = response.outputs[name] + zero
+            used[name][span] = segment.used[name]
+            if not np.all(np.isfinite(response.outputs[name])):
+                raise IdentificationError(
+                    f"the simulated {name} is not finite",
+                    where=log.name,
+                    remedy="check the parameter values and the unit of the input",
+                )
+    return Simulation(
+        log=log.name,
+        time_s=log.time_s,
+        input_name=log.input,
+        input=log.channels[log.input].values,
+        input_unit=log.channels[log.input].unit,
+        outputs=simulated,
+        measured={name: log.channels[name].values for name in log.outputs},
+        used=used,
+        units={name: log.channels[name].unit for name in log.outputs},
+        segment_starts=tuple(s.start for s in segments),
+    )
+
+
+def _start(nuisance: LogNuisance | None, index: int) -> Array | None:
+    if nuisance is None or index >= len(nuisance.starts) or nuisance.starts[index].at_rest:
+        return None
+    return np.array(nuisance.starts[index].state, dtype=np.float64)

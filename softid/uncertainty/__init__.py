@@ -1,0 +1,65 @@
+"""How well parameters are known when the residuals have a memory."""
+
+from softid.uncertainty.autoregression import (
+    AutoRegression,
+    autocovariance,
+    fit_ar,
+    log_likelihood,
+    whiten,
+)
+from softid.uncertainty.bootstrap import (
+    MeanInterval,
+    block_bootstrap_mean_ci,
+    block_length,
+    bootstrap_intervals,
+    resample,
+)
+from softid.uncertainty.covariance import (
+    CI_METHOD,
+    Covariance,
+    confidence_interval,
+    sandwich_covariance,
+    standard_error,
+    to_linear,
+)
+from softid.uncertainty.identifiability import (
+    companions,
+    condition_number,
+    correlation,
+    judge,
+    relative_sd,
+    strongest_partner,
+)
+from softid.uncertainty.linearisation import ResidualBlock
+from softid.uncertainty.noise import effective_n, noise_model
+from softid.uncertainty.profile import ProfileResult, profile
+
+__all__ = [
+    "CI_METHOD",
+    "AutoRegression",
+    "Covariance",
+    "MeanInterval",
+    "ProfileResult",
+    "ResidualBlock",
+    "autocovariance",
+    "block_bootstrap_mean_ci",
+    "block_length",
+    "bootstrap_intervals",
+    "companions",
+    "condition_number",
+    "confidence_interval",
+    "correlation",
+    "effective_n",
+    "fit_ar",
+    "judge",
+    "log_likelihood",
+    "noise_model",
+    "profile",
+    "relative_sd",
+    "resample",
+    "sandwich_covariance",
+    "standard_error",
+    "strongest_partner",
+    "to_linear",
+    "whiten",
+]

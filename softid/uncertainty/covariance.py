@@ -1,0 +1,345 @@
+"""Covariance and intervals of least-squares estimates when the noise has a memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import stdtrit
+
+from softid.errors import IdentificationError, UsageError
+from softid.parameters import Scale
+from softid.uncertainty.autoregression import (
+    MAX_ORDER,
+    AutoRegression,
+    autocovariance,
+    fit_ar,
+    to_phi,
+)
+from softid.uncertainty.lag_form import LagForm
+from softid.uncertainty.linearisation import (
+    RANK_TOLERANCE,
+    Linearisation,
+    ResidualBlock,
+    influence,
+    linearise,
+    reachable,
+    stretch_sums,
+)
+from softid.uncertainty.restricted import (
+    Moments,
+    RestrictedFit,
+    evaluate,
+    gather_moments,
+    restricted_ar,
+)
+
+Array = npt.NDArray[np.float64]
+
+CI_METHOD = "ar-sandwich"
+"""Name of this method in results."""
+
+SCALE_STEP = 4
+"""Each coarser time scale averages this many samples of the one before."""
+
+MIN_STRETCHES = 100
+"""A time scale is used when its averages number at least this …"""
+
+MIN_STRETCHES_PER_PARAMETER = 10
+"""… and at least this many times the parameters."""
+
+MIN_FREEDOM = 2.0
+"""Fewest degrees of freedom of an interval; below, its width says nothing but "unknown"."""
+
+MAX_LOG_HALF_WIDTH = 700.0
+"""Beyond this the upper limit of a logarithmic interval overflows."""
+
+DIFFERENCE_STEP = 1e-3
+"""Step in artanh k for the sensitivity of a variance to the noise model."""
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance:
+    """What is known about the estimates of a fit, in internal coordinates.
+
+    The internal coordinate of a parameter on a logarithmic scale is its logarithm.
+
+    Attributes
+    ----------
+    names
+        Parameters, K of them.
+    matrix
+        Covariance, shape (K, K); NaN in rows and columns of parameters that are not determined.
+    sd
+        Standard deviations, None where not determined.
+    degrees_of_freedom
+        Of Student's t for each interval, None where not determined.
+    inflation
+        Variance over what white noise of the same size would give, shape (K,); NaN where not
+        determined.
+    cost_per_variance
+        Rise of the cost Σ (w r)² when a parameter lies one ``sd`` off and the others are refitted,
+        shape (K,); NaN where not determined. It is the unit in which a profile measures cost.
+    condition_number
+        Of the column-scaled Jacobian; infinite when a direction is undetermined.
+    undetermined
+        Directions that the residuals cannot see: the names in each.
+    noise
+        Noise model of each block.
+    """
+
+    names: tuple[str, ...]
+    matrix: Array
+    sd: tuple[float | None, ...]
+    degrees_of_freedom: tuple[float | None, ...]
+    inflation: Array
+    cost_per_variance: Array
+    condition_number: float
+    undetermined: tuple[tuple[str, ...], ...]
+    noise: tuple[AutoRegression, ...]
+
+
+def sandwich_covariance(
+    blocks: Sequence[ResidualBlock],
+    names: Sequence[str],
+    *,
+    max_order: int = MAX_ORDER,
+    rank_tolerance: float = RANK_TOLERANCE,
+) -> Covariance:
+    """Covariance of ordinary least-squares estimates under autoregressive noise.
+
+    C = H⁻¹ (Σ_s w⁴ J_sᵀ Ω_s J_s) H⁻¹ with H = Σ_s w² J_sᵀ J_s and Ω_s the Toeplitz covariance of an
+    autoregression. Three things keep the intervals honest where the noise is slow:
+
+    - the autoregression is fitted by restricted likelihood, since a fit absorbs slow noise;
+    - it is fitted to the samples and to averages over 4, 16, … samples, and the widest interval of
+      each parameter is taken: slow misfit plus white sensor noise is no short autoregression at
+      the full rate, but is one after averaging;
+    - each variance carries degrees of freedom from the uncertainty of the noise model,
+      ν = 2/var(log C_kk) (Satterthwaite), for Student's t.
+
+    Parameters
+    ----------
+    blocks
+        Residuals and derivatives at the optimum, one block for each noise model. Leave out the
+        columns of parameters that rest on a bound.
+    names
+        The K parameters, nuisances included.
+    max_order
+        Highest order of the autoregressions.
+    rank_tolerance
+        Relative singular value below which a direction counts as undetermined. Such a direction is
+        reported and its parameters get no standard deviation; the others keep theirs.
+
+    Returns
+    -------
+    Covariance
+
+    Raises
+    ------
+    IdentificationError
+        There are no more residuals than parameters.
+    UsageError
+        Names and Jacobian columns do not match.
+
+    Notes
+    -----
+    F. E. Satterthwaite, Biometrics Bull. 2 (1946) 110; H. D. Patterson and R. Thompson, Biometrika
+    58 (1971) 545. COVERAGE
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 1.0, 200)
+    >>> e = np.random.default_rng(1).normal(size=200)
+    >>> block = ResidualBlock("angle", (np.column_stack((np.ones(200), t)),), (e,))
+    >>> c = sandwich_covariance([block], ["zero", "slope"])
+    >>> 0.1 < c.sd[0] < 0.2
+    True
+    """
+    _check(blocks, names)
+    line = linearise(blocks, rank_tolerance=rank_tolerance)
+    series = [influence(block, line.inverse) for block in blocks]
+    enough = max(MIN_STRETCHES, MIN_STRETCHES_PER_PARAMETER * len(names))
+    length, scales = 1, [_at_scale(blocks, series, 1, max_order)]
+    while length * SCALE_STEP * enough <= min(block.n for block in blocks):
+        length *= SCALE_STEP
+        scales.append(_at_scale(blocks, series, length, max_order))
+    variances = np.array([np.diag(scale.matrix) for scale in scales])
+    freedoms = np.array([scale.freedom for scale in scales])
+    widest = np.argmax(_quantile(freedoms, 0.95) * np.sqrt(variances), axis=0)
+    pick = widest, np.arange(len(names))
+    return _assemble(names, line, scales[0], variances[pick], freedoms[pick])
+
+
+def standard_error(value: float, scale: Scale, sd: float | None) -> float | None:
+    """Standard error in the parameter's own unit, value · sd on a logarithmic scale."""
+    if sd is None:
+        return None
+    return abs(value) * sd if scale == "log" else sd
+
+
+def confidence_interval(
+    value: float,
+    scale: Scale,
+    sd: float | None,
+    degrees_of_freedom: float | None,
+    *,
+    level: float = 0.95,
+) -> tuple[float, float] | None:
+    """Interval v ± t sd, or v exp(± t sd) on a logarithmic scale, with Student's t.
+
+    Parameters
+    ----------
+    value
+        Estimate in its own unit.
+    scale
+        ``"linear"`` or ``"log"``.
+    sd, degrees_of_freedom
+        From `Covariance`, in the internal coordinate.
+    level
+        Probability that the interval covers the truth.
+
+    Returns
+    -------
+    tuple of float, or None
+        None when there is no standard deviation or a limit exceeds every number.
+
+    Examples
+    --------
+    >>> low, high = confidence_interval(2.0, "log", 0.1, 1000.0)
+    >>> round(low, 3), round(high, 3)
+    (1.644, 2.434)
+    """
+    if sd is None or degrees_of_freedom is None:
+        return None
+    half = float(_quantile(np.array(degrees_of_freedom), level)) * sd
+    if scale == "linear":
+        return (value - half, value + half) if np.isfinite(half) else None
+    if half > MAX_LOG_HALF_WIDTH:
+        return None
+    return value * float(np.exp(-half)), value * float(np.exp(half))
+
+
+def to_linear(covariance: Covariance, values: Sequence[float], scales: Sequence[Scale]) -> Array:
+    """Covariance in the parameters' own units, shape (K, K), by ∂v/∂log v = v."""
+    pairs = zip(values, scales, strict=True)
+    slope = np.array([v if scale == "log" else 1.0 for v, scale in pairs])
+    linear: Array = covariance.matrix * np.outer(slope, slope)
+    return linear
+
+
+@dataclass(frozen=True, eq=False)
+class _Scale:
+    """Covariance (K, K), degrees of freedom (K,) and white variance (K,) at one time scale."""
+
+    matrix: Array
+    freedom: Array
+    white: Array
+    noise: tuple[AutoRegression, ...]
+
+
+def _at_scale(
+    blocks: Sequence[ResidualBlock],
+    series: Sequence[Sequence[Array]],
+    length: int,
+    max_order: int,
+) -> _Scale:
+    width = blocks[0].width
+    total, white, doubt = np.zeros((width, width)), np.zeros(width), np.zeros(width)
+    noise = []
+    for block, weights in zip(blocks, series, strict=True):
+        part = block.averaged(length)
+        form = LagForm.of([stretch_sums(w, length) for w in weights])
+        start = fit_ar(part.residuals, max_order=max_order)
+        if start.sigma == 0.0:
+            noise.append(start)
+            continue
+        moments = gather_moments(part.residuals, reachable(part), max_order)
+        fit = restricted_ar(moments, start)
+        matrix = form.matrix(autocovariance(fit.ar, form.lags))
+        total += matrix
+        doubt += np.diag(matrix) ** 2 * _log_variance_doubt(form, moments, fit)
+        white += form.diagonal(np.eye(1, form.lags)[0]) * _mean_square(part, fit.freedom)
+        noise.append(fit.ar)
+    variance = np.diag(total)
+    known = np.where(variance > 0.0, variance, 1.0)
+    freedom = 2.0 / np.maximum(np.where(variance > 0.0, doubt / known**2, 0.0), 1e-12)
+    return _Scale(total, np.maximum(freedom, MIN_FREEDOM), white, tuple(noise))
+
+
+def _log_variance_doubt(form: LagForm, moments: Moments, fit: RestrictedFit) -> Array:
+    """Variance of log C_kk from the uncertainty of the noise model, shape (K,)."""
+
+    def log_variance(position: Array) -> Array:
+        reflection = np.tanh(position)
+        variance = float(evaluate(moments, reflection[None]).innovation_variance[0])
+        trial = AutoRegression(tuple(to_phi(reflection)), variance**0.5, 1.0, 0, 0.0, 0.0)
+        diagonal = form.diagonal(autocovariance(trial, form.lags))
+        logarithm: Array = np.log(np.maximum(diagonal, np.finfo(float).tiny))
+        return logarithm
+
+    doubt = np.full(form.power.shape[1], 2.0 / fit.freedom)
+    if fit.position.size:
+        steps = DIFFERENCE_STEP * np.eye(fit.position.size)
+        rises = [log_variance(fit.position + d) - log_variance(fit.position - d) for d in steps]
+        slope = np.array(rises) / (2.0 * DIFFERENCE_STEP)
+        doubt += np.einsum("ik,ij,jk->k", slope, fit.spread, slope)
+    return doubt
+
+
+def _mean_square(block: ResidualBlock, freedom: int) -> float:
+    return sum(float(np.nansum(r**2)) for r in block.residuals) / freedom
+
+
+def _assemble(
+    names: Sequence[str], line: Linearisation, finest: _Scale, variance: Array, freedom: Array
+) -> Covariance:
+    """Correlations of the finest scale with the chosen variances."""
+    determined = line.determined
+    own = np.sqrt(np.diag(finest.matrix))
+    stretch = np.ones_like(own)
+    np.divide(np.sqrt(variance), own, out=stretch, where=own > 0.0)
+    matrix = finest.matrix * np.outer(stretch, stretch)
+    matrix[~determined] = matrix[:, ~determined] = np.nan
+
+    def ratio(below: Array) -> Array:
+        out = np.full(variance.size, np.nan)
+        np.divide(variance, below, out=out, where=determined & (below > 0.0))
+        return out
+
+    deviations = np.sqrt(variance)
+    return Covariance(
+        names=tuple(names),
+        matrix=matrix,
+        sd=tuple(float(s) if d else None for s, d in zip(deviations, determined, strict=True)),
+        degrees_of_freedom=tuple(
+            float(f) if d else None for f, d in zip(freedom, determined, strict=True)
+        ),
+        inflation=ratio(finest.white),
+        cost_per_variance=ratio(np.diag(line.inverse)),
+        condition_number=line.condition_number,
+        undetermined=tuple(tuple(names[k] for k in group) for group in line.undetermined),
+        noise=finest.noise,
+    )
+
+
+def _quantile(freedom: Array, level: float) -> Array:
+    quantile: Array = stdtrit(np.maximum(freedom, MIN_FREEDOM), 0.5 + level / 2.0)
+    return quantile
+
+
+def _check(blocks: Sequence[ResidualBlock], names: Sequence[str]) -> None:
+    if any(block.width != len(names) for block in blocks) or not blocks:
+        raise UsageError(
+            "names and Jacobian columns do not match",
+            value=([block.width for block in blocks], len(names)),
+            remedy="name every column",
+        )
+    n = sum(block.n for block in blocks)
+    if n <= len(names):
+        raise IdentificationError(
+            f"there are {n} residuals for {len(names)} parameters",
+            remedy="use a longer log, or fix some parameters",
+        )

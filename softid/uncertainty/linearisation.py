@@ -1,0 +1,215 @@
+"""A least-squares estimate as a linear function of the noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import InputError
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+RANK_TOLERANCE = 1e-8
+"""Singular values of the column-scaled Jacobian below this share of the largest count as zero:
+exact sensitivities carry errors of some 1e-12, and a direction that weak is unknown anyway."""
+
+MIN_LOADING = 0.01
+"""A parameter takes part in an undetermined direction when its share of the unit vector, in
+column-scaled coordinates, is at least this."""
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualBlock:
+    """Residuals that share one noise model, with their derivatives.
+
+    One block per output channel is usual. Logs whose residuals differ in size are better given as
+    blocks of their own: a pooled model takes the average size for all of them.
+
+    Attributes
+    ----------
+    channel
+        Output channel, or any name for messages.
+    jacobians
+        ∂(simulated)/∂(internal coordinate), one per segment, shape (n_s, K) with the same K in all
+        blocks; the internal coordinate of a parameter on a logarithmic scale is its logarithm.
+    residuals
+        Measured minus simulated, one per segment, shape (n_s,); NaN where a sample is not used.
+    weight
+        Weight of this channel in the fit, 1/σ: the cost is Σ (weight · residual)².
+
+    Raises
+    ------
+    InputError
+        Shapes do not match, no sample is used, or a derivative in use is not finite.
+    """
+
+    channel: str
+    jacobians: tuple[Array, ...]
+    residuals: tuple[Array, ...]
+    weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        jacobian_shapes = [j.shape for j in self.jacobians]
+        wanted = [(r.size, self.width) for r in self.residuals]
+        if jacobian_shapes != wanted:
+            raise InputError(
+                "Jacobian and residual do not match",
+                where=self.channel,
+                value=(jacobian_shapes, wanted),
+                remedy="give one row per sample and one column per parameter",
+            )
+        if self.n == 0:
+            raise InputError("no residual is used", where=self.channel, remedy="mask fewer samples")
+        pairs = zip(self.jacobians, self.used, strict=True)
+        if not all(np.isfinite(j[u]).all() for j, u in pairs):
+            raise InputError(
+                "a derivative is not finite",
+                where=self.channel,
+                remedy="mask the sample, or check the model at the optimum",
+            )
+
+    @property
+    def width(self) -> int:
+        """Number of parameters K."""
+        return int(self.jacobians[0].shape[1]) if self.jacobians else 0
+
+    @property
+    def used(self) -> tuple[BoolArray, ...]:
+        """Which samples of each segment are used."""
+        return tuple(np.isfinite(r) for r in self.residuals)
+
+    @property
+    def n(self) -> int:
+        """Samples used."""
+        return int(sum(u.sum() for u in self.used))
+
+    @property
+    def stacked(self) -> Array:
+        """Rows in use, shape (n, K), without the weight."""
+        return np.concatenate([j[u] for j, u in zip(self.jacobians, self.used, strict=True)])
+
+    def averaged(self, length: int) -> ResidualBlock:
+        """Means over stretches of ``length`` samples, unused where fewer than half are used."""
+        means = [
+            _average(j, r, length) for j, r in zip(self.jacobians, self.residuals, strict=True)
+        ]
+        return ResidualBlock(
+            self.channel, tuple(m[0] for m in means), tuple(m[1] for m in means), self.weight
+        )
+
+
+def _average(jacobian: Array, residual: Array, length: int) -> tuple[Array, Array]:
+    used = np.isfinite(residual)
+    counts = stretch_sums(used.astype(float), length)
+    divisor = np.maximum(counts, 1.0)
+    mean = stretch_sums(np.where(used, residual, 0.0), length) / divisor
+    slope = stretch_sums(np.where(used[:, None], jacobian, 0.0), length) / divisor[:, None]
+    return slope, np.where(counts >= length / 2.0, mean, np.nan)
+
+
+def stretch_sums(values: Array, length: int) -> Array:
+    """Sums over consecutive stretches of ``length`` along the first axis; the last may be short."""
+    if length == 1:
+        return values
+    return np.add.reduceat(values, np.arange(0, values.shape[0], length), axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """Singular value decomposition of the weighted Jacobian of a fit.
+
+    Attributes
+    ----------
+    inverse
+        H⁻¹ with H = Σ w² JᵀJ, over the directions that are determined, shape (K, K).
+    singular_values
+        Of the Jacobian with columns scaled to unit length, largest first, shape (K,).
+    undetermined
+        Directions that do not change the response: for each the positions of the parameters in it.
+    """
+
+    inverse: Array
+    singular_values: Array
+    undetermined: tuple[tuple[int, ...], ...]
+
+    @property
+    def condition_number(self) -> float:
+        """Largest over smallest singular value; infinite when a direction is undetermined."""
+        smallest = float(self.singular_values[-1])
+        return float(self.singular_values[0]) / smallest if smallest > 0.0 else float("inf")
+
+    @property
+    def determined(self) -> BoolArray:
+        """Which parameters take part in no undetermined direction, shape (K,)."""
+        out = np.ones(self.inverse.shape[0], bool)
+        out[[k for direction in self.undetermined for k in direction]] = False
+        return out
+
+
+def linearise(
+    blocks: Sequence[ResidualBlock], *, rank_tolerance: float = RANK_TOLERANCE
+) -> Linearisation:
+    """Decompose the Jacobian of a fit and find what it cannot see.
+
+    Parameters
+    ----------
+    blocks
+        All residuals of the fit.
+    rank_tolerance
+        Relative size below which a singular value counts as zero.
+
+    Returns
+    -------
+    Linearisation
+
+    Examples
+    --------
+    >>> x = np.arange(4.0)
+    >>> block = ResidualBlock("angle", (np.column_stack((x, 2 * x, x**2)),), (np.ones(4),))
+    >>> linearise([block]).undetermined
+    ((0, 1),)
+    """
+    rows = np.concatenate([block.weight * block.stacked for block in blocks])
+    norm, singular, right = _scaled_svd(rows)
+    kept = singular > rank_tolerance * singular[0]
+    inverse = (right[kept].T / singular[kept] ** 2) @ right[kept] / np.outer(norm, norm)
+    singular = np.where(kept, singular, 0.0)
+    null = tuple(tuple(np.flatnonzero(np.abs(v) >= MIN_LOADING).tolist()) for v in right[~kept])
+    return Linearisation(inverse, singular, null)
+
+
+def _scaled_svd(rows: Array) -> tuple[Array, Array, Array]:
+    """Column lengths (1 for a zero column), singular values (K,) and right vectors (K, K)."""
+    norm = np.linalg.norm(rows, axis=0)
+    norm = np.where(norm > 0.0, norm, 1.0)
+    triangle = np.linalg.qr(rows / norm, mode="r")
+    _, found, right = np.linalg.svd(triangle, full_matrices=True)
+    singular = np.zeros(rows.shape[1])
+    singular[: found.size] = found
+    return norm, singular, right
+
+
+def reachable(block: ResidualBlock) -> list[Array]:
+    """Orthonormal basis, per segment, of what the parameters can do to one block's response."""
+    norm, singular, right = _scaled_svd(block.stacked)
+    kept = singular > RANK_TOLERANCE * max(singular[0], np.finfo(float).tiny)
+    project = right[kept].T / singular[kept] / norm[:, None]
+    return [
+        np.where(used[:, None], j, 0.0) @ project
+        for j, used in zip(block.jacobians, block.used, strict=True)
+    ]
+
+
+def influence(block: ResidualBlock, inverse: Array) -> list[Array]:
+    """Series W with δθ = Σ_t W_t r_t, one per segment, shape (n_s, K); zero where unused.
+
+    W = w² J H⁻¹: how far each residual moves each estimate.
+    """
+    return [
+        np.where(used[:, None], block.weight**2 * j @ inverse, 0.0)
+        for j, used in zip(block.jacobians, block.used, strict=True)
+    ]

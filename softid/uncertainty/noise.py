@@ -1,0 +1,108 @@
+"""What a fit leaves over, described as noise with a memory.
+
+The residuals of real logs are autocorrelated: the misfit of a model wanders slowly and sensors are
+filtered. Every interval, criterion and test of this package starts from the models made here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.residuals import ljung_box
+from softid.results import NoiseModel
+from softid.uncertainty.autoregression import (
+    AutoRegression,
+    autocovariance,
+    contiguous_runs,
+    fit_ar,
+)
+
+Array = npt.NDArray[np.float64]
+
+WHITENESS_LEVEL = 0.01
+"""False-alarm rate of the whiteness test in a `NoiseModel`."""
+
+LJUNG_BOX_LAGS = 20
+"""Lags of the whiteness test, fewer on short records (a fifth of the samples)."""
+
+
+def effective_n(ar: AutoRegression, lengths: Sequence[int]) -> float:
+    """Independent samples whose mean would be as uncertain as that of the coloured ones.
+
+    n_e = N² γ_0 / Σ_s Σ_{|k|<n_s} (n_s − |k|) γ_k; below N for a persistent residual, above N for
+    one that alternates.
+
+    Parameters
+    ----------
+    ar
+        The model.
+    lengths
+        Samples in each stretch.
+
+    Examples
+    --------
+    >>> ar = AutoRegression((0.9,), 1.0, (1 / 0.19) ** 0.5, 1000, 0.0, 0.0)
+    >>> round(effective_n(ar, [100000]))
+    5264
+    """
+    total = int(sum(lengths))
+    if ar.sigma == 0.0 or total == 0:
+        return float(total)
+    gamma = autocovariance(ar, max(lengths))
+    variance = 0.0
+    for n in lengths:
+        lags = np.arange(1, n)
+        variance += n * gamma[0] + 2.0 * float((n - lags) @ gamma[1:n])
+    return float(total**2 * gamma[0] / variance)
+
+
+def noise_model(
+    channel: str,
+    residuals: Sequence[Array],
+    *,
+    fitted_parameters: int = 0,
+    ar: AutoRegression | None = None,
+) -> NoiseModel:
+    """Describe what a fit leaves over in one channel.
+
+    Parameters
+    ----------
+    channel
+        Output channel.
+    residuals
+        One residual per segment, shape (n_s,), canonical unit; NaN where a sample is not used.
+    fitted_parameters
+        Parameters that the fit took from these samples; the standard deviation is taken over
+        n − fitted_parameters. They do not lower the degrees of freedom of the whiteness test, since
+        they multiply inputs and not past residuals.
+    ar
+        A model already made, for example by `restricted_ar`; by default `fit_ar` of the residuals.
+
+    Returns
+    -------
+    NoiseModel
+
+    Raises
+    ------
+    IdentificationError
+        Fewer than three samples are used.
+    """
+    model = fit_ar(residuals) if ar is None else ar
+    runs = [run for residual in residuals for run in contiguous_runs(residual)]
+    n = sum(run.size for run in runs)
+    power = sum(float(run @ run) for run in runs)
+    gap = np.full(LJUNG_BOX_LAGS, np.nan)
+    joined = np.concatenate([part for residual in residuals for part in (residual, gap)])
+    test = ljung_box(joined, max(1, min(LJUNG_BOX_LAGS, n // 5)))
+    return NoiseModel(
+        channel=channel,
+        sigma=float(np.sqrt(power / max(n - fitted_parameters, 1))),
+        innovation_sigma=model.sigma_innovation,
+        ar=model.phi,
+        white=test.p_value >= WHITENESS_LEVEL,
+        ljung_box_p=test.p_value,
+        effective_n=effective_n(model, [run.size for run in runs]),
+    )

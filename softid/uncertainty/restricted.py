@@ -1,0 +1,316 @@
+"""Autoregression of the noise itself, seen through residuals from which a fit took its share.
+
+A fit absorbs whatever part of a slow noise its regressors can follow, so that the residual looks
+less persistent than the noise was, and intervals made from it are too short. The restricted
+likelihood works on what no parameter can reach and is free of that loss.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import IdentificationError
+from softid.uncertainty.autoregression import (
+    MIN_LEFT,
+    AutoRegression,
+    draw_in,
+    run_slices,
+    to_phi,
+    to_reflection,
+)
+
+Array = npt.NDArray[np.float64]
+
+NUGGET = 1e-12
+"""White variance added to every column, relative to its mean square: rounding in the moments of
+smooth regressors is some 1e-14 of it and may not turn a square negative."""
+
+STEP = 1e-3
+"""Step of the central differences in artanh k; second differences are then good to 1e-3."""
+
+MAX_ITERATIONS = 30
+"""Newton steps; five are usual."""
+
+MIN_CURVATURE = 1e-3
+"""A direction of the noise model flatter than this is given a spread of 45 in artanh k."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """Lagged products from which the likelihood of any autoregression follows.
+
+    Attributes
+    ----------
+    products
+        products[t, i, j] = Σ y_{s−i} y_{s−j}ᵀ over the samples s that have exactly t predecessors
+        in their stretch (t = p: at least p), shape (p + 1, p + 1, p + 1, m, m); the last column of y
+        is the residual, the others a basis of what the parameters can reach.
+    counts
+        Number of those samples, shape (p + 1,).
+    longest
+        Samples in the longest stretch.
+    """
+
+    products: Array
+    counts: Array
+    longest: int
+
+    @property
+    def n(self) -> int:
+        """Samples used."""
+        return int(self.counts.sum())
+
+    @property
+    def reachable(self) -> int:
+        """Directions that the parameters can reach."""
+        return int(self.products.shape[-1]) - 1
+
+
+def gather_moments(residuals: Sequence[Array], reach: Sequence[Array], max_order: int) -> Moments:
+    """Sum the lagged products of residuals and basis over all stretches.
+
+    Parameters
+    ----------
+    residuals
+        Segments of shape (n_s,); NaN where a sample is not used.
+    reach
+        Basis of what the parameters can do to each segment, shape (n_s, m − 1).
+    max_order
+        Highest order p of an autoregression that will be asked for.
+    """
+    width = reach[0].shape[1] + 1
+    size = max_order + 1
+    products = np.zeros((size, size, size, width, width))
+    counts = np.zeros(size)
+    longest = 0
+    for residual, basis in zip(residuals, reach, strict=True):
+        for span in run_slices(np.isfinite(residual)):
+            y = np.column_stack((basis[span], residual[span]))
+            longest = max(longest, y.shape[0])
+            _add_start(products, counts, y[:max_order])
+            if y.shape[0] > max_order:
+                products[max_order] += _bulk(y, max_order)
+                counts[max_order] += y.shape[0] - max_order
+    scale = np.einsum("taakk->k", products[:, :1, :1]) / max(counts.sum(), 1.0)
+    floor = np.diag(np.append(NUGGET * scale[:-1], MIN_LEFT * scale[-1]))
+    for t in range(size):
+        for i in range(t + 1):
+            products[t, i, i] += counts[t] * floor
+    return Moments(products, counts, longest)
+
+
+def _add_start(products: Array, counts: Array, start: Array) -> None:
+    """Add the first samples of a stretch, each with the predecessors that it has."""
+    outer = np.einsum("ia,jb->ijab", start, start)
+    for t in range(start.shape[0]):
+        products[t, : t + 1, : t + 1] += outer[t::-1, t::-1][: t + 1, : t + 1]
+        counts[t] += 1.0
+
+
+def _bulk(y: Array, p: int) -> Array:
+    """Σ_{s ≥ p} y_{s−i} y_{s−j}ᵀ for i, j = 0 … p, each product from its neighbour by two ends."""
+    n, width = y.shape
+    out = np.zeros((p + 1, p + 1, width, width))
+    for j in range(p + 1):
+        out[0, j] = y[p:].T @ y[p - j : n - j]
+        out[j, 0] = out[0, j].T
+    for i in range(p):
+        for j in range(p):
+            gained = np.outer(y[p - 1 - i], y[p - 1 - j])
+            lost = np.outer(y[n - 1 - i], y[n - 1 - j])
+            out[i + 1, j + 1] = out[i, j] + gained - lost
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Objective:
+    """−2 log restricted likelihood, the innovation variance profiled out, at B candidates.
+
+    Attributes
+    ----------
+    value
+        The objective up to a constant, shape (B,); infinite where it cannot be computed.
+    innovation_variance
+        Its estimate at each candidate, shape (B,).
+    """
+
+    value: Array
+    innovation_variance: Array
+
+
+def evaluate(moments: Moments, reflection: Array) -> Objective:
+    """Restricted likelihood of several autoregressions at once.
+
+    −2ℓ = (n − m) log σ² + log|V| + log|QᵀV⁻¹Q| with σ² = rᵀP r/(n − m), V the covariance for unit
+    innovations, Q the reachable basis and P = V⁻¹ − V⁻¹Q(QᵀV⁻¹Q)⁻¹QᵀV⁻¹.
+
+    Parameters
+    ----------
+    moments
+        From `gather_moments`.
+    reflection
+        Reflection coefficients, shape (B, q) with q at most the order of the moments.
+
+    Notes
+    -----
+    H. D. Patterson and R. Thompson, Biometrika 58 (1971) 545; the prediction-error form of log|V|
+    and V⁻¹ is Levinson's.
+    """
+    size = moments.counts.size
+    filters, ratio = _filters(reflection, size)
+    weights = filters[:, :, :, None] * filters[:, :, None, :] / ratio[:, :, None, None]
+    width = moments.products.shape[-1]
+    flat = weights.reshape(len(weights), -1) @ moments.products.reshape(-1, width * width)
+    form = flat.reshape(-1, width, width)
+    inner, cross, own = form[:, :-1, :-1], form[:, :-1, -1:], form[:, -1, -1]
+    sign, determinant = np.linalg.slogdet(inner)
+    good = (sign > 0) & np.isfinite(determinant)
+    left = own.copy()
+    if width > 1 and good.any():
+        solved = np.linalg.solve(inner[good], cross[good])
+        left[good] -= np.einsum("bka,bka->b", cross[good], solved)
+    good &= left > 0.0
+    freedom = moments.n - moments.reachable
+    variance = np.where(good, left, 1.0) / freedom
+    value = freedom * np.log(variance) + np.log(ratio) @ moments.counts + determinant
+    return Objective(np.where(good, value, np.inf), variance)
+
+
+def _filters(reflection: Array, size: int) -> tuple[Array, Array]:
+    """Prediction-error filters 1, −φ^{(t)} of orders 0 … size − 1, and their relative variances.
+
+    Returns
+    -------
+    filters, ratio
+        Shapes (B, size, size) and (B, size); orders above q repeat order q.
+    """
+    count, order = reflection.shape
+    filters = np.zeros((count, size, size))
+    log_ratio = np.zeros((count, size))
+    filters[:, 0, 0] = 1.0
+    for t in range(1, size):
+        filters[:, t] = filters[:, t - 1]
+        log_ratio[:, t] = log_ratio[:, t - 1]
+        if t <= order:
+            k = reflection[:, t - 1]
+            filters[:, t, 1 : t + 1] -= k[:, None] * filters[:, t - 1, t - 1 :: -1][:, :t]
+            log_ratio[:, t] += np.log1p(-k * k)
+    return filters, np.exp(log_ratio - log_ratio[:, -1:])
+
+
+@dataclass(frozen=True, eq=False)
+class RestrictedFit:
+    """An autoregression by restricted likelihood and how well it is known.
+
+    Attributes
+    ----------
+    ar
+        The model of the noise.
+    position
+        Optimum in artanh k, shape (q,).
+    spread
+        Covariance of the position, shape (q, q).
+    freedom
+        Samples less reachable directions.
+    """
+
+    ar: AutoRegression
+    position: Array
+    spread: Array
+    freedom: int
+
+
+def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
+    """Refine an autoregression by restricted maximum likelihood at its own order.
+
+    Newton's method in artanh of the reflection coefficients, so every trial is stable, with the
+    damping chosen among a ladder of trials in each step. Reflection coefficients are kept below
+    exp(−1/n) of the longest stretch, and roots too, see `fit_ar`. The noise is never taken for
+    smaller than the residuals themselves.
+
+    Parameters
+    ----------
+    moments
+        Lagged products of residuals and Jacobian basis.
+    start
+        Model from `fit_ar`; its order is kept.
+
+    Returns
+    -------
+    RestrictedFit
+
+    Raises
+    ------
+    IdentificationError
+        The parameters can follow every sample, so that nothing tells about the noise.
+    """
+    if moments.n <= moments.reachable:
+        raise IdentificationError(
+            f"{moments.reachable} parameters can follow all of {moments.n} residuals",
+            remedy="use a longer log, or fix some parameters",
+        )
+    limit = np.arctanh(np.exp(-1.0 / max(moments.longest, 2)))
+    x = np.clip(np.arctanh(to_reflection(np.asarray(start.phi))), -limit, limit)
+    value = float(evaluate(moments, np.tanh(x)[None]).value[0])
+    for _ in range(MAX_ITERATIONS if x.size else 0):
+        gradient, curvature = differences(moments, x)
+        trial = np.clip(x + damped_steps(gradient, curvature), -limit, limit)
+        found = evaluate(moments, np.tanh(trial)).value
+        best = int(np.argmin(found))
+        if not found[best] < value - 1e-7:
+            break
+        x, value = trial[best], float(found[best])
+    return _finish(moments, start, x)
+
+
+def _finish(moments: Moments, start: AutoRegression, x: Array) -> RestrictedFit:
+    phi, capped = draw_in(to_phi(np.tanh(x)), moments.longest)
+    reflection = to_reflection(phi)
+    left = float(np.prod(1.0 - reflection**2))
+    variance = float(evaluate(moments, reflection[None]).innovation_variance[0])
+    variance = max(variance, start.sigma**2 * left)
+    ar = AutoRegression(
+        phi=tuple(phi.tolist()),
+        sigma_innovation=float(np.sqrt(variance)),
+        sigma=float(np.sqrt(variance / left)),
+        n=start.n,
+        aicc=start.aicc,
+        bic=start.bic,
+        capped=capped,
+    )
+    if not x.size:
+        return RestrictedFit(ar, x, np.zeros((0, 0)), moments.n - moments.reachable)
+    _, curvature = differences(moments, x)
+    values, vectors = np.linalg.eigh(curvature)
+    spread = (vectors / np.maximum(values, MIN_CURVATURE)) @ vectors.T * 2.0
+    return RestrictedFit(ar, np.arctanh(reflection), spread, moments.n - moments.reachable)
+
+
+def differences(moments: Moments, x: Array) -> tuple[Array, Array]:
+    """Gradient and Hessian of the objective in artanh k, by central differences."""
+    q = x.size
+    eye = STEP * np.eye(q)
+    upper = [(i, j) for i in range(q) for j in range(i + 1, q)]
+    points = [x, *(x + eye), *(x - eye)]
+    points += [x + s * eye[i] + r * eye[j] for i, j in upper for s in (1, -1) for r in (1, -1)]
+    value = evaluate(moments, np.tanh(np.array(points))).value
+    centre, plus, minus = value[0], value[1 : q + 1], value[q + 1 : 2 * q + 1]
+    gradient = (plus - minus) / (2.0 * STEP)
+    curvature = np.diag((plus - 2.0 * centre + minus) / STEP**2)
+    mixed = value[2 * q + 1 :].reshape(-1, 4) @ np.array([1.0, -1.0, -1.0, 1.0])
+    for (i, j), v in zip(upper, mixed / (4.0 * STEP**2), strict=True):
+        curvature[i, j] = curvature[j, i] = v
+    return gradient, curvature
+
+
+def damped_steps(gradient: Array, curvature: Array) -> Array:
+    """Newton steps at damping from none to strong, shape (8, q); downhill for any curvature."""
+    values, vectors = np.linalg.eigh(curvature)
+    size = np.maximum(np.abs(values), 1e-6)
+    along = vectors.T @ gradient
+    ladder = np.concatenate(([0.0], np.geomspace(1e-2, 1e3, 7) * size.max()))
+    return np.array([-vectors @ (along / (size + damping)) for damping in ladder])

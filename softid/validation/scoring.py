@@ -1,0 +1,143 @@
+"""Scores of a fitted model on logs that it did not see."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from softid.errors import Issue, UsageError
+from softid.identification.estimates import scores
+from softid.identification.findings import extrapolation
+from softid.identification.preparation import as_log_set
+from softid.identification.workflow import held_out
+from softid.log import Log
+from softid.models import MODELS, Model
+from softid.records import SavedModel
+from softid.results import FitResult, Validation
+
+
+@dataclass(frozen=True, eq=False)
+class _Scored:
+    """What validation needs of a model, wherever it comes from."""
+
+    model: Model
+    values: Mapping[str, float]
+    input: str
+    outputs: tuple[str, ...]
+    ranges: Mapping[str, tuple[float, float]]
+    fingerprints: Mapping[str, str | None]
+    fitted_logs: tuple[str, ...]
+    issues: tuple[Issue, ...]
+
+
+def validate(
+    fitted: FitResult | SavedModel,
+    logs: Log | Sequence[Log],
+    *,
+    threshold_percent: float | None = None,
+) -> Validation:
+    """Score a model on logs by free-run simulation, its parameters held.
+
+    Only the sensor zero of every log and the initial state of every segment that does not start at
+    rest are estimated on the log itself, as MATLAB's ``compare`` does with initial conditions; both
+    are stated in the result.
+
+    Parameters
+    ----------
+    fitted
+        A result of `softid.fit`, or a model read from params.json.
+    logs
+        Logs to score on.
+    threshold_percent
+        The bar: ``passed`` is False when any channel of any log fits less.
+
+    Returns
+    -------
+    Validation
+
+    Raises
+    ------
+    UsageError
+        A log's roles differ from the model's.
+    IdentificationError
+        The response is not finite on a log.
+    """
+    scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
+    log_set = as_log_set(logs)
+    for log in log_set:
+        if (log.input, log.outputs) != (scored.input, scored.outputs):
+            raise UsageError(
+                f"the model links {scored.input} → {', '.join(scored.outputs)}, the log "
+                f"{log.input} → {', '.join(log.outputs)}",
+                where=log.name,
+                remedy="choose the roles with --input and --output",
+            )
+    nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)
+    seen = {
+        sha: name for name, sha in scored.fingerprints.items() if sha and name in scored.fitted_logs
+    }
+    in_sample = [bool(log.source and log.source.sha256 in seen) for log in log_set]
+    statistics = tuple(
+        row
+        for log, simulation, known in zip(log_set, simulations, in_sample, strict=True)
+        for row in scores((log,), (simulation,), in_sample=known)
+    )
+    bar = threshold_percent
+    return Validation(
+        model=scored.model.spec(),
+        input=scored.input,
+        outputs=scored.outputs,
+        threshold_percent=bar,
+        passed=bar is None or all(row.fit_percent >= bar for row in statistics),
+        statistics=statistics,
+        nuisances=nuisances,
+        simulations=simulations,
+        issues=(*scored.issues, *_issues(log_set.logs, scored, in_sample)),
+        fingerprints={log.name: log.source.sha256 if log.source else "" for log in log_set},
+    )
+
+
+def _from_fit(result: FitResult) -> _Scored:
+    fitted = tuple(dict.fromkeys(row.log for row in result.statistics if row.in_sample))
+    return _Scored(
+        MODELS[result.model.name](**result.model.options),  # type: ignore[arg-type]
+        result.values,
+        result.input,
+        result.outputs,
+        result.fitted_range,
+        dict(result.fingerprints),
+        fitted,
+        (),
+    )
+
+
+def _from_file(saved: SavedModel) -> _Scored:
+    return _Scored(
+        saved.build_model(),
+        saved.values,
+        saved.input,
+        saved.outputs,
+        saved.fitted_range,
+        saved.fingerprints,
+        saved.fitted_logs,
+        saved.issues,
+    )
+
+
+def _issues(logs: Sequence[Log], scored: _Scored, in_sample: Sequence[bool]) -> list[Issue]:
+    found = []
+    for log, known in zip(logs, in_sample, strict=True):
+        found += log.issues
+        if known:
+            found.append(
+                Issue(
+                    "in-sample",
+                    "warning",
+                    f"{log.name} was fitted, so its score says nothing about new data",
+                    "score a log that was not fitted",
+                )
+            )
+        beyond = extrapolation(log, log.input, scored.ranges)
+        if beyond is not None:
+            found.append(beyond)
+    return found

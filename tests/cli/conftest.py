@@ -1,0 +1,50 @@
+"""The command line called in this process, with the library's work replaced where a test says."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from desk import Desk, Outcome
+from handmade import fit_result, step_log
+
+from softid.log import Log
+from softid_cli.main import run
+
+
+@pytest.fixture
+def softid(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., Outcome]:
+    """Run `softid …` in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str | Path) -> Outcome:
+        capsys.readouterr()
+        code = run([str(a) for a in arguments])
+        captured = capsys.readouterr()
+        return Outcome(code, captured.out, captured.err)
+
+    return call
+
+
+@pytest.fixture
+def desk(monkeypatch: pytest.MonkeyPatch) -> Desk:
+    """Loading gives a hand-made log of the file's name; fitting gives a hand-made result."""
+    desk = Desk({}, fit_result())
+    fake = ModuleType("softid.identification")
+    fake.fit = desk.fit  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "softid.identification", fake)
+    monkeypatch.setattr("softid.kernels.needs_compiling", lambda: False, raising=False)
+
+    def load(path: Path, **options: Any) -> Log:
+        desk.asked["load"] = options
+        return step_log(Path(path).stem)
+
+    monkeypatch.setattr("softid.readers.load", load, raising=False)
+    monkeypatch.setattr("softid_cli.figures.fit_figures", lambda _: {"fit.png": b"\x89PNG"})
+    return desk

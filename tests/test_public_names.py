@@ -1,0 +1,76 @@
+"""The public face: a name that goes or comes is a decision, so it is written down here too."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import softid
+
+ROOT = Path(__file__).resolve().parents[1]
+
+VERBS = ("fit", "inspect", "load", "self_check", "simulate", "synthesize", "validate")
+RECORDS = ("load_params", "load_recipe", "save_fit", "save_validation")
+TYPES = (
+    "FitResult",
+    "FitStatus",
+    "Log",
+    "LogSet",
+    "Model",
+    "Muscle",
+    "Oscillator",
+    "Parameter",
+    "ParameterSet",
+    "Polynomial",
+    "SavedModel",
+    "Simulation",
+    "Validation",
+)
+ERRORS = (
+    "IdentificationError",
+    "InputError",
+    "Issue",
+    "MissingExtraError",
+    "OutputError",
+    "SoftidError",
+    "UsageError",
+)
+PUBLIC = {"MODELS", *VERBS, *RECORDS, *TYPES, *ERRORS}
+
+
+def test_the_names_are_these() -> None:
+    """Stands on the lists above; users' code stands on them too."""
+    assert set(softid.__all__) == PUBLIC
+    assert set(dir(softid)) >= PUBLIC
+
+
+@pytest.mark.parametrize("name", sorted(PUBLIC))
+def test_every_name_is_there_and_described(name: str) -> None:
+    """A lazy name that points to the wrong module would only fail when it is used."""
+    value = getattr(softid, name)
+    if callable(value):
+        assert value.__doc__
+        assert value.__module__.split(".")[0] == "softid"
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    """So that hasattr and star imports work as everywhere in Python."""
+    with pytest.raises(AttributeError, match="no attribute 'fitt'"):
+        getattr(softid, "fitt")  # noqa: B009 - the name must not be checked before it runs
+
+
+def test_importing_softid_is_free() -> None:
+    """Every library is imported by the function that needs it; numpy costs 0.1 s already."""
+    code = "import sys, softid; print(sorted({'numpy', 'scipy', 'numba'} & set(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert (done.stdout, done.stderr) == ("[]\n", "")
