@@ -110,7 +110,14 @@ _SYMBOLS = {
     "kpa": "kPa",
     "pa": "Pa",
     "hpa": "hPa",
+    "bar": "bar",
+    "mbar": "mbar",
+    "psi": "psi",
+    "rad": "rad",
+    "deg": "deg",
+    "mm": "mm",
     "kn": "kN",
+    "mn": "mN",
     "n": "N",
     "nmm": "N·mm",
     "nm": "N·m",
@@ -213,10 +220,7 @@ def unit_symbol(text: str) -> str:
     stripped = text.strip()
     if stripped in _CASE_SENSITIVE:
         return stripped
-    lower = stripped.lower().replace(" ", "")
-    if lower in _SYMBOLS:
-        return _SYMBOLS[lower]
-    return lower if lower in _SPELLINGS and lower.isalpha() and lower.isascii() else stripped
+    return _SYMBOLS.get(stripped.lower().replace(" ", ""), stripped)
 
 
 def split_scale(text: str) -> tuple[float, str]:

@@ -19,8 +19,8 @@ SMALLEST_MOTION = 0.015
 NOISE_SIGMAS = 2.2
 NOISE_STEPS = 0.5
 MIN_HOLD_SAMPLES = 8
-EVEN = 0.15
-UNEVEN = 0.25
+EVEN = 0.12
+UNEVEN = 0.23
 SHORTEST_UNEVEN_HOLD = 1.0
 SHORTEST_HOLD = 0.3
 SHORTEST_HOLD_AT_TURN = 0.5
@@ -158,7 +158,9 @@ def find_holds(motion: Motion, *, strict: bool = False) -> list[tuple[int, int]]
     if motion.still:
         return [(0, motion.values.size)]
     tubes = _tubes(motion.values, 2.0 * motion.tolerance)
-    candidates = _merged(motion, [s for s in tubes if _unevenness(motion, s, strict=strict) <= UNEVEN])
+    candidates = _merged(
+        motion, [s for s in tubes if _unevenness(motion, s, strict=strict) <= UNEVEN]
+    )
     long = [span for span in candidates if _long_enough(motion, candidates, span)]
     holds = _without_pauses(motion, _merged(motion, long))
     return [_trimmed(motion, span) for span in _merged(motion, holds)]
@@ -199,7 +201,7 @@ def windows_of(
     windows = []
     for first, last in spans:
         stop = int(edges[last])
-        start = stop - max(int(round(tail * (stop - edges[first]))), 1)
+        start = stop - max(round(tail * (stop - int(edges[first]))), 1)
         held = input_values[start:stop]
         usual = np.abs(held - np.median(held)) <= LEVEL_SPREAD * motion.tolerance
         windows.append(SettledWindow(start, stop, float(held[usual].mean())))
@@ -317,8 +319,8 @@ def _wander(held: Array) -> float:
 def _long_enough(motion: Motion, spans: list[tuple[int, int]], span: tuple[int, int]) -> bool:
     """Whether a hold lasts long against the moves beside it, which a sine's extreme does not.
 
-    A move reaches from the hold to the next hold of at least a quarter of its length, to the next turning
-    point or to the end of the log.
+    A move reaches from the hold to the next hold of at least a quarter of its length, to the next
+    turning point or to the end of the log.
     """
     start, stop = span
     times, turns = motion.time_s, motion.turns

@@ -34,6 +34,7 @@ LONGEST_TRANSITION = 1.5
 SAME_LEVEL = 2.0
 LONG_WAVE_CYCLES = 3
 MOST_HELD_OF_WAVE = 0.5
+WAVE_MARGIN = 0.7
 LONGEST_EXTREME = 0.8
 BRIEF_LEVEL = 0.1
 
@@ -130,7 +131,7 @@ def segment_excitation(time_s: Array, input_values: Array) -> tuple[Stretch, ...
 def _long_waves(motion: Motion) -> list[tuple[int, int]]:
     """Ranges that are a sine, triangle or chirp over several cycles, whose extremes are no holds.
 
-    Half a cycle is added on either side, for the extremes there.
+    Most of a cycle is added on either side, for the extremes there.
     """
     if motion.turns.size < 2 * LONG_WAVE_CYCLES:
         return []
@@ -145,8 +146,8 @@ def _long_waves(motion: Motion) -> list[tuple[int, int]]:
         held = [min(b, last) - max(a, first) for a, b in spans if a < last and b > first]
         if sum(held) > MOST_HELD_OF_WAVE * (last - first):
             continue
-        before_s = 0.5 * float(times[inside[2]] - times[inside[0]])
-        after_s = 0.5 * float(times[inside[-1]] - times[inside[-3]])
+        before_s = WAVE_MARGIN * float(times[inside[2]] - times[inside[0]])
+        after_s = WAVE_MARGIN * float(times[inside[-1]] - times[inside[-3]])
         found.append(
             (
                 int(np.searchsorted(times, times[first] - before_s)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -127,10 +128,10 @@ def _crossings(time_s: Array, values: Array, turns: IntArray) -> Array:
     They suffer far less from noise than the times of the turning points themselves.
     """
     times = np.empty(turns.size - 1)
-    for k, (a, b) in enumerate(zip(turns[:-1], turns[1:], strict=True)):
+    for k, (a, b) in enumerate(pairwise(turns.tolist())):
         rising = 1.0 if values[b] > values[a] else -1.0
         above = rising * (values[a : b + 1] - 0.5 * (values[a] + values[b]))
-        after = int(a) + int(np.argmax(above >= 0.0))
+        after = a + int(np.argmax(above >= 0.0))
         gain = values[after] - values[after - 1]
         share = (0.5 * (values[a] + values[b]) - values[after - 1]) / gain
         times[k] = time_s[after - 1] + share * (time_s[after] - time_s[after - 1])
@@ -150,9 +151,9 @@ def _steady_cycles(crossing_s: Array, heights: Array, period_s: float) -> tuple[
     cycle_s, heights = cycle_s[:usable], heights[: usable + 2]
     even = _count_even(cycle_s, heights)
     drifting = _count_drifting(cycle_s, heights, period_s)
-    if even >= 1 and not (drifting > even and even < 2 * STEADY_CYCLES):
-        if _relative_trend(cycle_s[:even]) <= TREND:
-            return True, even + 2
+    outlasted = drifting > even and even < 2 * STEADY_CYCLES
+    if even >= 1 and not outlasted and _relative_trend(cycle_s[:even]) <= TREND:
+        return True, even + 2
     return False, drifting + 2 if drifting else 0
 
 
@@ -172,7 +173,7 @@ def _count_even(cycle_s: Array, heights: Array) -> int:
 
 
 def _count_drifting(cycle_s: Array, heights: Array, period_s: float) -> int:
-    """Length of the leading part whose cycles grow or shrink steadily; 0 when that is too little."""
+    """Length of the leading part whose cycles grow or shrink steadily; 0 when too short."""
     if cycle_s.size < MIN_CHIRP_CYCLES:
         return 0
     longest = 0

@@ -23,7 +23,8 @@ from softid.fitters.levenberg_marquardt import (
     minimise,
     movable,
 )
-from softid.fitters.problem import IntArray, Problem
+from softid.fitters.problem import Problem
+from softid.models.second_order import Division
 from softid.results import FitStatus
 
 Array = npt.NDArray[np.float64]
@@ -31,6 +32,7 @@ Progress = Callable[[str, float], None]
 
 SCOUT_EVALUATIONS = 30
 POLISH_EVALUATIONS = 400
+DRAFT_EVALUATIONS = 60
 TOLERANCE = 1e-3
 OFFSET_TOLERANCE = 1e-2
 """Largest `attainable_offset` at which the optimum counts as reached: the estimate is then within a
@@ -89,7 +91,7 @@ class Objective:
         self.problem = problem
         self.sigma = dict(sigma)
         self.evaluations = 0
-        self.plans: list[IntArray | None] | None = None
+        self.plans: list[Division | None] | None = None
 
     def __call__(self, z: Array) -> Normal:
         """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
@@ -177,7 +179,8 @@ def output_error(
     rng
         Draws the perturbed restarts.
     rounds
-        How often at most a better optimum is looked for; 0 takes the first one found.
+        How often at most a better optimum is looked for; 0 makes a draft: one contender, few
+        evaluations, no search for a better one.
     progress
         Called with a sentence and the fraction done.
 
@@ -194,8 +197,10 @@ def output_error(
     if not scouted:
         return _nothing(objective, points)
     report("refining the best starts", 0.3)
+    contenders = scouted[:2] if rounds else scouted[:1]
     polished = [
-        (objective.solve(found.point, POLISH_EVALUATIONS), start) for found, start in scouted[:2]
+        (objective.solve(found.point, POLISH_EVALUATIONS if rounds else DRAFT_EVALUATIONS), start)
+        for found, start in contenders
     ]
     best, start = min(polished, key=lambda row: row[0].normal.cost)
     best = _reweighted(objective, best)
@@ -212,9 +217,9 @@ def refit_nuisance(problem: Problem) -> Optimum:
     return _judge(objective, objective.solve(start, POLISH_EVALUATIONS), start, stable=True)
 
 
-def _same(a: Sequence[IntArray | None], b: Sequence[IntArray | None]) -> bool:
+def _same(a: Sequence[Division | None], b: Sequence[Division | None]) -> bool:
     return all(
-        (p is None and q is None) or (p is not None and q is not None and np.array_equal(p, q))
+        (p is None and q is None) or (p is not None and q is not None and p.same_as(q))
         for p, q in zip(a, b, strict=True)
     )
 

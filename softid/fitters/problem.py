@@ -16,10 +16,10 @@ import numpy.typing as npt
 
 from softid.log import Log, Segment
 from softid.models.base import Model
+from softid.models.second_order import Division
 from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
 
 REST_WINDOW_S = 0.3
 REST_MIN_SAMPLES = 5
@@ -97,7 +97,7 @@ class Problem:
         ]
         self._layout()
 
-    def plans(self, z: Array) -> list[IntArray | None]:
+    def plans(self, z: Array) -> list[Division | None]:
         """Division of every segment's sampling intervals that the parameters at ``z`` call for."""
         theta = self.theta(z)
         with np.errstate(all="ignore"):
@@ -247,7 +247,7 @@ class Problem:
         return chain
 
     def blocks(
-        self, z: Array, *, derivatives: bool, plans: Sequence[IntArray | None] | None = None
+        self, z: Array, *, derivatives: bool, plans: Sequence[Division | None] | None = None
     ) -> Iterator[Block]:
         """Residuals, and Jacobians if asked, per segment and channel.
 
@@ -271,7 +271,7 @@ class Problem:
                     start=self._start(z, k),
                     derivatives=derivatives,
                     relative=self.has_equilibrium,
-                    substeps=plans[k] if plans is not None else None,
+                    plan=plans[k] if plans is not None else None,
                 )
             for name in self.outputs:
                 used = segment.used[name]

@@ -10,13 +10,18 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, InputError, Issue
+from softid.excitation import distinct_levels
 from softid.log import read_only
 
 Array = npt.NDArray[np.float64]
 
 KPA_PER_BAR = 100.0
 POORLY_KNOWN = 0.5
-"""A relative standard error above this is told to the user."""
+UNKNOWN = 10.0
+"""Relative standard errors above the first are told to the user; above the second not as a number."""
+
+SAME_LEVEL = 0.01
+"""Pressures closer than this share of their range are one level."""
 
 STEEPNESS = np.geomspace(0.5, 40.0, 25)
 """b1 times the range of the pressure, tried at the start."""
@@ -127,7 +132,7 @@ def levels_from_arrays(
     """
     pressure, x = _checked(pressure_kpa, contraction)
     names = ("a1", "b1", "c1", "zero") if zero else ("a1", "b1", "c1")
-    distinct = np.unique(pressure).size
+    distinct = len(distinct_levels(pressure.tolist(), SAME_LEVEL * float(np.ptp(pressure))))
     if distinct < len(names):
         raise IdentificationError(
             f"there are {distinct} different levels for {len(names)} parameters",
@@ -268,7 +273,9 @@ def _issues(relative: Array | None) -> tuple[Issue, ...]:
         Issue(
             "poorly-known",
             "warning",
-            f"the levels give {name} only to ±{100 * error:.0f} %",
+            f"the levels give {name} only to ±{100 * error:.0f} %"
+            if error < UNKNOWN
+            else f"the levels do not give {name} at all",
             _ADVICE[name],
         )
         for name, error in zip(("a1", "b1", "c1"), relative, strict=False)

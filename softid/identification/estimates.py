@@ -185,7 +185,16 @@ def _verdict(
     if p.fixed:
         return "fixed", ""
     partner = _partner(errors, row)
-    verdict, reason = judge(value, p.scale, sd, at_bound=at_bound, partner=partner)
+    verdict, reason = judge(
+        value,
+        p.scale,
+        sd,
+        at_bound=at_bound,
+        partner=partner,
+        lower=p.lower,
+        upper=p.upper,
+        companions=_companions(errors, name),
+    )
     return verdict, f"{reason}{hint}" if verdict != "identified" and reason else reason
 
 
@@ -201,6 +210,12 @@ def _partner(errors: Errors, row: int | None) -> tuple[str, float] | None:
         return None
     k = int(np.nanargmax(np.abs(correlation)))
     return errors.covariance.names[k], float(correlation[k])
+
+
+def _companions(errors: Errors, name: str) -> tuple[str, ...]:
+    """Other unknowns in a direction that the residuals cannot see, together with this one."""
+    groups = errors.covariance.undetermined if errors.covariance else ()
+    return tuple(n for group in groups if name in group for n in group if n != name)
 
 
 def free_covariance(

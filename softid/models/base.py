@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.log import Segment
+from softid.models.second_order import Division
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 
 Array = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +120,7 @@ class Model(ABC):
         start: Array | None,
         derivatives: bool,
         relative: bool = False,
-        substeps: IntArray | None = None,
+        plan: Division | None = None,
     ) -> Response:
         """Simulate one segment.
 
@@ -139,12 +139,12 @@ class Model(ABC):
         relative
             Whether ``start`` is a deviation from the equilibrium of the first input, so that the
             derivatives by the parameters move the start along with it.
-        substeps
-            Division of the sampling intervals from `plan`; None plans anew.
+        plan
+            Division of the sampling intervals from `plan`; None makes one.
         """
 
-    def plan(self, theta: Array, segment: Segment) -> IntArray | None:
-        """Steps per sampling interval that the accuracy calls for; None for a static model.
+    def plan(self, theta: Array, segment: Segment) -> Division | None:
+        """Division of the sampling intervals that accuracy calls for; None for a static model.
 
         An optimiser holds the plan still while it searches: the cost would jump where a count
         changes.

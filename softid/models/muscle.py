@@ -14,7 +14,7 @@ from softid.kernels.muscle import coefficient_derivatives, coefficients
 from softid.log import Segment
 from softid.models.base import Model, Response
 from softid.models.geometry import ArcGeometry
-from softid.models.second_order import IntArray, Law, plan_substeps, simulate_law
+from softid.models.second_order import Division, Law, divide, simulate_law
 from softid.models.starts import hammerstein_starts
 from softid.parameters import Parameter, ParameterSet
 
@@ -205,7 +205,7 @@ class Muscle(Model):
         start: Array | None,
         derivatives: bool,
         relative: bool = False,
-        substeps: IntArray | None = None,
+        plan: Division | None = None,
     ) -> Response:
         """Simulate one segment; see `Model.response`."""
         law = MuscleLaw(theta)
@@ -216,7 +216,7 @@ class Muscle(Model):
             start,
             derivatives=derivatives,
             relative=relative,
-            substeps=substeps,
+            plan=plan,
         )
         values: dict[str, Array] = {}
         by_parameter: dict[str, Array] = {}
@@ -245,9 +245,9 @@ class Muscle(Model):
         scale = sign / geometry.diameter_mm if geometry is not None and name == "angle" else sign
         return scale * x, np.full(x.size, scale)
 
-    def plan(self, theta: Array, segment: Segment) -> IntArray:
-        """Steps per sampling interval; see `Model.plan`."""
-        return plan_substeps(MuscleLaw(theta), segment.time_s, segment.input)
+    def plan(self, theta: Array, segment: Segment) -> Division:
+        """Division of the sampling intervals; see `Model.plan`."""
+        return divide(MuscleLaw(theta), segment.time_s, segment.input)
 
     def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
         """The sigmoid x∞(p) = 1/(a1 + c1·exp(−b1·p)) as the output records it."""

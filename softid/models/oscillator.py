@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from softid.log import Segment
 from softid.models.base import Model, Response
-from softid.models.second_order import IntArray, Law, plan_substeps, simulate_law
+from softid.models.second_order import Division, Law, divide, simulate_law
 from softid.models.weak_form import weak_form_coefficients
 from softid.parameters import Parameter, ParameterSet
 
@@ -173,7 +173,7 @@ class Oscillator(Model):
         start: Array | None,
         derivatives: bool,
         relative: bool = False,
-        substeps: IntArray | None = None,
+        plan: Division | None = None,
     ) -> Response:
         """Simulate one segment; see `Model.response`."""
         law = OscillatorLaw(theta)
@@ -184,7 +184,7 @@ class Oscillator(Model):
             start,
             derivatives=derivatives,
             relative=relative,
-            substeps=substeps,
+            plan=plan,
         )
         first = np.array([motion.x[0], motion.v[0]])
         values = dict.fromkeys(outputs, motion.x)
@@ -197,9 +197,9 @@ class Oscillator(Model):
             first,
         )
 
-    def plan(self, theta: Array, segment: Segment) -> IntArray:
-        """Steps per sampling interval; see `Model.plan`."""
-        return plan_substeps(OscillatorLaw(theta), segment.time_s, segment.input)
+    def plan(self, theta: Array, segment: Segment) -> Division:
+        """Division of the sampling intervals; see `Model.plan`."""
+        return divide(OscillatorLaw(theta), segment.time_s, segment.input)
 
     def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
         """The line x = G·(u − offset)/Q; NaN without a spring."""

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
 from softid.log import Segment
-from softid.models.base import IntArray, Model, Response
+from softid.models.base import Model, Response
+from softid.models.second_order import Division
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -245,7 +246,7 @@ class Polynomial(Model):
         start: Array | None,
         derivatives: bool,
         relative: bool = False,
-        substeps: IntArray | None = None,
+        plan: Division | None = None,
     ) -> Response:
         """The curve at every sample; see `Model.response`.
 
@@ -254,7 +255,7 @@ class Polynomial(Model):
         UsageError
             There is more than one output.
         """
-        del start, substeps
+        del start, plan
         output = self._one(outputs)
         values = {output: evaluate(theta, segment.input)}
         empty = np.empty(0)

@@ -15,7 +15,6 @@ import numpy.typing as npt
 from softid.kernels.radau import STAGES, propagate, propagate_with_sensitivities
 
 Array = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
 
 MAX_PHASE_PER_STEP = 0.8
 """Largest product of step and rate of motion; Radau IIA then errs by less than 1e-5 a step."""
@@ -29,8 +28,34 @@ STIFF_EXPONENT = 0.28
 to fast/slow = 2000: from the error of the rule's R(z) against exp(z), the fast mode's share of the
 error then stays below 1e-4 of the motion."""
 
-MAX_SUBSTEPS = 256
+MAX_SUBSTEPS = 64
 _BLOCK = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Division:
+    """Sampling intervals divided into steps.
+
+    Attributes
+    ----------
+    counts
+        Steps per sampling interval, shape (n − 1,).
+    step_s
+        Length of every step, shape (L,).
+    stage_input
+        Input at the stages of every step, shape (L, 3).
+    ends
+        Which steps end on a sample, shape (L,).
+    """
+
+    counts: npt.NDArray[np.intp]
+    step_s: Array
+    stage_input: Array
+    ends: npt.NDArray[np.bool_]
+
+    def same_as(self, other: Division) -> bool:
+        """Whether both divide every interval alike."""
+        return bool(np.array_equal(self.counts, other.counts))
 
 
 class Law(ABC):
@@ -93,7 +118,7 @@ def simulate_law(
     *,
     derivatives: bool,
     relative: bool = False,
-    substeps: IntArray | None = None,
+    plan: Division | None = None,
 ) -> Motion:
     """Integrate a law over a segment.
 
@@ -109,12 +134,13 @@ def simulate_law(
         Whether ``start`` is a deviation from that equilibrium.
     derivatives
         Whether to return exact derivatives too.
-    substeps
-        Steps per sampling interval, shape (n − 1,); None plans them for these parameters. An
-        optimiser must hold them still, or the cost jumps where a count changes.
+    plan
+        Division of the sampling intervals; None makes one for these parameters. An optimiser must
+        hold it still, or the cost jumps where a count changes.
     """
-    counts = plan_substeps(law, time_s, u) if substeps is None else substeps
-    steps_s, stage_u, ends = _divide(time_s, u, counts)
+    if plan is None:
+        plan = divide(law, time_s, u)
+    steps_s, stage_u, ends = plan.step_s, plan.stage_input, plan.ends
     n, n_parameters = time_s.size, law.mass_by.size
     from_rest = start is None or relative
     x0 = law.equilibrium(float(u[0])) if from_rest else 0.0
@@ -176,8 +202,16 @@ def _run_block(
     return states, tangents
 
 
-def plan_substeps(law: Law, time_s: Array, u: Array) -> IntArray:
-    """Steps per sampling interval that keep the error below 1e-4 of the motion, shape (n − 1,)."""
+def divide(law: Law, time_s: Array, u: Array) -> Division:
+    """Divide the sampling intervals so that the error stays below 1e-4 of the motion.
+
+    Parameters
+    ----------
+    law
+        The coefficients, whose rates decide.
+    time_s, u
+        Sample times and input, each of shape (n,).
+    """
     damping, stiffness, _ = law.coefficients(u)
     rate = _rate(law.mass, damping, stiffness)
     with np.errstate(invalid="ignore", over="ignore"):
@@ -186,20 +220,15 @@ def plan_substeps(law: Law, time_s: Array, u: Array) -> IntArray:
             np.abs(np.diff(u)) * law.exponent_rate() / MAX_EXPONENT_PER_STEP,
         )
     finite = np.where(np.isfinite(wanted), wanted, 1.0)
-    return np.clip(np.ceil(finite), 1, MAX_SUBSTEPS).astype(np.intp)
-
-
-def _divide(
-    time_s: Array, u: Array, counts: IntArray
-) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
-    """Step lengths (L,), input at the stages (L, 3), and which steps end on a sample (L,)."""
+    counts = np.clip(np.ceil(finite), 1, MAX_SUBSTEPS).astype(np.intp)
     owner = np.repeat(np.arange(counts.size), counts)
     last = np.cumsum(counts) - 1
     within = np.arange(owner.size) - np.repeat(last - counts + 1, counts)
     fraction = (within[:, None] + STAGES[None, :]) / counts[owner][:, None]
     ends = np.zeros(owner.size, bool)
     ends[last] = True
-    return (
+    return Division(
+        counts,
         (np.diff(time_s) / counts)[owner],
         u[:-1][owner][:, None] + np.diff(u)[owner][:, None] * fraction,
         ends,

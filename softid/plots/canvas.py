@@ -16,7 +16,8 @@ from PIL import Image
 
 WIDTH_IN, HEIGHT_IN, DPI = 12.0, 8.0, 100
 LEFT, RIGHT, BOTTOM = 0.08, 0.985, 0.08
-TITLE_AT, LEGEND_AT, TOP = 0.958, 0.925, 0.885
+TITLE_AT, LEGEND_AT, TOP = 0.958, 0.915, 0.885
+LABEL_OFFSET = 0.047
 TITLE_SIZE, LABEL_SIZE, TICK_SIZE, NOTE_SIZE = 15, 13, 12, 12
 PNG_LEVEL = 3
 LONGEST_NAME = 60
@@ -60,6 +61,11 @@ class Display:
     def label(self) -> str:
         """Name and unit for an axis."""
         return self.named(self.name)
+
+    @property
+    def two_lines(self) -> str:
+        """Name above unit, for a panel too thin for one line."""
+        return self.label.replace(" (", "\n(")
 
     def named(self, name: str) -> str:
         """Another name in the same unit: ``named("residual")`` → ``"residual (deg)"``."""
@@ -117,7 +123,7 @@ def add_panel(
         axes.set_xlabel(x_label, fontsize=LABEL_SIZE, parse_math=False)
     if y_label is not None:
         axes.set_ylabel(y_label, fontsize=LABEL_SIZE, parse_math=False)
-        axes.yaxis.set_label_coords(-0.068 * (RIGHT - LEFT) / (right - left), 0.5)
+        axes.yaxis.set_label_coords(-LABEL_OFFSET / (right - left), 0.5)
     return axes
 
 
@@ -131,7 +137,7 @@ def add_header(figure: Figure, title: str, handles: Iterable[Artist] = ()) -> No
         figure.legend(
             handles=shown,
             loc="center left",
-            bbox_to_anchor=(LEFT, LEGEND_AT - 0.01),
+            bbox_to_anchor=(LEFT, LEGEND_AT),
             ncols=len(shown),
             frameon=False,
             fontsize=NOTE_SIZE,

@@ -22,6 +22,7 @@ from softid.plots.canvas import (
     TOP,
     Display,
     add_header,
+    add_note,
     add_panel,
     new_figure,
     shortened,
@@ -34,7 +35,10 @@ Array = npt.NDArray[np.float64]
 RUNAWAY_SPANS = 1.0
 """A simulation may widen the plot by this many spans of the measurement to either side."""
 
-HELD_OUT_DASHES = (0, (7, 2))
+HELD_OUT_DASHES = (0, (9, 2))
+
+SPIKE_RATIO, SPIKE_QUANTILE = 5.0, 0.99
+"""A residual this far beyond its quantile is a spike, which may not flatten the rest."""
 
 
 def draw_response(
@@ -67,7 +71,7 @@ def draw_response(
     top = add_panel(
         figure,
         (LEFT, 0.755, RIGHT, TOP),
-        y_label=Display(simulation.input_name, simulation.input_unit).label,
+        y_label=Display(simulation.input_name, simulation.input_unit).two_lines,
         y_ticks=3,
     )
     main = add_panel(figure, (LEFT, 0.33, RIGHT, 0.735), y_label=shown.label, share_x=top)
@@ -172,12 +176,22 @@ def _draw_residual(
     x, y = broken_trace(simulation.time_s, residual, simulation.segment_starts)
     axes.axhline(0.0, color=MEASURED, lw=1.0, zorder=1)
     axes.plot(*decimate(x, y), color=INK, lw=1.0)
-    limits = padded_limits(simulation.measured[shown.name] * shown.factor)
-    widest = RUNAWAY_SPANS * (limits[1] - limits[0]) if limits else np.inf
-    finite = np.abs(residual[np.isfinite(residual)])
-    if finite.size and finite.max() > 0.0:
-        half = min(1.1 * float(finite.max()), widest)
-        axes.set_ylim(-half, half)
+    half, beyond = residual_reach(residual)
+    axes.set_ylim(-half, half)
+    if beyond:
+        add_note(axes, f"{beyond} spike{'s' if beyond > 1 else ''} beyond ±{half:.3g} not shown whole")
+
+
+def residual_reach(residual: Array) -> tuple[float, int]:
+    """Half the height of a residual plot, and how many samples leave it because they are spikes."""
+    size = np.abs(residual[np.isfinite(residual)])
+    if size.size == 0 or size.max() == 0.0:
+        return 1.0, 0
+    usual = float(np.quantile(size, SPIKE_QUANTILE))
+    if usual > 0.0 and size.max() > SPIKE_RATIO * usual:
+        half = 2.0 * usual
+        return half, int(np.count_nonzero(size > half))
+    return 1.1 * float(size.max()), 0
 
 
 def _mark_stalls(panels: tuple[Axes, ...], simulation: Simulation) -> list[Artist]:
@@ -199,4 +213,3 @@ def _mark_stalls(panels: tuple[Axes, ...], simulation: Simulation) -> list[Artis
             zorder=0,
         )
     return [Patch(facecolor="none", edgecolor=FAINT, hatch="////", lw=0.0, label="stall")]
-

@@ -95,8 +95,8 @@ def fit_ar(
     Reflection coefficient m from forward and backward errors f, b of order m − 1, summed over all
     stretches: k_m = 2 Σ f_t b_{t−1} / Σ (f_t² + b_{t−1}²), so |k_m| < 1 and the model is stable.
     The mean square of the data is kept exactly, so a persistent residual cannot blow up, and the
-    recursion ends when a millionth of it is left. No mean is removed: a bias of the model is part of
-    what it leaves over.
+    recursion ends when a millionth of it is left. No mean is removed: a bias of the model is part
+    of what it leaves over.
 
     A root beyond exp(−1/n) of the longest stretch means a memory longer than any stretch shows; the
     coefficients are then drawn in, φ_j ← φ_j cʲ, until the largest root has that radius.
@@ -349,7 +349,7 @@ def _whiten_run(phi: Array, y: Array) -> Array:
     coefficients, ratio = predictors(phi)
     w = y.copy()
     for j, coefficient in enumerate(phi, 1):
-        w[order:] -= coefficient * y[order - j : y.shape[0] - j]
+        w[order:] -= coefficient * y[order - j : max(y.shape[0], order) - j]
     for t in range(min(order, y.shape[0])):
         w[t] = (y[t] - coefficients[t] @ y[:t][::-1]) / np.sqrt(ratio[t])
     return w

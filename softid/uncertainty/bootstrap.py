@@ -52,8 +52,8 @@ class MeanInterval:
 def block_length(ar: AutoRegression, n: int) -> int:
     """Block length that minimises the error of the variance of a mean.
 
-    b = (2 G²/D)^{1/3} n^{1/3} with G = Σ |k| γ_k and D = (4/3)(Σ γ_k)², for blocks drawn in a circle;
-    the autocovariance is that of the autoregression. At least 1, at most n/4.
+    b = (2 G²/D)^{1/3} n^{1/3} with G = Σ |k| γ_k and D = (4/3)(Σ γ_k)², for blocks drawn in a
+    circle; the autocovariance is that of the autoregression. At least 1, at most n/4.
 
     Parameters
     ----------
@@ -212,8 +212,9 @@ def block_bootstrap_mean_ci(
 
     The basic interval of a circular block bootstrap, stretched twice, since a bootstrap of short or
     few blocks is too sure of itself: by √(v_n/v_b) for the memory that blocks of length b cut,
-    v_m = Σ_{|k|<m} (1 − |k|/m) γ_k from an autoregression; and by √[m/(m − 1)] · t_{m−1}/1.96 for the
-    m = n/b blocks that the record holds.
+    v_m = Σ_{|k|<m} (1 − |k|/m) γ_k from an autoregression; and by √[m/(m − 1)] · t_{m−1}/1.96 for
+    the m = n/b blocks that the record holds. Measured coverage for AR(1) noise: 94 to 95 % with
+    100 correlation times in the record, 90 % with three (tests/uncertainty/test_bootstrap.py).
 
     Parameters
     ----------

@@ -147,7 +147,27 @@ def sandwich_covariance(
     Notes
     -----
     F. E. Satterthwaite, Biometrics Bull. 2 (1946) 110; H. D. Patterson and R. Thompson, Biometrika
-    58 (1971) 545. COVERAGE
+    58 (1971) 545.
+
+    Coverage of nominal 95 % intervals over 400 draws of 2000 samples, mean of four regressors
+    (constant, sine, step response, trend), in per cent; the other columns are what was not chosen.
+    Printed by ``python tests/benchmarks/coverage_of_intervals.py``:
+
+    ==========================  =====  ===============  ===============  ====
+    noise                       white  Newey–West       plug-in AR       here
+    ==========================  =====  ===============  ===============  ====
+    white                        95.4  94.5             95.2             95.8
+    AR(1) 0.9                    35.4  87.3             93.6             96.4
+    AR(1) 0.99                   12.1  69.2             83.4             96.5
+    90 % AR 0.9 + 10 % white     37.4  87.8             93.2             96.2
+    90 % AR 0.99 + 10 % white    13.6  60.0             82.3             95.7
+    50 % AR 0.99 + 50 % white    19.4  42.8             69.4             95.0
+    10 % AR 0.99 + 90 % white    43.6  47.2             61.1             91.2
+    AR(1) 0.999                   8.1  52.4             62.8             95.7
+    ==========================  =====  ===============  ===============  ====
+
+    Still short of 95 % where a slow noise hides below a larger white one. A log four times as
+    noisy and as lively as two others: 84 % in one block, 97 % with a block for each log.
 
     Examples
     --------
@@ -299,7 +319,7 @@ def _assemble(
     """Correlations of the finest scale with the chosen variances."""
     determined = line.determined
     own = np.sqrt(np.diag(finest.matrix))
-    stretch = np.ones_like(own)
+    stretch: Array = np.ones(variance.size)
     np.divide(np.sqrt(variance), own, out=stretch, where=own > 0.0)
     matrix = finest.matrix * np.outer(stretch, stretch)
     matrix[~determined] = matrix[:, ~determined] = np.nan

@@ -18,7 +18,7 @@ IDENTIFIED_BELOW = 0.2
 factor of about two at the most."""
 
 WEAK_BELOW = 1.0
-"""Relative standard deviation below which it is weakly identified: its order of magnitude is known."""
+"""Relative standard deviation below which it is weakly identified: its size is roughly known."""
 
 STRONG_CORRELATION = 0.95
 """Correlation beyond which the partner is named: given the partner, the standard deviation would

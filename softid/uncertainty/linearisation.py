@@ -26,13 +26,15 @@ column-scaled coordinates, is at least this."""
 class ResidualBlock:
     """Residuals that share one noise model, with their derivatives.
 
-    One block per output channel is usual. Logs whose residuals differ in size are better given as
-    blocks of their own: a pooled model takes the average size for all of them.
+    Give one block per log and output channel where the logs can afford it (some 100 samples
+    each): residuals of real logs differ in size, and a pooled model takes the average for all of
+    them, so that the intervals of a shared parameter cover 84 % in place of 97 %
+    (tests/benchmarks/coverage_of_intervals.py).
 
     Attributes
     ----------
     channel
-        Output channel, or any name for messages.
+        Output channel, or any name for messages: ``"step_1 angle"``.
     jacobians
         ∂(simulated)/∂(internal coordinate), one per segment, shape (n_s, K) with the same K in all
         blocks; the internal coordinate of a parameter on a logarithmic scale is its logarithm.

@@ -85,10 +85,10 @@ def profile(
 
     With S(θ) the least cost at fixed θ, the rise is [S(θ) − S(θ̂)]/c, where c is the rise that one
     standard deviation causes: c = C_θθ/(H⁻¹)_θθ, the field ``cost_per_variance`` of `Covariance`.
-    For white noise c = σ²w² and this is the usual likelihood ratio; for coloured noise the same ratio
-    is divided by the variance inflation of this parameter, so that the profile of a linear model
-    gives the interval of the covariance exactly. Limits lie where the rise is t², with t Student's
-    97.5 % quantile.
+    For white noise c = σ²w² and this is the usual likelihood ratio; for coloured noise the same
+    ratio is divided by the variance inflation of this parameter, so that the profile of a linear
+    model gives the interval of the covariance exactly. Limits lie where the rise is t², with t
+    Student's 97.5 % quantile.
 
     Each side is bracketed by steps that double from one standard deviation, then refined on the
     square root of the rise, which is nearly straight.
@@ -198,7 +198,7 @@ class _Search:
         return float(np.log(value)) if value > 0.0 else -np.inf
 
     def _end(self, bound: float, sign: float) -> float:
-        """Where a side stops: at its bound, or on a logarithmic scale a factor of a million away."""
+        """Where a side stops: at its bound, or on a logarithmic scale `LOG_REACH` away."""
         if self._scale == "linear":
             return bound
         reach = self._start + sign * LOG_REACH

@@ -47,8 +47,8 @@ class Moments:
     ----------
     products
         products[t, i, j] = Σ y_{s−i} y_{s−j}ᵀ over the samples s that have exactly t predecessors
-        in their stretch (t = p: at least p), shape (p + 1, p + 1, p + 1, m, m); the last column of y
-        is the residual, the others a basis of what the parameters can reach.
+        in their stretch (t = p: at least p), shape (p + 1, p + 1, p + 1, m, m); the last column of
+        y is the residual, the others a basis of what the parameters can reach.
     counts
         Number of those samples, shape (p + 1,).
     longest

@@ -16,6 +16,7 @@ plug-in
 softid
     `softid.uncertainty.sandwich_covariance`.
 """
+# ruff: noqa: T201 (a script that prints its result)
 
 from __future__ import annotations
 
@@ -123,17 +124,15 @@ def unequal_logs(*, draws: int, seed: int) -> dict[str, float]:
     """
     rng = np.random.default_rng(seed)
     hits: dict[str, list[bool]] = {"one block": [], "a block for each log": []}
-    slope = regressors(700)[:, 2]
-    designs = [
-        np.column_stack((size * slope, *(np.eye(3)[k] * np.ones((700, 1))).T))
-        for k, size in enumerate((1, 1, 4))
-    ]
+    sizes = (1.0, 1.0, 4.0)
+    lively = np.outer(regressors(700)[:, 2], sizes)
+    designs = [np.column_stack((lively[:, k], np.tile(np.eye(3)[k], (700, 1)))) for k in range(3)]
     names = ["gain", "zero 1", "zero 2", "zero 3"]
     for _ in range(draws):
-        noises = [size * coloured(0.9)(rng, 700) for size in (1, 1, 4)]
+        noises = [size * coloured(0.9)(rng, 700) for size in sizes]
         design, e = np.concatenate(designs), np.concatenate(noises)
         estimate = np.linalg.lstsq(design, e, rcond=None)[0]
-        left = [e - x @ estimate for x, e in zip(designs, noises, strict=True)]
+        left = [y - x @ estimate for x, y in zip(designs, noises, strict=True)]
         apart = [ResidualBlock("y", (x,), (r,)) for x, r in zip(designs, left, strict=True)]
         pooled = [ResidualBlock("y", tuple(designs), tuple(left))]
         for way, blocks in zip(hits, (pooled, apart), strict=True):
@@ -153,7 +152,7 @@ def main() -> None:
     error = 100.0 * np.sqrt(0.95 * 0.05 / options.draws)
     print(f"coverage in %, {options.draws} draws of {options.samples} samples, ±{error:.1f}")
     print(f"each: {', '.join(REGRESSORS)}\n")
-    print(f"{'noise':<27}" + "".join(f"{method:>22}" for method in METHODS))
+    print(f"{'noise':<27}" + "".join(f"{method:>25}" for method in METHODS))
     for name, noise in NOISES.items():
         found = coverage(noise, draws=options.draws, n=options.samples, seed=options.seed)
         cells = [" ".join(f"{v:5.1f}" for v in found[method]) for method in METHODS]

@@ -121,29 +121,38 @@ def test_debug_shows_the_traceback(softid: Cli, desk: Desk) -> None:
     assert "desk.py" in told.err
 
 
-def test_a_closed_pipe_is_quiet() -> None:
-    """`softid … | head` is normal use: the code of SIGPIPE (128 + 13), no message."""
+LOUD = """
+import sys, types, click
+from softid_cli.main import COMMANDS, main
+sys.modules["loud"] = loud = types.ModuleType("loud")
+loud.loud = click.Command("loud", callback=lambda: {}("x" * {}))
+COMMANDS["loud"] = ("loud", "Loud.")
+sys.argv = ["softid", "loud"]
+main()
+"""
+LOUDNESS = [("click.echo", 10), ("click.echo", 10**6), ("print", 10), ("print", 10**6)]
+
+
+@pytest.mark.parametrize(("function", "characters"), LOUDNESS)
+def test_a_closed_pipe_is_quiet(function: str, characters: int) -> None:
+    """`softid … | head` is normal use: the code of SIGPIPE (128 + 13), no message.
+
+    More than a buffer fails in the command, less only when the interpreter flushes.
+    """
     read, write = os.pipe()
     os.close(read)
     with os.fdopen(write, "w") as closed:
-        done = python(
-            "from softid_cli.main import main; import sys; sys.argv = ['softid', '--help']; main()",
-            stdout=closed,
-            stderr=subprocess.PIPE,
-        )
+        done = python(LOUD.format(function, characters), stdout=closed, stderr=subprocess.PIPE)
     assert (done.returncode, done.stderr) == (141, "")
 
 
-def test_a_full_disk_behind_stdout_is_said() -> None:
+@pytest.mark.parametrize(("function", "characters"), LOUDNESS)
+def test_a_full_disk_behind_stdout_is_said(function: str, characters: int) -> None:
     """Linux' /dev/full fails at the flush, after the command itself has ended well."""
     if not Path("/dev/full").exists():
         pytest.skip("no /dev/full on this system")
     with Path("/dev/full").open("w") as full:
-        done = python(
-            "from softid_cli.main import main; import sys; sys.argv = ['softid', '--help']; main()",
-            stdout=full,
-            stderr=subprocess.PIPE,
-        )
+        done = python(LOUD.format(function, characters), stdout=full, stderr=subprocess.PIPE)
     assert done.returncode == 3
     assert done.stderr == (
         "softid: error: standard output: no space left on device; free some space.\n"

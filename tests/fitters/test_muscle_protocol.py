@@ -232,19 +232,20 @@ def test_force_balance_at_the_top_is_the_small_difference_the_method_rests_on():
 def test_noise_hides_the_inertia_from_the_extremes():
     """0.3 mm of noise in x, static curve known exactly: the result cannot be trusted and says so.
 
-    σ(x) = 0.3 mm over windows of 20 samples leaves 0.1 mm, and Q = 23 makes that 2.3 against an
-    effect of 0.8. In most of eight recordings the quartiles of M straddle zero; in all of them the
-    fit warns, either of that or of upper and lower extremes that disagree.
+    σ(x) = 0.3 mm over windows of 20 samples leaves 0.1 mm, and Q = 15 makes that 1.5 against an
+    effect of 0.8. In 28 of 40 recordings of 40 s the quartiles of M straddled zero, in the other 12
+    they were further apart than M is large, and always the fit warned. Without noise it does not.
     """
     static = levels_from_arrays(LEVELS_KPA, _static(LEVELS_KPA))
+    warnings = {"inertia-not-seen", "inertia-poorly-known"}
     straddling = 0
     for seed in range(8):
         found = extremes(_log(_sine(100, 40.0), 0.3, seed), static)
         straddling += found.straddles_zero
         codes = {i.code for i in found.issues}
-        assert codes & {"inertia-not-seen", "extremes-disagree"}
+        assert codes & warnings
         assert ("inertia-not-seen" in codes) == found.straddles_zero
-    assert straddling >= 4
+    assert straddling >= 3
     assert extremes(_log(_sine(100, 40.0)), static).issues == ()
 
 

@@ -1,0 +1,123 @@
+"""Single cells of a text file: numbers in either decimal notation, missing values, times."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from datetime import datetime
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+MISSING = frozenset({"", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--", "nil", "missing"})
+"""Spellings of "nothing was recorded", in lower case."""
+
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*|,\d+)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
+_INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
+_CLOCK = re.compile(r"(\d{1,2}):([0-5]\d):([0-5]\d(?:[.,]\d+)?)", re.ASCII)
+_CALENDAR = re.compile(
+    r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d(:?\d\d)?)?)?", re.ASCII
+)
+
+
+def is_missing(cell: str) -> bool:
+    """Whether a cell says that nothing was recorded."""
+    return cell.lower() in MISSING
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number, with a decimal point or comma."""
+    return _NUMBER.fullmatch(cell) is not None or _INFINITE.fullmatch(cell) is not None
+
+
+def is_timestamp(cell: str) -> bool:
+    """Whether a cell is an ISO 8601 date and time, or a time of day."""
+    return _CALENDAR.fullmatch(cell) is not None or _CLOCK.fullmatch(cell) is not None
+
+
+def to_numbers(cells: Sequence[str], *, comma: bool) -> Array | int:
+    """Turn cells into numbers.
+
+    Parameters
+    ----------
+    cells
+        One column, shape (n,).
+    comma
+        Whether a comma may stand for the decimal point.
+
+    Returns
+    -------
+    ndarray or int
+        The numbers, NaN where missing, or the position of the first cell that is none.
+    """
+    if not any("_" in cell for cell in cells):  # float() would take 1_000 for a number
+        try:
+            return np.array(list(map(float, cells)), dtype=np.float64)
+        except ValueError:
+            pass
+    comma = comma and not any("." in cell for cell in cells)
+    values = np.empty(len(cells))
+    for position, cell in enumerate(cells):
+        if is_number(cell) and (comma or "," not in cell):
+            values[position] = float(cell.replace(",", "."))
+        elif is_missing(cell):
+            values[position] = np.nan
+        else:
+            return position
+    return values
+
+
+def to_seconds(cells: Sequence[str]) -> tuple[Array, str] | int:
+    """Turn timestamps into seconds since the first one.
+
+    Parameters
+    ----------
+    cells
+        One column of ISO 8601 times or of times of day, shape (n,).
+
+    Returns
+    -------
+    tuple or int
+        Seconds, NaN where missing, and the first time as text; or the position of the first cell
+        that is no time of the same kind.
+    """
+    first: datetime | float | None = None
+    start = ""
+    values = np.empty(len(cells))
+    for position, cell in enumerate(cells):
+        if is_missing(cell):
+            values[position] = np.nan
+            continue
+        moment = _moment(cell)
+        if first is None and moment is not None:
+            first, start = moment, cell
+        since = _seconds_between(first, moment)
+        if since is None:
+            return position
+        values[position] = since
+    return values, start
+
+
+def _moment(cell: str) -> datetime | float | None:
+    clock = _CLOCK.fullmatch(cell)
+    if clock:
+        hours, minutes, seconds = clock.groups()
+        return 3600.0 * int(hours) + 60.0 * int(minutes) + float(seconds.replace(",", "."))
+    try:
+        return datetime.fromisoformat(cell)
+    except ValueError:
+        return None
+
+
+def _seconds_between(first: datetime | float | None, then: datetime | float | None) -> float | None:
+    if isinstance(first, float) and isinstance(then, float):
+        return then - first
+    if (
+        isinstance(first, datetime)
+        and isinstance(then, datetime)
+        and (first.tzinfo is None) == (then.tzinfo is None)
+    ):
+        return (then - first).total_seconds()
+    return None

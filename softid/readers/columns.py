@@ -1,0 +1,182 @@
+"""What a column's name says: the quantity, the unit and how surely."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from softid.units import CHANNEL_QUANTITY, Quantity, Unit, lookup_unit
+
+EXACT, SYNONYM, LOOKALIKE = 0, 1, 2
+"""How well a name fits a channel: softid's own word, another word for it, a word beside others."""
+
+_WORDS: dict[str, tuple[str, ...]] = {
+    "time": ("time", "t", "timestamp", "datetime", "elapsed", "zeit", "temps"),
+    "pressure": ("pressure", "p", "press", "druck", "pression"),
+    "angle": ("angle", "theta", "phi", "bend", "bending", "winkel", "θ", "φ", "ϕ"),
+    "contraction": ("contraction",),
+    "length": ("length",),
+    "distance": ("distance", "dist"),
+    "position": ("position", "pos", "displacement", "stroke"),
+    "torque": ("torque", "moment"),
+    "force": ("force", "kraft"),
+}
+_CHANNEL_OF_WORD = {word: channel for channel, words in _WORDS.items() for word in words}
+_SHORT = {word for word in _CHANNEL_OF_WORD if len(word) == 1}
+_COMMAND = frozenset(
+    "cmd command commanded set setpoint setp sp ref reference target desired des demand goal soll "
+    "input".split()
+)
+_HARMLESS = frozenset(
+    "meas measured measurement actual act sensor value val signal reading ist fb feedback "
+    "gauge".split()
+)
+_SOMETHING_ELSE = frozenset(
+    "error err rate dot speed velocity vel acc acceleration std noise var volt voltage adc count "
+    "counts flag valid status pwm supply ambient atmospheric atm tank baro gain constant temp "
+    "temperature delay stamp point".split()
+)
+_INDEX_NAMES = frozenset(
+    {"", "index", "idx", "unnamed: 0", "#", "no", "no.", "nr", "row", "sample", "n", "i", "id"}
+)
+
+_BRACKETED = re.compile(r"(.*?)\s*([\[(<{])\s*([^\[\](){}<>]*?)\s*[\])>}]\s*")
+_SLASHED = re.compile(r"(.*\S)\s*/\s*(\S+)")
+_LAST_TOKEN = re.compile(r"(.*[^\s_.\-:,])[\s_.\-:,]+([^\s_.\-:,]+)")
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_WORD = re.compile(r"[^\W\d_]+|\d+")
+# As the last part of a name these are units only where the quantity fits: inlet, minimum, index.
+_AMBIGUOUS_UNITS = frozenset({"in", "min", "m", "n", "s", "mn", "nm", "atm", "degree", "second"})
+
+
+@dataclass(frozen=True)
+class ColumnName:
+    """A column's name, taken apart.
+
+    Attributes
+    ----------
+    text
+        The name as written.
+    words
+        Its words and numbers in lower case, without the unit.
+    unit
+        The unit in it, as written, or None.
+    sure
+        Whether the unit stands in brackets, so that it can only be one.
+    """
+
+    text: str
+    words: tuple[str, ...]
+    unit: str | None
+    sure: bool
+
+    @property
+    def known_unit(self) -> Unit | None:
+        """The unit, where it is a frequent one."""
+        return lookup_unit(self.unit) if self.unit else None
+
+    def unit_for(self, quantity: Quantity) -> str | None:
+        """The unit in the name, unless it is a part of the name that only looks like one."""
+        known = self.known_unit
+        if self.unit is None or self.sure or (known and known.quantity == quantity):
+            return self.unit
+        return None if self.unit.lower() in _AMBIGUOUS_UNITS else self.unit
+
+
+@lru_cache(maxsize=1024)
+def read_name(text: str) -> ColumnName:
+    """Take a column's name apart.
+
+    Examples
+    --------
+    >>> read_name("P1_kPa")
+    ColumnName(text='P1_kPa', words=('p', '1'), unit='kPa', sure=False)
+    >>> read_name("bending angle [deg]").words
+    ('bending', 'angle')
+    """
+    stripped = text.strip()
+    bracketed = _BRACKETED.fullmatch(stripped)
+    if bracketed and bracketed[1]:
+        stem, bracket, inside = bracketed[1], bracketed[2], bracketed[3]
+        if inside and (bracket == "[" or lookup_unit(inside)):
+            return ColumnName(text, _words(stem), inside, True)
+    for pattern in (_SLASHED, _LAST_TOKEN):
+        match = pattern.fullmatch(stripped)
+        if match and lookup_unit(match[2]):
+            return ColumnName(text, _words(match[1]), match[2], False)
+    whole = lookup_unit(stripped)
+    if whole and whole.quantity == "time" and stripped.lower() not in {"min", "ns"}:
+        return ColumnName(text, ("time",), stripped, False)
+    return ColumnName(text, _words(stripped), None, False)
+
+
+def match_channel(name: ColumnName) -> tuple[str, int] | None:
+    """The channel that a name means and how surely; None when it means none."""
+    words = set(name.words)
+    heads = [word for word in name.words if word in _CHANNEL_OF_WORD]
+    if not heads or words & _SOMETHING_ELSE - {"point"}:
+        return None
+    head = heads[-1]
+    channel = _CHANNEL_OF_WORD[head]
+    extra = [w for w in name.words if w != head and w not in _HARMLESS]
+    commanded = bool(words & _COMMAND) or {"set", "point"} <= words
+    if commanded:
+        if channel != "pressure":
+            return None
+        channel = "pressure_command"
+        extra = [w for w in extra if w not in _COMMAND and w != "point"]
+    if head in _SHORT and not _short_word_fits(name, channel, extra):
+        return None
+    if extra:
+        return channel, LOOKALIKE
+    plain = ("pressure", "cmd"), ("pressure", "command"), (channel,)
+    return channel, EXACT if name.words in plain else SYNONYM
+
+
+def _short_word_fits(name: ColumnName, channel: str, extra: Sequence[str]) -> bool:
+    """One letter means a channel only with a fitting unit, or alone but for a number."""
+    unit = name.known_unit
+    if unit is not None:
+        return unit.quantity == CHANNEL_QUANTITY[channel]
+    return name.unit is None and all(word.isdigit() for word in extra)
+
+
+def is_time_name(text: str) -> bool:
+    """Whether a name plainly means the time."""
+    matched = match_channel(read_name(text))
+    return matched is not None and matched[0] == "time" and matched[1] <= SYNONYM
+
+
+def is_index_name(text: str) -> bool:
+    """Whether a name is one that is given to a column that only counts rows."""
+    return text.strip().lower() in _INDEX_NAMES
+
+
+def best_matches(names: Sequence[str], free: Iterable[int]) -> dict[str, tuple[int, ...]]:
+    """Columns that could be each channel, the surest kind of match only.
+
+    Parameters
+    ----------
+    names
+        All column names.
+    free
+        Indices of the columns that may be taken.
+
+    Returns
+    -------
+    dict
+        Channel → indices; more than one where the names do not decide.
+    """
+    found: dict[str, dict[int, list[int]]] = {}
+    for index in free:
+        matched = match_channel(read_name(names[index]))
+        if matched:
+            channel, rank = matched
+            found.setdefault(channel, {}).setdefault(rank, []).append(index)
+    return {channel: tuple(ranks[min(ranks)]) for channel, ranks in found.items()}
+
+
+def _words(stem: str) -> tuple[str, ...]:
+    return tuple(word.lower() for word in _WORD.findall(_CAMEL.sub(" ", stem)))
