@@ -4,37 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import Channel, default_outputs, make_channel, read_only
 from softid.errors import InputError, Issue, UsageError
-from softid.units import CANONICAL_UNIT, CHANNEL_QUANTITY, factor_to_canonical
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-OUTPUT_PREFERENCE = (
-    "angle",
-    "contraction",
-    "distance",
-    "length",
-    "position",
-    "torque",
-    "force",
-)
-"""Which channel is the output when the user names none: the first of these that is there."""
-
 STALL_MIN_S = 0.5
 STALL_MIN_PERIODS = 10.0
-
-
-def read_only(values: npt.ArrayLike) -> Array:
-    """Copy to a float64 array that nobody can change."""
-    array = np.array(values, dtype=np.float64)
-    array.setflags(write=False)
-    return array
 
 
 @dataclass(frozen=True)
@@ -54,77 +37,6 @@ class Source:
     path: str
     sha256: str
     file_format: str
-
-
-@dataclass(frozen=True, eq=False)
-class Channel:
-    """One measured quantity over the log's own times.
-
-    Attributes
-    ----------
-    name
-        Known name (`softid.units.CHANNEL_QUANTITY`) or, for a raw channel, the column's.
-    values
-        Samples in ``unit``, shape (n,); NaN where nothing was recorded.
-    unit
-        Canonical unit, or the user's own for a raw channel.
-    display_unit, display_factor
-        Unit of the file and the factor from ``unit`` to it, so that results can be shown in it.
-    column
-        Column of the file, or None for arrays.
-    """
-
-    name: str
-    values: Array
-    unit: str
-    display_unit: str
-    display_factor: float = 1.0
-    column: str | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "values", read_only(self.values))
-
-    @property
-    def displayed(self) -> Array:
-        """The samples in the unit of the file."""
-        return self.values * self.display_factor
-
-
-def make_channel(
-    name: str, values: npt.ArrayLike, unit: str | None = None, *, column: str | None = None
-) -> Channel:
-    """Build a channel from values in any unit.
-
-    Parameters
-    ----------
-    name
-        A known channel name, or any other name for a raw channel.
-    values
-        Samples, shape (n,), in ``unit``.
-    unit
-        Their unit; None means the canonical one (a raw channel: ``"1"``).
-    column
-        Column of the file they came from.
-
-    Raises
-    ------
-    InputError
-        The unit does not measure what the channel is.
-
-    Examples
-    --------
-    >>> make_channel("pressure", [0.0, 1.5], "bar").values.tolist()
-    [0.0, 150.0]
-    """
-    quantity = CHANNEL_QUANTITY.get(name, "raw")
-    if quantity == "raw":
-        own = unit or "1"
-        return Channel(name, read_only(values), own, own, 1.0, column)
-    canonical = CANONICAL_UNIT[quantity]
-    shown = unit or canonical
-    factor = factor_to_canonical(shown, quantity, where=column or name)
-    scaled = np.asarray(values, dtype=np.float64) * factor
-    return Channel(name, scaled, canonical, shown, 1.0 / factor, column)
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +155,7 @@ class Log:
                 raise UsageError(
                     f"the log has no channel {role}",
                     where=self.name,
-                    remedy=f"choose from {', '.join(self.channels)}, or map a column with --channel",
+                    remedy=f"choose from {', '.join(self.channels)}, or map one with --channel",
                 )
         if self.input in self.outputs:
             raise UsageError(
@@ -295,7 +207,7 @@ class Log:
         """Stretches between stalls, in order; single samples between two stalls are dropped."""
         breaks = np.flatnonzero(np.diff(self.time_s) > self.stall_s) + 1
         edges = [0, *breaks.tolist(), len(self)]
-        spans = [(a, b) for a, b in zip(edges, edges[1:], strict=False) if b - a >= 2]
+        spans = [(a, b) for a, b in pairwise(edges) if b - a >= 2]
         return tuple(self._segment(k, a, b) for k, (a, b) in enumerate(spans))
 
     def _segment(self, index: int, start: int, stop: int) -> Segment:
@@ -377,27 +289,6 @@ class Log:
         made = {k: make_channel(k, v, units.get(k)) for k, v in channels.items()}
         chosen = tuple(outputs) or default_outputs(made, input, where=name)
         return cls(name=name, time_s=read_only(time_s), channels=made, input=input, outputs=chosen)
-
-
-def default_outputs(
-    channels: Mapping[str, Channel], input_name: str, *, where: str
-) -> tuple[str, ...]:
-    """The output channel to explain when the user names none.
-
-    Raises
-    ------
-    InputError
-        No channel has a name that is recognised as an output.
-    """
-    for name in OUTPUT_PREFERENCE:
-        if name in channels and name != input_name:
-            return (name,)
-    raise InputError(
-        "no output channel is recognised",
-        where=where,
-        value=", ".join(channels),
-        remedy="name one with --channel angle=COLUMN:UNIT or --output",
-    )
 
 
 @dataclass(frozen=True)

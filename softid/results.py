@@ -70,7 +70,9 @@ class ParameterEstimate:
     verdict
         What the logs say about this parameter.
     reason
-        Why, and which log would help; empty when identified.
+        Why; empty when identified.
+    remedy
+        The log that would show it; empty when identified.
     scale
         ``"linear"`` or ``"log"``: the scale on which the interval is symmetric.
     meaning
@@ -90,6 +92,7 @@ class ParameterEstimate:
     at_bound: bool
     verdict: Verdict
     reason: str = ""
+    remedy: str = ""
     scale: Literal["linear", "log"] = "linear"
     meaning: str = ""
 

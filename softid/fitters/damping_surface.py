@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import read_only
 from softid.errors import IdentificationError, Issue
 from softid.fitters.static_levels import KPA_PER_BAR
-from softid.log import read_only
 from softid.uncertainty import ResidualBlock, sandwich_covariance
 
 Array = npt.NDArray[np.float64]

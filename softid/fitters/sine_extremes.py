@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import read_only
 from softid.errors import IdentificationError, Issue
 from softid.fitters.branches import turning_samples
 from softid.fitters.local_derivatives import (
@@ -18,7 +19,7 @@ from softid.fitters.local_derivatives import (
 )
 from softid.fitters.settled_levels import contraction
 from softid.fitters.static_levels import LevelsFit
-from softid.log import Log, read_only
+from softid.log import Log
 from softid.models.geometry import ArcGeometry
 
 Array = npt.NDArray[np.float64]

@@ -9,16 +9,16 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import read_only
 from softid.errors import IdentificationError, InputError, Issue
 from softid.excitation import distinct_levels
-from softid.log import read_only
 
 Array = npt.NDArray[np.float64]
 
 KPA_PER_BAR = 100.0
 POORLY_KNOWN = 0.5
 UNKNOWN = 10.0
-"""Relative standard errors above the first are told to the user; above the second not as a number."""
+"""Relative standard errors above the first are told to the user, above the second in words."""
 
 SAME_LEVEL = 0.01
 """Pressures closer than this share of their range are one level."""

@@ -158,6 +158,7 @@ def parameter_estimates(
                 at_bound=at_bound,
                 verdict=verdict,
                 reason=reason,
+                remedy=_remedy(problem, name) if "identified" in verdict and reason else "",
                 scale=p.scale,
                 meaning=p.meaning,
             )
@@ -176,26 +177,30 @@ def _verdict(
     value: float,
 ) -> tuple[Verdict, str]:
     p = problem.parameters[name]
-    remedy = problem.model.identified_by.get(name)
-    hint = f"; shown by {remedy}" if remedy else ""
     if name in unseen:
-        return "not identified", f"{unseen[name]}{hint}"
+        return "not identified", unseen[name]
     if p.tie is not None:
         return "tied", f"computed as {p.tie}"
     if p.fixed:
         return "fixed", ""
     partner = _partner(errors, row)
-    verdict, reason = judge(
+    return judge(
         value,
         p.scale,
         sd,
         at_bound=at_bound,
         partner=partner,
-        lower=p.lower,
-        upper=p.upper,
+        # The search is far wider than anything plausible, so it is no measure of what is known.
+        lower=p.lower if at_bound else None,
+        upper=p.upper if at_bound else None,
         companions=_companions(errors, name),
     )
-    return verdict, f"{reason}{hint}" if verdict != "identified" and reason else reason
+
+
+def _remedy(problem: Problem, name: str) -> str:
+    """The log that would show a parameter."""
+    shown_by = problem.model.identified_by.get(name)
+    return f"record {shown_by}" if shown_by else ""
 
 
 def _partner(errors: Errors, row: int | None) -> tuple[str, float] | None:

@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from softid.errors import Issue
+from softid.errors import Issue, Severity
 from softid.identification.estimates import Errors
 from softid.log import Log, LogSet
-from softid.models.base import Model
 from softid.results import FitStatistics, ParameterEstimate
 
 RANGE_MARGIN = 0.02
@@ -52,7 +51,6 @@ def extrapolation(
 
 
 def issues_of(
-    model: Model,
     estimates: Sequence[ParameterEstimate],
     errors: Errors,
     unseen: Mapping[str, str],
@@ -66,27 +64,14 @@ def issues_of(
         issue = extrapolation(log, log.input, ranges)
         if issue is not None:
             found.append(issue)
-    for name, reason in unseen.items():
-        remedy = model.identified_by.get(name)
-        found.append(
-            Issue(
-                "not-seen",
-                "warning",
-                f"{name} cannot be seen in these logs: {reason}; the fit continues without it",
-                f"to see it, record {remedy}" if remedy else None,
-            )
-        )
     for e in estimates:
-        if e.verdict in ("not identified", "weakly identified") and e.name not in unseen:
-            remedy = model.identified_by.get(e.name)
-            found.append(
-                Issue(
-                    e.verdict.replace(" ", "-"),
-                    "warning" if e.verdict == "not identified" else "info",
-                    f"{e.name} is {e.verdict}: {e.reason}",
-                    f"to pin it down, record {remedy}" if remedy else None,
-                )
-            )
+        if e.name in unseen:
+            message = f"{e.name} cannot be seen: {e.reason}; the fit continues without it"
+            found.append(Issue("not-seen", "warning", message, e.remedy or None))
+        elif e.verdict in ("not identified", "weakly identified"):
+            message = f"{e.name} is {e.verdict}: {e.reason}"
+            severity: Severity = "warning" if e.verdict == "not identified" else "info"
+            found.append(Issue(e.verdict.replace(" ", "-"), severity, message, e.remedy or None))
     for row in statistics:
         if row.fit_percent < POOR_FIT_PERCENT:
             where = "fitted" if row.in_sample else "held out"

@@ -145,15 +145,16 @@ def _identify(
     problem = Problem(model, wished, logs.logs)
     optimum = output_error(problem, starts, rng=rng, progress=report)
     period_s = float(np.median([log.period_s for log in logs]))
+    input_range = fitted_range(logs)[logs.input]
     unseen: dict[str, str] = {}
     while np.isfinite(optimum.cost):
         theta = problem.theta(optimum.unknowns)
-        simpler = problem.model.limit(theta, period_s)
+        simpler = problem.model.limit(theta, period_s, input_range)
         if simpler is None:
             break
         limit, reason = simpler
         dropped = set(problem.free) - set(limit.parameters().free)
-        if not dropped or any(_wished_value(problem.parameters, wished, n) for n in dropped):
+        if not dropped or _tied_to(wished, dropped):
             break
         unseen |= dict.fromkeys(dropped, reason)
         overlaid = with_wishes(limit.parameters(), parameters)
@@ -164,10 +165,10 @@ def _identify(
     return _Identified(problem, optimum, unseen)
 
 
-def _wished_value(current: ParameterSet, wished: ParameterSet, name: str) -> bool:
-    """Whether the user tied something to this parameter, so that it cannot be dropped."""
-    del current
-    return any(p.tie is not None and name in p.tie for p in wished.values())
+def _tied_to(parameters: ParameterSet, names: set[str]) -> bool:
+    """Whether the user computes some parameter from one of these, so that none can be dropped."""
+    ties = [p.tie for p in parameters.values() if p.tie is not None]
+    return any(name in tie for tie in ties for name in names)
 
 
 def _assemble(
@@ -193,7 +194,7 @@ def _assemble(
     ranges = fitted_range(logs)
     issues = [issue for log in (*logs.logs, *held) for issue in log.issues]
     issues += issues_of(
-        model, estimates, errors, found.unseen, ranges, held, (*statistics, *held_statistics)
+        estimates, errors, found.unseen, ranges, held, (*statistics, *held_statistics)
     )
     if not optimum.status.success:
         issues.append(Issue("not-converged", "error", optimum.status.value))
@@ -204,7 +205,7 @@ def _assemble(
         status=optimum.status,
         message=optimum.status.value,
         parameters=estimates,
-        derived=model.derived(values),
+        derived=model.derived(values, ranges[logs.input]),
         nuisances=(*nuisances, *held_nuisances),
         statistics=(*statistics, *held_statistics),
         noise=errors.noise,

@@ -156,12 +156,24 @@ class Model(ABC):
     def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
         """Output at rest, without sensor zero, for inputs of shape (m,); NaN where undefined."""
 
-    def derived(self, values: Mapping[str, float]) -> dict[str, tuple[float, str]]:
-        """Quantities that people quote, computed from the parameters: name → (value, unit)."""
-        del values
+    def derived(
+        self, values: Mapping[str, float], input_range: tuple[float, float]
+    ) -> dict[str, tuple[float, str]]:
+        """Quantities that people quote, computed from the parameters: name → (value, unit).
+
+        Parameters
+        ----------
+        values
+            Parameter name → value.
+        input_range
+            Smallest and largest input that was fitted.
+        """
+        del values, input_range
         return {}
 
-    def limit(self, theta: Array, period_s: float) -> tuple[Model, str] | None:
+    def limit(
+        self, theta: Array, period_s: float, input_range: tuple[float, float]
+    ) -> tuple[Model, str] | None:
         """The simpler model to continue with when a term cannot be seen, and why.
 
         Parameters
@@ -170,8 +182,10 @@ class Model(ABC):
             Fitted values, shape (K,).
         period_s
             Median sampling interval of the logs.
+        input_range
+            Smallest and largest input that was fitted.
         """
-        del theta, period_s
+        del theta, period_s, input_range
         return None
 
     def spec(self) -> ModelSpec:

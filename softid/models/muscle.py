@@ -14,7 +14,16 @@ from softid.kernels.muscle import coefficient_derivatives, coefficients
 from softid.log import Segment
 from softid.models.base import Model, Response
 from softid.models.geometry import ArcGeometry
-from softid.models.second_order import Division, Law, divide, simulate_law
+from softid.models.second_order import (
+    ORDERS,
+    Division,
+    Law,
+    Order,
+    divide,
+    faded,
+    simulate_law,
+    speeds,
+)
 from softid.models.starts import hammerstein_starts
 from softid.parameters import Parameter, ParameterSet
 
@@ -22,8 +31,6 @@ Array = npt.NDArray[np.float64]
 
 NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
 _KPA_PER_BAR = 100.0
-ORDERS = ("static", "first", "second")
-_UNSEEN_INERTIA_PERIODS = 0.1
 _RU = "Ru et al. 2019"
 
 
@@ -76,7 +83,7 @@ class Muscle(Model):
     """
 
     damping: Literal["exponential", "constant"] = "exponential"
-    order: Literal["second", "first", "static"] = "second"
+    order: Order = "second"
     fixed_length_mm: float | None = None
     diameter_mm: float | None = None
     x_unit: str = "mm"
@@ -258,43 +265,25 @@ class Muscle(Model):
         """N(p) at pressures of shape (m,), in s per unit of x; Ru Eq 6."""
         return MuscleLaw(theta).coefficients(pressure_kpa)[0]
 
-    def derived(self, values: Mapping[str, float]) -> dict[str, tuple[float, str]]:
-        """Largest and resting contraction, midpoint, and the motion's speed at the midpoint."""
+    def derived(
+        self, values: Mapping[str, float], input_range: tuple[float, float]
+    ) -> dict[str, tuple[float, str]]:
+        """Shape of the static curve, and the motion's speed at the centre of the fitted range."""
         a1, b1, c1 = values["a1"], values["b1"], values["c1"]
-        midpoint_kpa = float(np.log(c1 / a1) / b1) * _KPA_PER_BAR
-        theta = np.array([values[name] for name in NAMES])
-        damping, stiffness, _ = MuscleLaw(theta).coefficients(np.array([midpoint_kpa]))
         found = {
             "x_max": (1.0 / a1, self.x_unit),
             "x_at_zero_pressure": (1.0 / (a1 + c1), self.x_unit),
-            "midpoint_pressure": (midpoint_kpa, "kPa"),
+            "midpoint_pressure": (float(np.log(c1 / a1) / b1) * _KPA_PER_BAR, "kPa"),
         }
-        if self.order != "static":
-            found["time_constant_at_midpoint"] = (float(damping[0] / stiffness[0]), "s")
-        if values["M"] > 0:
-            omega = float(np.sqrt(stiffness[0] / values["M"]))
-            found["natural_frequency_at_midpoint"] = (omega / (2 * np.pi), "Hz")
-            ratio = float(damping[0] / (2 * np.sqrt(stiffness[0] * values["M"])))
-            found["damping_ratio_at_midpoint"] = (ratio, "1")
-        return found
+        law = MuscleLaw(np.array([values[name] for name in NAMES]))
+        return found | speeds(law, 0.5 * (input_range[0] + input_range[1]), "kPa")
 
-    def limit(self, theta: Array, period_s: float) -> tuple[Muscle, str] | None:
+    def limit(
+        self, theta: Array, period_s: float, input_range: tuple[float, float]
+    ) -> tuple[Muscle, str] | None:
         """First order when M/N is far below the sampling interval, static when N/Q is."""
-        values = dict(zip(NAMES, theta, strict=True))
-        middle = np.array([np.log(values["c1"] / values["a1"]) / values["b1"] * _KPA_PER_BAR])
-        damping, stiffness, _ = MuscleLaw(theta).coefficients(middle)
-        unseen = _UNSEEN_INERTIA_PERIODS * period_s
-        if self.order == "second" and values["M"] < unseen * float(damping[0]):
-            return replace(self, order="first"), (
-                f"the inertia dies out within {values['M'] / float(damping[0]):.2g} s, far below "
-                f"the sampling interval of {period_s:.2g} s"
-            )
-        if self.order == "first" and float(damping[0]) < unseen * float(stiffness[0]):
-            return replace(self, order="static"), (
-                f"the motion settles within {float(damping[0] / stiffness[0]):.2g} s, far below "
-                f"the sampling interval of {period_s:.2g} s"
-            )
-        return None
+        found = faded(MuscleLaw(theta), self.order, period_s, np.linspace(*input_range, 20))
+        return (replace(self, order=found[0]), found[1]) if found else None
 
 
 def _positive(

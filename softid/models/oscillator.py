@@ -12,7 +12,16 @@ import numpy.typing as npt
 
 from softid.log import Segment
 from softid.models.base import Model, Response
-from softid.models.second_order import Division, Law, divide, simulate_law
+from softid.models.second_order import (
+    ORDERS,
+    Division,
+    Law,
+    Order,
+    divide,
+    faded,
+    simulate_law,
+    speeds,
+)
 from softid.models.weak_form import weak_form_coefficients
 from softid.parameters import Parameter, ParameterSet
 
@@ -25,8 +34,6 @@ WINDOWS = (0.01, 0.03, 0.1, 0.3)
 SPEEDS = 7
 DAMPING_RATIOS = (0.15, 0.7, 3.0)
 N_STARTS = 4
-ORDERS = ("static", "first", "second")
-_UNSEEN_INERTIA_PERIODS = 0.1
 
 
 class OscillatorLaw(Law):
@@ -76,7 +83,7 @@ class Oscillator(Model):
         Whether the output falls as the input rises; G is then −1.
     """
 
-    order: Literal["second", "first", "static"] = "second"
+    order: Order = "second"
     spring: Literal["linear", "none"] = "linear"
     x_unit: str = "1"
     u_unit: str = "1"
@@ -207,34 +214,22 @@ class Oscillator(Model):
         _, stiffness, force = OscillatorLaw(theta).coefficients(input_values)
         return np.where(stiffness > 0, force / np.where(stiffness > 0, stiffness, 1.0), np.nan)
 
-    def derived(self, values: Mapping[str, float]) -> dict[str, tuple[float, str]]:
+    def derived(
+        self, values: Mapping[str, float], input_range: tuple[float, float]
+    ) -> dict[str, tuple[float, str]]:
         """Static gain, time constant, natural frequency and damping ratio."""
-        mass, damping, stiffness = values["M"], values["N"], values["Q"]
-        found: dict[str, tuple[float, str]] = {}
-        if stiffness > 0:
-            found["static_gain"] = (values["G"] / stiffness, f"{self.x_unit}/{self.u_unit}")
-            if damping > 0:
-                found["time_constant"] = (damping / stiffness, "s")
-        if mass > 0 and stiffness > 0:
-            found["natural_frequency"] = (float(np.sqrt(stiffness / mass) / (2 * np.pi)), "Hz")
-            found["damping_ratio"] = (float(damping / (2 * np.sqrt(stiffness * mass))), "1")
-        return found
+        if values["Q"] <= 0:
+            return {}
+        gain = values["G"] / values["Q"], f"{self.x_unit}/{self.u_unit}"
+        law = OscillatorLaw(np.array([values[name] for name in NAMES]))
+        return {"static_gain": gain} | speeds(law, input_range[0])
 
-    def limit(self, theta: Array, period_s: float) -> tuple[Oscillator, str] | None:
+    def limit(
+        self, theta: Array, period_s: float, input_range: tuple[float, float]
+    ) -> tuple[Oscillator, str] | None:
         """First order when M/N is far below the sampling interval, static when N/Q is."""
-        mass, damping, stiffness = theta[:3].tolist()
-        unseen = _UNSEEN_INERTIA_PERIODS * period_s
-        if self.order == "second" and mass < unseen * damping:
-            return replace(self, order="first"), (
-                f"the inertia dies out within {mass / damping:.2g} s, far below the sampling "
-                f"interval of {period_s:.2g} s"
-            )
-        if self.order == "first" and damping < unseen * stiffness:
-            return replace(self, order="static"), (
-                f"the motion settles within {damping / stiffness:.2g} s, far below the sampling "
-                f"interval of {period_s:.2g} s"
-            )
-        return None
+        found = faded(OscillatorLaw(theta), self.order, period_s, np.array(input_range))
+        return (replace(self, order=found[0]), found[1]) if found else None
 
 
 def _static_slope(segments: Sequence[Segment], output: str) -> float:

@@ -179,7 +179,9 @@ def _draw_residual(
     half, beyond = residual_reach(residual)
     axes.set_ylim(-half, half)
     if beyond:
-        add_note(axes, f"{beyond} spike{'s' if beyond > 1 else ''} beyond ±{half:.3g} not shown whole")
+        add_note(
+            axes, f"{beyond} spike{'s' if beyond > 1 else ''} beyond ±{half:.3g} not shown whole"
+        )
 
 
 def residual_reach(residual: Array) -> tuple[float, int]:

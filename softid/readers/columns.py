@@ -7,14 +7,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from softid.units import CHANNEL_QUANTITY, Quantity, Unit, lookup_unit
+from softid.units import CHANNEL_QUANTITY, Unit, lookup_unit
 
 EXACT, SYNONYM, LOOKALIKE = 0, 1, 2
 """How well a name fits a channel: softid's own word, another word for it, a word beside others."""
 
 _WORDS: dict[str, tuple[str, ...]] = {
-    "time": ("time", "t", "timestamp", "datetime", "elapsed", "zeit", "temps"),
-    "pressure": ("pressure", "p", "press", "druck", "pression"),
+    "time": ("time", "t", "timestamp", "datetime", "elapsed", "zeit"),
+    "pressure": ("pressure", "p", "press", "druck"),
     "angle": ("angle", "theta", "phi", "bend", "bending", "winkel", "θ", "φ", "ϕ"),
     "contraction": ("contraction",),
     "length": ("length",),
@@ -26,17 +26,78 @@ _WORDS: dict[str, tuple[str, ...]] = {
 _CHANNEL_OF_WORD = {word: channel for channel, words in _WORDS.items() for word in words}
 _SHORT = {word for word in _CHANNEL_OF_WORD if len(word) == 1}
 _COMMAND = frozenset(
-    "cmd command commanded set setpoint setp sp ref reference target desired des demand goal soll "
-    "input".split()
+    [
+        "cmd",
+        "command",
+        "commanded",
+        "set",
+        "setpoint",
+        "setp",
+        "sp",
+        "ref",
+        "reference",
+        "target",
+        "desired",
+        "des",
+        "demand",
+        "goal",
+        "soll",
+    ]
 )
 _HARMLESS = frozenset(
-    "meas measured measurement actual act sensor value val signal reading ist fb feedback "
-    "gauge".split()
+    [
+        "meas",
+        "measured",
+        "measurement",
+        "actual",
+        "act",
+        "sensor",
+        "value",
+        "val",
+        "signal",
+        "reading",
+        "ist",
+        "fb",
+        "feedback",
+        "gauge",
+        "stamp",
+    ]
 )
 _SOMETHING_ELSE = frozenset(
-    "error err rate dot speed velocity vel acc acceleration std noise var volt voltage adc count "
-    "counts flag valid status pwm supply ambient atmospheric atm tank baro gain constant temp "
-    "temperature delay stamp point".split()
+    [
+        "error",
+        "err",
+        "rate",
+        "dot",
+        "speed",
+        "velocity",
+        "vel",
+        "acc",
+        "acceleration",
+        "std",
+        "noise",
+        "var",
+        "volt",
+        "voltage",
+        "adc",
+        "count",
+        "counts",
+        "flag",
+        "valid",
+        "status",
+        "pwm",
+        "supply",
+        "ambient",
+        "atmospheric",
+        "atm",
+        "tank",
+        "baro",
+        "gain",
+        "constant",
+        "temp",
+        "temperature",
+        "delay",
+    ]
 )
 _INDEX_NAMES = frozenset(
     {"", "index", "idx", "unnamed: 0", "#", "no", "no.", "nr", "row", "sample", "n", "i", "id"}
@@ -63,26 +124,16 @@ class ColumnName:
         Its words and numbers in lower case, without the unit.
     unit
         The unit in it, as written, or None.
-    sure
-        Whether the unit stands in brackets, so that it can only be one.
     """
 
     text: str
     words: tuple[str, ...]
     unit: str | None
-    sure: bool
 
     @property
     def known_unit(self) -> Unit | None:
         """The unit, where it is a frequent one."""
         return lookup_unit(self.unit) if self.unit else None
-
-    def unit_for(self, quantity: Quantity) -> str | None:
-        """The unit in the name, unless it is a part of the name that only looks like one."""
-        known = self.known_unit
-        if self.unit is None or self.sure or (known and known.quantity == quantity):
-            return self.unit
-        return None if self.unit.lower() in _AMBIGUOUS_UNITS else self.unit
 
 
 @lru_cache(maxsize=1024)
@@ -92,7 +143,7 @@ def read_name(text: str) -> ColumnName:
     Examples
     --------
     >>> read_name("P1_kPa")
-    ColumnName(text='P1_kPa', words=('p', '1'), unit='kPa', sure=False)
+    ColumnName(text='P1_kPa', words=('p', '1'), unit='kPa')
     >>> read_name("bending angle [deg]").words
     ('bending', 'angle')
     """
@@ -101,22 +152,22 @@ def read_name(text: str) -> ColumnName:
     if bracketed and bracketed[1]:
         stem, bracket, inside = bracketed[1], bracketed[2], bracketed[3]
         if inside and (bracket == "[" or lookup_unit(inside)):
-            return ColumnName(text, _words(stem), inside, True)
+            return ColumnName(text, _words(stem), inside)
     for pattern in (_SLASHED, _LAST_TOKEN):
         match = pattern.fullmatch(stripped)
-        if match and lookup_unit(match[2]):
-            return ColumnName(text, _words(match[1]), match[2], False)
+        if match and _is_unit_of(match[2], _words(match[1])):
+            return ColumnName(text, _words(match[1]), match[2])
     whole = lookup_unit(stripped)
     if whole and whole.quantity == "time" and stripped.lower() not in {"min", "ns"}:
-        return ColumnName(text, ("time",), stripped, False)
-    return ColumnName(text, _words(stripped), None, False)
+        return ColumnName(text, ("time",), stripped)
+    return ColumnName(text, _words(stripped), None)
 
 
 def match_channel(name: ColumnName) -> tuple[str, int] | None:
     """The channel that a name means and how surely; None when it means none."""
     words = set(name.words)
     heads = [word for word in name.words if word in _CHANNEL_OF_WORD]
-    if not heads or words & _SOMETHING_ELSE - {"point"}:
+    if not heads or words & _SOMETHING_ELSE:
         return None
     head = heads[-1]
     channel = _CHANNEL_OF_WORD[head]
@@ -141,6 +192,15 @@ def _short_word_fits(name: ColumnName, channel: str, extra: Sequence[str]) -> bo
     if unit is not None:
         return unit.quantity == CHANNEL_QUANTITY[channel]
     return name.unit is None and all(word.isdigit() for word in extra)
+
+
+def _is_unit_of(token: str, words: Sequence[str]) -> bool:
+    """Whether the last part of a name is a unit; a doubtful one has to fit the quantity."""
+    unit = lookup_unit(token)
+    if unit is None or token.lower() not in _AMBIGUOUS_UNITS:
+        return unit is not None
+    heads = [word for word in words if word in _CHANNEL_OF_WORD]
+    return bool(heads) and CHANNEL_QUANTITY[_CHANNEL_OF_WORD[heads[-1]]] == unit.quantity
 
 
 def is_time_name(text: str) -> bool:

@@ -7,13 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from softid.errors import InputError
-from softid.readers.base import listed
 from softid.readers.cells import is_missing, is_number, is_timestamp
 from softid.readers.columns import is_time_name
 from softid.units import lookup_unit
 
 LONGEST_UNIT_CELL = 12
 LONGEST_KEY = 60
+MOST_MISCOUNTED = 2
+"""A line with so many names more or fewer than the rows have cells is a header gone wrong."""
 
 _FACT = re.compile(r"([^:=]+?)\s*[:=]\s*(\S.*)")
 _BRACKETS = re.compile(r"[\[(<{]?\s*(.*?)\s*[\])>}]?")
@@ -88,9 +89,7 @@ def read_heading(
     return Heading(tuple(cut[chosen]), units, _metadata([above[k] for k in left]))
 
 
-def _choose_header(
-    above: Sequence[Line], cut: Sequence[Sequence[str]], width: int
-) -> int | None:
+def _choose_header(above: Sequence[Line], cut: Sequence[Sequence[str]], width: int) -> int | None:
     """The line that names the columns: a comment only right above the numbers."""
     last = len(above) - 1
     plain = [k for k, (_, _, comment) in enumerate(above) if not comment][-1:]
@@ -106,7 +105,8 @@ def _refuse_misfit(
     above: Sequence[Line], cut: Sequence[Sequence[str]], width: int, where: str
 ) -> None:
     for (index, text, comment), cells in zip(above[-2:], cut[-2:], strict=True):
-        if not comment and len(cells) > 1 and any(is_time_name(cell) for cell in cells):
+        close = len(cells) > 1 and abs(len(cells) - width) <= MOST_MISCOUNTED
+        if not comment and close and any(is_time_name(cell) for cell in cells[:2]):
             raise InputError(
                 f"the header names {len(cells)} columns, but the rows have {width}",
                 where=f"{where}, row {index + 1}",

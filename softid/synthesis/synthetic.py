@@ -9,8 +9,9 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import read_only
 from softid.errors import InputError
-from softid.log import Log, read_only
+from softid.log import Log
 from softid.synthesis.columns import Column
 from softid.synthesis.laws import (
     POLYNOMIAL_PARAMETERS,

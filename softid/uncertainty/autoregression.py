@@ -43,7 +43,7 @@ class AutoRegression:
     aicc, bic
         Criteria of this order, by which it was chosen.
     capped
-        Whether a root was drawn in because the record is too short to show such a memory.
+        Whether `restricted_ar` drew in a root because the record is too short for such a memory.
     """
 
     phi: tuple[float, ...]
@@ -98,9 +98,6 @@ def fit_ar(
     recursion ends when a millionth of it is left. No mean is removed: a bias of the model is part
     of what it leaves over.
 
-    A root beyond exp(−1/n) of the longest stretch means a memory longer than any stretch shows; the
-    coefficients are then drawn in, φ_j ← φ_j cʲ, until the largest root has that radius.
-
     Parameters
     ----------
     residuals
@@ -130,8 +127,8 @@ def fit_ar(
 
     Examples
     --------
-    >>> wave = np.array([1.0, -1.0] * 20)
-    >>> round(fit_ar([wave + 0.1 * np.cos(np.arange(40.0) ** 2)]).phi[0], 1) < 0
+    >>> walk = np.cumsum(np.random.default_rng(0).normal(size=500))
+    >>> fit_ar([walk - walk.mean()]).phi[0] > 0.9
     True
     """
     if max_order < 0 or criterion not in ("aicc", "bic"):
@@ -155,16 +152,14 @@ def fit_ar(
         return AutoRegression((), 0.0, 0.0, n, -np.inf, -np.inf)
     criteria = order_criteria(reflection, power, n)
     order = int(np.argmin(criteria[criterion]))
-    phi, capped = draw_in(to_phi(reflection[:order]), longest)
-    innovation = np.sqrt(power * np.prod(1.0 - np.square(to_reflection(phi))))
+    innovation = np.sqrt(power * np.prod(1.0 - reflection[:order] ** 2))
     return AutoRegression(
-        tuple(phi.tolist()),
-        float(innovation),
-        float(np.sqrt(power)),
-        n,
-        float(criteria["aicc"][order]),
-        float(criteria["bic"][order]),
-        capped,
+        phi=tuple(to_phi(reflection[:order]).tolist()),
+        sigma_innovation=float(innovation),
+        sigma=float(np.sqrt(power)),
+        n=n,
+        aicc=float(criteria["aicc"][order]),
+        bic=float(criteria["bic"][order]),
     )
 
 
@@ -215,24 +210,6 @@ def to_reflection(phi: Array) -> Array:
         out[m - 1] = k
         phi = (phi[:-1] + k * phi[-2::-1]) / (1.0 - k * k) if m > 1 else phi[:0]
     return out
-
-
-def draw_in(phi: Array, longest: int) -> tuple[Array, bool]:
-    """Shrink the roots of φ to a radius of at most exp(−1/longest).
-
-    Returns
-    -------
-    phi, capped
-        The coefficients, and whether they were changed.
-    """
-    trimmed = np.trim_zeros(phi, "b")
-    if trimmed.size == 0:
-        return phi, False
-    radius = float(np.max(np.abs(np.roots(np.concatenate(([1.0], -trimmed))))))
-    limit = float(np.exp(-1.0 / longest))
-    if radius <= limit:
-        return phi, False
-    return phi * (limit / radius) ** np.arange(1, phi.size + 1), True
 
 
 def predictors(phi: Array) -> tuple[list[Array], Array]:

@@ -75,7 +75,7 @@ def block_length(ar: AutoRegression, n: int) -> int:
     Examples
     --------
     >>> block_length(AutoRegression((0.9,), 1.0, (1 / 0.19) ** 0.5, 1000, 0.0, 0.0), 1000)
-    51
+    52
     """
     if ar.order == 0 or n < 2:
         return 1

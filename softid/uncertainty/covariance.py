@@ -175,7 +175,7 @@ def sandwich_covariance(
     >>> e = np.random.default_rng(1).normal(size=200)
     >>> block = ResidualBlock("angle", (np.column_stack((np.ones(200), t)),), (e,))
     >>> c = sandwich_covariance([block], ["zero", "slope"])
-    >>> 0.1 < c.sd[0] < 0.2
+    >>> 0.05 < c.sd[0] < 0.2
     True
     """
     _check(blocks, names)
@@ -346,8 +346,7 @@ def _assemble(
 
 
 def _quantile(freedom: Array, level: float) -> Array:
-    quantile: Array = stdtrit(np.maximum(freedom, MIN_FREEDOM), 0.5 + level / 2.0)
-    return quantile
+    return np.asarray(stdtrit(np.maximum(freedom, MIN_FREEDOM), 0.5 + level / 2.0), np.float64)
 
 
 def _check(blocks: Sequence[ResidualBlock], names: Sequence[str]) -> None:

@@ -17,7 +17,6 @@ from softid.errors import IdentificationError
 from softid.uncertainty.autoregression import (
     MIN_LEFT,
     AutoRegression,
-    draw_in,
     run_slices,
     to_phi,
     to_reflection,
@@ -229,7 +228,7 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
 
     Newton's method in artanh of the reflection coefficients, so every trial is stable, with the
     damping chosen among a ladder of trials in each step. Reflection coefficients are kept below
-    exp(−1/n) of the longest stretch, and roots too, see `fit_ar`. The noise is never taken for
+    exp(−1/n) of the longest stretch, and roots too, see `draw_in`. The noise is never taken for
     smaller than the residuals themselves.
 
     Parameters
@@ -288,6 +287,27 @@ def _finish(moments: Moments, start: AutoRegression, x: Array) -> RestrictedFit:
     values, vectors = np.linalg.eigh(curvature)
     spread = (vectors / np.maximum(values, MIN_CURVATURE)) @ vectors.T * 2.0
     return RestrictedFit(ar, np.arctanh(reflection), spread, moments.n - moments.reachable)
+
+
+def draw_in(phi: Array, longest: int) -> tuple[Array, bool]:
+    """Shrink the roots of φ to a radius of at most exp(−1/longest), φ_j ← φ_j cʲ.
+
+    A root beyond means a memory longer than any stretch shows; without a limit the variance that
+    the restricted likelihood implies has none either.
+
+    Returns
+    -------
+    phi, capped
+        The coefficients, and whether they were changed.
+    """
+    trimmed = np.trim_zeros(phi, "b")
+    if trimmed.size == 0:
+        return phi, False
+    radius = float(np.max(np.abs(np.roots(np.concatenate(([1.0], -trimmed))))))
+    limit = float(np.exp(-1.0 / longest))
+    if radius <= limit:
+        return phi, False
+    return phi * (limit / radius) ** np.arange(1, phi.size + 1), True
 
 
 def differences(moments: Moments, x: Array) -> tuple[Array, Array]:

@@ -108,6 +108,11 @@ def test_a_sensor_zero_is_separated_from_the_curve():
     assert [fit.a1, fit.b1, fit.c1] == pytest.approx([0.01, 3.0, 1.3], rel=1e-6)
     assert fit.static(LEVELS_KPA) == pytest.approx(recorded, abs=1e-6)
     assert levels_from_arrays(LEVELS_KPA, recorded).rmse > 0.5
+    rng = np.random.default_rng(4)
+    for zero in (-1000.0, -50.0, 300.0):
+        a1, b1 = 1.0 / rng.uniform(20.0, 100.0), rng.uniform(1.5, 4.0)
+        curve = _static(LEVELS_KPA, a1, b1, a1 * np.exp(1.4 * b1))
+        assert levels_from_arrays(LEVELS_KPA, curve + zero, zero=True).a1 == pytest.approx(a1, 1e-6)
 
 
 def test_standard_errors_of_the_levels_cover():
@@ -290,6 +295,11 @@ def test_damping_fit_keeps_its_bounds_and_finds_either_sign_of_b2():
     assert [fit.a2, fit.b2, fit.c2] == pytest.approx([0.04, -1.5, 0.03], rel=1e-5)
     flat = fit_damping(DampingSamples(p, 0.05 * v, v, (400,)), "exponential", **options)
     assert flat.curve([0.0, 240.0]) == pytest.approx([0.05, 0.05], rel=1e-6)
+    bent = (0.05 * np.exp(p / 100) - 0.04) * v
+    held = fit_damping(DampingSamples(p, bent, v, (400,)), "exponential", **options)
+    assert held.a2 > 0.0
+    assert held.c2 == 0.0
+    assert held.stderr["c2"] is None
     with pytest.raises(IdentificationError, match="no positive damping"):
         fit_damping(DampingSamples(p, -0.05 * v, v, (400,)), "constant", **options)
     with pytest.raises(IdentificationError, match="samples move fast enough"):

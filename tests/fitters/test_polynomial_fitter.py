@@ -168,6 +168,7 @@ def test_order_four_is_chosen_for_the_papers_curves():
     assert min(chosen) == 4
     assert chosen.count(4) >= 34
     assert choice.orders == tuple(range(1, 8))
+    assert choice.blocks == 6  # eight ranges of the sweep without the first and the last
 
 
 def test_a_line_is_chosen_for_a_line():
