@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
 from softid.errors import InputError
 
@@ -253,7 +253,7 @@ def _parse_with_pint(text: str) -> Unit | None:
 
     import pint  # 0.2 s, and only an unusual unit needs it
 
-    registry = pint.UnitRegistry()
+    registry: Any = pint.UnitRegistry()
     try:
         quantity = registry.Quantity(1.0, plain.replace("·", "*")).to_base_units()
     except Exception:  # noqa: BLE001 - pint raises tokenizer, attribute and value errors alike

@@ -16,7 +16,7 @@ from PIL import Image
 
 WIDTH_IN, HEIGHT_IN, DPI = 12.0, 8.0, 100
 LEFT, RIGHT, BOTTOM = 0.08, 0.985, 0.08
-TITLE_AT, LEGEND_AT, TOP = 0.958, 0.915, 0.885
+TITLE_AT, LEGEND_TOP, TOP, TOP_BELOW_TWO = 0.96, 0.934, 0.885, 0.858
 LABEL_OFFSET = 0.047
 TITLE_SIZE, LABEL_SIZE, TICK_SIZE, NOTE_SIZE = 15, 13, 12, 12
 PNG_LEVEL = 3
@@ -127,8 +127,22 @@ def add_panel(
     return axes
 
 
-def add_header(figure: Figure, title: str, handles: Iterable[Artist] = ()) -> None:
-    """Title and legend above the panels, where no curve can run into them."""
+def add_header(
+    figure: Figure, title: str, handles: Iterable[Artist] = (), *, rows: int = 1
+) -> None:
+    """Title and legend above the panels, where no curve can run into them.
+
+    Parameters
+    ----------
+    figure
+        The figure to draw on.
+    title
+        Heading, shown as it is.
+    handles
+        Artists with labels.
+    rows
+        Rows of the legend; panels below end at `TOP`, or at `TOP_BELOW_TWO` with two rows.
+    """
     figure.text(
         LEFT, TITLE_AT, title, fontsize=TITLE_SIZE, fontweight="bold", va="center", parse_math=False
     )
@@ -136,9 +150,10 @@ def add_header(figure: Figure, title: str, handles: Iterable[Artist] = ()) -> No
     if shown:
         figure.legend(
             handles=shown,
-            loc="center left",
-            bbox_to_anchor=(LEFT, LEGEND_AT),
-            ncols=len(shown),
+            loc="upper left",
+            bbox_to_anchor=(LEFT, LEGEND_TOP),
+            ncols=-(-len(shown) // rows),
+            labelspacing=0.35,
             frameon=False,
             fontsize=NOTE_SIZE,
             handlelength=3.2,

@@ -21,7 +21,7 @@ Array = npt.NDArray[np.float64]
 NORMAL_95 = 1.959963984540054
 GRID = 241
 BEYOND = 0.1
-NEAR_ZERO = 0.5
+NEAR_ZERO, BELOW_ZERO = 0.5, 0.05
 SETTLED_TAIL = 0.25
 _STEP = 1e-5
 _NEGLIGIBLE = 1e-6
@@ -62,9 +62,8 @@ def input_grid(result: FitResult) -> Array:
         low = min(low, float(simulation.input.min()))
         high = max(high, float(simulation.input.max()))
     span = (high - low) or 1.0
-    start = low - BEYOND * span
-    if low >= 0.0:
-        start = 0.0 if low <= NEAR_ZERO * span else start
+    starts_near_zero = -BELOW_ZERO * span <= low <= NEAR_ZERO * span
+    start = min(low, 0.0) if starts_near_zero else low - BEYOND * span
     return np.linspace(start, high + BEYOND * span, GRID)
 
 
@@ -205,18 +204,18 @@ def settled_levels(
         Added to the output, see `zero_shift`.
     """
     measured = np.where(simulation.used[output], simulation.measured[output], np.nan) + shift
+    driving = simulation.input
     edges = [*simulation.segment_starts, simulation.time_s.size]
     levels: list[tuple[float, float, int]] = []
-    before: float | None = None
+    left = 0
     for start, stop in zip(edges[:-1], edges[1:], strict=True):
-        time_s, driving = simulation.time_s[start:stop], simulation.input[start:stop]
-        for window in settled_windows(time_s, driving) if stop - start >= 2 else ():
-            length = max(round(SETTLED_TAIL * (window.stop - window.start)), 1)
-            tail = slice(start + window.stop - length, start + window.stop)
-            level = float(simulation.input[tail].mean())
+        span = slice(start, stop)
+        for window in settled_windows(simulation.time_s[span], driving[span]):
+            tail = _tail(start + window.start, start + window.stop)
+            level = float(driving[tail].mean())
+            way = _approach(driving[left : start + window.start], level)
+            left = start + window.stop - 1
             values = measured[tail][np.isfinite(measured[tail])]
-            way = 0 if before is None else int(np.sign(level - before))
-            before = level
             if values.size:
                 levels.append((level, float(values.mean()), way))
     columns = np.array(levels, dtype=np.float64).reshape(-1, 3)
@@ -232,3 +231,16 @@ def settled_levels(
         path_input,
         path_output,
     )
+
+
+def _tail(start: int, stop: int) -> slice:
+    """The end of a settled window, where the output has settled too."""
+    return slice(stop - max(round(SETTLED_TAIL * (stop - start)), 1), stop)
+
+
+def _approach(driving: Array, level: float) -> int:
+    """1 when the input came to a level from below, −1 from above, 0 when nothing came before."""
+    if driving.size == 0:
+        return 0
+    furthest = driving[np.abs(driving - level).argmax()]
+    return int(np.sign(level - furthest))

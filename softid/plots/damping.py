@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from softid.plots.canvas import (
     BOTTOM,
@@ -18,7 +21,6 @@ from softid.plots.canvas import (
     TOP,
     Display,
     add_header,
-    add_note,
     add_panel,
     new_figure,
 )
@@ -26,8 +28,11 @@ from softid.plots.static_curve import draw_split_curve
 
 Array = npt.NDArray[np.float64]
 
-TALLEST = 4.0
-"""The plot reaches this many times the largest damping in the fitted range, whatever the band."""
+TALLEST = 1.3
+"""Height of a plot in units of the largest value in the fitted range."""
+
+WIDE_BAND, WIDEST_BAND, FEW_DECADES = 5.0, 1e3, 200.0
+"""From the first ratio of its limits on a band needs a logarithmic axis; the second is cut off."""
 
 _BAND = "#d3d3d3"
 
@@ -86,13 +91,25 @@ def draw_damping(
         handles.insert(0, Patch(facecolor=_BAND, edgecolor=INK, ls=":", label="95 % band"))
     handles[:0] = draw_split_curve(axes, x, damping, inside, label="N(p)")
     axes.set_xlim(x[0], x[-1])
-    known = damping[inside] if inside.any() else damping
-    reach = TALLEST * float(np.nanmax(known))
-    highest = float(np.nanmax(damping if band is None else band[1]))
-    axes.set_ylim(0.0, min(1.05 * highest, reach))
     if band is None:
-        add_note(axes, "no band: the logs do not determine every parameter of N")
-    elif highest > reach:
-        add_note(axes, "the band runs out of the plot: the logs do not say more")
+        axes.set_ylim(0.0, TALLEST * float(np.nanmax(damping[inside])))
+        handles.append(Line2D([], [], ls="none", label="no band: N is not determined by these logs"))
+    else:
+        _set_limits(axes, damping[inside], band[0][inside], band[1][inside])
     add_header(figure, title, handles)
     return figure
+
+
+def _set_limits(axes: Axes, damping: Array, lower: Array, upper: Array) -> None:
+    """Hold N and its band in the fitted range, on a logarithmic axis where the band is wide."""
+    if float(np.nanmax(upper / lower)) <= WIDE_BAND:
+        axes.set_ylim(0.0, TALLEST * float(np.nanmax(upper)))
+        return
+    axes.set_yscale("log")
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    low = max(float(np.nanmin(lower)), float(np.nanmin(damping)) / WIDEST_BAND)
+    high = min(float(np.nanmax(upper)), float(np.nanmax(damping)) * WIDEST_BAND)
+    axes.set_ylim(low / TALLEST, high * TALLEST)
+    fine = (1.0, 2.0, 5.0) if high < FEW_DECADES * low else (1.0,)
+    axes.yaxis.set_major_locator(LogLocator(subs=fine, numticks=9))

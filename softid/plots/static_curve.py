@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from softid.plots.canvas import (
+    ACCENT,
     BOTTOM,
     FAINT,
     INK,
@@ -21,7 +22,7 @@ from softid.plots.canvas import (
     PALE,
     RIGHT,
     SIMULATED,
-    TOP,
+    TOP_BELOW_TWO,
     Display,
     add_header,
     add_panel,
@@ -34,7 +35,7 @@ Array = npt.NDArray[np.float64]
 BEYOND_DASHES = (0, (4, 3))
 _MARKER = {1: "^", -1: "v", 0: "o"}
 _MEANING = {1: "settled after a rise", -1: "settled after a fall", 0: "first level"}
-_LEVEL_COLOUR = "#c04000"
+_MIDDLE = "#8a8a8a"
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +100,7 @@ def draw_static_curve(
     figure = new_figure()
     axes = add_panel(
         figure,
-        (LEFT, BOTTOM, RIGHT, TOP),
+        (LEFT, BOTTOM, RIGHT, TOP_BELOW_TWO),
         x_label=input.label,
         y_label=output.label,
         y_ticks=7,
@@ -116,7 +117,7 @@ def draw_static_curve(
         handles.append(Line2D([], [], color=FAINT, lw=1.5, label="measured path"))
     handles += _draw_levels(axes, levels, input, output)
     _set_limits(axes, curve_input, curve_output, levels, input, output)
-    add_header(figure, title, handles)
+    add_header(figure, title, handles, rows=2)
     return figure
 
 
@@ -165,7 +166,7 @@ def _draw_levels(
             chosen = [(log, at) for log, at in chosen if log.in_sample is in_sample and at.any()]
             if not chosen:
                 continue
-            role = "" if in_sample else ", held out"
+            filling = INK if direction > 0 else _MIDDLE
             handles += axes.plot(
                 np.concatenate([log.input[at] for log, at in chosen]) * input.factor,
                 np.concatenate([log.output[at] for log, at in chosen]) * output.factor,
@@ -173,12 +174,13 @@ def _draw_levels(
                 marker=marker,
                 ms=9,
                 mew=1.3,
-                color=INK if in_sample else _LEVEL_COLOUR,
-                mfc=(INK if direction > 0 else "#8a8a8a") if in_sample else "white",
+                color=INK if in_sample else ACCENT,
+                mfc=filling if in_sample else "white",
                 zorder=3,
-                label=_MEANING[direction] + role,
+                label=_MEANING[direction] if in_sample else "open: held out",
             )
-    return handles
+    open_ones = [h for h in handles if h.get_label() == "open: held out"]
+    return [h for h in handles if h not in open_ones[1:]]
 
 
 def _set_limits(

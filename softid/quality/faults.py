@@ -284,19 +284,15 @@ def find_saturation(trace: Trace, *, smooth: bool) -> tuple[Saturation, ...]:
     if runs.start.size < MIN_DISTINCT:
         return ()
     found = []
-    least = max(
-        FLAT_SAMPLES * trace.repeats,
-        FLAT_OVER_USUAL * _weighted_median(runs.length),
-    )
+    alive = trace.noisy and _reversal_share(runs.value) >= REVERSALS
     for side, value in (("low", runs.value.min()), ("high", runs.value.max())):
         flat = np.flatnonzero(runs.value == value)
         long = flat[runs.length[flat] >= FLAT_SAMPLES * trace.repeats]
-        if trace.noisy and _reversal_share(runs.value) >= REVERSALS:
-            caught = long[runs.length[long] >= least]
-        elif smooth:
-            caught = np.array([k for k in long if _stops_dead(trace, runs, int(k))], dtype=np.intp)
-        else:
-            caught = long[:0]
+        usual = _weighted_median(runs.length[runs.value != value])
+        caught = long[runs.length[long] >= FLAT_OVER_USUAL * usual]
+        if not alive:
+            stops = [k for k in caught if smooth and _stops_dead(trace, runs, int(k))]
+            caught = np.array(stops, dtype=np.intp)
         if not caught.size:
             continue
         held_s = trace.time_s[runs.stop[caught] - 1] - trace.time_s[runs.start[caught]]

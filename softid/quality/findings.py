@@ -278,14 +278,14 @@ class StepResponse:
     input_t63_s, output_t63_s
         Time from the end of one hold to 63 % of the way to the next.
     overshoot
-        Overshoot of the output beyond its next level, over the step.
+        Overshoot of the output beyond its next level, over the step; None when it never settles.
     """
 
     output: str
     transitions: int
     input_t63_s: float
     output_t63_s: float
-    overshoot: float
+    overshoot: float | None
 
 
 @dataclass(frozen=True)
@@ -369,4 +369,17 @@ class Inspection:
         for report in self.channels:
             if report.name == name:
                 return report
+        raise KeyError(name)
+
+    def ability(self, name: str) -> Ability:
+        """The judgement about one property.
+
+        Raises
+        ------
+        KeyError
+            There is none of that name.
+        """
+        for ability in self.abilities:
+            if ability.name == name:
+                return ability
         raise KeyError(name)

@@ -57,7 +57,6 @@ def to_numbers(cells: Sequence[str], *, comma: bool) -> Array | int:
             return np.array(list(map(float, cells)), dtype=np.float64)
         except ValueError:
             pass
-    comma = comma and not any("." in cell for cell in cells)
     values = np.empty(len(cells))
     for position, cell in enumerate(cells):
         if is_number(cell) and (comma or "," not in cell):

@@ -10,7 +10,7 @@ import numpy as np
 
 from softid.errors import InputError, Issue
 from softid.readers.base import Array, ArrayTable, Head, IntArray, Table, Timestamps
-from softid.readers.cells import is_missing, is_timestamp, to_numbers, to_seconds
+from softid.readers.cells import is_missing, is_number, is_timestamp, to_numbers, to_seconds
 from softid.readers.decoding import decode, split_lines
 from softid.readers.dialect import Layout, find_layout, is_comment
 from softid.readers.files import read_content, refuse_other_format
@@ -95,7 +95,7 @@ def read_csv(path: Path) -> Table:
     values = None if layout.timed else _parse_fast(body, layout)
     if values is None:
         return _parse_carefully(body, layout, head)
-    return ArrayTable(head, _row_numbers(body, layout, len(values)), "row", values.T)
+    return ArrayTable(head, _row_numbers(body, layout.start), "row", tuple(values.T))
 
 
 def _parse_fast(body: Sequence[str], layout: Layout) -> Array | None:
@@ -112,14 +112,12 @@ def _parse_fast(body: Sequence[str], layout: Layout) -> Array | None:
         values = np.loadtxt(body, delimiter=separator, comments=None, quotechar=quote, ndmin=2)
     except ValueError:
         return None
-    return values if values.shape[1] == layout.width else None
+    complete = values.shape == (sum(1 for line in body if line.strip()), layout.width)
+    return values if complete else None
 
 
-def _row_numbers(body: Sequence[str], layout: Layout, count: int) -> IntArray:
-    if count == len(body):
-        return np.arange(layout.start + 1, layout.start + 1 + count, dtype=np.intp)
-    kept = [k for k, line in enumerate(body, layout.start + 1) if line.strip()]
-    return np.array(kept, dtype=np.intp)
+def _row_numbers(body: Sequence[str], start: int) -> IntArray:
+    return np.array([k for k, line in enumerate(body, start + 1) if line.strip()], dtype=np.intp)
 
 
 def _parse_carefully(body: Sequence[str], layout: Layout, head: Head) -> TextTable:
@@ -144,8 +142,9 @@ def _parse_carefully(body: Sequence[str], layout: Layout, head: Head) -> TextTab
             )
     full = replace(head, issues=(*head.issues, *issues))
     cells_by_column = list(zip(*rows, strict=True))
-    comma = layout.separator != "," or any('"' in line for line in body)
-    return TextTable(full, np.array(numbers, dtype=np.intp), "row", cells_by_column, comma)
+    pointed = any("." in c and is_number(c) for column in cells_by_column for c in column)
+    rows_of_file = np.array(numbers, dtype=np.intp)
+    return TextTable(full, rows_of_file, "row", cells_by_column, comma=not pointed)
 
 
 def _incomplete(path: str, number: int) -> Issue:

@@ -212,6 +212,6 @@ def influence(block: ResidualBlock, inverse: Array) -> list[Array]:
     W = w² J H⁻¹: how far each residual moves each estimate.
     """
     return [
-        np.where(used[:, None], block.weight**2 * j @ inverse, 0.0)
+        block.weight**2 * np.where(used[:, None], j, 0.0) @ inverse
         for j, used in zip(block.jacobians, block.used, strict=True)
     ]

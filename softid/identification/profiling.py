@@ -1,0 +1,110 @@
+"""Profile likelihood of one parameter of a finished fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from softid.errors import IdentificationError, UsageError
+from softid.fitters.output_error import Objective, output_error
+from softid.fitters.problem import Problem
+from softid.identification.estimates import errors_of
+from softid.identification.preparation import as_log_set
+from softid.log import Log
+from softid.models import MODELS
+from softid.parameters import ParameterSet
+from softid.results import FitResult
+from softid.uncertainty.profile import ProfileResult, profile
+
+
+def profile_parameter(
+    result: FitResult, logs: Log | Sequence[Log], name: str, *, seed: int = 0
+) -> ProfileResult:
+    """Refit all other parameters along one of them and find where the cost rises to 95 %.
+
+    Unlike the interval from the covariance, the profile follows a valley that bends, and says so
+    when the logs do not bound the parameter on a side.
+
+    Parameters
+    ----------
+    result
+        A successful fit.
+    logs
+        The logs that were fitted, in any order.
+    name
+        A parameter that was free.
+    seed
+        Seed of the restarts.
+
+    Returns
+    -------
+    ProfileResult
+        Its ``ci95`` is None on a side that the logs leave open.
+
+    Raises
+    ------
+    UsageError
+        The parameter is unknown or was not free.
+    IdentificationError
+        The parameter does not change the response at all.
+    """
+    log_set = as_log_set(logs)
+    model = MODELS[result.model.name](**result.model.options)
+    parameters = _as_fitted(model.parameters(), result)
+    if name not in parameters.free:
+        raise UsageError(
+            f"{name} was not free in this fit",
+            remedy=f"choose from {', '.join(parameters.free)}",
+        )
+    problem = Problem(model, parameters, log_set.logs)
+    rng = np.random.default_rng(seed)
+    optimum = output_error(problem, [result.values], rng=rng, rounds=0)
+    covariance = errors_of(problem, optimum).covariance
+    row = covariance.names.index(name) if covariance and name in covariance.names else None
+    if covariance is None or row is None or covariance.sd[row] is None:
+        raise IdentificationError(
+            f"{name} does not change the response, or only together with others",
+            remedy="fix it, or fit logs that show it",
+        )
+    values = result.values
+
+    def refit(held: float) -> float:
+        fixed = parameters.with_fixed({name: held})
+        rival = Problem(model, fixed, log_set.logs)
+        found = Objective(rival, optimum.sigma).solve(rival.unknowns(values | {name: held}), 200)
+        return 2.0 * found.normal.cost
+
+    p = parameters[name]
+    return profile(
+        refit,
+        p.value,
+        sd=float(covariance.sd[row] or 0.0),
+        cost_per_variance=float(covariance.cost_per_variance[row]),
+        optimum_cost=2.0 * optimum.cost,
+        scale=p.scale,
+        lower=p.lower,
+        upper=p.upper,
+        degrees_of_freedom=float(covariance.degrees_of_freedom[row] or np.inf),
+    )
+
+
+def _as_fitted(declared: ParameterSet, result: FitResult) -> ParameterSet:
+    """The model's parameters with the values, bounds and ties of a finished fit."""
+    fitted = declared
+    for estimate in result.parameters:
+        p = declared[estimate.name]
+        lower = -np.inf if estimate.lower is None else estimate.lower
+        upper = np.inf if estimate.upper is None else estimate.upper
+        fitted = fitted.replacing(
+            replace(
+                p,
+                value=estimate.value,
+                lower=lower,
+                upper=upper,
+                fixed=estimate.fixed,
+                tie=estimate.tie,
+            )
+        )
+    return fitted

@@ -1,0 +1,25 @@
+"""Whether the kernels lie compiled on disk, so that a first run can say why it is slow."""
+
+from __future__ import annotations
+
+from softid.kernels.muscle import coefficient_derivatives, coefficients
+from softid.kernels.radau import propagate, propagate_with_sensitivities
+
+KERNELS = (propagate, propagate_with_sensitivities, coefficients, coefficient_derivatives)
+
+
+def needs_compiling() -> bool:
+    """Whether any kernel is missing in numba's cache for this version of its source.
+
+    The compiled code lies beside the source or, where that is read-only, in numba's cache folder
+    of the user. numba has no public question for this; where its internals differ the answer is
+    False, which costs a message and nothing else.
+    """
+    for kernel in KERNELS:
+        try:
+            known = kernel._cache._cache_file._load_index()
+        except (AttributeError, OSError):
+            return False
+        if not known:
+            return True
+    return False

@@ -1,0 +1,263 @@
+"""What a log can identify, from how it is excited and how the output answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.excitation import SettledWindow, Stretch, distinct_levels
+from softid.quality.findings import Ability, Sampling, StepResponse
+
+Array = npt.NDArray[np.float64]
+
+LEVELS_FOR_CURVE = 4
+LEVEL_SPACING = 0.05
+WIDE_SWEEP = 0.5
+CREEP_HOLD_S = 20.0
+DRIFT_REST_S = 30.0
+LONG_RECORD_S = 300.0
+LEAST_SAMPLES_OF_RISE = 3.0
+OVERSHOOT = 0.05
+SHARP_INPUT = 0.3
+FINE_SAMPLING = 0.05
+SPEEDS_APART = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What the judgements rest on.
+
+    Attributes
+    ----------
+    time_s
+        Times of the log, shape (n,).
+    input_name, input_unit
+        The input and the unit in which its numbers are shown.
+    shown
+        Factor from the input's values to that unit.
+    span
+        Range of the input.
+    stretches, windows
+        Excitation and settled windows of the input.
+    response
+        Step response of the first output, or None.
+    sampling
+        Of the log.
+    has_command
+        Whether commanded and measured pressure are both there and move.
+    """
+
+    time_s: Array
+    input_name: str
+    input_unit: str
+    shown: float
+    span: float
+    stretches: tuple[Stretch, ...]
+    windows: tuple[SettledWindow, ...]
+    response: StepResponse | None
+    sampling: Sampling
+    has_command: bool
+
+    @property
+    def moves(self) -> bool:
+        """Whether the input does anything but rest."""
+        return any(s.kind != "rest" for s in self.stretches)
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Distinct settled levels, at least 5 % of the range apart."""
+        return distinct_levels([w.level for w in self.windows], LEVEL_SPACING * self.span)
+
+    def of_kind(self, *kinds: str) -> list[Stretch]:
+        """The stretches of some kinds."""
+        return [s for s in self.stretches if s.kind in kinds]
+
+    @property
+    def longest_hold_s(self) -> float:
+        """Longest settled window."""
+        lasting = [float(self.time_s[w.stop - 1] - self.time_s[w.start]) for w in self.windows]
+        return max(lasting, default=0.0)
+
+
+def judge_abilities(evidence: Evidence) -> tuple[Ability, ...]:
+    """Say for each property whether the log shows it, why, and which log would.
+
+    Parameters
+    ----------
+    evidence
+        What was found in the log.
+    """
+    judges: tuple[Callable[[Evidence], Ability], ...] = (
+        _static_curve,
+        _damping,
+        _damping_by_pressure,
+        _inertia,
+        _hysteresis,
+        _creep,
+        _drift,
+        _pneumatics,
+    )
+    return tuple(judge(evidence) for judge in judges)
+
+
+def _static_curve(e: Evidence) -> Ability:
+    name, serves = "static curve", "polynomial p1–p5; muscle a1, b1, c1; oscillator Q"
+    wanted = "a staircase of six levels or more over the whole range, each held until it settles"
+    count = len(e.levels)
+    if count >= LEVELS_FOR_CURVE:
+        reach = f"{e.levels[0] * e.shown:.4g} to {e.levels[-1] * e.shown:.4g} {e.input_unit}"
+        return Ability(name, serves, "yes", f"{count} settled levels from {reach}", None)
+    passing = e.of_kind("sine", "sweep")
+    if any(s.high - s.low >= WIDE_SWEEP * e.span for s in passing):
+        low, high = min(s.low for s in passing), max(s.high for s in passing)
+        return Ability(
+            name,
+            serves,
+            "partly",
+            f"the input passes from {low * e.shown:.4g} to {high * e.shown:.4g} {e.input_unit} "
+            "without settling, so the curve comes mixed with lag and hysteresis",
+            wanted,
+        )
+    if count >= 2:
+        reason = f"only {count} settled levels: gain and zero, not the shape"
+        return Ability(name, serves, "partly", reason, wanted)
+    reason = "the input does not move" if not e.moves else "the input never settles"
+    return Ability(name, serves, "no", reason, wanted)
+
+
+def _damping(e: Evidence) -> Ability:
+    name, serves = "damping", "muscle c2; oscillator N"
+    wanted = "steps between settled levels, sampled at least ten times per rise"
+    if e.response is not None:
+        delay_s = e.response.output_t63_s - e.response.input_t63_s
+        times = f"63 % after {e.response.output_t63_s:.3g} s, the input's after "
+        times += f"{e.response.input_t63_s:.3g} s"
+        if e.response.output_t63_s < LEAST_SAMPLES_OF_RISE * e.sampling.period_s:
+            reason = f"the output answers within {LEAST_SAMPLES_OF_RISE:g} samples"
+            return Ability(name, serves, "no", reason, "a higher sampling rate")
+        if delay_s < e.sampling.period_s:
+            reason = f"the output follows without visible lag ({times}): an upper bound only"
+            return Ability(name, serves, "partly", reason, "steps with a quicker valve")
+        reason = f"over {_transitions_text(e.response.transitions)} the output makes {times}"
+        return Ability(name, serves, "yes", reason, None)
+    if e.of_kind("sweep", "step", "staircase", "free"):
+        reason = "the input moves at several speeds, but no transition is settled at both ends"
+        return Ability(name, serves, "partly", reason, wanted)
+    if e.of_kind("sine"):
+        reason = "one frequency gives one phase, which lag, damping and inertia share"
+        return Ability(name, serves, "partly", reason, wanted)
+    return Ability(name, serves, "no", "the input does not move", wanted)
+
+
+def _damping_by_pressure(e: Evidence) -> Ability:
+    name, serves = "damping by pressure", "muscle a2, b2"
+    wanted = "steps at three mean pressures or more, or a sine at several offsets"
+    middles = [0.5 * (a.level + b.level) for a, b in _transitions(e)]
+    count = len(distinct_levels(middles, 2.0 * LEVEL_SPACING * e.span))
+    if count >= 3:
+        return Ability(name, serves, "yes", f"transitions about {count} mean pressures", None)
+    broad = e.of_kind("sine", "sweep", "step", "staircase")
+    if broad:
+        reason = "each transition crosses the range once, so damping is averaged over it"
+        return Ability(name, serves, "partly", reason, wanted)
+    reason = "the input does not move" if not e.moves else "the excitation has no clear shape"
+    return Ability(name, serves, "no", reason, wanted)
+
+
+def _inertia(e: Evidence) -> Ability:
+    name, serves = "inertia", "muscle M; oscillator M"
+    wanted = "a chirp or steps whose rise is three times quicker than the motion"
+    r = e.response
+    if r is None:
+        chirps = [s for s in e.of_kind("sweep") if s.shape == "chirp"]
+        if chirps:
+            top = max(max(s.frequency_hz or 0.0, s.frequency_end_hz or 0.0) for s in chirps)
+            reason = (
+                f"a chirp up to {top:.3g} Hz; enough if the motion resonates or rolls off there"
+            )
+            return Ability(name, serves, "partly", reason, None)
+        reason = "nothing fast enough is in the input" if e.moves else "the input does not move"
+        return Ability(name, serves, "no", reason, wanted)
+    overshoot = r.overshoot or 0.0
+    if overshoot >= OVERSHOOT and r.output_t63_s > LEAST_SAMPLES_OF_RISE * e.sampling.period_s:
+        reason = f"the output overshoots by {100 * overshoot:.0f} % of the step"
+        return Ability(name, serves, "yes", reason, None)
+    sharp = r.input_t63_s <= SHARP_INPUT * r.output_t63_s
+    if sharp and e.sampling.period_s <= FINE_SAMPLING * r.output_t63_s:
+        reason = (
+            f"the input rises in {r.input_t63_s:.3g} s, quickly against {r.output_t63_s:.3g} s of "
+            "the output, which does not overshoot: an upper bound at least"
+        )
+        return Ability(name, serves, "partly", reason, None)
+    reason = (
+        f"the input takes {r.input_t63_s:.3g} s to rise and the output {r.output_t63_s:.3g} s: too "
+        "slow to feel the mass"
+    )
+    return Ability(name, serves, "no", reason, wanted)
+
+
+def _hysteresis(e: Evidence) -> Ability:
+    name, serves = "hysteresis", "what no model without memory can follow"
+    wanted = "the same staircase up and down, and the same triangle at two speeds"
+    up, down = _levels_by_direction(e)
+    both = len(up & down)
+    rates = [s.frequency_hz or 0.0 for s in e.of_kind("sine", "sweep") if s.frequency_hz]
+    if both >= 2 or (rates and max(rates) >= SPEEDS_APART * min(rates) and len(rates) > 1):
+        how = f"{both} levels reached from below and from above" if both >= 2 else "two speeds"
+        return Ability(name, serves, "yes", how, None)
+    if rates or len(_transitions(e)) >= 2:
+        reason = "loops at one speed, which lag and hysteresis both make"
+        return Ability(name, serves, "partly", reason, wanted)
+    return Ability(name, serves, "no", "no level is passed both ways", wanted)
+
+
+def _creep(e: Evidence) -> Ability:
+    name, serves = "creep", "slow part of the response to a step"
+    longest = e.longest_hold_s
+    if longest >= CREEP_HOLD_S and e.moves:
+        return Ability(name, serves, "yes", f"a hold of {longest:.0f} s", None)
+    reason = "the input does not move" if not e.moves else f"the longest hold is {longest:.1f} s"
+    wanted = f"a step held for {CREEP_HOLD_S:.0f} s or more, then rest as long"
+    return Ability(name, serves, "no", reason, wanted)
+
+
+def _drift(e: Evidence) -> Ability:
+    name, serves = "sensor drift", "slow change of the zero"
+    longest = e.longest_hold_s
+    if longest >= DRIFT_REST_S:
+        return Ability(name, serves, "yes", f"{longest:.0f} s at one level", None)
+    if e.sampling.duration_s >= LONG_RECORD_S:
+        reason = f"a record of {e.sampling.duration_s:.0f} s, but no long rest: mixed with creep"
+        return Ability(name, serves, "partly", reason, "30 s of rest before and after")
+    reason = f"neither {DRIFT_REST_S:.0f} s of rest nor {LONG_RECORD_S:.0f} s of record"
+    return Ability(name, serves, "no", reason, "30 s of rest before and after")
+
+
+def _pneumatics(e: Evidence) -> Ability:
+    name, serves = "pneumatic lag", "valve and line, command to pressure"
+    if e.has_command:
+        return Ability(name, serves, "yes", "commanded and measured pressure are both there", None)
+    reason = "commanded and measured pressure are not both there and moving"
+    return Ability(name, serves, "no", reason, "a log with both pressures")
+
+
+def _transitions_text(count: int) -> str:
+    return "one timed transition" if count == 1 else f"{count} timed transitions"
+
+
+def _transitions(e: Evidence) -> list[tuple[SettledWindow, SettledWindow]]:
+    pairs = zip(e.windows, e.windows[1:], strict=False)
+    return [(a, b) for a, b in pairs if abs(b.level - a.level) > LEVEL_SPACING * e.span]
+
+
+def _levels_by_direction(e: Evidence) -> tuple[set[int], set[int]]:
+    """Indices of the distinct levels that are reached from below, and from above."""
+    levels = np.array(e.levels)
+    up, down = set(), set()
+    for before, after in _transitions(e):
+        nearest = int(np.abs(levels - after.level).argmin())
+        (up if after.level > before.level else down).add(nearest)
+    return up, down

@@ -1,0 +1,75 @@
+"""Lines in the noise: mains hum, also when it is folded down by the sampling."""
+
+from __future__ import annotations
+
+from math import log
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.excitation import SettledWindow
+from softid.quality.findings import Hum
+
+Array = npt.NDArray[np.float64]
+
+MAINS_HZ = (50.0, 60.0, 100.0, 120.0)
+MIN_SAMPLES = 128
+MOST_JITTER = 0.1
+ODDS_OF_CHANCE = 1e-5
+NEIGHBOURS = 25
+LOWEST_HZ = 2.0
+LEAST_CYCLES = 8.0
+
+
+def find_hum(time_s: Array, values: Array, rests: tuple[SettledWindow, ...]) -> Hum | None:
+    """Find a narrow line in the noise of the longest rest.
+
+    A line of the periodogram counts when white noise with the power of its 50 neighbours would
+    give it once in 100,000 logs. Irregular or repeated samples smear every line, so they are not
+    searched.
+
+    Parameters
+    ----------
+    time_s, values
+        Samples, shape (n,), without NaN.
+    rests
+        Windows of the input at rest; the longest is used.
+    """
+    if not rests:
+        return None
+    longest = max(rests, key=lambda w: w.stop - w.start)
+    span = slice(longest.start, longest.stop)
+    times, noise = time_s[span], values[span]
+    n = times.size
+    if n < MIN_SAMPLES:
+        return None
+    intervals = np.diff(times)
+    period_s = float(times[-1] - times[0]) / (n - 1)
+    if float(np.sqrt(np.mean((intervals / period_s - 1.0) ** 2))) > MOST_JITTER:
+        return None
+    place = np.linspace(-1.0, 1.0, n)
+    noise = noise - np.polyval(np.polyfit(place, noise, 3), place)
+    window = np.hanning(n)
+    power = np.abs(np.fft.rfft(noise * window)) ** 2
+    frequency = np.fft.rfftfreq(n, period_s)
+    lowest = max(LOWEST_HZ, LEAST_CYCLES / (n * period_s))
+    usable = np.flatnonzero((frequency > lowest) & (frequency < frequency[-1]))
+    if usable.size < 2 * NEIGHBOURS or not power[usable].max() > 0.0:
+        return None
+    k = int(usable[power[usable].argmax()])
+    beside = power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1]
+    floor = float(np.median(beside)) / log(2.0)
+    if power[k] <= floor * (log(usable.size) - log(ODDS_OF_CHANCE)):
+        return None
+    amplitude = 2.0 * float(np.sqrt(power[k])) / float(window.sum())
+    return Hum(float(frequency[k]), amplitude, _mains(float(frequency[k]), period_s, n))
+
+
+def _mains(frequency_hz: float, period_s: float, n: int) -> float | None:
+    """The mains line that is sampled as this frequency, None when it is none."""
+    rate_hz, resolution_hz = 1.0 / period_s, 1.5 / (n * period_s)
+    for mains_hz in MAINS_HZ:
+        folded_hz = abs(mains_hz - round(mains_hz * period_s) * rate_hz)
+        if abs(folded_hz - frequency_hz) <= resolution_hz:
+            return mains_hz
+    return None

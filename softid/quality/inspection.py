@@ -1,0 +1,187 @@
+"""The inspection of one log: every finding in one record."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.excitation import (
+    SettledWindow,
+    Stretch,
+    find_hold,
+    find_quantisation,
+    noise_std,
+    segment_excitation,
+    settled_windows,
+)
+from softid.log import Channel, Log
+from softid.quality.abilities import Evidence, judge_abilities
+from softid.quality.faults import Trace, find_dropouts, find_frozen, find_saturation
+from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role, StepResponse
+from softid.quality.hum import find_hum
+from softid.quality.issues import list_issues
+from softid.quality.relations import check_sign, command_lag, step_response
+from softid.quality.sampling import describe_sampling
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+LEAST_REST_SAMPLES = 100
+
+
+def inspect(log: Log) -> Inspection:
+    """Say what is in a log, what is wrong with it, and what can be identified from it.
+
+    Nothing is resampled or changed: all findings refer to the log's own samples and times.
+
+    Parameters
+    ----------
+    log
+        The recording.
+
+    Examples
+    --------
+    >>> time_s = np.arange(1200) * 0.01
+    >>> pressure = np.repeat([0.0, 20.0, 40.0, 60.0, 40.0, 20.0], 200)
+    >>> angle = 0.5 * pressure + 0.01 * np.sin(1e4 * time_s)
+    >>> found = inspect(Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}))
+    >>> found.excitation[0].kind, found.ability("static curve").possible
+    ('staircase', 'yes')
+    """
+    driving = log.channels[log.input].values
+    windows = settled_windows(log.time_s, driving)
+    rest = _at_rest(windows, len(log))
+    sampling = describe_sampling(log)
+    channels = tuple(
+        _report(log, log.channels[name], role, rest, windows) for name, role in _roles(log)
+    )
+    noise = {report.name: report.noise_std for report in channels}
+    responses = [step_response(log, name, windows, noise[name]) for name in log.outputs]
+    found = tuple(r for r in responses if r is not None)
+    stretches = segment_excitation(log.time_s, driving)
+    signs = tuple(s for s in (check_sign(log, name) for name in log.outputs) if s is not None)
+    lag = command_lag(log)
+    shown = log.channels[log.input]
+    evidence = Evidence(
+        log.time_s,
+        log.input,
+        shown.display_unit,
+        shown.display_factor,
+        float(np.ptp(driving)),
+        stretches,
+        windows,
+        _of_first_output(log, found),
+        sampling,
+        lag is not None,
+    )
+    return Inspection(
+        log=log.name,
+        path=log.source.path if log.source else None,
+        file_format=log.source.file_format if log.source else None,
+        input=log.input,
+        outputs=log.outputs,
+        sampling=sampling,
+        channels=channels,
+        excitation=stretches,
+        command_excitation=_command_excitation(log, lag),
+        command_lag=lag,
+        signs=signs,
+        responses=found,
+        abilities=judge_abilities(evidence),
+        issues=list_issues(sampling, channels, signs, stretches, from_reader=log.issues),
+    )
+
+
+def dropout_mask(log: Log) -> BoolArray:
+    """Samples at which an output drops out, shape (n,), ready for `Log.with_masked`.
+
+    Parameters
+    ----------
+    log
+        The recording.
+    """
+    mask = np.zeros(len(log), bool)
+    for name in log.outputs:
+        for dropout in find_dropouts(_trace(log, log.channels[name], None)):
+            mask[dropout.start : dropout.stop] = True
+    return mask
+
+
+def _roles(log: Log) -> list[tuple[str, Role]]:
+    """Channels with their roles: input, outputs, command, then the others."""
+    roles: dict[str, Role] = {log.input: "input", **dict.fromkeys(log.outputs, "output")}
+    if "pressure_command" in log.channels:
+        roles.setdefault("pressure_command", "command")
+    for name in log.channels:
+        roles.setdefault(name, "other")
+    return list(roles.items())
+
+
+def _at_rest(windows: tuple[SettledWindow, ...], n: int) -> BoolArray | None:
+    rest = np.zeros(n, bool)
+    for window in windows:
+        rest[window.start : window.stop] = True
+    return rest if int(rest.sum()) >= LEAST_REST_SAMPLES else None
+
+
+def _trace(log: Log, channel: Channel, rest: BoolArray | None) -> Trace:
+    finite = np.isfinite(channel.values)
+    times, values = log.time_s[finite], channel.values[finite]
+    grid = find_quantisation(values)
+    step = grid.step if grid else None
+    hold = find_hold(times, values, step) if values.size > 1 else None
+    where = None if rest is None else rest[finite]
+    noise = noise_std(times, values, step=step, hold=hold, where=where)
+    return Trace(log.time_s, channel.values, grid, hold, noise, channel.display_factor)
+
+
+def _report(
+    log: Log,
+    channel: Channel,
+    role: Role,
+    rest: BoolArray | None,
+    windows: tuple[SettledWindow, ...],
+) -> ChannelReport:
+    trace = _trace(log, channel, rest)
+    finite = np.isfinite(channel.values)
+    values = channel.values[finite]
+    dead = bool(values.size) and float(np.ptp(values)) == 0.0
+    watched = role != "other" and not dead
+    driving = log.channels[log.input].values if role == "output" else None
+    whole = bool(finite.all())
+    return ChannelReport(
+        name=channel.name,
+        role=role,
+        column=channel.column,
+        unit=channel.unit,
+        display_unit=channel.display_unit,
+        display_factor=channel.display_factor,
+        low=float(values.min()) if values.size else None,
+        high=float(values.max()) if values.size else None,
+        missing=int((~finite).sum()),
+        dead=dead,
+        quantisation=trace.quantisation,
+        hold=trace.hold,
+        noise_std=trace.noise_std,
+        hum=find_hum(log.time_s, values, windows)
+        if watched and whole and trace.hold is None
+        else None,
+        dropouts=find_dropouts(trace) if watched else (),
+        frozen=find_frozen(trace, driving) if watched and role != "command" else (),
+        saturation=find_saturation(trace, smooth=role == "output")
+        if watched and role != "command"
+        else (),
+    )
+
+
+def _of_first_output(log: Log, found: tuple[StepResponse, ...]) -> StepResponse | None:
+    return next((r for r in found if r.output == log.outputs[0]), None)
+
+
+def _command_excitation(log: Log, lag: CommandLag | None) -> tuple[Stretch, ...] | None:
+    if lag is None or log.input == "pressure_command":
+        return None
+    command = log.channels["pressure_command"].values
+    if not np.isfinite(command).all():
+        return None
+    return segment_excitation(log.time_s, command)

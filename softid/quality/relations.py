@@ -1,0 +1,187 @@
+"""How channels go together: sign, lag of the pressure behind its command, step responses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.excitation import SettledWindow
+from softid.log import Log
+from softid.quality.findings import CommandLag, SignCheck, StepResponse
+
+Array = npt.NDArray[np.float64]
+
+FALLS_WITH_PRESSURE = ("distance",)
+UNSIGNED = ("length",)
+CLEARLY_INVERTED = -0.6
+GRID = 2000
+LONGEST_LAG_S = 10.0
+LONGEST_LAG_OF_LOG = 0.1
+MIN_LAG_CORRELATION = 0.5
+LEAST_STEP = 0.15
+RESPONDED = 0.632
+SETTLED = 0.03
+MIN_RESPONSE_SIGMAS = 6.0
+
+
+def check_sign(log: Log, output: str) -> SignCheck | None:
+    """Correlate an output with the input at the best lag up to a quarter of the main period.
+
+    Parameters
+    ----------
+    log
+        The recording.
+    output
+        Name of the output channel.
+
+    Returns
+    -------
+    SignCheck or None
+        None when input or output does not move.
+    """
+    grid = _common_grid(log, log.input, output)
+    if grid is None:
+        return None
+    step_s, given, answered = grid
+    lags = max(int(_longest_lag_s(step_s, given) / step_s), 1)
+    correlations = _lagged_correlations(given, answered, lags)
+    best = int(np.abs(correlations).argmax())
+    correlation = float(correlations[best])
+    sign = -1.0 if output in FALLS_WITH_PRESSURE else 0.0 if output in UNSIGNED else 1.0
+    return SignCheck(output, correlation, best * step_s, sign * correlation <= CLEARLY_INVERTED)
+
+
+def command_lag(log: Log) -> CommandLag | None:
+    """Roughly by how much the measured pressure lags behind the commanded one.
+
+    The lag of the largest cross-correlation, refined by a parabola. It mixes delay and rise time.
+
+    Returns
+    -------
+    CommandLag or None
+        None without both channels, without motion, or when they are not alike.
+    """
+    if not {"pressure_command", "pressure"} <= set(log.channels):
+        return None
+    grid = _common_grid(log, "pressure_command", "pressure")
+    if grid is None:
+        return None
+    step_s, given, answered = grid
+    lags = max(int(_longest_lag_s(step_s, given) / step_s), 2)
+    correlations = _lagged_correlations(given, answered, lags)
+    best = int(correlations.argmax())
+    if correlations[best] < MIN_LAG_CORRELATION:
+        return None
+    shift = 0.0
+    if 0 < best < correlations.size - 1:
+        left, top, right = correlations[best - 1 : best + 2]
+        bend = left - 2.0 * top + right
+        shift = 0.5 * float((left - right) / bend) if bend < 0.0 else 0.0
+    return CommandLag((best + shift) * step_s, float(correlations[best]))
+
+
+def _common_grid(log: Log, first: str, second: str) -> tuple[float, Array, Array] | None:
+    """Two channels on a regular grid, good enough for correlations, or None when one is still."""
+    finite = np.isfinite(log.channels[first].values) & np.isfinite(log.channels[second].values)
+    if finite.sum() < 8:
+        return None
+    times = log.time_s[finite]
+    span_s = float(times[-1] - times[0])
+    count = int(min(GRID, max(span_s / log.period_s, 8.0)))
+    regular = np.linspace(times[0], times[-1], count)
+    one = np.interp(regular, times, log.channels[first].values[finite])
+    two = np.interp(regular, times, log.channels[second].values[finite])
+    if np.ptp(one) == 0.0 or np.ptp(two) == 0.0:
+        return None
+    return span_s / (count - 1), one, two
+
+
+def _longest_lag_s(step_s: float, given: Array) -> float:
+    """A quarter of the main period, within a tenth of the log and 10 s."""
+    spectrum = np.abs(np.fft.rfft(given - given.mean()))
+    main = max(int(spectrum[1:].argmax()) + 1, 1)
+    span_s = step_s * given.size
+    return min(0.25 * span_s / main, LONGEST_LAG_OF_LOG * span_s, LONGEST_LAG_S)
+
+
+def _lagged_correlations(given: Array, answered: Array, lags: int) -> Array:
+    correlations = np.zeros(lags + 1)
+    for lag in range(min(lags + 1, given.size - 4)):
+        one = given[: given.size - lag] - given[: given.size - lag].mean()
+        two = answered[lag:] - answered[lag:].mean()
+        scale = float(np.sqrt((one @ one) * (two @ two)))
+        correlations[lag] = float(one @ two) / scale if scale > 0.0 else 0.0
+    return correlations
+
+
+def step_response(
+    log: Log, output: str, windows: Sequence[SettledWindow], noise_std: float | None
+) -> StepResponse | None:
+    """Time how input and output pass from one settled window of the input to the next.
+
+    Parameters
+    ----------
+    log
+        The recording.
+    output
+        Name of the output channel.
+    windows
+        Settled windows of the input, in order.
+    noise_std
+        Noise of the output, in its unit.
+    """
+    given, answered = log.channels[log.input].values, log.channels[output].values
+    span = float(np.ptp(given))
+    timed = []
+    for before, after in zip(windows, windows[1:], strict=False):
+        if abs(after.level - before.level) < LEAST_STEP * span:
+            continue
+        part = slice(before.stop - 1, after.stop)
+        ends = _rest_values(answered, before), _rest_values(answered, after)
+        if ends[0] is None or ends[1] is None:
+            continue
+        if abs(ends[1] - ends[0]) <= MIN_RESPONSE_SIGMAS * (noise_std or 0.0):
+            continue
+        times = log.time_s[part] - log.time_s[part.start]
+        if float(np.diff(times).max()) > log.stall_s:
+            continue
+        input_s = _crossing_s(times, given[part], before.level, after.level)
+        output_s = _crossing_s(times, answered[part], ends[0], ends[1])
+        if input_s is None or output_s is None:
+            continue
+        way = (answered[part] - ends[0]) / (ends[1] - ends[0])
+        beyond = max(float(np.nanquantile(way, 0.98)) - 1.0, 0.0)
+        timed.append((input_s, output_s, beyond if _settles(way) else np.nan))
+    if not timed:
+        return None
+    table = np.array(timed)
+    settled = table[np.isfinite(table[:, 2]), 2]
+    return StepResponse(
+        output,
+        len(timed),
+        float(np.median(table[:, 0])),
+        float(np.median(table[:, 1])),
+        float(np.median(settled)) if settled.size else None,
+    )
+
+
+def _rest_values(values: Array, window: SettledWindow) -> float | None:
+    """Mean over the last fifth of a window."""
+    tail = values[window.stop - max((window.stop - window.start) // 5, 2) : window.stop]
+    tail = tail[np.isfinite(tail)]
+    return float(tail.mean()) if tail.size else None
+
+
+def _settles(way: Array) -> bool:
+    """Whether the last fifth of a response is level with the fifth before it."""
+    fifth = max(way.size // 5, 1)
+    return abs(float(np.nanmean(way[-fifth:]) - np.nanmean(way[-2 * fifth : -fifth]))) <= SETTLED
+
+
+def _crossing_s(times: Array, values: Array, start: float, stop: float) -> float | None:
+    """First time at which 63 % of the way is made and stays made for the next sample."""
+    way = (values - start) / (stop - start) >= RESPONDED
+    made = np.flatnonzero(way[:-1] & way[1:])
+    return float(times[made[0]]) if made.size else None

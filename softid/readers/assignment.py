@@ -1,0 +1,343 @@
+"""From columns to channels: by the user's word, by the sidecar, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from softid.channels import Channel, make_channel
+from softid.errors import InputError, Issue
+from softid.readers.base import Array, Table, listed
+from softid.readers.columns import best_matches, is_index_name, read_name
+from softid.readers.ranges import implausible
+from softid.readers.sidecar import Sidecar
+from softid.readers.times import TimeAxis, channel_flag, read_times
+from softid.units import (
+    CANONICAL_UNIT,
+    CHANNEL_QUANTITY,
+    factor_to_canonical,
+    split_scale,
+    unit_symbol,
+)
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A channel as somebody asked for it.
+
+    Attributes
+    ----------
+    index
+        Column.
+    unit
+        Unit of one count times ``scale``, or None when not stated.
+    scale
+        Number before the unit: the value of one count.
+    """
+
+    index: int
+    unit: str | None
+    scale: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What the columns turned out to be.
+
+    Attributes
+    ----------
+    times
+        The time axis.
+    channels
+        Channel name → channel, known and raw.
+    problems
+        Known channels that could not be settled, with the error to raise if one is needed.
+    columns
+        Column name → channel name.
+    issues
+        What was left out and why.
+    """
+
+    times: TimeAxis
+    channels: Mapping[str, Channel]
+    problems: Mapping[str, InputError]
+    columns: Mapping[str, str]
+    issues: tuple[Issue, ...]
+
+
+def find_channels(
+    table: Table,
+    *,
+    flags: Mapping[str, str],
+    sidecar: Sidecar,
+    time_unit: str | None,
+    needed: Collection[str],
+) -> Found:
+    """Settle which column is which channel: flags beat the sidecar, the sidecar beats names.
+
+    Parameters
+    ----------
+    table
+        The file's table.
+    flags
+        Channel name → ``"COLUMN[:UNIT]"``.
+    sidecar
+        What the sidecar says.
+    time_unit
+        Unit of the time column, or None.
+    needed
+        Channel or column names that a role asks for.
+
+    Raises
+    ------
+    InputError
+        A column that is asked for is not there, the time cannot be settled, or a channel that was
+        asked for by flag or sidecar cannot be read.
+    """
+    wishes = {k: _parse_wish(table, v, f"--channel {k}") for k, v in flags.items()}
+    for name, entry in sidecar.channels.items():
+        if name not in wishes:
+            where = f"{sidecar.path}, [channels] {name}"
+            wishes[name] = _wish(find_column(table, entry.column, where), entry.unit)
+    asked = {wish.index for wish in wishes.values()}
+    free = [k for k in range(len(table.head.names)) if k not in asked and not _is_index(table, k)]
+    matches = best_matches(table.head.names, free) if table.head.headed else {}
+    time = wishes.pop("time", None) or Wish(_time_column(table, matches, free), None)
+    free = [k for k in free if k != time.index]
+    channels = {name: _wished_channel(table, name, wish) for name, wish in wishes.items()}
+    problems: dict[str, InputError] = {}
+    for name, columns in matches.items():
+        if name in channels or name == "time":
+            continue
+        named = _named_channel(table, name, columns)
+        if isinstance(named, InputError):
+            problems[name] = named
+        else:
+            channels[name] = named
+            free.remove(columns[0])
+    issues = [_left_raw(name, problem) for name, problem in problems.items()]
+    if table.only_on_request:
+        free = [k for k in free if table.head.names[k] in needed]
+    _add_raw(table, free, channels, issues)
+    columns_of = {c.column: name for name, c in channels.items() if c.column is not None}
+    return Found(_times(table, time, time_unit), channels, problems, columns_of, tuple(issues))
+
+
+def find_column(table: Table, column: str | int, where: str) -> int:
+    """Index of a column given by its name, or by its number counted from 1.
+
+    Raises
+    ------
+    InputError
+        There is no such column, or more than one.
+    """
+    names = table.head.names
+    text = str(column).strip()
+    wanted = text.casefold()
+    for alike in (
+        lambda name: name == text,
+        lambda name: name.casefold() == wanted,
+        lambda name: read_name(name).words == read_name(text).words != (),
+    ):
+        hits = [k for k, name in enumerate(names) if alike(name)]
+        if len(hits) == 1:
+            return hits[0]
+        if hits:
+            numbers = " and ".join(str(k + 1) for k in hits)
+            raise InputError(
+                f"the columns {numbers} could be {text}",
+                where=f"{table.head.path}, {where}",
+                remedy="give the column's number",
+            )
+        if text.isdecimal() and 1 <= int(text) <= len(names):
+            return int(text) - 1
+    known = f"1 to {len(names)}" if not table.head.headed else listed(names)
+    raise InputError(
+        "there is no such column",
+        where=f"{table.head.path}, {where}",
+        value=column,
+        remedy=f"choose from {known}",
+    )
+
+
+def _parse_wish(table: Table, text: str, where: str) -> Wish:
+    column, colon, unit = text.rpartition(":")
+    if not colon or text in table.head.names:
+        column, unit = text, ""
+    return _wish(find_column(table, column, where), unit.strip() or None)
+
+
+def _wish(index: int, unit: str | None) -> Wish:
+    scale, text = split_scale(unit) if unit else (1.0, None)
+    return Wish(index, text, scale)
+
+
+def _is_index(table: Table, index: int) -> bool:
+    """Whether a column only counts the rows."""
+    if index > 0 or not table.head.headed or not is_index_name(table.head.names[index]):
+        return False
+    try:
+        values = table.numbers(index)
+    except InputError:
+        return False
+    return values.size > 1 and bool(np.all(np.diff(values) == 1.0))
+
+
+def _time_column(table: Table, matches: Mapping[str, tuple[int, ...]], free: Iterable[int]) -> int:
+    candidates = matches.get("time", ())
+    if not candidates:
+        candidates = tuple(k for k in free if _holds_times(table, k))
+    if len(candidates) == 1:
+        return candidates[0]
+    head = table.head
+    if candidates:
+        raise _ambiguous(table, "time", candidates)
+    named = f" ({listed(head.names)})" if head.headed else f" among the {len(head.names)}"
+    raise InputError(
+        f"no time column is recognised{named}" + ("" if head.headed else ", which have no names"),
+        where=head.path,
+        remedy="name it with --channel time=COLUMN:s, COLUMN being a name or a number from 1",
+    )
+
+
+def _holds_times(table: Table, index: int) -> bool:
+    try:
+        return table.timestamps(index) is not None
+    except InputError:
+        return False
+
+
+def _times(table: Table, wish: Wish, time_unit: str | None) -> TimeAxis:
+    unit = time_unit or wish.unit or stated_unit(table, wish.index)
+    return read_times(table, wish.index, unit, scale=wish.scale)
+
+
+def stated_unit(table: Table, index: int) -> str | None:
+    """The unit that a unit row or the column's name states.
+
+    Raises
+    ------
+    InputError
+        They state different units.
+    """
+    in_row = table.head.units[index]
+    in_name = read_name(table.head.names[index]).unit if table.head.headed else None
+    if in_row and in_name and unit_symbol(in_row) != unit_symbol(in_name):
+        raise InputError(
+            f"the name says {in_name}, but the row of units says {in_row}",
+            where=table.place(index),
+            remedy="correct one of them, or state the unit with --channel",
+        )
+    return in_row or in_name
+
+
+def _wished_channel(table: Table, name: str, wish: Wish) -> Channel:
+    quantity = CHANNEL_QUANTITY.get(name)
+    unit = wish.unit or stated_unit(table, wish.index)
+    if quantity is not None and unit is None:
+        raise _unitless(table, name, wish.index)
+    channel = _channel(table, name, wish.index, unit, wish.scale)
+    if wish.unit is None and quantity is not None:
+        doubt = _doubt(table, channel, wish.index)
+        if doubt is not None:
+            raise doubt
+    return channel
+
+
+def _named_channel(table: Table, name: str, columns: tuple[int, ...]) -> Channel | InputError:
+    if len(columns) > 1:
+        return _ambiguous(table, name, columns)
+    index = columns[0]
+    try:
+        unit = stated_unit(table, index)
+        if unit is None:
+            return _unitless(table, name, index)
+        channel = _channel(table, name, index, unit, 1.0)
+    except InputError as error:
+        return error
+    return _doubt(table, channel, index) or channel
+
+
+def _channel(table: Table, name: str, index: int, unit: str | None, scale: float) -> Channel:
+    quantity = CHANNEL_QUANTITY.get(name, "raw")
+    symbol = unit_symbol(unit) if unit else None
+    if symbol and quantity != "raw":
+        factor_to_canonical(symbol, quantity, where=table.place(index))
+    values = finite(table.numbers(index) * scale)
+    return make_channel(name, values, symbol, column=table.head.names[index] or str(index + 1))
+
+
+def _doubt(table: Table, channel: Channel, index: int) -> InputError | None:
+    example: Literal["Pa", "deg"] = "Pa" if CHANNEL_QUANTITY[channel.name] == "pressure" else "deg"
+    flag = channel_flag(channel.name, table, index, example)
+    return implausible(
+        channel,
+        where=table.place(index),
+        remedy=f"state the unit with {flag}, or confirm {channel.display_unit} the same way",
+    )
+
+
+def _add_raw(
+    table: Table, free: Iterable[int], channels: dict[str, Channel], issues: list[Issue]
+) -> None:
+    for index in free:
+        name = table.head.names[index] or f"col{index + 1}"
+        if name in channels or name in CHANNEL_QUANTITY:
+            name = f"{name}_col{index + 1}"
+        unit = _raw_unit(table, index)
+        try:
+            values = finite(table.numbers(index))
+        except InputError as error:
+            issues.append(
+                Issue("column-left-out", "info", str(error), "nothing, if it is not needed")
+            )
+            continue
+        channels[name] = make_channel(name, values, unit, column=table.head.names[index] or name)
+
+
+def _raw_unit(table: Table, index: int) -> str | None:
+    try:
+        unit = stated_unit(table, index)
+    except InputError:
+        unit = table.head.units[index]
+    return unit_symbol(unit) if unit else None
+
+
+def finite(values: Array) -> Array:
+    """The same values with NaN in place of infinities."""
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def _left_raw(name: str, problem: InputError) -> Issue:
+    return Issue(
+        "channel-not-settled",
+        "info",
+        f"no column was taken as {name}: {problem}",
+        f"map one with --channel {name}=COLUMN:UNIT if it matters",
+    )
+
+
+def _ambiguous(table: Table, name: str, columns: tuple[int, ...]) -> InputError:
+    names = table.head.names
+    shown = [
+        f"{names[k]} (column {k + 1})" if names.count(names[k]) > 1 else names[k] for k in columns
+    ]
+    unit = read_name(names[columns[0]]).unit
+    example = unit_symbol(unit) if unit else CANONICAL_UNIT[CHANNEL_QUANTITY[name]]
+    return InputError(
+        f"{len(columns)} columns look like {name}: {', '.join(shown)}",
+        where=table.head.path,
+        remedy=f"choose one, as in {channel_flag(name, table, columns[0], example)}",
+    )
+
+
+def _unitless(table: Table, name: str, index: int) -> InputError:
+    example = {"angle": "deg"}.get(name, CANONICAL_UNIT[CHANNEL_QUANTITY[name]])
+    return InputError(
+        f"the {name} has no unit",
+        where=table.place(index),
+        remedy=f"state it, as in {channel_flag(name, table, index, example)}",
+    )

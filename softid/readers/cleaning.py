@@ -1,0 +1,208 @@
+"""Making a log's samples usable without inventing any: what is dropped is said."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.channels import Channel
+from softid.errors import InputError, Issue
+from softid.log import Log
+from softid.readers.base import Array, IntArray
+
+SMALLEST_RELATIVE_SPAN = 1e-9
+"""An input that moves less than this part of its size is constant but for rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A log's samples while they are cleaned.
+
+    Attributes
+    ----------
+    where
+        File, for messages.
+    row_word
+        What a row number counts.
+    rows
+        Row of the file of every sample, shape (n,).
+    time_s
+        Times, shape (n,).
+    channels
+        Channel name → channel.
+    issues
+        What was done so far.
+    """
+
+    where: str
+    row_word: str
+    rows: IntArray
+    time_s: Array
+    channels: Mapping[str, Channel]
+    issues: tuple[Issue, ...] = ()
+
+    def keeping(self, kept: npt.NDArray[np.bool_], *reasons: Issue) -> Samples:
+        """Only some of the samples, and why."""
+        channels = {k: replace(c, values=c.values[kept]) for k, c in self.channels.items()}
+        return replace(
+            self,
+            rows=self.rows[kept],
+            time_s=self.time_s[kept],
+            channels=channels,
+            issues=(*self.issues, *reasons),
+        )
+
+    def row(self, sample: int) -> str:
+        """The file's row of a sample, for messages."""
+        return f"{self.row_word} {self.rows[sample]}"
+
+    def column(self, name: str) -> str:
+        """File and column of a channel, for messages."""
+        return f"{self.where}, column {self.channels[name].column or name}"
+
+
+def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
+    """Drop what cannot be used and refuse what cannot be repaired.
+
+    Samples without time or input are dropped, so that the gap acts as a stall; so are rows that
+    repeat the row before. Of rows that share a time but differ, the first stays. Missing outputs
+    stay NaN and leave the residuals.
+
+    Parameters
+    ----------
+    samples
+        As read.
+    input, outputs
+        The roles.
+
+    Raises
+    ------
+    InputError
+        A role's column is empty, the time runs backward, or fewer than two samples are left.
+    """
+    for name in (input, *outputs):
+        if not np.isfinite(samples.channels[name].values).any():
+            raise InputError(
+                f"the {name} holds no number at all",
+                where=samples.column(name),
+                remedy="map another column with --channel, or check the sensor",
+            )
+    samples = _drop_missing(samples, np.isfinite(samples.time_s), "time")
+    samples = _drop_missing(samples, np.isfinite(samples.channels[input].values), input)
+    _require_forward(samples)
+    samples = _drop_repeated(samples)
+    if samples.time_s.size < 2:
+        raise InputError(
+            "only one sample is left" if samples.time_s.size else "no sample is left",
+            where=samples.where,
+            remedy="record at least two samples with different times",
+        )
+    missing = [_missing_output(samples, name) for name in outputs]
+    return replace(samples, issues=(*samples.issues, *(issue for issue in missing if issue)))
+
+
+def require_excitation(log: Log) -> None:
+    """Refuse a log whose input never changes; inspecting it is fine, identifying is not.
+
+    Raises
+    ------
+    InputError
+        The input is constant.
+
+    Examples
+    --------
+    >>> log = Log.from_arrays([0.0, 1.0], {"pressure": [5.0, 5.0], "angle": [0.0, 0.1]})
+    >>> try:
+    ...     require_excitation(log)
+    ... except InputError as error:
+    ...     print(error.what)
+    the pressure is constant, so nothing can be identified from it
+    """
+    channel = log.channels[log.input]
+    span = float(np.ptp(channel.values))
+    if span <= SMALLEST_RELATIVE_SPAN * float(np.max(np.abs(channel.values))):
+        raise InputError(
+            f"the {log.input} is constant, so nothing can be identified from it",
+            where=log.source.path if log.source else log.name,
+            value=f"{channel.displayed[0]:.6g} {channel.display_unit}",
+            remedy="record a log with steps of the input, or choose another channel with --input",
+        )
+
+
+def _drop_missing(samples: Samples, present: npt.NDArray[np.bool_], name: str) -> Samples:
+    missing = np.flatnonzero(~present)
+    if not missing.size:
+        return samples
+    issue = Issue(
+        f"missing-{'time' if name == 'time' else 'input'}",
+        "warning",
+        f"{samples.where}: {missing.size} samples have no {name} and were dropped, the first in "
+        f"{samples.row(int(missing[0]))}",
+        "nothing, if the gap is short; a long one splits the log",
+    )
+    return samples.keeping(present, issue)
+
+
+def _require_forward(samples: Samples) -> None:
+    backward = np.flatnonzero(np.diff(samples.time_s) < 0)
+    if not backward.size:
+        return
+    at = int(backward[0]) + 1
+    more = f", the first of {backward.size} such places" if backward.size > 1 else ""
+    raise InputError(
+        f"the time runs backward, from {samples.time_s[at - 1]:.9g} s to "
+        f"{samples.time_s[at]:.9g} s{more}",
+        where=f"{samples.where}, {samples.row(at)}",
+        value=float(samples.time_s[at]),
+        remedy="cut the log there into two, or sort its rows if they are only out of order",
+    )
+
+
+def _drop_repeated(samples: Samples) -> Samples:
+    later = np.flatnonzero(np.diff(samples.time_s) == 0) + 1
+    if not later.size:
+        return samples
+    same = np.ones(later.size, dtype=bool)
+    for channel in samples.channels.values():
+        before, now = channel.values[later - 1], channel.values[later]
+        same &= (before == now) | (np.isnan(before) & np.isnan(now))
+    kept = np.ones(samples.time_s.size, dtype=bool)
+    kept[later] = False
+    reasons = []
+    if same.any():
+        reasons.append(
+            Issue(
+                "duplicate-rows",
+                "info",
+                f"{samples.where}: {same.sum()} samples repeat the one before and were dropped, "
+                f"beginning in {samples.row(int(later[same][0]))}",
+            )
+        )
+    if not same.all():
+        reasons.append(
+            Issue(
+                "duplicate-times",
+                "warning",
+                f"{samples.where}: {(~same).sum()} samples have the time of the one before but "
+                "other values; only the first of each time was kept, beginning in "
+                f"{samples.row(int(later[~same][0]))}",
+                "record the time with more digits",
+            )
+        )
+    return samples.keeping(kept, *reasons)
+
+
+def _missing_output(samples: Samples, name: str) -> Issue | None:
+    missing = np.flatnonzero(~np.isfinite(samples.channels[name].values))
+    if not missing.size:
+        return None
+    return Issue(
+        "missing-output",
+        "info",
+        f"{samples.column(name)}: {missing.size} samples of {samples.time_s.size} are missing, "
+        f"the first in {samples.row(int(missing[0]))}; they are left out of the residuals",
+        None,
+    )

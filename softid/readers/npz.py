@@ -1,0 +1,61 @@
+"""NumPy archives, without pickled objects."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import InputError
+from softid.readers import files
+from softid.readers.arrays import flattened, table_of_arrays, unique_names
+from softid.readers.base import Table
+
+
+def read_npz(path: Path) -> Table:
+    """Read the arrays of an NPZ archive; fields of structured arrays count as arrays.
+
+    Parameters
+    ----------
+    path
+        File written by `numpy.savez` or `numpy.savez_compressed`.
+
+    Raises
+    ------
+    InputError
+        The file is damaged, is too large unpacked, holds pickled objects or no channels.
+    """
+    content = files.read_content(path)
+    named = unique_names(_arrays(path, content.data))
+    return table_of_arrays(named, path=str(path), sha256=content.sha256, file_format="npz")
+
+
+def _arrays(path: Path, data: bytes) -> Iterator[tuple[str, str, npt.NDArray[Any]]]:
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+        if size > files.SIZE_LIMIT_BYTES:
+            raise files.too_large(path, f"{size / files.MEGABYTE:.0f} MB unpacked")
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except InputError:
+        raise
+    except Exception as error:  # damaged archives raise whatever zip and numpy meet
+        reason = f"{type(error).__name__}: {error}"
+        remedy = "write it again with numpy.savez"
+        if "allow_pickle" in reason:
+            reason, remedy = "it holds pickled objects", "save plain arrays of numbers only"
+        raise InputError(
+            f"this is not an NPZ archive that can be read ({reason})",
+            where=str(path),
+            remedy=remedy,
+        ) from error
+    for name, array in arrays.items():
+        if isinstance(array, np.ndarray):
+            for field, part in flattened(name, array):
+                yield name, field, part

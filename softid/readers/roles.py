@@ -1,0 +1,97 @@
+"""Which channel drives and which are to be explained, when the user does not say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from softid.channels import OUTPUT_PREFERENCE, default_outputs
+from softid.errors import InputError, UsageError
+from softid.readers.assignment import Found
+from softid.readers.base import listed
+
+INPUT_PREFERENCE = ("pressure", "pressure_command")
+"""The input is the first of these that is there, else the force on something with a position."""
+
+
+def choose_roles(
+    found: Found, *, input: str | None, outputs: Sequence[str], where: str
+) -> tuple[str, tuple[str, ...]]:
+    """Settle input and outputs.
+
+    A log of nothing but commanded and measured pressure is one of the pneumatics: the command
+    drives and the pressure is explained.
+
+    Parameters
+    ----------
+    found
+        The file's channels.
+    input, outputs
+        Names that the user or the sidecar gave; None and empty to choose.
+    where
+        File named in the errors.
+
+    Returns
+    -------
+    tuple
+        Name of the input channel and names of the output channels.
+
+    Raises
+    ------
+    UsageError
+        A name is none of the log's channels.
+    InputError
+        A role cannot be settled.
+    """
+    named = tuple(dict.fromkeys(_resolve(found, name, "--output", where) for name in outputs))
+    if input is not None:
+        chosen = _resolve(found, input, "--input", where)
+        return chosen, named or _outputs(found, chosen, where)
+    for name in INPUT_PREFERENCE:
+        if name not in named and _there(found, name):
+            return _with_outputs(found, name, named, where)
+    if "force" not in named and _there(found, "position") and _there(found, "force"):
+        return _with_outputs(found, "force", named, where)
+    raise InputError(
+        f"no input channel is recognised among {listed(list(found.channels))}",
+        where=where,
+        remedy="map the pressure with --channel pressure=COLUMN:UNIT, or name what drives with "
+        "--input",
+    )
+
+
+def _with_outputs(
+    found: Found, input: str, named: tuple[str, ...], where: str
+) -> tuple[str, tuple[str, ...]]:
+    if named:
+        return input, named
+    motion = any(name in found.channels or name in found.problems for name in OUTPUT_PREFERENCE)
+    if input == "pressure" and not motion and _there(found, "pressure_command"):
+        return "pressure_command", ("pressure",)
+    return input, _outputs(found, input, where)
+
+
+def _outputs(found: Found, input: str, where: str) -> tuple[str, ...]:
+    for name in OUTPUT_PREFERENCE:
+        if name != input and _there(found, name):
+            return (name,)
+    if input == "pressure_command" and _there(found, "pressure"):
+        return ("pressure",)
+    return default_outputs(found.channels, input, where=where)
+
+
+def _there(found: Found, name: str) -> bool:
+    if name in found.problems:
+        raise found.problems[name]
+    return name in found.channels
+
+
+def _resolve(found: Found, name: str, option: str, where: str) -> str:
+    if _there(found, name):
+        return name
+    if name in found.columns:
+        return found.columns[name]
+    raise UsageError(
+        f"the log has no channel {name}",
+        where=f"{where}, {option}",
+        remedy=f"choose from {listed(list(found.channels))}, or map a column with --channel",
+    )

@@ -1,0 +1,94 @@
+"""The linearised estimate against direct least squares."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from softid.errors import InputError
+from softid.uncertainty.linearisation import (
+    ResidualBlock,
+    influence,
+    linearise,
+    reachable,
+    stretch_sums,
+)
+
+RNG = np.random.default_rng(1)
+DESIGN = RNG.normal(size=(40, 3))
+
+
+def test_influence_reproduces_weighted_least_squares() -> None:
+    """Σ_t W_t r_t = argmin Σ (w r)² over two channels with weights 1 and 3, by numpy's lstsq."""
+    y = RNG.normal(size=40)
+    blocks = [
+        ResidualBlock("a", (DESIGN[:15], DESIGN[15:25]), (y[:15], y[15:25])),
+        ResidualBlock("b", (DESIGN[25:],), (y[25:],), 3.0),
+    ]
+    line = linearise(blocks)
+    found = sum(
+        w.T @ r
+        for b in blocks
+        for w, r in zip(influence(b, line.inverse), b.residuals, strict=True)
+    )
+    weight = np.where(np.arange(40) < 25, 1.0, 3.0)
+    expected = np.linalg.lstsq(DESIGN * weight[:, None], y * weight, rcond=None)[0]
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_unused_samples_have_no_influence() -> None:
+    """A masked sample's row may hold anything; the estimate is that of the others."""
+    y = RNG.normal(size=40)
+    design = DESIGN.copy()
+    y[7], design[7] = np.nan, np.inf
+    block = ResidualBlock("a", (design,), (y,))
+    weights = influence(block, linearise([block]).inverse)[0]
+    expected = np.linalg.lstsq(np.delete(DESIGN, 7, 0), np.delete(y, 7), rcond=None)[0]
+    np.testing.assert_allclose(weights.T @ np.nan_to_num(y), expected, atol=1e-12)
+
+
+def test_dependent_and_silent_parameters_are_reported() -> None:
+    """Column 1 = −2 × column 0, column 3 zero: two undetermined directions, column 2 in none."""
+    x = RNG.normal(size=40)
+    design = np.column_stack((x, -2.0 * x, DESIGN[:, 0], np.zeros(40)))
+    line = linearise([ResidualBlock("a", (design,), (x,))])
+    assert sorted(line.undetermined) == [(0, 1), (3,)]
+    np.testing.assert_array_equal(line.determined, [False, False, True, False])
+    assert line.condition_number == np.inf
+
+
+def test_condition_number_does_not_depend_on_units() -> None:
+    """Columns scaled by 1e8: the same condition number as numpy's of the normalised Jacobian."""
+    expected = np.linalg.cond(DESIGN / np.linalg.norm(DESIGN, axis=0))
+    scaled = ResidualBlock("a", (DESIGN * [1.0, 1e8, 1e-8],), (np.ones(40),))
+    assert linearise([scaled]).condition_number == pytest.approx(expected)
+
+
+def test_reachable_basis_is_orthonormal_and_spans_the_jacobian() -> None:
+    """QᵀQ = 1 and the projection of the Jacobian on Q is the Jacobian; one dependent column drops out."""
+    design = np.column_stack((DESIGN, DESIGN[:, 0] + DESIGN[:, 1]))
+    basis = np.concatenate(
+        reachable(ResidualBlock("a", (design[:9], design[9:]), (np.ones(9), np.ones(31))))
+    )
+    assert basis.shape == (40, 3)
+    np.testing.assert_allclose(basis.T @ basis, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(basis @ (basis.T @ design), design, atol=1e-12)
+
+
+def test_averages_over_stretches() -> None:
+    """Means over 3 of 8 samples: the last stretch holds two; one with a single used sample is dropped."""
+    y = np.array([1.0, 2.0, 3.0, np.nan, np.nan, 9.0, 4.0, 6.0])
+    block = ResidualBlock("a", (np.arange(8.0)[:, None],), (y,)).averaged(3)
+    np.testing.assert_allclose(block.residuals[0], [2.0, np.nan, 5.0])
+    np.testing.assert_allclose(block.jacobians[0][[0, 2], 0], [1.0, 6.5])
+    np.testing.assert_allclose(stretch_sums(np.arange(8.0), 3), [3.0, 12.0, 13.0])
+
+
+def test_mistakes_are_named() -> None:
+    """Shapes, empty blocks and derivatives that are not finite."""
+    with pytest.raises(InputError, match="do not match"):
+        ResidualBlock("a", (DESIGN,), (np.ones(39),))
+    with pytest.raises(InputError, match="no residual"):
+        ResidualBlock("a", (DESIGN,), (np.full(40, np.nan),))
+    with pytest.raises(InputError, match="not finite"):
+        ResidualBlock("a", (np.full((4, 1), np.nan),), (np.ones(4),))
