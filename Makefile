@@ -12,11 +12,15 @@ LINT_STAMP := .venv/.stamp-lint
 demo: $(STAMP)
 	$(BIN)/softid demo
 
+EXAMPLES = $(BIN)/python -m pytest -q --doctest-modules softid cli/softid_cli
+
 test: $(STAMP)
 	$(BIN)/python -m pytest -m "not slow" -n $(WORKERS)
+	$(EXAMPLES)
 
 test-all: $(STAMP)
 	$(BIN)/python -m pytest -n $(WORKERS)
+	$(EXAMPLES)
 
 lint: $(LINT_STAMP)
 	$(BIN)/ruff check .

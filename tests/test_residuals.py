@@ -55,7 +55,7 @@ def test_autocorrelation_of_ar1_falls_geometrically() -> None:
 
 
 def test_bartlett_band_grows_with_what_lies_before() -> None:
-    """Closed form: at lag 2 the half-width is 1.96 √[(1 + 2 r_1²)/n]; at lag 1 it is the white one."""
+    """Closed form: half-width 1.96 √[(1 + 2 r_1²)/n] at lag 2, the white one at lag 1."""
     found = autocorrelation(ar1(np.random.default_rng(4), 400, 0.7), 4)
     assert found.bartlett_band[1] == pytest.approx(found.white_band)
     expected = found.white_band * np.sqrt(1.0 + 2.0 * found.values[1] ** 2)
@@ -71,7 +71,7 @@ def test_cross_correlation_sign_and_size() -> None:
 
 
 def test_cross_correlation_band_knows_the_memory_of_both() -> None:
-    """Two unrelated AR(1) series, 0.9 each, leave the band at 5 % of the lags, the white one far oftener.
+    """Unrelated AR(1) series, 0.9 each, leave the band at 5 % of lags, the white one far oftener.
 
     40 series × 81 correlated lags: the rate has a standard error of about 1.5 %.
     """
@@ -86,7 +86,7 @@ def test_cross_correlation_band_knows_the_memory_of_both() -> None:
 
 
 def test_ljung_box_statistic_by_hand() -> None:
-    """x = 1, −1, 1, −1: r_1 = −3/4, r_2 = 1/2, so Q = 4·6·(0.75²/3 + 0.5²/2) = 7.5; χ²₂ tail e^{−Q/2}."""
+    """x = 1, −1, 1, −1: r = −3/4, 1/2, so Q = 4·6·(0.75²/3 + 0.5²/2) = 7.5; χ²₂ tail e^{−Q/2}."""
     found = ljung_box(np.array([1.0, -1.0, 1.0, -1.0]), 2)
     assert found.statistic == pytest.approx(7.5)
     assert found.p_value == pytest.approx(np.exp(-3.75))
@@ -105,7 +105,7 @@ def test_ljung_box_keeps_its_level_on_white_noise(missing: float) -> None:
 
 
 def test_ljung_box_finds_a_memory_and_counts_fitted_coefficients() -> None:
-    """AR(1) 0.4 over 500 samples is beyond doubt; its innovations, one coefficient fitted, are white."""
+    """AR(1) 0.4 over 500 samples is beyond doubt; its innovations are white again."""
     x = ar1(np.random.default_rng(8), 500, 0.4)
     assert ljung_box(x, 10).p_value < 1e-6
     whitened = ljung_box(x[1:] - 0.4 * x[:-1], 10, 1)

@@ -203,16 +203,17 @@ def _deliver(request: FitRequest, result: FitResult, first: Log) -> None:
         print_fit(result)
     files: dict[str, str | bytes] = {PARAMS: dump_json(document)}
     if request.plots:
-        from softid_cli.figures import fit_figures
+        from softid_cli.figures import drawn
 
-        files |= fit_figures(result)
+        files |= drawn(result)
     folder = request.out or _free_folder(RESULTS / first.name.replace("/", "_"))
     written = write_folder(folder, files, overwrite=request.force)
     if request.as_json:
         click.echo(dump_json(document | {"files": [str(p) for p in written]}), nl=False)
     else:
-        click.echo(f"\nWritten to {folder}{'' if str(folder).endswith('/') else '/'}:")
-        click.echo("  " + "  ".join(p.name for p in written))
+        from softid_cli.tables import print_files
+
+        print_files(folder, [p.name for p in written])
 
 
 def _refuse_old_results(request: FitRequest) -> None:

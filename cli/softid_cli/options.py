@@ -57,7 +57,7 @@ def channel_option(command: Callable[P, R]) -> Callable[P, R]:
         "--channel",
         multiple=True,
         metavar="NAME=COL:UNIT",
-        help="Take channel NAME from column COL (name or number), in UNIT; may be repeated.",
+        help="Take channel NAME from column COL, a name or a number from 1; may be repeated.",
     )(command)
 
 

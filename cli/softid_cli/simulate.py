@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from softid_cli.console import announce_compilation, say
-from softid_cli.options import FILE, channel_option, quiet_option
+from softid_cli.options import FILE, assignments, channel_option, quiet_option
 
 if TYPE_CHECKING:
-    pass
+    from softid.log import Log
+    from softid.records import SavedModel
 
 
 @click.command()
@@ -40,19 +42,22 @@ def simulate(
 
     The CSV has time_s, the input, the simulated outputs in the units of the fitted logs, and the
     measured ones where the log has them. A log that was fitted gets its own sensor zero and initial
-    state back; any other starts at rest with a zero of 0.
+    state back; any other starts at rest with the mean sensor zero of the fitted logs.
     """
+    from softid.identification.findings import extrapolation
     from softid.records import load_params, simulation_csv, write_atomic
     from softid.simulation import simulate as simulate_model
 
     saved = load_params(params)
-    log = load_logs([source], channel, saved.input, saved.outputs)[0]
+    log = load_driving(source, channel, saved)
     if not quiet:
         announce_compilation(quiet=False)
-        for issue in (*saved.issues, *_extrapolations(saved, log)):
+        beyond = extrapolation(log, log.input, saved.fitted_range)
+        for issue in (*saved.issues, *log.issues, *([beyond] if beyond else [])):
             say(f"{issue.severity}: {issue.message}")
-    nuisance = saved.nuisances.get(log.name) if _is_the_fitted_log(saved, log) else None
-    simulation = simulate_model(saved.build_model(), saved.values, log, nuisance=nuisance)
+    simulation = simulate_model(
+        saved.build_model(), saved.values, log, nuisance=saved.nuisance_for(log)
+    )
     text = simulation_csv(simulation, display=saved.display)
     if out is None:
         click.echo(text, nl=False)
@@ -60,3 +65,26 @@ def simulate(
         write_atomic(out, text, overwrite=force)
         if not quiet:
             say(f"written to {out}")
+
+
+def load_driving(source: Path, channel: tuple[str, ...], saved: SavedModel) -> Log:
+    """Read a log that needs the model's input only; an output that it lacks is all missing.
+
+    Raises
+    ------
+    InputError
+        The log cannot be read or lacks the input.
+    """
+    import numpy as np
+
+    from softid.channels import make_channel
+    from softid.readers import load
+
+    columns = assignments(channel, option="--channel", form="NAME=COL:UNIT")
+    log = load(source, channels=columns or None, input=saved.input, outputs=None)
+    missing = {
+        name: make_channel(name, np.full(len(log), np.nan), saved.display[name][0])
+        for name in saved.outputs
+        if name not in log.channels
+    }
+    return replace(log, channels={**log.channels, **missing}, outputs=saved.outputs)

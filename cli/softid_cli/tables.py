@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+import os
+import shutil
 import sys
+import textwrap
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -29,7 +33,7 @@ def print_fit(result: FitResult) -> None:
     """Print parameters with errors, scores per log, the choice of the model, and issues."""
     _print(f"Model: {model_text(result.model)}, {_roles(result.input, result.outputs)}")
     if result.choice:
-        _print(f"Why this model: {result.choice}")
+        _print(f"Why this model: {result.choice.removeprefix(result.model.name + ': ')}")
     _print("", _parameter_table(result.parameters), "")
     for estimate in result.parameters:
         told = any(issue.message.startswith(f"{estimate.name} ") for issue in result.issues)
@@ -57,9 +61,9 @@ def print_issues(issues: Sequence[Issue]) -> None:
     if issues:
         _print("")
     for issue in issues:
-        _print(f"{issue.severity}: {issue.message}")
+        click.echo(_folded(f"{issue.severity}: {issue.message}", indent="  "))
         if issue.remedy:
-            _print(f"  → {issue.remedy}")
+            click.echo(_folded(f"  → {issue.remedy}", indent="    "))
 
 
 def print_rows(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) -> None:
@@ -68,6 +72,12 @@ def print_rows(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]
     for row in rows:
         table.add_row(*row)
     _print(table)
+
+
+def print_files(folder: Path, names: Sequence[str]) -> None:
+    """Print where results were written, file names folded to the width."""
+    click.echo(f"\nWritten to {folder}{os.sep}:")
+    click.echo(_folded("  " + "  ".join(names), indent="  "))
 
 
 def print_text(text: str) -> None:
@@ -109,12 +119,25 @@ def with_error(value: float, stderr: float | None) -> str:
     return f"({text})e{exponent:+03d}" if scaled else text
 
 
-def interval(ci95: tuple[float | None, float | None] | None) -> str:
-    """A confidence interval; an end that the logs leave open is ``…``."""
+def interval(
+    ci95: tuple[float | None, float | None] | None,
+    *,
+    lower: float | None = None,
+    upper: float | None = None,
+) -> str:
+    """A confidence interval; an end that is open or beyond the bounds of the search is ``…``.
+
+    Examples
+    --------
+    >>> interval((0.12, 3.4)), interval((1e-30, 2.0), lower=1e-15)
+    ('[0.12, 3.4]', '[…, 2]')
+    """
     if ci95 is None:
         return ""
-    ends = ["…" if e is None or not math.isfinite(e) else f"{e:.4g}" for e in ci95]
-    return f"[{ends[0]}, {ends[1]}]"
+    low, high = ci95
+    below = low is None or not math.isfinite(low) or (lower is not None and low < lower)
+    above = high is None or not math.isfinite(high) or (upper is not None and high > upper)
+    return f"[{'…' if below else f'{low:.4g}'}, {'…' if above else f'{high:.4g}'}]"
 
 
 def _parameter_table(parameters: Sequence[ParameterEstimate]) -> Table:
@@ -130,7 +153,11 @@ def _parameter_table(parameters: Sequence[ParameterEstimate]) -> Table:
     for p in parameters:
         verdict = f"= {p.tie}" if p.tie else p.verdict + (", at bound" if p.at_bound else "")
         table.add_row(
-            p.name, with_error(p.value, p.stderr), interval(p.ci95), _unit(p.unit), verdict
+            p.name,
+            with_error(p.value, p.stderr),
+            interval(p.ci95, lower=p.lower, upper=p.upper),
+            _unit(p.unit),
+            verdict,
         )
     return table
 
@@ -181,6 +208,13 @@ def _print(*blocks: str | Table) -> None:
         with console.capture() as text:
             console.print(block)
         click.echo("\n".join(line.rstrip() for line in text.get().split("\n")), nl=False)
+
+
+def _folded(text: str, *, indent: str) -> str:
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
+    return textwrap.fill(
+        text, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
 
 
 def _roles(input_name: str, outputs: Sequence[str]) -> str:

@@ -18,6 +18,8 @@ from softid_cli.options import (
     quiet_option,
 )
 
+CHECKED = ("truth", "estimate", "95 % interval")
+
 
 @click.command()
 @click.argument("params", required=False, type=FILE)
@@ -104,8 +106,12 @@ def score(
     if not as_json:
         print_validation(result)
     if out is not None:
-        (written,) = write_folder(out, {"validation.json": document}, overwrite=force)
-        say(f"written to {written}")
+        from softid_cli.figures import drawn
+
+        files = {"validation.json": document, **drawn(result)}
+        write_folder(out, files, overwrite=force)
+        if not quiet:
+            say(f"written to {out}: {', '.join(files)}")
     if as_json:
         click.echo(document, nl=False)
     return result.passed
@@ -123,27 +129,22 @@ def check_self(*, as_json: bool, quiet: bool) -> bool:
     if as_json:
         click.echo(dump_json(found), nl=False)
         return found.passed
-    print_rows(
-        [
-            ("logs", "left"),
-            ("parameter", "left"),
-            ("truth", "right"),
-            ("estimate", "right"),
-            ("95 % interval", "right"),
-            ("", "left"),
-        ],
-        [
-            (
-                row.group,
-                row.parameter,
-                f"{row.truth:.5g}",
-                f"{row.estimate:.5g}",
-                interval(row.ci95),
-                "inside" if row.inside else "OUTSIDE",
-            )
-            for row in found.rows
-        ],
-    )
+    for group in dict.fromkeys(row.group for row in found.rows):
+        print_rows(
+            [(group, "left"), *((heading, "right") for heading in CHECKED), ("", "left")],
+            [
+                (
+                    row.parameter,
+                    f"{row.truth:.5g}",
+                    f"{row.estimate:.5g}",
+                    interval(row.ci95),
+                    "inside" if row.inside else "OUTSIDE",
+                )
+                for row in found.rows
+                if row.group == group
+            ],
+        )
+        click.echo()
     inside = sum(row.inside for row in found.rows)
     click.echo(f"{inside} of {len(found.rows)} truths lie inside their 95 % interval.")
     return found.passed

@@ -1,13 +1,21 @@
 """How an input excites: stretches of one kind each, and the windows in which it stands still."""
 
-from softid.excitation.holds import SettledWindow, distinct_levels, settled_windows
-from softid.excitation.segmentation import Kind, Stretch, dominant_kind, segment_excitation
+from softid.excitation.holds import SettledWindow, distinct_levels, median_of_five
+from softid.excitation.noise import noise_std
+from softid.excitation.segmentation import (
+    Kind,
+    Stretch,
+    dominant_kind,
+    excitation_and_holds,
+    segment_excitation,
+    settled_windows,
+)
 from softid.excitation.texture import (
     Quantisation,
     SampleHold,
+    find_dead_band,
     find_hold,
     find_quantisation,
-    noise_std,
 )
 
 __all__ = [
@@ -18,8 +26,11 @@ __all__ = [
     "Stretch",
     "distinct_levels",
     "dominant_kind",
+    "excitation_and_holds",
+    "find_dead_band",
     "find_hold",
     "find_quantisation",
+    "median_of_five",
     "noise_std",
     "segment_excitation",
     "settled_windows",

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from softid.excitation.texture import find_hold, find_quantisation, fresh_samples, noise_std
+from softid.excitation.noise import noise_std
+from softid.excitation.texture import find_hold, find_quantisation, fresh_samples
 
 Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -27,7 +28,7 @@ SHORTEST_HOLD_AT_TURN = 0.5
 SHORTEST_HOLD_AT_END = 0.15
 LIKE_HOLD = 0.25
 PAUSE = 5.0
-MOST_PAUSED = 0.5
+MOST_PAUSED = 0.65
 LEVEL_SPREAD = 2.0
 WANDER = 2.0
 WIDEST_WANDER = 4.0
@@ -45,7 +46,7 @@ class SettledWindow:
     start, stop
         Half-open range of the samples.
     level
-        Mean input over it, glitches left out, in the input's unit.
+        Mean input over its second half, glitches left out, in the input's unit.
     """
 
     start: int
@@ -69,6 +70,9 @@ class Motion:
         Whether the whole input is no more than noise about one level.
     turns
         Positions in ``values`` of the turning points of its larger moves, ends not included.
+    tubes
+        Half-open ranges of ``values`` that stay within twice the tolerance, cut greedily; those
+        of fewer than 8 samples are left out.
     """
 
     index: IntArray
@@ -77,6 +81,7 @@ class Motion:
     tolerance: float
     still: bool
     turns: IntArray
+    tubes: tuple[tuple[int, int], ...]
 
 
 def describe_motion(time_s: Array, input_values: Array) -> Motion:
@@ -100,7 +105,8 @@ def describe_motion(time_s: Array, input_values: Array) -> Motion:
     still = span <= 4.5 * spread or span <= 1e-12 * float(np.abs(values).max())
     tolerance = max(spread, SMALLEST_MOTION * span)
     turns = turning_points(values, max(TURN * span, 2.0 * tolerance))
-    return Motion(index, time_s[index], values, tolerance, still, turns)
+    tubes = tuple(_tubes(values, 2.0 * tolerance))
+    return Motion(index, time_s[index], values, tolerance, still, turns, tubes)
 
 
 def _spread(values: Array, sigma: float | None, step: float | None) -> float:
@@ -157,40 +163,11 @@ def find_holds(motion: Motion, *, strict: bool = False) -> list[tuple[int, int]]
     """
     if motion.still:
         return [(0, motion.values.size)]
-    tubes = _tubes(motion.values, 2.0 * motion.tolerance)
-    candidates = _merged(
-        motion, [s for s in tubes if _unevenness(motion, s, strict=strict) <= UNEVEN]
-    )
+    even = [s for s in motion.tubes if _unevenness(motion, s, strict=strict) <= UNEVEN]
+    candidates = _merged(motion, even)
     long = [span for span in candidates if _long_enough(motion, candidates, span)]
     holds = _without_pauses(motion, _merged(motion, long))
     return [_trimmed(motion, span) for span in _merged(motion, holds)]
-
-
-def settled_windows(
-    time_s: Array, input_values: Array, *, tail: float = 1.0
-) -> tuple[SettledWindow, ...]:
-    """Windows on which the input stands still, between the transitions of steps and staircases.
-
-    The input counts as still while it stays within its noise and quantisation, or 1.5 % of its
-    range, of one level, for at least 8 samples; the slow extremes of a sine or a triangle do not
-    count.
-
-    Parameters
-    ----------
-    time_s, input_values
-        Samples, shape (n,), finite.
-    tail
-        Share of each window to keep, counted from its end, so that the output has settled too.
-
-    Examples
-    --------
-    >>> time_s = np.arange(400) * 0.01
-    >>> levels = np.repeat([0.0, 20.0, 40.0, 0.0], 100)
-    >>> [(w.start, w.stop, w.level) for w in settled_windows(time_s, levels)]
-    [(0, 100, 0.0), (100, 200, 20.0), (200, 300, 40.0), (300, 400, 0.0)]
-    """
-    motion = describe_motion(time_s, input_values)
-    return windows_of(motion, find_holds(motion), input_values, tail=tail)
 
 
 def windows_of(
@@ -202,7 +179,7 @@ def windows_of(
     for first, last in spans:
         stop = int(edges[last])
         start = stop - max(round(tail * (stop - int(edges[first]))), 1)
-        held = input_values[start:stop]
+        held = input_values[(start + stop) // 2 : stop]
         usual = np.abs(held - np.median(held)) <= LEVEL_SPREAD * motion.tolerance
         windows.append(SettledWindow(start, stop, float(held[usual].mean())))
     return tuple(windows)
@@ -312,8 +289,9 @@ def _same_hold(motion: Motion, before: tuple[int, int], after: tuple[int, int]) 
 
 def _wander(held: Array) -> float:
     """Width of the middle 80 % of the values of a hold."""
-    low, high = np.quantile(held, (0.1, 0.9))
-    return float(high - low)
+    ordered = np.sort(held)
+    tenth = ordered.size // 10
+    return float(ordered[-1 - tenth] - ordered[tenth])
 
 
 def _long_enough(motion: Motion, spans: list[tuple[int, int]], span: tuple[int, int]) -> bool:

@@ -14,10 +14,10 @@ from softid.excitation.holds import (
     SettledWindow,
     describe_motion,
     distinct_levels,
-    find_holds,
     windows_of,
 )
 from softid.excitation.shapes import Piece, Shape, recognise_shapes
+from softid.excitation.waves import holds_between_waves
 
 Array = npt.NDArray[np.float64]
 Kind = Literal["step", "staircase", "sine", "sweep", "rest", "free"]
@@ -32,10 +32,6 @@ KIND_OF_SHAPE: dict[Shape, Kind] = {
 SLOW_TRANSITION = 0.5
 LONGEST_TRANSITION = 1.5
 SAME_LEVEL = 2.0
-LONG_WAVE_CYCLES = 3
-MOST_HELD_OF_WAVE = 0.5
-WAVE_MARGIN = 0.7
-LONGEST_EXTREME = 0.8
 BRIEF_LEVEL = 0.1
 
 
@@ -121,51 +117,50 @@ def segment_excitation(time_s: Array, input_values: Array) -> tuple[Stretch, ...
     >>> found.kind, round(found.frequency_hz, 3), round(found.amplitude, 2)
     ('sine', 0.5, 20.0)
     """
-    motion = describe_motion(time_s, input_values)
-    spans = find_holds(motion)
-    for start, stop in _long_waves(motion):
-        spans = [s for s in spans if not _is_extreme(motion, s, (start, stop))]
-    return _Assembly(motion, time_s, input_values, spans).stretches()
+    return excitation_and_holds(time_s, input_values)[0]
 
 
-def _long_waves(motion: Motion) -> list[tuple[int, int]]:
-    """Ranges that are a sine, triangle or chirp over several cycles, whose extremes are no holds.
+def excitation_and_holds(
+    time_s: Array, input_values: Array
+) -> tuple[tuple[Stretch, ...], tuple[SettledWindow, ...]]:
+    """Both `segment_excitation` and `settled_windows` for the work of one.
 
-    Most of a cycle is added on either side, for the extremes there.
+    Parameters
+    ----------
+    time_s, input_values
+        Samples, shape (n,), finite.
     """
-    if motion.turns.size < 2 * LONG_WAVE_CYCLES:
-        return []
-    times = motion.time_s
-    spans = find_holds(motion, strict=True)
-    found = []
-    for piece in recognise_shapes(times, motion.values, motion.turns):
-        inside = motion.turns[(motion.turns >= piece.start) & (motion.turns < piece.stop)]
-        if piece.shape in ("free", "ramp") or inside.size < 2 * LONG_WAVE_CYCLES:
-            continue
-        first, last = int(inside[0]), int(inside[-1])
-        held = [min(b, last) - max(a, first) for a, b in spans if a < last and b > first]
-        if sum(held) > MOST_HELD_OF_WAVE * (last - first):
-            continue
-        before_s = WAVE_MARGIN * float(times[inside[2]] - times[inside[0]])
-        after_s = WAVE_MARGIN * float(times[inside[-1]] - times[inside[-3]])
-        found.append(
-            (
-                int(np.searchsorted(times, times[first] - before_s)),
-                int(np.searchsorted(times, times[last] + after_s)),
-            )
-        )
-    return found
+    motion = describe_motion(time_s, input_values)
+    spans = holds_between_waves(motion)
+    stretches = _Assembly(motion, time_s, input_values, spans).stretches()
+    return stretches, windows_of(motion, spans, input_values)
 
 
-def _is_extreme(motion: Motion, span: tuple[int, int], wave: tuple[int, int]) -> bool:
-    """Whether a hold lies for the most part inside a wave and is shorter than its half cycles."""
-    overlap = min(span[1], wave[1]) - max(span[0], wave[0])
-    if overlap <= 0.5 * (span[1] - span[0]):
-        return False
-    times, turns = motion.time_s, motion.turns
-    nearest = np.sort(np.abs(turns - span[0]).argsort()[:5])
-    half_s = float(np.median(np.diff(times[turns[nearest]])))
-    return float(times[span[1] - 1] - times[span[0]]) <= LONGEST_EXTREME * half_s
+def settled_windows(
+    time_s: Array, input_values: Array, *, tail: float = 1.0
+) -> tuple[SettledWindow, ...]:
+    """Windows on which the input stands still, between the transitions of steps and staircases.
+
+    The input counts as still while it stays within its noise and quantisation, or 1.5 % of its
+    range, of one level, for at least 8 samples; the slow extremes of a sine or a triangle do not
+    count.
+
+    Parameters
+    ----------
+    time_s, input_values
+        Samples, shape (n,), finite.
+    tail
+        Share of each window to keep, counted from its end, so that the output has settled too.
+
+    Examples
+    --------
+    >>> time_s = np.arange(400) * 0.01
+    >>> levels = np.repeat([0.0, 20.0, 40.0, 0.0], 100)
+    >>> [(w.start, w.stop, w.level) for w in settled_windows(time_s, levels)]
+    [(0, 100, 0.0), (100, 200, 20.0), (200, 300, 40.0), (300, 400, 0.0)]
+    """
+    motion = describe_motion(time_s, input_values)
+    return windows_of(motion, holds_between_waves(motion), input_values, tail=tail)
 
 
 def dominant_kind(stretches: Sequence[Stretch]) -> Kind:
@@ -259,7 +254,12 @@ class _Assembly:
         since = before[1] - 1 if before is not None else 0
         until = after[0] if after is not None else times.size - 1
         lasting = float(times[until] - times[since])
-        most = LONGEST_TRANSITION if before is not None and after is not None else 1.0
+        most = LONGEST_TRANSITION
+        if before is None or after is None:
+            turns = self.motion.turns
+            if np.any((turns > since) & (turns < until)):
+                return False
+            most = 1.0
         if lasting > most * max(held):
             return False
         slow = lasting > SLOW_TRANSITION * min(held)

@@ -1,12 +1,12 @@
-"""What sampling and sensor leave on a single signal: quantisation step, zero-order hold, noise.
+"""What sampling and sensor leave on a single signal: quantisation, zero-order hold, dead band.
 
-Excitation cannot be told from noise, nor a staircase from a held sample, without these three.
+A staircase cannot be told from held samples without them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import log2, sqrt
+from math import log2
 
 import numpy as np
 import numpy.typing as npt
@@ -23,15 +23,21 @@ MANY_LEVELS = 5
 MIN_JUMPS = 12
 JUMP_STEPS = 2.5
 FINE_STEPS = 20.0
-CHANCE_OF_REPEAT = 0.15
-CHANCE_OF_REPEAT_FINE = 0.02
-LEAST_EXCESS = 0.1
+LONGEST_SINGLE_HOLD = 3.0
+PART_OF_HOLD = 0.25
+MOST_REGULAR_HOLD = 20
+SAME_PHASE = 0.97
+REGULAR_CHANGES = 30
+REVERSALS = 0.25
+LEAPS = 0.2
+LEAST_REPEATED = 0.25
+LEAST_REPEATED_FINE = 0.12
+REPEATED_OVER_ONE_STEP = 3.0
+EVEN_JUMPS = 0.35
+UNEVEN_DURATIONS = 4.0
+DEAD_BAND_STEPS = 5.0
 LONGEST_HOLD_SAMPLES = 50
 LONGEST_HOLD_SHARE = 0.015
-ONE_SIGMA = 0.6826894921370859
-UNRESOLVED_STEPS = 0.4
-GOLDEN = 0.6180339887498949
-MIN_NOISE_SAMPLES = 20
 
 
 @dataclass(frozen=True)
@@ -103,7 +109,7 @@ def find_quantisation(values: Array) -> Quantisation | None:
 
     Examples
     --------
-    >>> find_quantisation(np.array([0.0, 0.25, 1.0, 0.5, 1.75, 0.25])).step
+    >>> round(find_quantisation(np.array([0.0, 0.25, 1.0, 0.5, 1.75, 0.25])).step, 9)
     0.25
     """
     distinct = np.unique(values[np.isfinite(values)])
@@ -152,9 +158,11 @@ def _fitted_step(distinct: Array, increments: Array, candidate: float) -> float 
 def find_hold(time_s: Array, values: Array, step: float | None) -> SampleHold | None:
     """Recognise a channel that repeats its samples.
 
-    A quantised channel repeats values by chance, but seldom after a jump of several steps: among
-    white noise of any size it does so after at most 15 % of the jumps of 2.5 steps or more, and a
-    fine-grained channel hardly ever. One that does so clearly more often is held.
+    What follows after a jump tells: a held channel stays exactly where it is. A fine-grained one
+    that is not held hardly ever does; a coarsely quantised one may, but then moves of one step are
+    about as frequent. So at least 12 % of the jumps of 2.5 steps or more must be followed by a
+    repetition, of a coarse channel 25 % and three times as many as by one step up or down. A noisy
+    channel that changes at every k-th sample only is held whatever its jumps.
 
     Parameters
     ----------
@@ -166,32 +174,118 @@ def find_hold(time_s: Array, values: Array, step: float | None) -> SampleHold | 
     Returns
     -------
     SampleHold or None
-        None also for a channel with few levels or with holds too long for a sensor's clock,
-        which is a staircase.
+        None also for a channel with few levels, with a dead band, or with holds too long for a
+        sensor's clock, which is a staircase.
     """
-    starts = run_starts(values)
-    if starts.size < MIN_JUMPS + 2 or np.unique(values).size < MANY_LEVELS:
+    regular = _regular_hold(values, step)
+    if regular is not None:
+        hold_s = regular * float(np.median(np.diff(time_s)))
+        return _sensor_hold(time_s, values, float(regular), hold_s)
+    found = _find_repetition(time_s, values, step)
+    if found is None or found.by_dead_band:
         return None
-    jumps = np.abs(values[starts[1:-1]] - values[starts[1:-1] - 1])
-    lengths = np.diff(starts)[1:]
-    big = jumps >= JUMP_STEPS * step if step else jumps > 0.0
-    count = int(big.sum())
-    if count < MIN_JUMPS:
-        return None
-    share = float(np.mean(lengths[big] >= 2))
-    coarse = step is not None and float(np.median(jumps[big])) < FINE_STEPS * step
-    chance = CHANCE_OF_REPEAT if coarse else CHANCE_OF_REPEAT_FINE
-    if share - chance < max(LEAST_EXCESS, 4.0 * sqrt(chance * (1.0 - chance) / count)):
-        return None
-    durations = time_s[starts[2:]] - time_s[starts[1:-1]]
-    kept = big & (lengths <= 3.0 * np.median(lengths[big]))
-    factor, hold_s = float(lengths[kept].mean()), float(durations[kept].mean())
-    span = float(values.max() - values.min())
-    deliberate = factor > 10.0 and float(np.median(jumps[big])) > 0.1 * span
+    kept = found.lengths <= LONGEST_SINGLE_HOLD * np.median(found.lengths)
+    factor = float(found.lengths[kept].mean())
+    return _sensor_hold(time_s, values, factor, float(found.durations_s[kept].mean()))
+
+
+def _sensor_hold(time_s: Array, values: Array, factor: float, hold_s: float) -> SampleHold | None:
+    """A hold, unless it is so long that somebody must have wanted it."""
+    moves = np.abs(np.diff(values))
+    jump = float(np.median(moves[moves > 0.0]))
+    deliberate = factor > 10.0 and jump > 0.1 * float(np.ptp(values))
     too_long = hold_s > LONGEST_HOLD_SHARE * float(time_s[-1] - time_s[0])
     if deliberate or too_long or factor > LONGEST_HOLD_SAMPLES:
         return None
     return SampleHold(factor, hold_s, 1.0 / hold_s)
+
+
+def _regular_hold(values: Array, step: float | None) -> int | None:
+    """The k for which values change at multiples of k samples only, None when there is none.
+
+    A noise-free ramp on a coarse grid does so too, but step by step and without turning.
+    """
+    changes = run_starts(values)[1:]
+    if changes.size < REGULAR_CHANGES:
+        return None
+    moves = values[changes] - values[changes - 1]
+    turning = float(np.mean((moves[1:] > 0) != (moves[:-1] > 0)))
+    leaping = float(np.mean(np.abs(moves) >= 1.5 * (step or 0.0)))
+    if turning < REVERSALS and leaping < LEAPS:
+        return None
+    usual = float(np.median(np.diff(changes)))
+    for k in range(MOST_REGULAR_HOLD, 1, -1):
+        if usual <= 2 * k and np.bincount(changes % k).max() >= SAME_PHASE * changes.size:
+            return k
+    return None
+
+
+def find_dead_band(time_s: Array, values: Array, step: float | None) -> float | None:
+    """Size of the jumps of a channel that moves only when its quantity has changed enough.
+
+    Such a channel repeats values like a held one, but its jumps are all alike and its rests are
+    not. A bend sensor read through a coarse converter and a calibration curve is one.
+
+    Parameters
+    ----------
+    time_s, values
+        Samples, shape (n,), without NaN.
+    step
+        Quantisation step of the channel, or None.
+
+    Returns
+    -------
+    float or None
+        Median jump, in the channel's unit; None when it is not clearly larger than the step.
+    """
+    found = _find_repetition(time_s, values, step)
+    if found is None or not found.by_dead_band:
+        return None
+    size = float(np.median(found.jumps))
+    return size if size >= DEAD_BAND_STEPS * (step or 0.0) else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Repetition:
+    """Runs of equal values that follow a big jump: their jumps, lengths and durations."""
+
+    jumps: Array
+    lengths: IntArray
+    durations_s: Array
+
+    @property
+    def by_dead_band(self) -> bool:
+        """Whether the jumps are alike and the durations are not."""
+        jumps, durations = (
+            float(np.subtract(*np.quantile(np.log(x), (0.75, 0.25))))
+            for x in (self.jumps, self.durations_s)
+        )
+        return jumps <= EVEN_JUMPS and durations > UNEVEN_DURATIONS * jumps
+
+
+def _find_repetition(time_s: Array, values: Array, step: float | None) -> _Repetition | None:
+    starts = run_starts(values)
+    if starts.size < MIN_JUMPS + 2 or np.unique(values).size < MANY_LEVELS:
+        return None
+    jumps = np.abs(values[starts[1:-1]] - values[starts[1:-1] - 1])
+    big = jumps >= JUMP_STEPS * (step or 0.0)
+    lengths = np.diff(starts)[1:][big]
+    if lengths.size < MIN_JUMPS or not _repeats(values, starts[1:-1][big], lengths, step):
+        return None
+    durations_s = (time_s[starts[2:]] - time_s[starts[1:-1]])[big]
+    return _Repetition(jumps[big], lengths, durations_s)
+
+
+def _repeats(values: Array, after: IntArray, lengths: IntArray, step: float | None) -> bool:
+    """Whether the values that follow big jumps are repeated more often than by chance."""
+    repeated = int(np.sum(lengths >= 2))
+    share = repeated / after.size
+    jumps = np.abs(values[after] - values[after - 1])
+    if step is None or float(np.median(jumps)) >= FINE_STEPS * step:
+        return share >= LEAST_REPEATED_FINE
+    follows = np.round((values[after + 1] - values[after]) / step)
+    by_one = max(int(np.sum(follows == 1.0)), int(np.sum(follows == -1.0)), 1)
+    return share >= LEAST_REPEATED and repeated >= REPEATED_OVER_ONE_STEP * by_one
 
 
 def fresh_samples(time_s: Array, values: Array, hold: SampleHold | None) -> IntArray:
@@ -203,84 +297,11 @@ def fresh_samples(time_s: Array, values: Array, hold: SampleHold | None) -> IntA
         return np.arange(values.size)
     starts = run_starts(values)
     stops = np.append(starts[1:], values.size)
-    ends_s = np.append(time_s[starts[1:]], time_s[-1])
-    wanted = np.maximum(np.round((ends_s - time_s[starts]) / hold.hold_s), 1.0).astype(np.intp)
+    lasting_s = np.append(time_s[starts[1:]], time_s[-1]) - time_s[starts]
+    holds = np.minimum((stops - starts) / hold.factor, lasting_s / hold.hold_s)
+    wanted = np.maximum(np.floor(holds + PART_OF_HOLD), 1.0).astype(np.intp)
     wanted = np.minimum(wanted, stops - starts)
     run = np.repeat(np.arange(starts.size), wanted)
     rank = np.arange(run.size) - np.repeat(np.cumsum(wanted) - wanted, wanted)
     index: IntArray = starts[run] + (rank * (stops - starts)[run]) // wanted[run]
     return index
-
-
-def noise_std(
-    time_s: Array,
-    values: Array,
-    *,
-    step: float | None = None,
-    hold: SampleHold | None = None,
-    where: BoolArray | None = None,
-) -> float | None:
-    """Standard deviation of the white part of a channel's noise.
-
-    Divided differences Σ w_j v_j over 3, 4 and 5 neighbouring samples, with Σ w_j t_j^m = 0 for
-    m = 0 … 1, 2, 3 and Σ w_j² = 1, remove smooth motion on any sampling; their 68 % quantile is
-    the noise, and the smallest of the three is taken. The steps of a quantised channel are
-    smeared by a known dither, whose variance is subtracted with that of the quantisation,
-    σ² = s² − step²/6.
-
-    Parameters
-    ----------
-    time_s, values
-        Samples, shape (n,), without NaN.
-    step
-        Quantisation step, or None.
-    hold
-        Zero-order hold, or None.
-    where
-        Samples to look at, such as rests, shape (n,); None looks at all.
-
-    Returns
-    -------
-    float or None
-        None when there are fewer than 20 fresh samples, or when the noise is below 0.4 steps and
-        so hidden by the quantisation.
-    """
-    fresh = fresh_samples(time_s, values, hold)
-    if fresh.size < MIN_NOISE_SAMPLES:
-        return None
-    times, picked = time_s[fresh], values[fresh]
-    allowed = np.ones(fresh.size, bool) if where is None else where[fresh]
-    quantum = step or 0.0
-    dither = quantum * ((np.arange(fresh.size) * GOLDEN) % 1.0 - 0.5)
-    spreads = []
-    for neighbours in (3, 4, 5):
-        differences = _divided_differences(times, picked + dither, allowed, neighbours)
-        if differences.size >= MIN_NOISE_SAMPLES:
-            spreads.append(float(np.quantile(np.abs(differences), ONE_SIGMA)))
-    if not spreads:
-        return None
-    variance = min(spreads) ** 2 - quantum**2 / 6.0
-    if variance <= (UNRESOLVED_STEPS * quantum) ** 2:
-        return 0.0 if quantum == 0.0 else None
-    return sqrt(variance)
-
-
-def _divided_differences(
-    time_s: Array, values: Array, allowed: BoolArray, neighbours: int
-) -> Array:
-    """Normalised divided differences of the windows that are allowed and span no gap."""
-    windows = np.lib.stride_tricks.sliding_window_view
-    longest = 4.0 * neighbours * float(np.median(np.diff(time_s)))
-    usable = windows(allowed, neighbours).all(axis=1)
-    usable &= time_s[neighbours - 1 :] - time_s[: 1 - neighbours] <= longest
-    local = windows(time_s, neighbours)[usable]
-    weights = np.ones(local.shape)
-    for j in range(neighbours):
-        for k in range(neighbours):
-            if k != j:
-                weights[:, j] *= local[:, j] - local[:, k]
-    # Scaled by the window's length so that products of short intervals cannot underflow.
-    weights = (local[:, -1:] - local[:, :1]) ** (neighbours - 1) / weights
-    weights /= np.sqrt((weights**2).sum(axis=1, keepdims=True))
-    differences: Array = (weights * windows(values, neighbours)[usable]).sum(axis=1)
-    return differences

@@ -1,7 +1,8 @@
 """Simultaneous output-error fit: all logs and outputs at once, from several starts, and checked.
 
 Minimises Σ_c Σ_k (y_ck − ŷ_ck)²/σ_c² over the unknowns of a `Problem`, σ_c being the residual's own
-standard deviation when several channels are fitted together. The optimiser's word is not taken for
+standard deviation when several channels are fitted together, with a prior so weak that it only
+holds what the data cannot see. The optimiser's word is not taken for
 success: the distance from the optimum in standard errors must be small at the end, and perturbed
 restarts must not find anything better.
 """
@@ -42,6 +43,10 @@ RESTARTS = 3
 RESTART_SPREAD = 0.3
 MAX_ROUNDS = 4
 MAX_PLANS = 6
+PRIOR_REACHES = 4.0
+"""Standard deviation of the prior in units of each unknown's plausible move: a factor of e⁸ = 3000
+for a parameter on a logarithmic scale."""
+
 BETTER = 1e-3
 RESIDUAL_FLOOR = 1e-9
 KEPT_ENTRIES = 8_000_000
@@ -59,7 +64,7 @@ class Optimum:
     unknowns
         Vector of unknowns of the `Problem`, shape (U,).
     cost
-        Half the weighted sum of squares.
+        Half the weighted sum of squares, without the prior.
     sigma
         Output channel → weight σ_c.
     status
@@ -84,6 +89,30 @@ class Optimum:
     start: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Prior:
+    """A weak normal prior on the free parameters, ½Σ w (z − centre)².
+
+    It holds a direction that the data cannot see near its start; a parameter that the data know to
+    a relative standard error e moves by (e/8)² of its distance from the centre.
+
+    Attributes
+    ----------
+    centre
+        Unknowns at the start, shape (U,).
+    weight
+        s²/sd² of every unknown, zero for zeros and states, shape (U,); s² is the variance of the
+        weighted residual.
+    """
+
+    centre: Array
+    weight: Array
+
+    def cost(self, z: Array) -> float:
+        """The prior's part of the cost."""
+        return float(0.5 * np.sum(self.weight * (z - self.centre) ** 2))
+
+
 class Objective:
     """Weighted cost and normal equations, with the discretisation held still."""
 
@@ -92,6 +121,7 @@ class Objective:
         self.sigma = dict(sigma)
         self.evaluations = 0
         self.plans: list[Division | None] | None = None
+        self.prior: Prior | None = None
 
     def __call__(self, z: Array) -> Normal:
         """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
@@ -116,10 +146,21 @@ class Objective:
                     kept.append((r, jacobian))
         if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
             return Normal(z, np.inf, np.zeros(size), np.eye(size), n)
+        if self.prior is not None:
+            cost += self.prior.cost(z)
+            gradient -= self.prior.weight * (z - self.prior.centre)
+            matrix += np.diag(self.prior.weight)
         if not kept:
             return Normal(z, cost, gradient, matrix, n)
         stacked = np.concatenate([r for r, _ in kept]), np.concatenate([j for _, j in kept])
         return Normal(z, cost, gradient, matrix, n, *stacked)
+
+    def set_prior(self, centre: Array, at: Minimum) -> None:
+        """Hold unseen directions near ``centre``, with the residual variance found at ``at``."""
+        variance = 2.0 * at.normal.cost / max(at.normal.n - self.problem.size, 1)
+        weight = variance / (PRIOR_REACHES * self.problem.reach()) ** 2
+        weight[len(self.problem.free) :] = 0.0
+        self.prior = Prior(centre, weight)
 
     def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
         """Jᵀ∂²ŷ/∂v² along ``step``, or None where the Jacobian was too large to keep."""
@@ -198,11 +239,14 @@ def output_error(
         return _nothing(objective, points)
     report("refining the best starts", 0.3)
     contenders = scouted[:2] if rounds else scouted[:1]
-    polished = [
-        (objective.solve(found.point, POLISH_EVALUATIONS if rounds else DRAFT_EVALUATIONS), start)
-        for found, start in contenders
-    ]
+    limit = POLISH_EVALUATIONS if rounds else DRAFT_EVALUATIONS
+    polished = []
+    for found, start in contenders:
+        objective.set_prior(start, found)
+        polished.append((objective.solve(found.point, limit), start))
     best, start = min(polished, key=lambda row: row[0].normal.cost)
+    objective.set_prior(start, best)
+    best = objective.solve(best.point, limit)
     best = _reweighted(objective, best)
     report("looking for a better optimum", 0.6)
     best, stable = _challenge(objective, best, start, rng, rounds)
@@ -234,6 +278,7 @@ def _scout(objective: Objective, points: Sequence[Array]) -> list[tuple[Minimum,
 
     def run(point: Array) -> tuple[Minimum, Array]:
         own = Objective(objective.problem, objective.sigma)
+        own.prior = objective.prior
         found = own.solve(point, SCOUT_EVALUATIONS)
         objective.evaluations += own.evaluations
         return found, point
@@ -306,7 +351,7 @@ def _judge(objective: Objective, best: Minimum, start: Array, *, stable: bool) -
         status = FitStatus.NOT_OPTIMAL if stable else FitStatus.MAX_EVALUATIONS
     return Optimum(
         z,
-        normal.cost,
+        normal.cost - (objective.prior.cost(z) if objective.prior else 0.0),
         dict(objective.sigma),
         status,
         offset,

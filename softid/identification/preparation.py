@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import ast
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,9 +17,6 @@ from softid.parameters import Parameter, ParameterSet
 
 if TYPE_CHECKING:
     import lmfit
-
-INVERTED_CORRELATION = -0.5
-
 
 def as_log_set(logs: Log | Sequence[Log]) -> LogSet:
     """One log or several as a `LogSet`."""
@@ -62,43 +60,40 @@ def require_excitation(logs: LogSet) -> None:
                 )
 
 
-def is_inverted(logs: LogSet) -> bool:
-    """Whether the first output clearly falls as the input rises."""
-    cross = inputs = outputs = 0.0
-    for log in logs:
-        for segment in log.segments():
-            used = segment.used[log.outputs[0]]
-            if used.sum() < 2:
-                continue
-            u = segment.input[used] - segment.input[used].mean()
-            y = segment.outputs[log.outputs[0]][used]
-            y = y - y.mean()
-            cross, inputs, outputs = cross + u @ y, inputs + u @ u, outputs + y @ y
-    if inputs == 0 or outputs == 0:
-        return False
-    return bool(cross / np.sqrt(inputs * outputs) < INVERTED_CORRELATION)
-
-
 def units_of(logs: LogSet) -> dict[str, str]:
     """Canonical unit of the input under ``"input"`` and of every output under its name."""
     first = logs.logs[0]
     return {"input": logs.input_unit} | {n: first.channels[n].unit for n in logs.outputs}
 
 
-def adapted_model(model: Model | str, logs: LogSet) -> Model:
-    """Build and adapt a model to the logs.
+def named_model(model: Model | str) -> Model:
+    """A model given as such, or by its name with its standard options.
 
     Raises
     ------
     UsageError
-        The model is unknown or cannot link these channels.
+        There is no model of that name.
     """
-    if isinstance(model, str):
-        if model not in MODELS:
-            raise UsageError(
-                "there is no such model", value=model, remedy=f"choose from {', '.join(MODELS)}"
-            )
-        model = MODELS[model]()
+    if not isinstance(model, str):
+        return model
+    if model not in MODELS:
+        raise UsageError(
+            "there is no such model", value=model, remedy=f"choose from {', '.join(MODELS)}"
+        )
+    built: Model = MODELS[model]()
+    return built
+
+
+def require_channels(model: Model, logs: LogSet) -> None:
+    """Refuse channels that a model does not link.
+
+    A model that takes any output knows of no link between two of them.
+
+    Raises
+    ------
+    UsageError
+        The input or an output is not the model's, or there are several outputs and no link.
+    """
     if model.inputs and logs.input not in model.inputs:
         raise UsageError(
             f"the {model.name} model is driven by {' or '.join(model.inputs)}",
@@ -111,29 +106,79 @@ def adapted_model(model: Model | str, logs: LogSet) -> Model:
             f"the {model.name} model does not explain a {wrong[0]}",
             remedy=f"choose an --output from {', '.join(model.outputs)}, or another --model",
         )
-    return model.adapted(units_of(logs), inverted=is_inverted(logs))
+    if len(logs.outputs) > 1 and not model.outputs:
+        raise UsageError(
+            f"the {model.name} model explains one output",
+            value=", ".join(logs.outputs),
+            remedy="fit each on its own with --output, or link them by --model muscle with "
+            "--fixed-length and --diameter",
+        )
+
+
+def adapted_model(model: Model | str, logs: LogSet, *, inverted: bool) -> Model:
+    """Build a model and adapt it to the logs.
+
+    Parameters
+    ----------
+    model
+        A model or its name.
+    logs
+        What is to be fitted.
+    inverted
+        Whether the first output falls as the input rises.
+
+    Raises
+    ------
+    UsageError
+        The model is unknown or cannot link these channels.
+    """
+    named = named_model(model)
+    require_channels(named, logs)
+    return named.adapted(units_of(logs), inverted=inverted)
 
 
 def with_wishes(
-    declared: ParameterSet, wishes: ParameterSet | lmfit.Parameters | None
+    declared: ParameterSet,
+    base: ParameterSet,
+    wishes: ParameterSet | lmfit.Parameters | None,
 ) -> ParameterSet:
-    """The model's parameters with the user's values, bounds, fixed values and ties laid over."""
+    """The model's parameters with the user's values, bounds, fixed values and ties laid over.
+
+    What the user left as the model has it is no wish. A parameter that the model itself holds stays
+    held: a limit of the model has dropped it.
+
+    Parameters
+    ----------
+    declared
+        Parameters of the model as adapted to the logs, or of one of its limits.
+    base
+        Parameters of the model as the user knows it.
+    wishes
+        As `softid.fit` takes them.
+
+    Raises
+    ------
+    UsageError
+        A parameter is unknown, or is one that the model holds with these options.
+    """
     if wishes is None:
         return declared
-    if not isinstance(wishes, ParameterSet):
-        return declared.updated_from_lmfit(wishes)
     overlaid = declared
-    for name, wish in wishes.items():
-        if name not in declared:
+    for name, wish in _wished(base, wishes).items():
+        p, was = declared[name], base[name]
+        if wish == was:
+            continue
+        if was.fixed and not wish.fixed:
             raise UsageError(
-                f"the model has no parameter {name}",
-                remedy=f"choose from {', '.join(declared.names)}",
+                f"the model holds {name} at {was.value:g} with these options",
+                where=f"parameter {name}",
+                remedy="leave it fixed, or choose other options of the model",
             )
-        if declared[name].fixed and not wish.fixed:
+        if p.fixed and not was.fixed:
             continue
         overlaid = overlaid.replacing(
             replace(
-                declared[name],
+                p,
                 value=wish.value,
                 lower=wish.lower,
                 upper=wish.upper,
@@ -144,8 +189,44 @@ def with_wishes(
     return overlaid
 
 
+def _wished(base: ParameterSet, wishes: ParameterSet | lmfit.Parameters) -> ParameterSet:
+    """The wishes as parameters of the model; where lmfit has no bound the model's own stays."""
+    if isinstance(wishes, ParameterSet):
+        unknown = [name for name in wishes if name not in base]
+        if unknown:
+            raise UsageError(
+                f"the model has no parameter {unknown[0]}",
+                remedy=f"choose from {', '.join(base.names)}",
+            )
+        return wishes
+    taken = []
+    for name, p in base.updated_from_lmfit(wishes).items():
+        was = base[name]
+        lower = was.lower if name in wishes and np.isneginf(wishes[name].min) else p.lower
+        upper = was.upper if name in wishes and np.isposinf(wishes[name].max) else p.upper
+        held = p.fixed or p.tie is not None
+        inside = p.value if held else float(np.clip(p.value, lower, upper))
+        if held:
+            lower, upper = min(lower, p.value), max(upper, p.value)
+        taken.append(replace(p, value=inside, lower=lower, upper=upper))
+    return ParameterSet(tuple(taken))
+
+
+def insists_on(
+    base: ParameterSet, wishes: ParameterSet | lmfit.Parameters | None, names: set[str]
+) -> bool:
+    """Whether the user's bounds or ties keep some of these parameters in the model."""
+    if wishes is None:
+        return False
+    wished = _wished(base, wishes)
+    ties = [p.tie for p in wished.values() if p.tie is not None]
+    used = {n.id for tie in ties for n in ast.walk(ast.parse(tie)) if isinstance(n, ast.Name)}
+    bounded = {n for n, p in wished.items() if n in names and p.lower > base[n].lower}
+    return bool(used & names or bounded)
+
+
 def start_values(
-    declared: ParameterSet, wished: ParameterSet, guesses: Sequence[ParameterSet]
+    declared: ParameterSet, wished: ParameterSet, starts: Sequence[Mapping[str, float]]
 ) -> list[dict[str, float]]:
     """Starts for the optimiser: the user's own values first, then those found from the data.
 
@@ -155,15 +236,15 @@ def start_values(
         The model's parameters as the model declares them.
     wished
         The same after the user's wishes.
-    guesses
-        Start values from the data.
+    starts
+        Parameter name → value found from the data.
     """
 
     def within(p: Parameter, value: float) -> float:
         return p.value if p.fixed else float(np.clip(value, p.lower, p.upper))
 
-    starts = [{n: within(p, guess[n].value) for n, p in wished.items()} for guess in guesses]
+    found = [{n: within(p, start[n]) for n, p in wished.items()} for start in starts]
     own = any(wished[n].value != declared[n].value and not wished[n].fixed for n in wished.names)
-    if own or not starts:
-        starts.insert(0, wished.values_dict())
-    return starts
+    if own or not found:
+        found.insert(0, wished.values_dict())
+    return found

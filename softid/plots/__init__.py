@@ -1,0 +1,33 @@
+"""Plots of results as matplotlib figures: arrays and results in, a Figure out, nothing written."""
+
+from softid.plots.branches import draw_branches
+from softid.plots.canvas import Display, new_figure, png_bytes
+from softid.plots.damping import draw_damping
+from softid.plots.gallery import draw_all, figures
+from softid.plots.loops import Loop, draw_loops
+from softid.plots.parameter_correlation import draw_parameter_correlation
+from softid.plots.profile import draw_profile
+from softid.plots.residual_correlation import draw_residual_correlation
+from softid.plots.residual_scatter import ResidualPoints, draw_residual_scatter
+from softid.plots.response import draw_response
+from softid.plots.static_curve import Levels, draw_static_curve
+
+__all__ = [
+    "Display",
+    "Levels",
+    "Loop",
+    "ResidualPoints",
+    "draw_all",
+    "draw_branches",
+    "draw_damping",
+    "draw_loops",
+    "draw_parameter_correlation",
+    "draw_profile",
+    "draw_residual_correlation",
+    "draw_residual_scatter",
+    "draw_response",
+    "draw_static_curve",
+    "figures",
+    "new_figure",
+    "png_bytes",
+]

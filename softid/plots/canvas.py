@@ -1,23 +1,27 @@
-"""The paper of every plot: figure, panels, header, styles that survive a grey print, and PNG bytes."""
+"""The paper of every plot: figure, panels, header, styles that survive a grey print, and PNG."""
 
 from __future__ import annotations
 
-import io
+import struct
 import warnings
+import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
-from PIL import Image
 
 WIDTH_IN, HEIGHT_IN, DPI = 12.0, 8.0, 100
-LEFT, RIGHT, BOTTOM = 0.08, 0.985, 0.08
+LEFT, RIGHT, BOTTOM = 0.092, 0.985, 0.08
 TITLE_AT, LEGEND_TOP, TOP, TOP_BELOW_TWO = 0.96, 0.934, 0.885, 0.858
-LABEL_OFFSET = 0.047
+X_LABEL_BELOW_IN, LABEL_GAP_IN, DIGIT_IN = 0.31, 0.17, 0.106
+CHARACTER_IN = {".": 0.053, "−": 0.140, "-": 0.06}
+"""Widths of what a number on an axis is made of, at `TICK_SIZE`."""
 TITLE_SIZE, LABEL_SIZE, TICK_SIZE, NOTE_SIZE = 15, 13, 12, 12
 PNG_LEVEL = 3
 LONGEST_NAME = 60
@@ -100,7 +104,7 @@ def add_panel(
     rectangle
         Left, bottom, right and top edge, as shares of the figure.
     x_label, y_label
-        What the axes show; without a label an x axis shows no numbers.
+        What the axes show; an axis without a label is not drawn, for a neighbour shows it.
     share_x, share_y
         Axes whose limits are shared.
     x_ticks, y_ticks
@@ -118,19 +122,18 @@ def add_panel(
         formatter = axis.get_major_formatter()
         if isinstance(formatter, ScalarFormatter):
             formatter.set_useOffset(False)
-    axes.tick_params(labelsize=TICK_SIZE, labelbottom=x_label is not None)
-    if x_label is not None:
-        axes.set_xlabel(x_label, fontsize=LABEL_SIZE, parse_math=False)
-    if y_label is not None:
-        axes.set_ylabel(y_label, fontsize=LABEL_SIZE, parse_math=False)
-        axes.yaxis.set_label_coords(-LABEL_OFFSET / (right - left), 0.5)
+    axes.tick_params(labelsize=TICK_SIZE)
+    axes.xaxis.set_visible(x_label is not None)
+    axes.yaxis.set_visible(y_label is not None)
+    axes.set_xlabel(x_label or "", fontsize=LABEL_SIZE, parse_math=False)
+    height_in = float(figure.get_size_inches()[1]) * (top - bottom)
+    axes.xaxis.set_label_coords(0.5, -X_LABEL_BELOW_IN / height_in)
+    axes.set_ylabel(y_label or "", fontsize=LABEL_SIZE, parse_math=False)
     return axes
 
 
-def add_header(
-    figure: Figure, title: str, handles: Iterable[Artist] = (), *, rows: int = 1
-) -> None:
-    """Title and legend above the panels, where no curve can run into them.
+def finish(figure: Figure, title: str, handles: Iterable[Artist] = (), *, rows: int = 1) -> None:
+    """Put title and legend above the panels, where no curve runs into them, and place the y labels.
 
     Parameters
     ----------
@@ -143,6 +146,7 @@ def add_header(
     rows
         Rows of the legend; panels below end at `TOP`, or at `TOP_BELOW_TWO` with two rows.
     """
+    _place_y_labels(figure)
     figure.text(
         LEFT, TITLE_AT, title, fontsize=TITLE_SIZE, fontweight="bold", va="center", parse_math=False
     )
@@ -161,6 +165,31 @@ def add_header(
             borderpad=0.0,
             borderaxespad=0.0,
         )
+
+
+def _place_y_labels(figure: Figure) -> None:
+    """Leave just room for the longest number of the panels in one column.
+
+    The automatic placement measures every text, which costs a second rendering.
+    """
+    labelled = [axes for axes in figure.axes if axes.get_ylabel()]
+    lefts = [round(axes.get_position().x0, 3) for axes in labelled]
+    widths_in = [_longest_number_in(axes) for axes in labelled]
+    figure_in = float(figure.get_size_inches()[0])
+    for axes, left, own in zip(labelled, lefts, widths_in, strict=True):
+        # A label of two lines needs the room itself, so it does not line up with the others.
+        alone = "\n" in axes.get_ylabel()
+        column = [own] if alone else [w for w, x in zip(widths_in, lefts, strict=True) if x == left]
+        offset_in = LABEL_GAP_IN + max(column)
+        axes.yaxis.set_label_coords(-offset_in / (figure_in * axes.get_position().width), 0.5)
+
+
+def _longest_number_in(axes: Axes) -> float:
+    """Width of the longest number on the y axis, in inches."""
+    low, high = sorted(axes.get_ylim())
+    ticks = [t for t in axes.yaxis.get_majorticklocs() if low <= t <= high]
+    texts = axes.yaxis.get_major_formatter().format_ticks(ticks)
+    return max((sum(CHARACTER_IN.get(c, DIGIT_IN) for c in text) for text in texts), default=0.0)
 
 
 def add_note(axes: Axes, text: str) -> None:
@@ -216,11 +245,26 @@ def png_bytes(figure: Figure) -> bytes:
         canvas = FigureCanvasAgg(figure)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")  # shown as boxes, said once
-        canvas.draw()
-    size = canvas.get_width_height()
-    # Without alpha and at a low level this takes half the time of savefig.
-    image = Image.frombuffer("RGBA", size, canvas.buffer_rgba(), "raw", "RGBA", 0, 1)
-    out = io.BytesIO()
-    dpi = figure.get_dpi()
-    image.convert("RGB").save(out, "PNG", compress_level=PNG_LEVEL, dpi=(dpi, dpi))
-    return out.getvalue()
+        canvas.draw()  # type: ignore[no-untyped-call]
+    return _encoded(np.asarray(canvas.buffer_rgba()), figure.get_dpi())  # type: ignore[no-untyped-call]
+
+
+def _encoded(pixels: npt.NDArray[np.uint8], dpi: float) -> bytes:
+    """Pixels of shape (rows, columns, 4) as PNG without alpha, in half the time of savefig."""
+    rows, columns, _ = pixels.shape
+    lines = np.zeros((rows, 1 + 3 * columns), np.uint8)  # each line starts with its filter: none
+    lines[:, 1:] = pixels[:, :, :3].reshape(rows, -1)
+    per_metre = round(dpi / 0.0254)
+    return b"".join(
+        (
+            b"\x89PNG\r\n\x1a\n",
+            _chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 2, 0, 0, 0)),
+            _chunk(b"pHYs", struct.pack(">IIB", per_metre, per_metre, 1)),
+            _chunk(b"IDAT", zlib.compress(lines.tobytes(), PNG_LEVEL)),
+            _chunk(b"IEND", b""),
+        )
+    )
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

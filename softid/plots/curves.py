@@ -13,7 +13,7 @@ from softid.excitation import settled_windows
 from softid.models.base import Model
 from softid.parameters import Parameter, ParameterSet
 from softid.plots.static_curve import Levels
-from softid.plots.traces import broken_trace
+from softid.plots.traces import broken_trace, segment_spans
 from softid.results import FitResult, ParameterEstimate, Simulation
 
 Array = npt.NDArray[np.float64]
@@ -121,7 +121,6 @@ def curve_sd(function: Callable[[Mapping[str, float]], Array], result: FitResult
     if result.covariance is None:
         return None
     resolve = _tie_resolver(result)
-    variance = np.zeros(1)
     rows = {name: k for k, name in enumerate(result.free)}
     slopes: list[Array] = []
     scales: list[float] = []
@@ -141,7 +140,8 @@ def curve_sd(function: Callable[[Mapping[str, float]], Array], result: FitResult
     relative = result.covariance[np.ix_(order, order)] / np.outer(scales, scales)
     jacobian = np.stack(slopes, axis=1)
     variance = np.einsum("gi,ij,gj->g", jacobian, relative, jacobian)
-    return np.sqrt(np.maximum(variance, 0.0))
+    sd: Array = np.sqrt(np.maximum(variance, 0.0))
+    return sd
 
 
 def _slope(
@@ -205,16 +205,15 @@ def settled_levels(
     """
     measured = np.where(simulation.used[output], simulation.measured[output], np.nan) + shift
     driving = simulation.input
-    edges = [*simulation.segment_starts, simulation.time_s.size]
     levels: list[tuple[float, float, int]] = []
     left = 0
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
-        span = slice(start, stop)
+    for span in segment_spans(simulation.segment_starts, driving.size):
         for window in settled_windows(simulation.time_s[span], driving[span]):
-            tail = _tail(start + window.start, start + window.stop)
+            first, end = span.start + window.start, span.start + window.stop
+            tail = _tail(first, end)
             level = float(driving[tail].mean())
-            way = _approach(driving[left : start + window.start], level)
-            left = start + window.stop - 1
+            way = _approach(driving[left:first], level)
+            left = end - 1
             values = measured[tail][np.isfinite(measured[tail])]
             if values.size:
                 levels.append((level, float(values.mean()), way))

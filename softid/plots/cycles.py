@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.excitation.holds import turning_points
+from softid.plots.traces import segment_spans
 
 Array = npt.NDArray[np.float64]
 
@@ -64,9 +66,16 @@ class RateFamily:
 
 
 def find_cycles(
-    time_s: Array, input_values: Array, segment_starts: Sequence[int] = (0,)
+    time_s: Array,
+    input_values: Array,
+    segment_starts: Sequence[int] = (0,),
+    *,
+    smallest_span: float = 0.0,
 ) -> tuple[Cycle, ...]:
     """Cut an input into cycles from low to low.
+
+    The rate of a cycle is taken between its upward crossing of the middle and the next cycle's:
+    where in a hold the low lies is a matter of noise.
 
     Parameters
     ----------
@@ -74,6 +83,8 @@ def find_cycles(
         Samples, shape (n,), finite.
     segment_starts
         Index of each segment's first sample; no cycle crosses a stall.
+    smallest_span
+        Range of the input below which it counts as standing still.
 
     Examples
     --------
@@ -82,31 +93,52 @@ def find_cycles(
     [0.25, 0.25]
     """
     span = float(np.ptp(input_values))
-    if span == 0.0:
+    if span <= smallest_span:
         return ()
     found: list[Cycle] = []
-    edges = [*segment_starts, time_s.size]
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
-        values = input_values[start:stop]
+    for segment in segment_spans(segment_starts, time_s.size):
+        start, values = segment.start, input_values[segment]
         thinning = max(-(-values.size // _MOST_SAMPLES), 1)
         turns = turning_points(values[::thinning], SWING * span) * thinning
-        for first, last in zip(*_lows(values, turns), strict=True):
-            # A cycle that ends in a stall or at the end of the log must close to be one.
-            if abs(values[last] - values[first]) > SWING * span:
-                continue
-            duration = float(time_s[start + last] - time_s[start + first])
-            found.append(Cycle(start + first, start + last + 1, 1.0 / duration))
+        lows = [
+            (first, last)
+            for first, last in pairwise(_lows(values, turns))
+            # One that ends in a stall or at the end of the log must close to be a cycle.
+            if abs(values[last] - values[first]) <= SWING * span
+        ]
+        rates = _rates_hz(time_s[segment], values, lows)
+        found += [
+            Cycle(start + first, start + last + 1, rate)
+            for (first, last), rate in zip(lows, rates, strict=True)
+        ]
     return tuple(found)
 
 
-def _lows(values: Array, turns: npt.NDArray[np.intp]) -> tuple[list[int], list[int]]:
-    """First and last sample of every stretch between neighbouring lows, the ends included."""
+def _lows(values: Array, turns: npt.NDArray[np.intp]) -> list[int]:
+    """The low turning points, the ends included where the input rises from or falls to them."""
     anchors = [0, *turns.tolist(), values.size - 1]
-    if len(anchors) < 3:
-        return [], []
-    rises_first = values[anchors[1]] > values[anchors[0]]
-    lows = anchors[0 if rises_first else 1 :: 2]
-    return lows[:-1], lows[1:]
+    rises_first = len(anchors) > 2 and values[anchors[1]] > values[anchors[0]]
+    return anchors[0 if rises_first else 1 :: 2] if len(anchors) > 2 else []
+
+
+def _rates_hz(time_s: Array, values: Array, lows: Sequence[tuple[int, int]]) -> list[float]:
+    """Rate of each cycle, from the upward crossings of the middle level."""
+    crossings = []
+    for first, last in lows:
+        cycle = values[first : last + 1]
+        middle = 0.5 * float(cycle.min() + cycle.max())
+        crossings.append(float(time_s[first + int(np.argmax(cycle > middle))]))
+    rates = []
+    for k, (first, last) in enumerate(lows):
+        follows = k + 1 < len(lows) and lows[k + 1][0] == last
+        led = k > 0 and lows[k - 1][1] == first
+        if follows:
+            rates.append(1.0 / (crossings[k + 1] - crossings[k]))
+        elif led:
+            rates.append(rates[-1])
+        else:
+            rates.append(1.0 / float(time_s[last] - time_s[first]))
+    return rates
 
 
 def families_by_rate(rates_hz: Sequence[float]) -> tuple[RateFamily, ...]:

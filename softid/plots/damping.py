@@ -20,8 +20,8 @@ from softid.plots.canvas import (
     RIGHT,
     TOP,
     Display,
-    add_header,
     add_panel,
+    finish,
     new_figure,
 )
 from softid.plots.static_curve import draw_split_curve
@@ -35,6 +35,7 @@ WIDE_BAND, WIDEST_BAND, FEW_DECADES = 5.0, 1e3, 200.0
 """From the first ratio of its limits on a band needs a logarithmic axis; the second is cut off."""
 
 _BAND = "#d3d3d3"
+_ENDLESS = 1e9
 
 
 def draw_damping(
@@ -84,27 +85,35 @@ def draw_damping(
     inside = (pressure_kpa >= low) & (pressure_kpa <= high)
     handles: list[Artist] = [Patch(facecolor=PALE, edgecolor=FAINT, label="fitted range")]
     axes.axvspan(low * shown.factor, high * shown.factor, color=PALE, lw=0, zorder=0)
-    if band is not None:
-        axes.fill_between(x, band[0], band[1], color=_BAND, lw=0, zorder=1)
-        for edge in band:
-            axes.plot(x, edge, color=INK, lw=0.8, ls=(0, (1, 2)), zorder=2)
-        handles.insert(0, Patch(facecolor=_BAND, edgecolor=INK, ls=":", label="95 % band"))
     handles[:0] = draw_split_curve(axes, x, damping, inside, label="N(p)")
     axes.set_xlim(x[0], x[-1])
     if band is None:
         axes.set_ylim(0.0, TALLEST * float(np.nanmax(damping[inside])))
-        handles.append(Line2D([], [], ls="none", label="no band: N is not determined by these logs"))
+        handles.append(
+            Line2D([], [], ls="none", label="no band: N is not determined by these logs")
+        )
     else:
-        _set_limits(axes, damping[inside], band[0][inside], band[1][inside])
-    add_header(figure, title, handles)
+        # A limit that overflowed to infinity would not be drawn at all.
+        lower = np.maximum(band[0], damping / _ENDLESS)
+        upper = np.minimum(band[1], damping * _ENDLESS)
+        axes.fill_between(x, lower, upper, color=_BAND, lw=0, zorder=1)
+        for edge in (lower, upper):
+            axes.plot(x, edge, color=INK, lw=0.8, ls=(0, (1, 2)), zorder=2)
+        cut = _set_limits(axes, damping[inside], lower[inside], upper[inside])
+        label = "95 % band, wider than the plot" if cut else "95 % band"
+        handles.append(Patch(facecolor=_BAND, edgecolor=INK, ls=":", label=label))
+    finish(figure, title, handles)
     return figure
 
 
-def _set_limits(axes: Axes, damping: Array, lower: Array, upper: Array) -> None:
-    """Hold N and its band in the fitted range, on a logarithmic axis where the band is wide."""
+def _set_limits(axes: Axes, damping: Array, lower: Array, upper: Array) -> bool:
+    """Hold N and its band in the fitted range, on a logarithmic axis where the band is wide.
+
+    Returns whether the band leaves the plot all the same.
+    """
     if float(np.nanmax(upper / lower)) <= WIDE_BAND:
         axes.set_ylim(0.0, TALLEST * float(np.nanmax(upper)))
-        return
+        return False
     axes.set_yscale("log")
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -113,3 +122,4 @@ def _set_limits(axes: Axes, damping: Array, lower: Array, upper: Array) -> None:
     axes.set_ylim(low / TALLEST, high * TALLEST)
     fine = (1.0, 2.0, 5.0) if high < FEW_DECADES * low else (1.0,)
     axes.yaxis.set_major_locator(LogLocator(subs=fine, numticks=9))
+    return bool(np.nanmin(lower) < low or np.nanmax(upper) > high)

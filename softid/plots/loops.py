@@ -16,12 +16,13 @@ from softid.plots.canvas import (
     BOTTOM,
     BY_ORDER,
     FAINT,
+    LABEL_SIZE,
     LEFT,
     RIGHT,
-    TOP,
+    TOP_BELOW_TWO,
     Display,
-    add_header,
     add_panel,
+    finish,
     new_figure,
 )
 from softid.plots.cycles import RateFamily, families_by_rate
@@ -29,10 +30,11 @@ from softid.plots.traces import decimate, padded_limits
 
 Array = npt.NDArray[np.float64]
 
-MOST_LOOPS = 6
+MOST_LOOPS = 12
 """Cycles drawn of one rate, spread from the first to the last."""
 
 _MIDDLE = 0.5 * (LEFT + RIGHT)
+_TOP = TOP_BELOW_TWO - 0.025
 _BUCKETS = 300
 
 
@@ -79,22 +81,21 @@ def draw_loops(
     figure = new_figure()
     left = add_panel(
         figure,
-        (LEFT, BOTTOM, _MIDDLE - 0.01, TOP),
+        (LEFT, BOTTOM, _MIDDLE - 0.01, _TOP),
         x_label=input.label,
-        y_label=output.named(f"measured {output.name}"),
+        y_label=output.label,
         x_ticks=5,
         y_ticks=7,
     )
     right = add_panel(
         figure,
-        (_MIDDLE + 0.01, BOTTOM, RIGHT, TOP),
+        (_MIDDLE + 0.01, BOTTOM, RIGHT, _TOP),
         x_label=input.label,
         share_x=left,
         share_y=left,
     )
-    right.tick_params(labelleft=False)
-    for axes, name in ((left, "measured"), (right, f"simulated {output.name.replace('_', ' ')}")):
-        _name_panel(axes, name)
+    _name_panel(left, "measured")
+    _name_panel(right, "simulated, measured in grey")
     handles: list[Artist] = []
     for family, (colour, dashes) in zip(families, BY_ORDER, strict=False):
         for loop in _spread([loops[k] for k in family.members]):
@@ -104,13 +105,12 @@ def draw_loops(
                 right, loop.input, loop.simulated, input, output, colour=colour, dashes=dashes
             )
         handles.append(_key(family, colour, dashes))
-    handles.append(Line2D([], [], color=FAINT, lw=1.5, label="measured, for comparison"))
     across = padded_limits(*(loop.input for loop in loops), margin=0.04)
     up = padded_limits(*(a for loop in loops for a in (loop.measured, loop.simulated)), margin=0.04)
     if across and up:
         left.set_xlim(across[0] * input.factor, across[1] * input.factor)
         left.set_ylim(up[0] * output.factor, up[1] * output.factor)
-    add_header(figure, title, handles)
+    finish(figure, title, handles, rows=2)
     return figure
 
 
@@ -148,6 +148,4 @@ def _key(family: RateFamily, colour: str, dashes: Dashes) -> Artist:
 
 
 def _name_panel(axes: Axes, name: str) -> None:
-    axes.text(
-        0.03, 0.96, name, transform=axes.transAxes, va="top", fontsize=13, parse_math=False
-    )
+    axes.text(0.0, 1.012, name, transform=axes.transAxes, va="bottom", fontsize=LABEL_SIZE)

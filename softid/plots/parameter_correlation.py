@@ -9,7 +9,7 @@ import numpy.typing as npt
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from softid.plots.canvas import LABEL_SIZE, TICK_SIZE, add_header, new_figure
+from softid.plots.canvas import LABEL_SIZE, NOTE_SIZE, finish, new_figure
 
 Array = npt.NDArray[np.float64]
 
@@ -44,10 +44,13 @@ def draw_parameter_correlation(
     """
     size = len(names)
     figure = new_figure(width_in=9.5, height_in=8.0)
-    axes = figure.add_axes((0.13, 0.06, 0.70, 0.83))
+    axes = figure.add_axes((0.13, 0.06, 0.84, 0.83))
     strength = np.where(np.tri(size, k=-1, dtype=bool), np.abs(correlation), np.nan)
     shades = ListedColormap(np.repeat(np.linspace(1.0, DARKEST, 64)[:, None], 3, axis=1))
-    image = axes.imshow(strength, vmin=0.0, vmax=1.0, cmap=shades, aspect="auto")
+    edges = np.arange(size + 1) - 0.5
+    axes.pcolormesh(
+        edges, edges, strength, vmin=0.0, vmax=1.0, cmap=shades, edgecolors="white", lw=2.0
+    )
     text_size = min(13.0, 110.0 / size)
     for row in range(size if size <= _LARGEST_WRITTEN else 0):
         for column in range(row):
@@ -55,7 +58,7 @@ def draw_parameter_correlation(
             axes.text(
                 column,
                 row,
-                f"{r:+.2f}".replace("-", "−"),
+                f"{r:+.2f}".replace("-", "−") if np.isfinite(r) else "?",
                 ha="center",
                 va="center",
                 fontsize=text_size,
@@ -65,20 +68,34 @@ def draw_parameter_correlation(
         axes.text(
             row,
             row,
-            f"±{100.0 * error:.2g} %" if error is not None and error < 10 else "",
+            _relative(error),
             ha="center",
             va="center",
             fontsize=text_size,
-            fontstyle="italic",
         )
+    if relative_errors:
+        axes.text(
+            size - 0.5,
+            -0.5,
+            "shade: size of the correlation\ndiagonal: standard error\nrelative to the value",
+            ha="right",
+            va="top",
+            fontsize=NOTE_SIZE,
+        )
+    axes.set_xlim(-0.5, size - 0.5)
+    axes.set_ylim(size - 0.5, -0.5)
     axes.set_xticks(range(size), names, fontsize=LABEL_SIZE, parse_math=False)
     axes.set_yticks(range(size), names, fontsize=LABEL_SIZE, parse_math=False)
     axes.tick_params(length=0)
     for spine in axes.spines.values():
         spine.set_visible(False)
-    bar_axes = figure.add_axes((0.87, 0.06, 0.025, 0.83))
-    bar = figure.colorbar(image, cax=bar_axes, ticks=[0.0, 0.25, 0.5, 0.75, 1.0])
-    bar.set_label("size of the correlation", fontsize=LABEL_SIZE)
-    bar.ax.tick_params(labelsize=TICK_SIZE)
-    add_header(figure, title)
+    finish(figure, title)
     return figure
+
+
+def _relative(error: float | None) -> str:
+    if error is None:
+        return "±?"
+    if error >= 10.0:
+        return "> ±1000 %"
+    return f"±{100.0 * error:.0f} %" if error >= 0.1 else f"±{100.0 * error:.2g} %"

@@ -18,17 +18,24 @@ from softid.plots.canvas import (
     RIGHT,
     SIMULATED,
     TOP,
-    add_header,
+    add_note,
     add_panel,
+    finish,
     new_figure,
 )
+from softid.plots.traces import segment_spans
 from softid.residuals import Autocorrelation, CrossCorrelation, autocorrelation, cross_correlation
 from softid.results import Simulation
 
 Array = npt.NDArray[np.float64]
 
-MOST_LAGS = 400
-LAG_SHARE = 0.25
+MOST_LAGS, FEWEST_LAGS = 4000, 30
+LAG_SHARE = 0.3
+"""Largest lag as a share of the longest segment."""
+
+DECAYS_SHOWN = 3.0
+"""The lags shown reach this many times as far as the autocorrelation takes to enter its band."""
+
 _STEMS = 60
 _WHITE_DASHES = (0, (5, 3))
 
@@ -70,11 +77,11 @@ def draw_residual_correlation(
     """
     figure = new_figure()
     above = add_panel(
-        figure, (LEFT, 0.545, RIGHT, TOP), x_label="", y_label="autocorrelation", y_ticks=6
+        figure, (LEFT, 0.56, RIGHT, TOP), x_label=lag_label, y_label="autocorrelation", y_ticks=6
     )
     below = add_panel(
         figure,
-        (LEFT, BOTTOM, RIGHT, 0.465),
+        (LEFT, BOTTOM, RIGHT, 0.455),
         x_label=lag_label,
         y_label=f"correlation with {input_name.replace('_', ' ')}",
         y_ticks=6,
@@ -83,8 +90,9 @@ def draw_residual_correlation(
     handles.append(_draw_band(above, auto_lags, auto_band))
     handles.append(_draw_white(above, white_band))
     low = min(float(np.nanmin(auto_values)), -float(np.nanmax(auto_band)))
-    above.set_ylim(max(1.15 * low, -1.05), 1.08)
-    above.set_xlim(auto_lags[0], auto_lags[-1])
+    above.set_ylim(max(1.15 * low - 0.05, -1.08), 1.08)
+    edge = 0.01 * float(auto_lags[-1])
+    above.set_xlim(-edge, auto_lags[-1] + edge)
     _draw_values(below, cross_lags, cross_values)
     _draw_band(below, cross_lags, np.full(cross_lags.size, cross_band))
     _draw_white(below, white_band)
@@ -92,16 +100,8 @@ def draw_residual_correlation(
     below.set_ylim(-min(half, 1.08), min(half, 1.08))
     below.set_xlim(cross_lags[0], cross_lags[-1])
     below.axvline(0.0, color=FAINT, lw=1.0, zorder=0)
-    below.text(
-        0.985,
-        0.94,
-        "residual follows the input →",
-        transform=below.transAxes,
-        ha="right",
-        va="top",
-        fontsize=11,
-    )
-    add_header(figure, title, handles)
+    add_note(below, "residual follows the input →")
+    finish(figure, title, handles)
     return figure
 
 
@@ -111,7 +111,7 @@ def residual_correlation(
     """Correlations of the residuals of several logs taken together.
 
     The logs are joined with missing samples between them, so that no pair of samples spans two
-    segments, and each residual is taken about its own log's mean.
+    segments.
 
     Parameters
     ----------
@@ -131,22 +131,26 @@ def residual_correlation(
     InputError
         The residual or the input does not vary.
     """
-    samples = sum(s.time_s.size for s in simulations)
-    longest = max(s.time_s.size for s in simulations)
-    max_lag = max(1, min(MOST_LAGS, int(LAG_SHARE * longest)))
-    gap = np.full(max_lag, np.nan)
-    residuals: list[Array] = []
-    inputs: list[Array] = []
-    for simulation in simulations:
-        edges = [*simulation.segment_starts, simulation.time_s.size]
-        residual = simulation.residual(channel)
-        for start, stop in zip(edges[:-1], edges[1:], strict=True):
-            residuals += [residual[start:stop], gap]
-            inputs += [simulation.input[start:stop], gap]
-    del samples
-    e, u = np.concatenate(residuals), np.concatenate(inputs)
+    spans = [
+        (sim, span)
+        for sim in simulations
+        for span in segment_spans(sim.segment_starts, sim.input.size)
+    ]
+    longest = max(span.stop - span.start for _, span in spans)
+    most = max(1, min(MOST_LAGS, int(LAG_SHARE * longest)))
+    gap = np.full(most, np.nan)
+    e = np.concatenate([a for sim, span in spans for a in (sim.residual(channel)[span], gap)])
+    u = np.concatenate([a for sim, span in spans for a in (sim.input[span], gap)])
+    lags = _lags_to_show(autocorrelation(e, most))
     period_s = float(np.median(np.concatenate([np.diff(s.time_s) for s in simulations])))
-    return autocorrelation(e, max_lag), cross_correlation(e, u, max_lag), period_s
+    return autocorrelation(e, lags), cross_correlation(e, u, lags), period_s
+
+
+def _lags_to_show(found: Autocorrelation) -> int:
+    inside = np.abs(found.values) <= found.bartlett_band
+    decay = int(np.argmax(inside)) if inside.any() else found.values.size
+    wanted = max(FEWEST_LAGS, int(DECAYS_SHOWN * decay))
+    return min(wanted, found.values.size - 1)
 
 
 def _draw_values(axes: Axes, lags: Array, values: Array) -> list[Artist]:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from softid.plots.canvas import (
     BOTTOM,
@@ -18,20 +19,21 @@ from softid.plots.canvas import (
     RIGHT,
     TOP,
     Display,
-    add_header,
     add_panel,
+    finish,
     new_figure,
 )
-from softid.plots.response import residual_reach
-from softid.plots.traces import padded_limits, thinned_points
+from softid.plots.response import residual_reach, spikes
+from softid.plots.traces import padded_limits, segment_spans, thinned_points
 from softid.results import Simulation
 
 Array = npt.NDArray[np.float64]
 
 BINS = 24
 FEWEST_PER_BIN = 5
+FAR_OFF = 0.3
 _CLOUD = "#a8a8a8"
-_BUCKETS = 500
+_BUCKETS = 1500
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,10 +66,8 @@ def residual_points(simulations: Sequence[Simulation], channel: str) -> Residual
         residual = simulation.residual(channel)
         output = simulation.outputs[channel]
         speed = np.full(output.size, np.nan)
-        edges = [*simulation.segment_starts, output.size]
-        for start, stop in zip(edges[:-1], edges[1:], strict=True):
-            if stop - start >= 2:
-                speed[start:stop] = np.gradient(output[start:stop], simulation.time_s[start:stop])
+        for span in segment_spans(simulation.segment_starts, output.size):
+            speed[span] = np.gradient(output[span], simulation.time_s[span])
         there = np.isfinite(residual)
         since_start = simulation.time_s - simulation.time_s[0]
         for column, values in zip(
@@ -115,7 +115,7 @@ def draw_residual_scatter(
     half, beyond = residual_reach(residual)
     handles: list[Artist] = []
     middle = 0.5 * (LEFT + RIGHT)
-    rows = ((0.555, TOP), (BOTTOM, 0.405))
+    rows = ((0.54, TOP), (BOTTOM, 0.425))
     for k, (x, label) in enumerate(panels):
         bottom, top = rows[k // 2]
         left, right = ((LEFT, middle - 0.015), (middle + 0.015, RIGHT))[k % 2]
@@ -127,29 +127,30 @@ def draw_residual_scatter(
             x_ticks=5,
         )
         axes.set_ylim(-half, half)
-        axes.tick_params(labelleft=k % 2 == 0)
         drawn = _draw_cloud(axes, x, residual)
         handles = handles or drawn
     if beyond:
-        title = f"{title} ({beyond} spike{'s' if beyond > 1 else ''} beyond ±{half:.3g} not shown)"
-    add_header(figure, title, handles)
+        handles.append(Line2D([], [], ls="none", label=spikes(beyond, half, output)))
+    finish(figure, title, handles)
     return figure
 
 
 def _draw_cloud(axes: Axes, x: Array, residual: Array) -> list[Artist]:
     handles: list[Artist] = []
-    handles += axes.plot(
+    axes.plot(
         *thinned_points(x, residual, buckets=_BUCKETS),
         ls="none",
         marker=".",
-        ms=2.5,
+        ms=3.5,
         mew=0,
         color=_CLOUD,
-        label="sample",
         zorder=1,
     )
+    handles.append(Line2D([], [], ls="none", marker="o", ms=5, color=_CLOUD, label="sample"))
     axes.axhline(0.0, color=INK, lw=0.8, zorder=2)
-    centre, median, lower, upper = binned_medians(x, residual)
+    limits = usual_limits(x)
+    inside = (x >= limits[0]) & (x <= limits[1]) if limits else np.ones(x.size, bool)
+    centre, median, lower, upper = binned_medians(x[inside], residual[inside])
     axes.vlines(centre, lower, upper, color=INK, lw=1.2, zorder=3)
     handles += axes.plot(
         centre,
@@ -161,10 +162,24 @@ def _draw_cloud(axes: Axes, x: Array, residual: Array) -> list[Artist]:
         zorder=4,
         label="median in bins, bar: middle half",
     )
-    limits = padded_limits(x, margin=0.02)
     if limits:
         axes.set_xlim(*limits)
     return handles
+
+
+def usual_limits(x: Array) -> tuple[float, float] | None:
+    """Limits that hold all values but the last half per cent on either side when those lie far off.
+
+    A single jump of the input gives a speed that would squeeze everything else together.
+    """
+    whole = padded_limits(x, margin=0.02)
+    if whole is None:
+        return None
+    low, high = np.quantile(x[np.isfinite(x)], [0.005, 0.995]).tolist()
+    room = FAR_OFF * (high - low)
+    if room == 0.0:
+        return whole
+    return max(whole[0], low - room), min(whole[1], high + room)
 
 
 def binned_medians(x: Array, y: Array) -> tuple[Array, Array, Array, Array]:

@@ -21,9 +21,9 @@ from softid.plots.canvas import (
     SIMULATED,
     TOP,
     Display,
-    add_header,
     add_note,
     add_panel,
+    finish,
     new_figure,
     shortened,
 )
@@ -74,7 +74,7 @@ def draw_response(
         y_label=Display(simulation.input_name, simulation.input_unit).two_lines,
         y_ticks=3,
     )
-    main = add_panel(figure, (LEFT, 0.33, RIGHT, 0.735), y_label=shown.label, share_x=top)
+    main = add_panel(figure, (LEFT, 0.345, RIGHT, 0.735), y_label=shown.label, share_x=top)
     below = add_panel(
         figure,
         (LEFT, BOTTOM, RIGHT, 0.31),
@@ -90,7 +90,7 @@ def draw_response(
     handles += _mark_stalls((top, main, below), simulation)
     duration = simulation.time_s[-1] - simulation.time_s[0]
     top.set_xlim(simulation.time_s[0] - 0.01 * duration, simulation.time_s[-1] + 0.01 * duration)
-    add_header(figure, response_title(statistics), handles)
+    finish(figure, response_title(statistics), handles)
     return figure
 
 
@@ -179,9 +179,7 @@ def _draw_residual(
     half, beyond = residual_reach(residual)
     axes.set_ylim(-half, half)
     if beyond:
-        add_note(
-            axes, f"{beyond} spike{'s' if beyond > 1 else ''} beyond ±{half:.3g} not shown whole"
-        )
+        add_note(axes, spikes(beyond, half, shown))
 
 
 def residual_reach(residual: Array) -> tuple[float, int]:
@@ -194,6 +192,12 @@ def residual_reach(residual: Array) -> tuple[float, int]:
         half = 2.0 * usual
         return half, int(np.count_nonzero(size > half))
     return 1.1 * float(size.max()), 0
+
+
+def spikes(beyond: int, half: float, shown: Display) -> str:
+    """The remark that some of the residual leaves the plot."""
+    reach = f"±{half:.3g}" if shown.unit in ("", "1") else f"±{half:.3g} {shown.unit}"
+    return f"{beyond} sample{'s' if beyond > 1 else ''} beyond {reach}"
 
 
 def _mark_stalls(panels: tuple[Axes, ...], simulation: Simulation) -> list[Artist]:

@@ -24,8 +24,8 @@ from softid.plots.canvas import (
     SIMULATED,
     TOP_BELOW_TWO,
     Display,
-    add_header,
     add_panel,
+    finish,
     new_figure,
 )
 from softid.plots.traces import decimate, padded_limits
@@ -117,7 +117,7 @@ def draw_static_curve(
         handles.append(Line2D([], [], color=FAINT, lw=1.5, label="measured path"))
     handles += _draw_levels(axes, levels, input, output)
     _set_limits(axes, curve_input, curve_output, levels, input, output)
-    add_header(figure, title, handles, rows=2)
+    finish(figure, title, handles, rows=2)
     return figure
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,24 @@ Array = npt.NDArray[np.float64]
 
 BUCKETS = 1000
 """About one bucket per pixel column of a figure 1,200 pixels wide."""
+
+
+def segment_spans(segment_starts: Sequence[int], samples: int) -> tuple[slice, ...]:
+    """The segments of a log as slices, of two samples or more.
+
+    Parameters
+    ----------
+    segment_starts
+        Index of each segment's first sample.
+    samples
+        Samples of the log.
+
+    Examples
+    --------
+    >>> segment_spans((0, 4), 10)
+    (slice(0, 4, None), slice(4, 10, None))
+    """
+    return tuple(slice(a, b) for a, b in pairwise([*segment_starts, samples]) if b - a > 1)
 
 
 def broken_trace(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -122,7 +123,7 @@ def _static_curve(e: Evidence) -> Ability:
             wanted,
         )
     if count >= 2:
-        reason = f"only {count} settled levels: gain and zero, not the shape"
+        reason = f"only {count} settled levels: too few for the shape of the curve"
         return Ability(name, serves, "partly", reason, wanted)
     reason = "the input does not move" if not e.moves else "the input never settles"
     return Ability(name, serves, "no", reason, wanted)
@@ -181,15 +182,16 @@ def _inertia(e: Evidence) -> Ability:
             return Ability(name, serves, "partly", reason, None)
         reason = "nothing fast enough is in the input" if e.moves else "the input does not move"
         return Ability(name, serves, "no", reason, wanted)
-    overshoot = r.overshoot or 0.0
-    if overshoot >= OVERSHOOT and r.output_t63_s > LEAST_SAMPLES_OF_RISE * e.sampling.period_s:
-        reason = f"the output overshoots by {100 * overshoot:.0f} % of the step"
+    own = (r.overshoot or 0.0) - (r.input_overshoot or 0.0)
+    if own >= OVERSHOOT and r.output_t63_s > LEAST_SAMPLES_OF_RISE * e.sampling.period_s:
+        reason = f"the output overshoots by {100 * own:.0f} % of the step more than the input"
         return Ability(name, serves, "yes", reason, None)
     sharp = r.input_t63_s <= SHARP_INPUT * r.output_t63_s
     if sharp and e.sampling.period_s <= FINE_SAMPLING * r.output_t63_s:
+        ending = "never settles" if r.overshoot is None else "does not overshoot"
         reason = (
             f"the input rises in {r.input_t63_s:.3g} s, quickly against {r.output_t63_s:.3g} s of "
-            "the output, which does not overshoot: an upper bound at least"
+            f"the output, which {ending}: an upper bound at least"
         )
         return Ability(name, serves, "partly", reason, None)
     reason = (
@@ -219,7 +221,8 @@ def _creep(e: Evidence) -> Ability:
     longest = e.longest_hold_s
     if longest >= CREEP_HOLD_S and e.moves:
         return Ability(name, serves, "yes", f"a hold of {longest:.0f} s", None)
-    reason = "the input does not move" if not e.moves else f"the longest hold is {longest:.1f} s"
+    reason = f"the longest hold is {longest:.1f} s" if longest else "the input is never held"
+    reason = reason if e.moves else "the input does not move"
     wanted = f"a step held for {CREEP_HOLD_S:.0f} s or more, then rest as long"
     return Ability(name, serves, "no", reason, wanted)
 
@@ -249,14 +252,16 @@ def _transitions_text(count: int) -> str:
 
 
 def _transitions(e: Evidence) -> list[tuple[SettledWindow, SettledWindow]]:
-    pairs = zip(e.windows, e.windows[1:], strict=False)
-    return [(a, b) for a, b in pairs if abs(b.level - a.level) > LEVEL_SPACING * e.span]
+    return [
+        (a, b) for a, b in pairwise(e.windows) if abs(b.level - a.level) > LEVEL_SPACING * e.span
+    ]
 
 
 def _levels_by_direction(e: Evidence) -> tuple[set[int], set[int]]:
     """Indices of the distinct levels that are reached from below, and from above."""
     levels = np.array(e.levels)
-    up, down = set(), set()
+    up: set[int] = set()
+    down: set[int] = set()
     for before, after in _transitions(e):
         nearest = int(np.abs(levels - after.level).argmin())
         (up if after.level > before.level else down).add(nearest)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +20,7 @@ BoolArray = npt.NDArray[np.bool_]
 SPIKE_OVER_USUAL = 6.0
 SPIKE_OF_RANGE = 0.03
 SPIKE_STEPS = 5.0
+NEARBY = 4
 RETURNS_WITHIN = 0.3
 SHORT_SPIKE = 3
 LONGEST_SENTINEL_S = 2.0
@@ -26,13 +29,14 @@ GLITCH_SAMPLES = 4
 FROZEN_SAMPLES = 30
 FROZEN_S = 1.0
 FROZEN_OVER_USUAL = 20.0
-FROZEN_INPUT_MOVE = 0.3
-REVERSALS = 0.3
+FROZEN_INPUT_MOVE = 0.15
+REVERSALS = 0.5
+ROUNDING = 1e-9
 NOISE_STEPS = 0.6
 FLAT_SAMPLES = 5
 FLAT_OVER_USUAL = 10.0
-ARRIVING = 4
-ARRIVAL_SPEED = 0.5
+ARRIVING = 6
+ARRIVAL_SPEED = 0.7
 MIN_DISTINCT = 8
 
 
@@ -48,6 +52,8 @@ class Trace:
         As found for the channel.
     display_factor
         Factor from ``values`` to the numbers in the file.
+    kind
+        ``"command"`` (set, not measured), ``"input"`` (what drives) or ``"output"``.
     """
 
     time_s: Array
@@ -56,6 +62,7 @@ class Trace:
     hold: SampleHold | None
     noise_std: float | None
     display_factor: float = 1.0
+    kind: Literal["command", "input", "output"] = "output"
 
     @property
     def step(self) -> float:
@@ -67,10 +74,20 @@ class Trace:
         """Mean number of samples for which the sensor repeats a value."""
         return self.hold.factor if self.hold else 1.0
 
-    @property
+    @cached_property
     def noisy(self) -> bool:
-        """Whether noise moves the channel from sample to sample even at rest."""
-        return bool(self.noise_std) and (self.noise_std or 0.0) >= NOISE_STEPS * self.step
+        """Whether noise moves the channel from sample to sample even at rest.
+
+        Noise shows in slopes that rise and fall in turn more often than not.
+        """
+        sigma = self.noise_std or 0.0
+        if sigma == 0.0 or sigma < NOISE_STEPS * self.step:
+            return False
+        runs = Runs.of(self.values)
+        slopes = np.diff(runs.value) / np.diff(self.time_s[runs.start])
+        bends = np.diff(slopes)
+        bends = bends[np.abs(bends) > ROUNDING * float(np.ptp(slopes))]
+        return bends.size > 1 and float(np.mean((bends[1:] > 0) != (bends[:-1] > 0))) >= REVERSALS
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,15 +128,17 @@ def find_dropouts(trace: Trace) -> tuple[Dropout, ...]:
     """Find samples at which the sensor or its line failed.
 
     These are NaN, and isolated excursions: a value that lies off both neighbours on the same
-    side, by more than 6 times what 95 % of the samples do, 3 % of the range and 5 quantisation
-    steps, while the neighbours agree. It may last 3 samples (or holds), longer only when it is an
-    exact sentinel: 0, the extreme value, or one that returns elsewhere.
+    side, by more than 6 times what 95 % of the samples do and than the channel moves nearby, by
+    more than 3 % of the range and 5 quantisation steps, while the neighbours agree. It may last 3
+    samples (or holds), longer only when it is an exact sentinel: 0, the extreme value, or one that
+    returns elsewhere. In a command they are changes of level for up to 4 samples.
     """
     missing = _missing(trace)
     runs = Runs.of(trace.values)
     if runs.start.size < MIN_DISTINCT:
         return tuple(missing)
-    found = [*missing, *_excursions(trace, runs), *_glitches(trace, runs)]
+    seen = _glitches(trace, runs) if trace.kind == "command" else _excursions(trace, runs)
+    found = [*missing, *seen]
     unique = {d.start: d for d in reversed(found)}
     return tuple(unique[k] for k in sorted(unique))
 
@@ -162,6 +181,7 @@ def _excursions(trace: Trace, runs: Runs) -> list[Dropout]:
         SPIKE_OF_RANGE * float(high - low),
         SPIKE_STEPS * trace.step,
     )
+    nearby = _moves_nearby(runs.value)
     returns = np.abs(before - after) <= RETURNS_WITHIN * depth
     limit_s = 4.0 * max(
         float(np.median(np.diff(trace.time_s))), trace.hold.hold_s if trace.hold else 0
@@ -169,16 +189,28 @@ def _excursions(trace: Trace, runs: Runs) -> list[Dropout]:
     near = (trace.time_s[runs.start[1:-1]] - trace.time_s[runs.start[1:-1] - 1] <= limit_s) & (
         trace.time_s[runs.stop[1:-1]] - trace.time_s[runs.stop[1:-1] - 1] <= limit_s
     )
-    candidates = np.flatnonzero((depth > threshold) & returns & near) + 1
+    deep = (depth > threshold) & (depth > SPIKE_OVER_USUAL * nearby)
+    candidates = np.flatnonzero(deep & returns & near) + 1
     found = []
     for k in candidates:
         cause = _cause(trace, runs, int(k), candidates)
         short = runs.length[k] <= SHORT_SPIKE * trace.repeats
         lasting_s = trace.time_s[runs.stop[k] - 1] - trace.time_s[runs.start[k]]
-        if short or (cause == "sentinel" and lasting_s <= LONGEST_SENTINEL_S and trace.noisy):
+        told = cause == "sentinel" and (trace.noisy or trace.kind == "output")
+        if short or (told and lasting_s <= LONGEST_SENTINEL_S):
             value = float(runs.value[k])
             found.append(_dropout(trace, int(runs.start[k]), int(runs.stop[k]), value, cause))
     return found
+
+
+def _moves_nearby(values: Array) -> Array:
+    """Median size of the moves near each inner run, its own two left out, shape (r − 2,)."""
+    moves = np.abs(np.diff(values))
+    padded = np.pad(moves, NEARBY, mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEARBY)[1:-1]
+    others = np.delete(windows, [NEARBY - 1, NEARBY], axis=1)
+    nearby: Array = np.median(others, axis=1)
+    return nearby
 
 
 def _cause(trace: Trace, runs: Runs, k: int, candidates: IntArray) -> DropoutCause:
@@ -235,13 +267,13 @@ def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
     held_s = trace.time_s[runs.stop - 1] - trace.time_s[runs.start]
     found = []
     usual = _weighted_median(runs.length[runs.length < FROZEN_SAMPLES * trace.repeats])
-    alive = trace.noisy and _reversal_share(runs.value) >= REVERSALS
     least = max(FROZEN_SAMPLES * trace.repeats, FROZEN_OVER_USUAL * usual)
     extremes = (float(runs.value.min()), float(runs.value.max()))
     for k in np.flatnonzero((runs.length >= FROZEN_SAMPLES) & (held_s >= FROZEN_S)):
         span = slice(int(runs.start[k]), int(runs.stop[k]))
         value = float(runs.value[k])
-        if alive and runs.length[k] >= least and value not in extremes:
+        reason: Literal["noise vanishes", "input moves"]
+        if trace.noisy and runs.length[k] >= least and value not in extremes:
             reason = "noise vanishes"
         elif input_values is not None and value not in extremes and _moves(input_values, span):
             reason = "input moves"
@@ -266,32 +298,31 @@ def _moves(input_values: Array, span: slice) -> bool:
     return float(np.median(travel)) >= FROZEN_INPUT_MOVE * float(np.ptp(input_values))
 
 
-def find_saturation(trace: Trace, *, smooth: bool) -> tuple[Saturation, ...]:
+def find_saturation(trace: Trace) -> tuple[Saturation, ...]:
     """Find flat tops and bottoms at an exact extreme value.
 
-    Noise cannot repeat an extreme value many times in a row. A channel without visible noise is
-    saturated when it runs into the extreme at full speed and stops there at once.
+    Noise cannot repeat an extreme value many times in a row. An output without visible noise is
+    saturated when it runs into the extreme at full speed and stops there at once; an input may do
+    that on purpose.
 
     Parameters
     ----------
     trace
         The channel.
-    smooth
-        Whether to judge a channel without visible noise too; not for commands, which ramp to
-        their levels on purpose.
     """
     runs = Runs.of(trace.values)
     if runs.start.size < MIN_DISTINCT:
         return ()
     found = []
-    alive = trace.noisy and _reversal_share(runs.value) >= REVERSALS
     for side, value in (("low", runs.value.min()), ("high", runs.value.max())):
         flat = np.flatnonzero(runs.value == value)
         long = flat[runs.length[flat] >= FLAT_SAMPLES * trace.repeats]
         usual = _weighted_median(runs.length[runs.value != value])
         caught = long[runs.length[long] >= FLAT_OVER_USUAL * usual]
-        if not alive:
-            stops = [k for k in caught if smooth and _stops_dead(trace, runs, int(k))]
+        if not trace.noisy:
+            stops = [
+                k for k in caught if trace.kind == "output" and _stops_dead(trace, runs, int(k))
+            ]
             caught = np.array(stops, dtype=np.intp)
         if not caught.size:
             continue
@@ -310,26 +341,16 @@ def find_saturation(trace: Trace, *, smooth: bool) -> tuple[Saturation, ...]:
 
 
 def _stops_dead(trace: Trace, runs: Runs, k: int) -> bool:
-    """Whether the moves into or out of a flat are as quick beside it as a little farther off."""
-    for values in (
-        runs.value[max(k - ARRIVING, 0) : k + 1],
-        runs.value[k : k + ARRIVING + 1][::-1],
-    ):
-        moves = np.diff(values)
-        if moves.size < ARRIVING:
-            continue
-        one_way = np.all(moves > 0) or np.all(moves < 0)
-        sizes = np.abs(moves)
-        quick = sizes[-1] >= ARRIVAL_SPEED * np.median(sizes[:-1]) and sizes[-1] >= 2 * trace.step
-        if one_way and quick and np.median(sizes[:-1]) > 2.0 * trace.step:
-            return True
-    return False
+    """Whether the channel runs into a flat as quickly as it moved a little before.
 
-
-def _reversal_share(values: Array) -> float:
-    """Share of the moves that undo the direction of the move before."""
-    up = np.diff(values) > 0
-    return float(np.mean(up[1:] != up[:-1])) if up.size > 1 else 0.0
+    The very last move is cut short by the limit, so the one before it may speak.
+    """
+    moves = np.diff(runs.value[max(k - ARRIVING, 0) : k + 1])
+    if moves.size < ARRIVING or not (np.all(moves > 0) or np.all(moves < 0)):
+        return False
+    sizes = np.abs(moves)
+    usual = float(np.median(sizes[:-2]))
+    return bool(sizes[-2:].max() >= ARRIVAL_SPEED * usual and usual > 2.0 * trace.step)
 
 
 def _weighted_median(lengths: IntArray) -> float:

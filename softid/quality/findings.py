@@ -200,6 +200,8 @@ class ChannelReport:
         Constant from the first to the last sample.
     quantisation, hold
         Smallest step and zero-order hold, or None.
+    dead_band
+        Size of the jumps of a channel that moves only when enough has changed, or None.
     noise_std
         Standard deviation of the white noise; None where the quantisation hides it.
     hum
@@ -220,6 +222,7 @@ class ChannelReport:
     dead: bool
     quantisation: Quantisation | None
     hold: SampleHold | None
+    dead_band: float | None
     noise_std: float | None
     hum: Hum | None
     dropouts: tuple[Dropout, ...]
@@ -277,14 +280,16 @@ class StepResponse:
         Number of transitions between settled windows that could be timed.
     input_t63_s, output_t63_s
         Time from the end of one hold to 63 % of the way to the next.
-    overshoot
-        Overshoot of the output beyond its next level, over the step; None when it never settles.
+    input_overshoot, overshoot
+        Overshoot of input and output beyond their next levels, over the step; None where they
+        never settle.
     """
 
     output: str
     transitions: int
     input_t63_s: float
     output_t63_s: float
+    input_overshoot: float | None
     overshoot: float | None
 
 

@@ -19,26 +19,34 @@ ODDS_OF_CHANCE = 1e-5
 NEIGHBOURS = 25
 LOWEST_HZ = 2.0
 LEAST_CYCLES = 8.0
+LINE_WIDTH = 4
+MOST_SKIRT = 0.1
+LEAST_AMPLITUDE = 0.2
 
 
-def find_hum(time_s: Array, values: Array, rests: tuple[SettledWindow, ...]) -> Hum | None:
+def find_hum(
+    time_s: Array, values: Array, rests: tuple[SettledWindow, ...], noise_std: float | None
+) -> Hum | None:
     """Find a narrow line in the noise of the longest rest.
 
     A line of the periodogram counts when white noise with the power of its 50 neighbours would
-    give it once in 100,000 logs. Irregular or repeated samples smear every line, so they are not
-    searched.
+    give it once in 100,000 logs, when it falls off at once on both sides, and when its amplitude
+    is at least a fifth of the noise. Irregular or repeated samples smear every line, so they are
+    not searched.
 
     Parameters
     ----------
     time_s, values
         Samples, shape (n,), without NaN.
     rests
-        Windows of the input at rest; the longest is used.
+        Windows of the input at rest; the longest is used, without its first third.
+    noise_std
+        Noise of the channel.
     """
-    if not rests:
+    if not rests or not noise_std:
         return None
     longest = max(rests, key=lambda w: w.stop - w.start)
-    span = slice(longest.start, longest.stop)
+    span = slice(longest.start + (longest.stop - longest.start) // 3, longest.stop)
     times, noise = time_s[span], values[span]
     n = times.size
     if n < MIN_SAMPLES:
@@ -61,7 +69,10 @@ def find_hum(time_s: Array, values: Array, rests: tuple[SettledWindow, ...]) -> 
     floor = float(np.median(beside)) / log(2.0)
     if power[k] <= floor * (log(usable.size) - log(ODDS_OF_CHANCE)):
         return None
+    skirts = power[[max(k - LINE_WIDTH, 0), min(k + LINE_WIDTH, power.size - 1)]]
     amplitude = 2.0 * float(np.sqrt(power[k])) / float(window.sum())
+    if float(skirts.max()) > MOST_SKIRT * power[k] or amplitude < LEAST_AMPLITUDE * noise_std:
+        return None
     return Hum(float(frequency[k]), amplitude, _mains(float(frequency[k]), period_s, n))
 
 

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import Channel
 from softid.excitation import (
     SettledWindow,
     Stretch,
+    excitation_and_holds,
+    find_dead_band,
     find_hold,
     find_quantisation,
     noise_std,
     segment_excitation,
-    settled_windows,
 )
-from softid.log import Channel, Log
+from softid.log import Log
 from softid.quality.abilities import Evidence, judge_abilities
 from softid.quality.faults import Trace, find_dropouts, find_frozen, find_saturation
 from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role, StepResponse
@@ -27,6 +31,7 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 LEAST_REST_SAMPLES = 100
+BRIEF = 0.2
 
 
 def inspect(log: Log) -> Inspection:
@@ -49,16 +54,15 @@ def inspect(log: Log) -> Inspection:
     ('staircase', 'yes')
     """
     driving = log.channels[log.input].values
-    windows = settled_windows(log.time_s, driving)
+    stretches, windows = excitation_and_holds(log.time_s, driving)
     rest = _at_rest(windows, len(log))
     sampling = describe_sampling(log)
     channels = tuple(
         _report(log, log.channels[name], role, rest, windows) for name, role in _roles(log)
     )
     noise = {report.name: report.noise_std for report in channels}
-    responses = [step_response(log, name, windows, noise[name]) for name in log.outputs]
+    responses = [step_response(log, name, windows, noise) for name in log.outputs]
     found = tuple(r for r in responses if r is not None)
-    stretches = segment_excitation(log.time_s, driving)
     signs = tuple(s for s in (check_sign(log, name) for name in log.outputs) if s is not None)
     lag = command_lag(log)
     shown = log.channels[log.input]
@@ -69,7 +73,7 @@ def inspect(log: Log) -> Inspection:
         shown.display_factor,
         float(np.ptp(driving)),
         stretches,
-        windows,
+        _lasting(windows, log.time_s),
         _of_first_output(log, found),
         sampling,
         lag is not None,
@@ -124,6 +128,15 @@ def _at_rest(windows: tuple[SettledWindow, ...], n: int) -> BoolArray | None:
     return rest if int(rest.sum()) >= LEAST_REST_SAMPLES else None
 
 
+def _lasting(windows: tuple[SettledWindow, ...], time_s: Array) -> tuple[SettledWindow, ...]:
+    """The windows that are not brief against the usual one."""
+    held_s = np.array([time_s[w.stop - 1] - time_s[w.start] for w in windows])
+    if not held_s.size:
+        return ()
+    least_s = BRIEF * float(np.median(held_s))
+    return tuple(w for w, held in zip(windows, held_s, strict=True) if held >= least_s)
+
+
 def _trace(log: Log, channel: Channel, rest: BoolArray | None) -> Trace:
     finite = np.isfinite(channel.values)
     times, values = log.time_s[finite], channel.values[finite]
@@ -132,7 +145,21 @@ def _trace(log: Log, channel: Channel, rest: BoolArray | None) -> Trace:
     hold = find_hold(times, values, step) if values.size > 1 else None
     where = None if rest is None else rest[finite]
     noise = noise_std(times, values, step=step, hold=hold, where=where)
-    return Trace(log.time_s, channel.values, grid, hold, noise, channel.display_factor)
+    return Trace(
+        log.time_s,
+        channel.values,
+        grid,
+        hold,
+        noise,
+        channel.display_factor,
+        _kind(log, channel.name),
+    )
+
+
+def _kind(log: Log, name: str) -> Literal["command", "input", "output"]:
+    if name == "pressure_command":
+        return "command"
+    return "input" if name == log.input else "output"
 
 
 def _report(
@@ -148,6 +175,7 @@ def _report(
     dead = bool(values.size) and float(np.ptp(values)) == 0.0
     watched = role != "other" and not dead
     driving = log.channels[log.input].values if role == "output" else None
+    measured = watched and role != "command"
     whole = bool(finite.all())
     return ChannelReport(
         name=channel.name,
@@ -162,15 +190,16 @@ def _report(
         dead=dead,
         quantisation=trace.quantisation,
         hold=trace.hold,
+        dead_band=find_dead_band(log.time_s[finite], values, trace.step or None)
+        if watched and values.size > 1
+        else None,
         noise_std=trace.noise_std,
-        hum=find_hum(log.time_s, values, windows)
-        if watched and whole and trace.hold is None
+        hum=find_hum(log.time_s, values, windows, trace.noise_std)
+        if measured and whole and trace.hold is None
         else None,
         dropouts=find_dropouts(trace) if watched else (),
-        frozen=find_frozen(trace, driving) if watched and role != "command" else (),
-        saturation=find_saturation(trace, smooth=role == "output")
-        if watched and role != "command"
-        else (),
+        frozen=find_frozen(trace, driving) if measured else (),
+        saturation=find_saturation(trace) if measured else (),
     )
 
 

@@ -37,10 +37,12 @@ def list_issues(
     from_reader
         Issues that the log already carries; they are kept.
     """
-    found = [*from_reader, *_of_input(channels, excitation), *_of_sampling(sampling)]
+    at_rest = list(_of_input(channels, excitation))
+    found = [*from_reader, *at_rest, *_of_sampling(sampling)]
     for channel in channels:
         if channel.role in WATCHED:
             found += _of_channel(channel)
+            found += [] if at_rest else _of_size(channel)
     found += [_of_sign(check) for check in signs if check.inverted]
     return tuple(sorted(found, key=lambda issue: ORDER[issue.severity]))
 
@@ -128,10 +130,11 @@ def _of_dropouts(channel: ChannelReport) -> Iterator[Issue]:
     remedy = "leave these samples out of the fit"
     if "lost digit" in causes:
         remedy += "; the first digit got lost on the way, so check the serial line"
+    count = _count(channel.dropouts, "place")
     yield Issue(
         "drop-outs",
         "warning",
-        f"{channel.name} drops out at {_count(channel.dropouts, 'place')} ({kinds}): {places}{more}",
+        f"{channel.name} drops out at {count} ({kinds}): {places}{more}",
         remedy,
     )
 
@@ -148,13 +151,15 @@ def _of_faults(channel: ChannelReport) -> Iterator[Issue]:
             "use a sensor or an amplifier with more range, or leave these samples out",
         )
     if channel.hold is not None:
+        answering = channel.role == "output"
         yield Issue(
             "zero-order-hold",
-            "warning" if channel.role == "output" else "info",
-            f"{channel.name} repeats each value about {channel.hold.factor:.1f} times: it brings "
-            f"{channel.hold.rate_hz:.1f} new values per second",
-            "repeated samples carry no news and shift the signal by half a hold: log at the "
-            "sensor's own rate",
+            "warning" if answering else "info",
+            f"{channel.name} holds each value for about {channel.hold.factor:.1f} samples: it "
+            f"brings {channel.hold.rate_hz:.3g} new values per second",
+            "repeated samples carry no news and lag by half a hold: log at the sensor's own rate"
+            if answering
+            else None,
         )
 
 
@@ -181,7 +186,7 @@ def _of_frozen(channel: ChannelReport) -> Iterator[Issue]:
 
 def _of_texture(channel: ChannelReport) -> Iterator[Issue]:
     grid = channel.quantisation
-    if grid is not None and grid.bits < FEW_BITS:
+    if grid is not None and grid.bits < FEW_BITS and channel.role != "command":
         yield Issue(
             "coarse-quantisation",
             "warning" if channel.role == "output" and grid.bits < VERY_FEW_BITS else "info",
@@ -189,16 +194,14 @@ def _of_texture(channel: ChannelReport) -> Iterator[Issue]:
             f"{grid.levels} levels in this log",
             None,
         )
-    low, high, noise = channel.low, channel.high, channel.noise_std
-    if channel.role == "output" and noise and low is not None and high is not None:
-        if high - low < LITTLE_SIGNAL * noise:
-            yield Issue(
-                "little-signal",
-                "warning",
-                f"{channel.name} moves by only {(high - low) / noise:.0f} times its noise of "
-                f"{_shown(channel, noise)}",
-                "use a larger input, or average several repetitions",
-            )
+    if channel.dead_band is not None:
+        yield Issue(
+            "dead-band",
+            "warning" if channel.role == "output" else "info",
+            f"{channel.name} moves in jumps of about {_shown(channel, channel.dead_band)} and "
+            "stands still between them",
+            "expect residuals of that size; use a finer converter or undo the filter that does it",
+        )
     if channel.hum is not None:
         known = f", which is mains at {channel.hum.mains_hz:g} Hz" if channel.hum.mains_hz else ""
         yield Issue(
@@ -206,7 +209,22 @@ def _of_texture(channel: ChannelReport) -> Iterator[Issue]:
             "info",
             f"{channel.name} holds a line at {channel.hum.frequency_hz:.2f} Hz of amplitude "
             f"{_shown(channel, channel.hum.amplitude)}{known}",
-            "shield the sensor's cable, or filter before sampling",
+            "shield the sensor's cable, or filter before sampling"
+            if channel.hum.mains_hz
+            else "look for what swings at this frequency: pump, controller or structure",
+        )
+
+
+def _of_size(channel: ChannelReport) -> Iterator[Issue]:
+    noise = channel.noise_std or 0.0
+    span = (channel.high or 0.0) - (channel.low or 0.0)
+    if channel.role == "output" and span < LITTLE_SIGNAL * noise:
+        yield Issue(
+            "little-signal",
+            "warning",
+            f"{channel.name} moves by only {span / noise:.0f} times its noise of "
+            f"{_shown(channel, noise)}",
+            "use a larger input, or average several repetitions",
         )
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.excitation import SettledWindow
+from softid.excitation import SettledWindow, median_of_five
 from softid.log import Log
 from softid.quality.findings import CommandLag, SignCheck, StepResponse
 
@@ -23,6 +24,7 @@ MIN_LAG_CORRELATION = 0.5
 LEAST_STEP = 0.15
 RESPONDED = 0.632
 SETTLED = 0.03
+NOISE_OF_MEDIAN = 2.0
 MIN_RESPONSE_SIGMAS = 6.0
 
 
@@ -117,7 +119,7 @@ def _lagged_correlations(given: Array, answered: Array, lags: int) -> Array:
 
 
 def step_response(
-    log: Log, output: str, windows: Sequence[SettledWindow], noise_std: float | None
+    log: Log, output: str, windows: Sequence[SettledWindow], noise: Mapping[str, float | None]
 ) -> StepResponse | None:
     """Time how input and output pass from one settled window of the input to the next.
 
@@ -129,20 +131,21 @@ def step_response(
         Name of the output channel.
     windows
         Settled windows of the input, in order.
-    noise_std
-        Noise of the output, in its unit.
+    noise
+        Channel → standard deviation of its noise, in its unit.
     """
     given, answered = log.channels[log.input].values, log.channels[output].values
     span = float(np.ptp(given))
+    given_noise, answered_noise = (noise.get(name) or 0.0 for name in (log.input, output))
     timed = []
-    for before, after in zip(windows, windows[1:], strict=False):
+    for before, after in pairwise(windows):
         if abs(after.level - before.level) < LEAST_STEP * span:
             continue
         part = slice(before.stop - 1, after.stop)
         ends = _rest_values(answered, before), _rest_values(answered, after)
         if ends[0] is None or ends[1] is None:
             continue
-        if abs(ends[1] - ends[0]) <= MIN_RESPONSE_SIGMAS * (noise_std or 0.0):
+        if abs(ends[1] - ends[0]) <= MIN_RESPONSE_SIGMAS * answered_noise:
             continue
         times = log.time_s[part] - log.time_s[part.start]
         if float(np.diff(times).max()) > log.stall_s:
@@ -151,19 +154,22 @@ def step_response(
         output_s = _crossing_s(times, answered[part], ends[0], ends[1])
         if input_s is None or output_s is None:
             continue
-        way = (answered[part] - ends[0]) / (ends[1] - ends[0])
-        beyond = max(float(np.nanquantile(way, 0.98)) - 1.0, 0.0)
-        timed.append((input_s, output_s, beyond if _settles(way) else np.nan))
+        overshoots = (
+            _overshoot(given[part], before.level, after.level, given_noise),
+            _overshoot(answered[part], ends[0], ends[1], answered_noise),
+        )
+        timed.append((input_s, output_s, *overshoots))
     if not timed:
         return None
     table = np.array(timed)
-    settled = table[np.isfinite(table[:, 2]), 2]
+    input_over, output_over = (c[np.isfinite(c)] for c in (table[:, 2], table[:, 3]))
     return StepResponse(
         output,
         len(timed),
         float(np.median(table[:, 0])),
         float(np.median(table[:, 1])),
-        float(np.median(settled)) if settled.size else None,
+        float(np.median(input_over)) if input_over.size else None,
+        float(np.median(output_over)) if output_over.size else None,
     )
 
 
@@ -174,10 +180,14 @@ def _rest_values(values: Array, window: SettledWindow) -> float | None:
     return float(tail.mean()) if tail.size else None
 
 
-def _settles(way: Array) -> bool:
-    """Whether the last fifth of a response is level with the fifth before it."""
+def _overshoot(values: Array, start: float, stop: float, noise_std: float) -> float:
+    """By how much a response passes its end, beyond the noise; NaN when it has not settled."""
+    way = (values[np.isfinite(values)] - start) / (stop - start)
     fifth = max(way.size // 5, 1)
-    return abs(float(np.nanmean(way[-fifth:]) - np.nanmean(way[-2 * fifth : -fifth]))) <= SETTLED
+    if abs(float(way[-fifth:].mean() - way[-2 * fifth : -fifth].mean())) > SETTLED:
+        return float("nan")
+    noise = NOISE_OF_MEDIAN * noise_std / abs(stop - start)
+    return max(float(median_of_five(way).max()) - 1.0 - noise, 0.0)
 
 
 def _crossing_s(times: Array, values: Array, start: float, stop: float) -> float | None:

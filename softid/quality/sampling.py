@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-import numpy as np
+from math import floor, log10
 
-from softid.excitation import find_quantisation
+import numpy as np
+import numpy.typing as npt
+
 from softid.log import Log
 from softid.quality.findings import Gap, Sampling
+
+Array = npt.NDArray[np.float64]
 
 GAP_PERIODS = 3.0
 GAP_SIGMAS = 8.0
 CLOSE = 0.2
 COARSE_CLOCK = 0.02
+FINE_CLOCK = 0.9
+ON_THE_TICK = 1e-3
 MAD_TO_STD = 1.4826
 
 
@@ -48,7 +54,23 @@ def describe_sampling(log: Log) -> Sampling:
 
 
 def _clock_step(log: Log, period: float) -> float | None:
-    grid = find_quantisation(log.time_s - log.time_s[0])
-    if grid is None or not COARSE_CLOCK * period <= grid.step < 0.9 * period:
+    """The largest of 1, 2, 5 × 10^k s of which all times are multiples, when it is coarse.
+
+    Samples at regular intervals say nothing of the clock that stamped them.
+    """
+    since = log.time_s - log.time_s[0]
+    if _are_multiples(since, period):
         return None
-    return grid.step
+    decade = floor(log10(period))
+    steps = [m * 10.0**e for e in range(decade, decade - 3, -1) for m in (5.0, 2.0, 1.0)]
+    for step in steps:
+        if not COARSE_CLOCK * period <= step < FINE_CLOCK * period:
+            continue
+        if _are_multiples(since, step):
+            return step
+    return None
+
+
+def _are_multiples(times: Array, step: float) -> bool:
+    ticks = times / step
+    return bool(np.abs(ticks - np.round(ticks)).max() < ON_THE_TICK)

@@ -87,11 +87,7 @@ def flattened(name: str, array: npt.NDArray[Any]) -> Iterator[tuple[str, npt.NDA
         yield name, array
         return
     for field in array.dtype.names:
-        value = array[field]
-        if value.dtype == object and value.size == 1:
-            value = value.reshape(-1)[0]
-        inner = np.asarray(value)
-        for deeper, found in flattened(str(field), inner):
+        for deeper, found in flattened(str(field), array[field]):
             yield (deeper if deeper == field else f"{field}.{deeper}"), found
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from softid.channels import Channel, make_channel
 from softid.errors import InputError, Issue
 from softid.readers.base import Array, Table, listed
 from softid.readers.columns import best_matches, is_index_name, read_name
-from softid.readers.ranges import implausible
+from softid.readers.ranges import find_doubt
 from softid.readers.sidecar import Sidecar
 from softid.readers.times import TimeAxis, channel_flag, read_times
 from softid.units import (
@@ -22,6 +21,9 @@ from softid.units import (
     split_scale,
     unit_symbol,
 )
+
+LARGEST_NUMBER = 1e100
+"""A larger number is an overflow of whatever wrote it, and counts as not recorded."""
 
 
 @dataclass(frozen=True)
@@ -266,17 +268,20 @@ def _channel(table: Table, name: str, index: int, unit: str | None, scale: float
     symbol = unit_symbol(unit) if unit else None
     if symbol and quantity != "raw":
         factor_to_canonical(symbol, quantity, where=table.place(index))
-    values = finite(table.numbers(index) * scale)
+    values = finite(table.numbers(index)) * scale
     return make_channel(name, values, symbol, column=table.head.names[index] or str(index + 1))
 
 
 def _doubt(table: Table, channel: Channel, index: int) -> InputError | None:
-    example: Literal["Pa", "deg"] = "Pa" if CHANNEL_QUANTITY[channel.name] == "pressure" else "deg"
-    flag = channel_flag(channel.name, table, index, example)
-    return implausible(
-        channel,
+    doubt = find_doubt(channel)
+    if doubt is None:
+        return None
+    flag = channel_flag(channel.name, table, index, doubt.better)
+    return InputError(
+        doubt.what,
         where=table.place(index),
-        remedy=f"state the unit with {flag}, or confirm {channel.display_unit} the same way",
+        value=doubt.value,
+        remedy=f"state the unit, as in {flag}, or confirm {channel.display_unit} in the same way",
     )
 
 
@@ -291,11 +296,19 @@ def _add_raw(
         try:
             values = finite(table.numbers(index))
         except InputError as error:
-            issues.append(
-                Issue("column-left-out", "info", str(error), "nothing, if it is not needed")
-            )
+            issues.append(_left_out(error))
             continue
         channels[name] = make_channel(name, values, unit, column=table.head.names[index] or name)
+
+
+def _left_out(error: InputError) -> Issue:
+    seen = "" if error.value is None else f" (got {error.value!r})"
+    return Issue(
+        "column-left-out",
+        "info",
+        f"{error.where}: {error.what}{seen}, so the column was left out",
+        "nothing, if it is not needed",
+    )
 
 
 def _raw_unit(table: Table, index: int) -> str | None:
@@ -307,16 +320,16 @@ def _raw_unit(table: Table, index: int) -> str | None:
 
 
 def finite(values: Array) -> Array:
-    """The same values with NaN in place of infinities."""
-    return np.where(np.isfinite(values), values, np.nan)
+    """The same values with NaN in place of infinities and of numbers that are no measurement."""
+    return np.where(np.abs(values) <= LARGEST_NUMBER, values, np.nan)
 
 
 def _left_raw(name: str, problem: InputError) -> Issue:
     return Issue(
         "channel-not-settled",
         "info",
-        f"no column was taken as {name}: {problem}",
-        f"map one with --channel {name}=COLUMN:UNIT if it matters",
+        f"{problem.where}: {problem.what}, so no column was taken as {name}",
+        problem.remedy,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from datetime import datetime
+from datetime import datetime, timedelta
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ _CLOCK = re.compile(r"(\d{1,2}):([0-5]\d):([0-5]\d(?:[.,]\d+)?)", re.ASCII)
 _CALENDAR = re.compile(
     r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d(:?\d\d)?)?)?", re.ASCII
 )
+_MIDNIGHT = datetime(1900, 1, 1)  # of times of day; softid looks at differences only
 
 
 def is_missing(cell: str) -> bool:
@@ -52,13 +53,17 @@ def to_numbers(cells: Sequence[str], *, comma: bool) -> Array | int:
     ndarray or int
         The numbers, NaN where missing, or the position of the first cell that is none.
     """
-    if not any("_" in cell for cell in cells):  # float() would take 1_000 for a number
-        try:
-            return np.array(list(map(float, cells)), dtype=np.float64)
-        except ValueError:
-            pass
+    plain = not any("_" in cell for cell in cells)  # float() would take 1_000 for a number
     values = np.empty(len(cells))
-    for position, cell in enumerate(cells):
+    for position, padded in enumerate(cells):
+        if plain:
+            try:
+                values[position] = float(padded)
+            except ValueError:
+                pass
+            else:
+                continue
+        cell = padded.strip()
         if is_number(cell) and (comma or "," not in cell):
             values[position] = float(cell.replace(",", "."))
         elif is_missing(cell):
@@ -82,41 +87,29 @@ def to_seconds(cells: Sequence[str]) -> tuple[Array, str] | int:
         Seconds, NaN where missing, and the first time as text; or the position of the first cell
         that is no time of the same kind.
     """
-    first: datetime | float | None = None
+    first: datetime | None = None
     start = ""
     values = np.empty(len(cells))
-    for position, cell in enumerate(cells):
-        if is_missing(cell):
+    for position, padded in enumerate(cells):
+        cell = padded.strip()
+        if cell == "" or is_missing(cell):
             values[position] = np.nan
             continue
-        moment = _moment(cell)
-        if first is None and moment is not None:
-            first, start = moment, cell
-        since = _seconds_between(first, moment)
-        if since is None:
+        try:
+            moment = _moment(cell)
+            if first is None:
+                first, start = moment, cell
+            values[position] = (moment - first).total_seconds()
+        except (ValueError, TypeError):  # no time, or one with and one without a time zone
             return position
-        values[position] = since
     return values, start
 
 
-def _moment(cell: str) -> datetime | float | None:
-    clock = _CLOCK.fullmatch(cell)
-    if clock:
-        hours, minutes, seconds = clock.groups()
-        return 3600.0 * int(hours) + 60.0 * int(minutes) + float(seconds.replace(",", "."))
-    try:
+def _moment(cell: str) -> datetime:
+    clock = _CLOCK.fullmatch(cell) if ":" in cell[1:3] else None
+    if clock is None:
         return datetime.fromisoformat(cell)
-    except ValueError:
-        return None
-
-
-def _seconds_between(first: datetime | float | None, then: datetime | float | None) -> float | None:
-    if isinstance(first, float) and isinstance(then, float):
-        return then - first
-    if (
-        isinstance(first, datetime)
-        and isinstance(then, datetime)
-        and (first.tzinfo is None) == (then.tzinfo is None)
-    ):
-        return (then - first).total_seconds()
-    return None
+    hours, minutes, seconds = clock.groups()
+    return _MIDNIGHT + timedelta(
+        hours=int(hours), minutes=int(minutes), seconds=float(seconds.replace(",", "."))
+    )

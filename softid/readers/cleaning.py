@@ -90,6 +90,12 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
                 where=samples.column(name),
                 remedy="map another column with --channel, or check the sensor",
             )
+    if not np.isfinite(samples.time_s).any():
+        raise InputError(
+            "no sample has a time",
+            where=samples.where,
+            remedy="map another column with --channel time=COLUMN:s",
+        )
     samples = _drop_missing(samples, np.isfinite(samples.time_s), "time")
     samples = _drop_missing(samples, np.isfinite(samples.channels[input].values), input)
     _require_forward(samples)
@@ -139,8 +145,8 @@ def _drop_missing(samples: Samples, present: npt.NDArray[np.bool_], name: str) -
     issue = Issue(
         f"missing-{'time' if name == 'time' else 'input'}",
         "warning",
-        f"{samples.where}: {missing.size} samples have no {name} and were dropped, the first in "
-        f"{samples.row(int(missing[0]))}",
+        f"{samples.where}: dropped {missing.size} of {present.size} samples, which have no {name}, "
+        f"the first in {samples.row(int(missing[0]))}",
         "nothing, if the gap is short; a long one splits the log",
     )
     return samples.keeping(present, issue)
@@ -177,8 +183,8 @@ def _drop_repeated(samples: Samples) -> Samples:
             Issue(
                 "duplicate-rows",
                 "info",
-                f"{samples.where}: {same.sum()} samples repeat the one before and were dropped, "
-                f"beginning in {samples.row(int(later[same][0]))}",
+                f"{samples.where}: dropped {same.sum()} of {kept.size} samples, which repeat the "
+                f"one before, the first in {samples.row(int(later[same][0]))}",
             )
         )
     if not same.all():
@@ -186,8 +192,8 @@ def _drop_repeated(samples: Samples) -> Samples:
             Issue(
                 "duplicate-times",
                 "warning",
-                f"{samples.where}: {(~same).sum()} samples have the time of the one before but "
-                "other values; only the first of each time was kept, beginning in "
+                f"{samples.where}: dropped {(~same).sum()} of {kept.size} samples, which have the "
+                "time of the one before but other values, the first in "
                 f"{samples.row(int(later[~same][0]))}",
                 "record the time with more digits",
             )
@@ -202,7 +208,7 @@ def _missing_output(samples: Samples, name: str) -> Issue | None:
     return Issue(
         "missing-output",
         "info",
-        f"{samples.column(name)}: {missing.size} samples of {samples.time_s.size} are missing, "
-        f"the first in {samples.row(int(missing[0]))}; they are left out of the residuals",
+        f"{samples.column(name)}: {missing.size} of {samples.time_s.size} samples missing, the "
+        f"first in {samples.row(int(missing[0]))}; they are left out of the residuals",
         None,
     )

@@ -46,7 +46,7 @@ class TextTable(Table):
 
     def timestamps(self, index: int) -> Timestamps | None:
         """One column of ISO 8601 times or times of day as seconds since the first."""
-        first = next((cell for cell in self.cells[index] if not is_missing(cell)), "")
+        first = next((c.strip() for c in self.cells[index] if not is_missing(c.strip())), "")
         if not is_timestamp(first):
             return None
         converted = to_seconds(self.cells[index])
@@ -101,6 +101,7 @@ def read_csv(path: Path) -> Table:
 def _parse_fast(body: Sequence[str], layout: Layout) -> Array | None:
     """Let numpy's C parser have a table of nothing but numbers; None when it is not such a one."""
     separator = layout.separator
+    shape = (sum(1 for line in body if line.strip()), layout.width)
     if separator is not None and separator != "," and any("," in line for line in body):
         if any("." in line for line in body):
             return None
@@ -108,12 +109,27 @@ def _parse_fast(body: Sequence[str], layout: Layout) -> Array | None:
     if layout.trailing and separator:
         body = [line.rstrip().removesuffix(separator) for line in body]
     quote = '"' if any('"' in line for line in body) else None
+    if separator is not None and quote is None:
+        body = _fill_empty(body, separator)
     try:
         values = np.loadtxt(body, delimiter=separator, comments=None, quotechar=quote, ndmin=2)
     except ValueError:
         return None
-    complete = values.shape == (sum(1 for line in body if line.strip()), layout.width)
-    return values if complete else None
+    return values if values.shape == shape else None
+
+
+def _fill_empty(body: Sequence[str], separator: str) -> Sequence[str]:
+    """Write nan into empty cells, which numpy's parser does not take."""
+    double = separator * 2
+    if not any(
+        double in line or line.endswith(separator) or line.startswith(separator) for line in body
+    ):
+        return body
+    text = "\n".join(["", *body, ""])
+    while double in text:
+        text = text.replace(double, f"{separator}nan{separator}")
+    text = text.replace(f"{separator}\n", f"{separator}nan\n")
+    return text.replace(f"\n{separator}", f"\nnan{separator}").split("\n")[1:-1]
 
 
 def _row_numbers(body: Sequence[str], start: int) -> IntArray:
@@ -121,9 +137,41 @@ def _row_numbers(body: Sequence[str], start: int) -> IntArray:
 
 
 def _parse_carefully(body: Sequence[str], layout: Layout, head: Head) -> TextTable:
+    columns = _split_at_once(body, layout)
+    if columns is not None:
+        numbers = _row_numbers(body, layout.start)
+    else:
+        rows, at, issues = _split_row_by_row(body, layout, head.path)
+        columns, numbers = list(map(list, zip(*rows, strict=True))), np.array(at, dtype=np.intp)
+        head = replace(head, issues=(*head.issues, *issues))
+    pointed = any("." in c and is_number(c.strip()) for column in columns for c in column)
+    return TextTable(head, numbers, "row", columns, comma=not pointed)
+
+
+def _split_at_once(body: Sequence[str], layout: Layout) -> list[list[str]] | None:
+    """Cut all rows in one go; None when they are not all alike."""
+    separator = layout.separator
+    if separator is None:
+        return None
+    if layout.trailing:
+        body = [line.rstrip().removesuffix(separator) for line in body]
+    inner = layout.width - 1
+    if any(
+        line.count(separator) != inner or '"' in line or is_comment(line) or not line.strip()
+        for line in body
+    ):
+        return None
+    cells = separator.join(body).split(separator)
+    return [cells[k :: layout.width] for k in range(layout.width)]
+
+
+def _split_row_by_row(
+    body: Sequence[str], layout: Layout, path: str
+) -> tuple[list[list[str]], list[int], list[Issue]]:
     rows: list[list[str]] = []
     numbers: list[int] = []
     issues: list[Issue] = []
+    last = layout.start + len(body)
     for number, line in enumerate(body, layout.start + 1):
         if not line.strip() or is_comment(line):
             continue
@@ -131,20 +179,16 @@ def _parse_carefully(body: Sequence[str], layout: Layout, head: Head) -> TextTab
         if len(cells) == layout.width:
             rows.append(cells)
             numbers.append(number)
-        elif number == layout.start + len(body) and rows and len(cells) < layout.width:
-            issues.append(_incomplete(head.path, number))
+        elif number == last and rows and len(cells) < layout.width:
+            issues.append(_incomplete(path, number))
         else:
             raise InputError(
                 f"the row has {len(cells)} cells where the table has {layout.width} columns",
-                where=f"{head.path}, row {number}",
+                where=f"{path}, row {number}",
                 value=line[:60],
                 remedy="repair or delete the row",
             )
-    full = replace(head, issues=(*head.issues, *issues))
-    cells_by_column = list(zip(*rows, strict=True))
-    pointed = any("." in c and is_number(c) for column in cells_by_column for c in column)
-    rows_of_file = np.array(numbers, dtype=np.intp)
-    return TextTable(full, rows_of_file, "row", cells_by_column, comma=not pointed)
+    return rows, numbers, issues
 
 
 def _incomplete(path: str, number: int) -> Issue:

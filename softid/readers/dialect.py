@@ -18,7 +18,10 @@ SAMPLE_LINES = 200
 """The table must begin within that many lines that are neither blank nor comments."""
 
 TAIL_LINES = 10
-"""So many of the last of those lines decide the separator and the number of columns."""
+"""So many of the last of those lines decide the separator."""
+
+DECISIVE_LINES = 3
+"""Of those, so many of the last decide the number of columns; a broken one is outvoted."""
 
 SEPARATORS: tuple[str | None, ...] = (";", "\t", "|", ",", None)
 """Tried in this order; None is any white space."""
@@ -74,7 +77,7 @@ def split_cells(line: str, separator: str | None) -> list[str]:
             return [cell.strip() for cell in rows[0]]
     if separator is None:
         return line.split()
-    return [cell.strip() for cell in line.split(separator)]
+    return list(map(str.strip, line.split(separator)))
 
 
 def split_names(line: str, separator: str | None) -> list[str]:
@@ -86,7 +89,7 @@ def split_names(line: str, separator: str | None) -> list[str]:
 
 def is_comment(line: str) -> bool:
     """Whether a line is marked as a comment."""
-    return line.lstrip().startswith(COMMENT_MARKS)
+    return line.startswith(COMMENT_MARKS) or line.lstrip().startswith(COMMENT_MARKS)
 
 
 def without_mark(line: str) -> str:
@@ -117,9 +120,11 @@ class _Candidate:
         )
 
     def nearly_fits(self, index: int) -> bool:
-        """Whether a line is a row that begins as the others, but has text further on."""
+        """Whether a line is a broken row: with text further on, or with cells too few or many."""
         row = self.rows[index]
-        return len(row) == self.width and _numeric(row[self.numeric[0]])
+        if len(row) == self.width:
+            return _numeric(row[self.numeric[0]])
+        return len(row) > 1 and all(_numeric(cell) or is_missing(cell) for cell in row)
 
 
 def find_layout(lines: Sequence[str], *, where: str) -> Layout:
@@ -170,19 +175,21 @@ def find_layout(lines: Sequence[str], *, where: str) -> Layout:
 def _candidate(lines: Sequence[str], sample: Sequence[int], separator: str | None) -> _Candidate:
     rows = {k: split_cells(lines[k], separator) for k in sample}
     tail = [rows[k] for k in sample[-TAIL_LINES:]]
-    counts = Counter(len(row) for row in tail)
+    counts = Counter(len(row) for row in tail[-DECISIVE_LINES:])
     width = max(counts, key=lambda n: (counts[n], n), default=0)
     full = [row for row in tail if len(row) == width]
-    trailing = width > 2 and separator is not None and all(not row[-1] for row in full)
+    alike = [row for row in rows.values() if len(row) == width]  # a header too, if it is one
+    trailing = width > 2 and separator is not None and all(not row[-1] for row in alike)
     if trailing:
         width -= 1
         rows = {k: row[:-1] if row and not row[-1] else row for k, row in rows.items()}
         full = [row[:-1] for row in full]
-    if width < 2:
-        return _Candidate(separator, width, trailing, rows, (), 0.0)
     numeric = tuple(k for k in range(width) if any(_numeric(row[k]) for row in full))
-    cells = [cell for row in tail for cell in row if not is_missing(cell)]
-    score = sum(map(_numeric, cells)) / len(cells) if cells and numeric else 0.0
+    cells = [cell for row in full for cell in row if not is_missing(cell)]
+    if width < 2 or not numeric or not cells:
+        return _Candidate(separator, width, trailing, rows, (), 0.0)
+    agreement = max(counts.values()) / sum(counts.values())
+    score = agreement * sum(map(_numeric, cells)) / len(cells)
     return _Candidate(separator, width, trailing, rows, numeric, score)
 
 

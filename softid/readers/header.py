@@ -104,14 +104,23 @@ def _choose_header(above: Sequence[Line], cut: Sequence[Sequence[str]], width: i
 def _refuse_misfit(
     above: Sequence[Line], cut: Sequence[Sequence[str]], width: int, where: str
 ) -> None:
-    for (index, text, comment), cells in zip(above[-2:], cut[-2:], strict=True):
+    for position, ((index, text, comment), cells) in enumerate(zip(above, cut, strict=True)):
         close = len(cells) > 1 and abs(len(cells) - width) <= MOST_MISCOUNTED
-        if not comment and close and any(is_time_name(cell) for cell in cells[:2]):
+        if comment or not close or not any(is_time_name(cell) for cell in cells[:2]):
+            continue
+        if len(cells) != width:
             raise InputError(
                 f"the header names {len(cells)} columns, but the rows have {width}",
                 where=f"{where}, row {index + 1}",
                 value=text[:80],
                 remedy="give every column one name, or quote a name that contains the separator",
+            )
+        for broken, shown, _ in above[position + 1 : position + 2]:
+            raise InputError(
+                "the line between the header and the numbers is no row of the table",
+                where=f"{where}, row {broken + 1}",
+                value=shown[:60],
+                remedy="delete it, or mark it as a comment with #",
             )
 
 

@@ -20,7 +20,7 @@ def load(
     *,
     channels: Mapping[str, str] | None = None,
     input: str | None = None,
-    outputs: Sequence[str] = (),
+    outputs: Sequence[str] | None = (),
     sidecar: str | os.PathLike[str] | None = None,
     time_unit: str | None = None,
 ) -> Log:
@@ -41,11 +41,12 @@ def load(
         Channel that drives; by default the pressure, else the commanded pressure, else a force on
         something with a position.
     outputs
-        Channels to explain; by default the first of the motion channels.
+        Channels to explain; by default the first of the motion channels. None for a log that only
+        drives a simulation, where nothing needs to be measured.
     sidecar
         TOML file that says the same; by default the one beside the log, if there is one.
     time_unit
-        Unit of the time column where nothing else states it.
+        Unit of the time column, whatever the header or the sidecar says.
 
     Returns
     -------
@@ -78,13 +79,13 @@ def load(
     said = _sidecar(file, stem, sidecar)
     table = READERS[suffix](file)
     wanted_input = input or said.input
-    wanted_outputs = tuple(outputs) or said.outputs
+    wanted_outputs = None if outputs is None else tuple(outputs) or said.outputs
     found = find_channels(
         table,
         flags=channels or {},
         sidecar=said,
         time_unit=time_unit,
-        needed={*wanted_outputs, wanted_input or ""},
+        needed={*(wanted_outputs or ()), wanted_input or ""},
     )
     where = table.head.path
     driving, explained = choose_roles(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from softid.channels import Channel
-from softid.errors import InputError
-from softid.units import CHANNEL_QUANTITY
+from softid.units import CHANNEL_QUANTITY, lookup_unit
 
 CHECKED_QUANTILE = 0.99
 """The range is judged by this quantile of the magnitude, so that single spikes do not count."""
@@ -17,43 +17,86 @@ HIGHEST_PRESSURE_KPA = 2000.0
 """No soft actuator is driven so high; a pressure in Pa read as kPa or bar is."""
 
 SMALLEST_SPAN_KPA = 0.05
-"""A pressure that moves, but less than this, was recorded in a larger unit than stated."""
+"""A pressure that moves, but less than this, was recorded in a larger unit than stated …"""
+
+REST_LEVEL_KPA = 1.0
+"""… unless it stays at least so far from zero, as that of a rig at rest does."""
 
 LARGEST_ANGLE_RAD = 4.0 * math.pi
 """Two turns; degrees read as radians pass it."""
 
 
-def implausible(channel: Channel, *, where: str, remedy: str) -> InputError | None:
-    """Judge a channel's values; an error to raise when they do not fit its unit, else None.
+_PRESSURE_UNITS = ("kPa", "Pa", "bar", "psi")
+_ANGLE_UNITS = ("deg",)
 
-    Parameters
+
+@dataclass(frozen=True)
+class Doubt:
+    """Why a channel's values do not fit its unit.
+
+    Attributes
     ----------
-    channel
-        A channel with known quantity.
-    where
-        File and column.
-    remedy
-        How to state the right unit.
+    what
+        The question to the user.
+    value
+        What was seen, in the stated unit.
+    better
+        A unit in which the values would be plausible.
+    """
+
+    what: str
+    value: float
+    better: str
+
+
+def find_doubt(channel: Channel) -> Doubt | None:
+    """Judge the values of a channel with known quantity; None when they fit its unit.
+
+    Examples
+    --------
+    >>> from softid.channels import make_channel
+    >>> find_doubt(make_channel("pressure", [0.0, 1e5], "bar")).better
+    'Pa'
     """
     values = channel.values[np.isfinite(channel.values)]
     if not values.size:
         return None
     high = float(np.quantile(np.abs(values), CHECKED_QUANTILE))
+    span = float(values.max() - values.min())
     quantity = CHANNEL_QUANTITY.get(channel.name)
     said: str | None = None
+    units: tuple[str, ...] = ()
     if quantity == "pressure":
-        span = float(values.max() - values.min())
-        if high > HIGHEST_PRESSURE_KPA:
-            said = f"is {high:.4g} kPa, more than {HIGHEST_PRESSURE_KPA:g} kPa"
-        elif 0.0 < span < SMALLEST_SPAN_KPA:
-            high, said = span, f"moves by {span:.2g} kPa, less than {SMALLEST_SPAN_KPA:g} kPa"
+        units = _PRESSURE_UNITS
+        said = _pressure_doubt(high, span)
+        if high <= HIGHEST_PRESSURE_KPA:
+            high = span
     elif quantity == "angle" and high > LARGEST_ANGLE_RAD:
+        units = _ANGLE_UNITS
         said = f"is {high:.4g} rad, more than two turns"
     if said is None:
         return None
-    return InputError(
+    seen = float(f"{high * channel.display_factor:.4g}")
+    return Doubt(
         f"as {channel.display_unit} the {channel.name} {said}; is that its unit?",
-        where=where,
-        value=float(f"{high * channel.display_factor:.4g}"),
-        remedy=remedy,
+        seen,
+        next((u for u in units if _fits(seen, u)), units[0]),
     )
+
+
+def _pressure_doubt(high_kpa: float, span_kpa: float) -> str | None:
+    if high_kpa > HIGHEST_PRESSURE_KPA:
+        return f"is {high_kpa:.4g} kPa, more than {HIGHEST_PRESSURE_KPA:g} kPa"
+    if 0.0 < span_kpa < SMALLEST_SPAN_KPA and high_kpa < REST_LEVEL_KPA:
+        return f"moves by {span_kpa:.2g} kPa, less than {SMALLEST_SPAN_KPA:g} kPa"
+    return None
+
+
+def _fits(value: float, unit: str) -> bool:
+    found = lookup_unit(unit)
+    if found is None:
+        return False
+    canonical = value * found.factor
+    if found.quantity == "angle":
+        return canonical <= LARGEST_ANGLE_RAD
+    return SMALLEST_SPAN_KPA <= canonical <= HIGHEST_PRESSURE_KPA

@@ -14,7 +14,7 @@ INPUT_PREFERENCE = ("pressure", "pressure_command")
 
 
 def choose_roles(
-    found: Found, *, input: str | None, outputs: Sequence[str], where: str
+    found: Found, *, input: str | None, outputs: Sequence[str] | None, where: str
 ) -> tuple[str, tuple[str, ...]]:
     """Settle input and outputs.
 
@@ -26,7 +26,8 @@ def choose_roles(
     found
         The file's channels.
     input, outputs
-        Names that the user or the sidecar gave; None and empty to choose.
+        Names that the user or the sidecar gave; None and empty to choose. Outputs of None mean
+        that there shall be none.
     where
         File named in the errors.
 
@@ -42,6 +43,8 @@ def choose_roles(
     InputError
         A role cannot be settled.
     """
+    if outputs is None:
+        return _driving(found, input, where), ()
     named = tuple(dict.fromkeys(_resolve(found, name, "--output", where) for name in outputs))
     if input is not None:
         chosen = _resolve(found, input, "--input", where)
@@ -57,6 +60,11 @@ def choose_roles(
         remedy="map the pressure with --channel pressure=COLUMN:UNIT, or name what drives with "
         "--input",
     )
+
+
+def _driving(found: Found, input: str | None, where: str) -> str:
+    there = [name for name in INPUT_PREFERENCE if input is None and _there(found, name)]
+    return _resolve(found, input or (*there, *INPUT_PREFERENCE)[0], "--input", where)
 
 
 def _with_outputs(

@@ -16,6 +16,7 @@ from softid.records.reading import read_document
 from softid.results import LogNuisance, ModelSpec, SegmentStart
 
 if TYPE_CHECKING:
+    from softid.log import Log
     from softid.models.base import Model
 
 
@@ -68,6 +69,26 @@ class SavedModel:
     def build_model(self) -> Model:
         """The model with its options, ready for `softid.simulate`."""
         return _build(self.model, where=self.path)
+
+    def nuisance_for(self, log: Log) -> LogNuisance:
+        """Sensor zeros and initial states with which to simulate a log.
+
+        Parameters
+        ----------
+        log
+            A log that was fitted or held out, known by the fingerprint of its file, gets its own
+            back. Any other starts at rest with the mean zero of the fitted logs.
+        """
+        sha256 = log.source.sha256 if log.source else None
+        for name, known in self.fingerprints.items():
+            if known is not None and known == sha256 and name in self.nuisances:
+                return self.nuisances[name]
+        fitted = [self.nuisances[name] for name in self.fitted_logs if name in self.nuisances]
+        zero = {
+            name: sum(n.zero.get(name, 0.0) for n in fitted) / len(fitted) if fitted else 0.0
+            for name in self.outputs
+        }
+        return LogNuisance(log.name, zero, dict.fromkeys(zero), ())
 
 
 def load_params(path: Path | str) -> SavedModel:

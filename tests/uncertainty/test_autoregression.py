@@ -97,7 +97,7 @@ def test_likelihood_is_that_of_the_dense_normal_law() -> None:
 
 
 def test_fit_recovers_an_ar2_from_several_segments() -> None:
-    """Four segments of 2000: standard error of φ is √[(1 − φ_2²)/8000] = 0.010; tolerance four of them."""
+    """Four segments of 2000: standard error of φ √[(1 − φ_2²)/8000] = 0.010, allowed 4 times."""
     phi = np.array([1.3, -0.5])
     found = fit_ar([draw(phi, 2000, seed) for seed in range(4)], max_order=2)
     np.testing.assert_allclose(found.phi, phi, atol=0.04)
@@ -115,7 +115,7 @@ def test_fit_keeps_the_mean_square() -> None:
 
 @pytest.mark.parametrize("kind", ["walk", "line", "sine", "persistent"])
 def test_fit_is_stable_and_bounded_on_what_is_no_noise(kind: str) -> None:
-    """Misfit and noise-free residuals: all roots inside the circle, a millionth of the power left."""
+    """Misfit, noise-free residuals: all roots inside the circle, a millionth of the power left."""
     t = np.linspace(0.0, 1.0, 1000)
     rng = np.random.default_rng(6)
     y = {

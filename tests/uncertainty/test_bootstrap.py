@@ -49,7 +49,7 @@ def test_a_draw_consists_of_blocks_from_a_circle() -> None:
 
 
 def test_resampling_keeps_gaps_size_and_memory() -> None:
-    """NaN stay; the variance is that of the residuals times n/(n − k); the lag-one correlation survives.
+    """NaN stay; the variance grows by n/(n − k); the lag-one correlation survives.
 
     200 draws, blocks of 50: of the memory a share 1/50 is cut, and the tolerance is 5 %.
     """
@@ -75,7 +75,7 @@ def test_the_same_seed_gives_the_same_draws() -> None:
 
 
 def test_bootstrap_errors_agree_with_theory() -> None:
-    """Slope of a line under AR(1) 0.7: the exact standard error, to 20 % for 400 draws and one record."""
+    """Slope of a line under AR(1) 0.7: the exact standard error to 20 % (400 draws, one record)."""
     rng = np.random.default_rng(7)
     n = 3000
     x = np.linspace(-1.0, 1.0, n)
@@ -130,7 +130,7 @@ def test_mean_interval_covers_over_many_records(n: int, rho: float, least: float
 
 
 def test_gaps_are_left_out_of_the_mean() -> None:
-    """Missing samples neither count nor break the interval; it follows a shift and a change of unit."""
+    """Missing samples do not count; the interval follows a shift and a change of unit."""
     x = ar1(np.random.default_rng(10), 300, 0.5)
     x[50:80] = np.nan
     first = block_bootstrap_mean_ci(x, rng=np.random.default_rng(11), draws=200)

@@ -53,14 +53,17 @@ def test_standard_errors_are_those_of_ordinary_least_squares_under_ar1() -> None
 
 
 def test_white_noise_gives_the_textbook_errors() -> None:
-    """σ² H⁻¹ and no inflation, n = 4000: 10 % for the scatter of the noise model."""
+    """σ² H⁻¹ and no inflation, n = 4000: 10 % for the scatter of the noise model.
+
+    The coarsest time scale averages over 64 samples and so has 62 − 3 degrees of freedom or more.
+    """
     design = step_regressors(4000)
     block = fitted(design, np.random.default_rng(2).normal(size=4000))
     found = sandwich_covariance([block], ["a", "b", "c"])
     expected = np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
     np.testing.assert_allclose(np.array(found.sd), expected, rtol=0.1)
     np.testing.assert_allclose(found.inflation, 1.0, rtol=0.2)
-    assert min(found.degrees_of_freedom) > 100.0
+    assert min(found.degrees_of_freedom) > 50.0
 
 
 def test_slow_noise_lowers_the_degrees_of_freedom() -> None:
@@ -82,7 +85,7 @@ def test_units_of_a_parameter_do_not_matter() -> None:
 
 
 def test_channels_in_other_units_are_one_problem() -> None:
-    """Two channels, the second in thousandths with weight 1/1000: the same errors as in one unit."""
+    """Two channels, the second in thousandths with weight 1/1000: the errors of one unit."""
     design = step_regressors(800)
     y = ar1(np.random.default_rng(5), 800, 0.6)
     whole = fitted(design, y)
@@ -101,7 +104,7 @@ def test_channels_in_other_units_are_one_problem() -> None:
 
 
 def test_what_cannot_be_seen_is_said_and_spares_the_others() -> None:
-    """Two equal columns and a zero one get None; the others keep the errors they have without them."""
+    """Two equal columns and a zero one get None; the others keep their errors."""
     design = step_regressors(500)
     y = ar1(np.random.default_rng(6), 500, 0.5)
     wide = np.column_stack((design, design[:, 1], np.zeros(500)))
@@ -137,7 +140,7 @@ def test_cost_per_variance_is_the_white_variance_times_the_inflation() -> None:
 
 @pytest.mark.parametrize("kind", ["zero", "tiny", "smooth", "walk"])
 def test_residuals_that_are_no_noise_give_finite_errors(kind: str) -> None:
-    """Noise-free misfit and worse: standard errors are finite and not beyond a hundred residuals."""
+    """Noise-free misfit and worse: standard errors are finite, below a hundred residuals."""
     t = np.linspace(0.0, 1.0, 1000)
     rng = np.random.default_rng(9)
     y = {

@@ -70,7 +70,7 @@ def test_verdict_follows_the_named_limits(sd: float | None, verdict: str) -> Non
 
 
 def test_linear_scale_uses_value_or_range() -> None:
-    """sd 1 at value 2 is 50 %; within bounds 100 apart it is 1 %; at zero without bounds unknown."""
+    """sd 1 at value 2 is 50 %, within bounds 100 apart 1 %; at zero without bounds unknown."""
     assert relative_sd(-2.0, "linear", 1.0) == 0.5
     assert relative_sd(2.0, "linear", 1.0, lower=-50.0, upper=50.0) == 0.01
     assert relative_sd(2.0, "linear", 1.0, lower=-np.inf, upper=50.0) == 0.5

@@ -65,7 +65,7 @@ def test_condition_number_does_not_depend_on_units() -> None:
 
 
 def test_reachable_basis_is_orthonormal_and_spans_the_jacobian() -> None:
-    """QᵀQ = 1 and the projection of the Jacobian on Q is the Jacobian; one dependent column drops out."""
+    """QᵀQ = 1 and QQᵀJ = J; the dependent column adds no direction."""
     design = np.column_stack((DESIGN, DESIGN[:, 0] + DESIGN[:, 1]))
     basis = np.concatenate(
         reachable(ResidualBlock("a", (design[:9], design[9:]), (np.ones(9), np.ones(31))))
@@ -76,7 +76,7 @@ def test_reachable_basis_is_orthonormal_and_spans_the_jacobian() -> None:
 
 
 def test_averages_over_stretches() -> None:
-    """Means over 3 of 8 samples: the last stretch holds two; one with a single used sample is dropped."""
+    """Stretches of 3 in 8 samples: the last holds two; one with a single used sample is dropped."""
     y = np.array([1.0, 2.0, 3.0, np.nan, np.nan, 9.0, 4.0, 6.0])
     block = ResidualBlock("a", (np.arange(8.0)[:, None],), (y,)).averaged(3)
     np.testing.assert_allclose(block.residuals[0], [2.0, np.nan, 5.0])

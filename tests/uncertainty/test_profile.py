@@ -58,7 +58,7 @@ def test_a_linear_model_gives_the_interval_of_the_covariance() -> None:
 
 
 def test_a_cost_that_levels_off_has_no_upper_limit() -> None:
-    """S = 9 (e^{−v} − e^{−1})²: for v → ∞ the rise is 9/e² = 1.22 < 3.84, below it crosses at a root."""
+    """S = 9 (e^{−v} − e^{−1})²: rise 9/e² = 1.22 < 3.84 for v → ∞, below it crosses at a root."""
     found = profile(
         lambda v: 9.0 * (np.exp(-v) - np.exp(-1.0)) ** 2,
         1.0,

@@ -66,8 +66,8 @@ def smooth_regressors(n: int) -> np.ndarray:
 def test_restricted_fit_undoes_what_the_regressors_took() -> None:
     """AR(1) 0.98, n = 1000, four smooth regressors, 60 draws.
 
-    The plain fit to residuals loses some 0.012 of ρ and 20 % of σ; the restricted fit loses less than
-    the standard error of the mean, 0.001 and 3 %, allowed three times.
+    The plain fit to residuals loses some 0.01 of ρ and 15 % of σ; the restricted fit loses less
+    than the standard error of the mean, 0.001 and 3 %, allowed three times.
     """
     basis = smooth_regressors(1000)
     rng = np.random.default_rng(3)
@@ -108,7 +108,7 @@ def test_a_memory_beyond_the_record_is_drawn_in() -> None:
 
 
 def test_drawing_in_scales_the_roots() -> None:
-    """Roots 0.999 and 0.5 with limit exp(−1/100): the largest lands on the limit, both by one factor."""
+    """Roots 0.999 and 0.5, limit exp(−1/100): the largest lands there, both by one factor."""
     limit = np.exp(-0.01)
     phi, capped = draw_in(np.array([1.499, -0.4995]), 100)
     roots = np.sort(np.abs(np.roots([1.0, *-phi])))

@@ -1,0 +1,226 @@
+"""`softid inspect`: what is in a log, what is wrong with it, what it can identify."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import textwrap
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from softid_cli.options import FILE, json_option, load_logs, log_options
+from softid_cli.tables import WIDTH
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from softid.errors import Issue
+    from softid.excitation import Stretch
+    from softid.quality import ChannelReport, Inspection
+
+SCHEMA = "softid.inspection/1"
+MOST_STRETCHES = 12
+MOST_OTHERS = 6
+NO_JITTER = 1e-6
+
+
+@click.command()
+@click.argument("logs", nargs=-1, required=True, type=FILE)
+@log_options
+@json_option
+def inspect(
+    logs: tuple[Path, ...],
+    channel: tuple[str, ...],
+    input: str | None,
+    output: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Say what is in LOGS: sampling, faults, excitation, and what they can identify."""
+    from softid.quality import inspect as inspect_log
+    from softid.records import dump_json
+
+    loaded = load_logs(logs, channel, input, output)
+    inspections = [inspect_log(log) for log in loaded]
+    if as_json:
+        click.echo(dump_json({"schema": SCHEMA, "logs": inspections}), nl=False)
+        return
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
+    click.echo("\n\n".join(render(found, width=width) for found in inspections))
+
+
+def render(inspection: Inspection, *, width: int = WIDTH) -> str:
+    """An inspection as text.
+
+    Parameters
+    ----------
+    inspection
+        What was found in one log.
+    width
+        Columns of the terminal.
+    """
+    blocks: list[str | Table] = [
+        f"{inspection.log}: {inspection.input} → {', '.join(inspection.outputs)}",
+        _hanging(_sampling_text(inspection), width),
+        "",
+        _channel_table(inspection.channels),
+        "",
+        "Findings" if inspection.issues else "Findings: none",
+        *_issue_lines(inspection.issues, width),
+        "",
+        f"Excitation of {inspection.input}",
+        *_excitation(inspection),
+        "",
+        "What this log can identify",
+        _table(
+            [("property", "left"), ("", "left"), ("why", "left")],
+            [(a.name, a.possible, a.reason) for a in inspection.abilities],
+        ),
+        *_wanted_lines(inspection, width),
+    ]
+    return _as_text(blocks, width)
+
+
+def _sampling_text(inspection: Inspection) -> str:
+    s = inspection.sampling
+    text = (
+        f"{s.n} samples in {s.duration_s:.2f} s, every {1e3 * s.period_s:.4g} ms "
+        f"({s.rate_hz:.4g} Hz), "
+    )
+    text += f"jitter {100 * s.jitter:.2g} %" if s.jitter > NO_JITTER else "no jitter"
+    if s.clock_step_s is not None:
+        text += f", clock in steps of {1e3 * s.clock_step_s:.3g} ms"
+    longest = f", the longest {s.longest_s:.2f} s" if s.gaps or s.stalls else ""
+    return f"{text}; {_counted(len(s.gaps), 'gap')}, {_counted(len(s.stalls), 'stall')}{longest}"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count or 'no'} {noun}" + ("" if count == 1 else "s")
+
+
+def _channel_table(channels: Sequence[ChannelReport]) -> Table:
+    columns = [
+        ("channel", "left"),
+        ("role", "left"),
+        ("column", "left"),
+        ("range", "right"),
+        ("step", "right"),
+        ("noise", "right"),
+    ]
+    others = [c.name for c in channels if c.role == "other"]
+    hidden = set(others[MOST_OTHERS:])
+    rows = [_channel_row(c) for c in channels if c.name not in hidden]
+    if hidden:
+        rows.append((f"… {len(hidden)} more", "other", "", "", "", ""))
+    return _table(columns, rows)
+
+
+def _channel_row(c: ChannelReport) -> tuple[str, ...]:
+    if c.low is None or c.high is None:
+        reach = "empty"
+    else:
+        reach = f"{c.low * c.display_factor:.3g} … {c.high * c.display_factor:.3g}"
+        reach += "" if c.display_unit == "1" else f" {c.display_unit}"
+    step = f"{c.quantisation.step * c.display_factor:.3g}" if c.quantisation else "–"
+    noise = "–" if c.noise_std is None else f"{c.noise_std * c.display_factor:.2g}"
+    column = "" if c.column is None or c.column == c.name else c.column
+    return (c.name, c.role, column, reach, step, noise)
+
+
+def _issue_lines(issues: Iterable[Issue], width: int) -> list[str]:
+    lines = []
+    for issue in issues:
+        lines.append(_hanging(f"{issue.severity}: {issue.message}", width))
+        if issue.remedy:
+            lines.append(_hanging(f"  → {issue.remedy}", width))
+    return lines
+
+
+def _hanging(text: str, width: int) -> str:
+    """Text wrapped so that all lines but the first are indented."""
+    return textwrap.fill(
+        text, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    )
+
+
+def _excitation(inspection: Inspection) -> list[str | Table]:
+    given = inspection.channel(inspection.input)
+    blocks: list[str | Table] = [_stretch_table(inspection.excitation, given)]
+    command, lag = inspection.command_excitation, inspection.command_lag
+    if command is not None:
+        blocks += ["", "Excitation of pressure_command"]
+        blocks.append(_stretch_table(command, inspection.channel("pressure_command")))
+    if lag is not None:
+        blocks += ["", f"pressure lags behind pressure_command by roughly {lag.lag_s:.2g} s"]
+    return blocks
+
+
+def _stretch_table(stretches: Sequence[Stretch], channel: ChannelReport) -> Table:
+    shown = stretches[:MOST_STRETCHES]
+    rows: list[tuple[str, ...]] = [
+        (f"{s.start_s:.2f}", f"{s.stop_s:.2f}", s.shape or s.kind, _stretch_text(s, channel))
+        for s in shown
+    ]
+    if len(stretches) > len(shown):
+        rows.append(("", f"{stretches[-1].stop_s:.2f}", "…", f"{len(stretches) - len(shown)} more"))
+    columns = [("from s", "right"), ("to s", "right"), ("kind", "left"), ("what", "left")]
+    return _table(columns, rows)
+
+
+def _stretch_text(s: Stretch, channel: ChannelReport) -> str:
+    factor = channel.display_factor
+    unit = "" if channel.display_unit == "1" else f" {channel.display_unit}"
+    reach = f"{s.low * factor:.4g} to {s.high * factor:.4g}{unit}"
+    if s.kind == "rest" and s.levels:
+        return f"at {s.levels[0] * factor:.4g}{unit}"
+    if s.kind in ("step", "staircase"):
+        changes = f"{s.transitions} changes" if s.transitions != 1 else "1 change"
+        levels = ", ".join(f"{level * factor:.4g}" for level in s.levels[:6])
+        more = ", …" if len(s.levels) > 6 else ""
+        return f"{changes}, levels {levels}{more}{unit}, held {s.hold_s:.3g} s"
+    if s.shape == "chirp":
+        return f"{s.frequency_hz:.3g} to {s.frequency_end_hz:.3g} Hz, {reach}"
+    if s.frequency_hz is not None and s.amplitude is not None and s.offset is not None:
+        middle = f"{s.offset * factor:.4g} ± {s.amplitude * factor:.4g}{unit}"
+        return f"{s.frequency_hz:.4g} Hz, {middle}, {s.cycles:.1f} cycles"
+    if s.rate is not None:
+        return f"{reach} at {s.rate * factor:.3g}{unit}/s"
+    return reach
+
+
+def _wanted_lines(inspection: Inspection, width: int) -> list[str]:
+    wanted: dict[str, list[str]] = {}
+    for ability in inspection.abilities:
+        if ability.wanted:
+            wanted.setdefault(ability.wanted, []).append(ability.name)
+    if not wanted:
+        return []
+    lines = [_hanging(f"  for {', '.join(names)}: {what}", width) for what, names in wanted.items()]
+    return ["", "Logs that would help", *lines]
+
+
+def _table(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
+    for heading, side in columns:
+        right = side == "right"
+        table.add_column(
+            heading, justify="right" if right else "left", no_wrap=right, overflow="fold"
+        )
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def _as_text(blocks: Iterable[str | Table], width: int) -> str:
+    from rich.console import Console
+
+    console = Console(width=width, highlight=False, markup=False, emoji=False, color_system=None)
+    with console.capture() as captured:
+        for block in blocks:
+            console.print(block)
+    return "\n".join(line.rstrip() for line in captured.get().rstrip().split("\n"))

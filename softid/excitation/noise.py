@@ -1,0 +1,96 @@
+"""Standard deviation of the white noise of one signal, whatever its sampling."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.excitation.texture import SampleHold, fresh_samples
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+ONE_SIGMA = 0.6826894921370859
+UNRESOLVED_STEPS = 0.4
+GOLDEN = 0.6180339887498949
+MIN_NOISE_SAMPLES = 20
+ROUNDING = 1e-9
+TINY = 1e-12
+
+
+def noise_std(
+    time_s: Array,
+    values: Array,
+    *,
+    step: float | None = None,
+    hold: SampleHold | None = None,
+    where: BoolArray | None = None,
+) -> float | None:
+    """Standard deviation of the white part of a channel's noise.
+
+    Divided differences Σ w_j v_j over 3 to 7 neighbouring samples, with Σ w_j t_j^m = 0 up to
+    m = 1 … 5 and Σ w_j² = 1, remove smooth motion on any sampling; their 68 % quantile is the
+    noise, and the smallest of the five is taken. The steps of a quantised channel are
+    smeared by a known dither, whose variance is subtracted with that of the quantisation,
+    σ² = s² − step²/6.
+
+    Parameters
+    ----------
+    time_s, values
+        Samples, shape (n,), without NaN.
+    step
+        Quantisation step, or None.
+    hold
+        Zero-order hold, or None.
+    where
+        Samples to look at, such as rests, shape (n,); None looks at all.
+
+    Returns
+    -------
+    float or None
+        None when there are fewer than 20 fresh samples, or when the noise is below 0.4 steps and
+        so hidden by the quantisation.
+    """
+    fresh = fresh_samples(time_s, values, hold)
+    if fresh.size < MIN_NOISE_SAMPLES:
+        return None
+    times, picked = time_s[fresh], values[fresh]
+    allowed = np.ones(fresh.size, bool) if where is None else where[fresh]
+    quantum = step or 0.0
+    dither = quantum * ((np.arange(fresh.size) * GOLDEN) % 1.0 - 0.5)
+    spreads = []
+    for neighbours in (3, 4, 5, 6, 7):
+        differences = _divided_differences(times, picked + dither, allowed, neighbours)
+        if differences.size >= MIN_NOISE_SAMPLES:
+            spreads.append(float(np.quantile(np.abs(differences), ONE_SIGMA)))
+    if not spreads:
+        return None
+    if min(spreads) <= ROUNDING * float(np.ptp(picked)) + TINY * float(np.abs(picked).max()):
+        return 0.0
+    variance = min(spreads) ** 2 - quantum**2 / 6.0
+    if variance <= (UNRESOLVED_STEPS * quantum) ** 2:
+        return None
+    return sqrt(variance)
+
+
+def _divided_differences(
+    time_s: Array, values: Array, allowed: BoolArray, neighbours: int
+) -> Array:
+    """Normalised divided differences of the windows that are allowed and span no gap."""
+    windows = np.lib.stride_tricks.sliding_window_view
+    longest = 4.0 * neighbours * float(np.median(np.diff(time_s)))
+    usable = windows(allowed, neighbours).all(axis=1)
+    usable &= time_s[neighbours - 1 :] - time_s[: 1 - neighbours] <= longest
+    local = windows(time_s, neighbours)[usable]
+    weights = np.ones(local.shape)
+    for j in range(neighbours):
+        for k in range(neighbours):
+            if k != j:
+                weights[:, j] *= local[:, j] - local[:, k]
+    # Scaled by the window's length so that products of short intervals cannot underflow.
+    weights = (local[:, -1:] - local[:, :1]) ** (neighbours - 1) / weights
+    weights /= np.sqrt((weights**2).sum(axis=1, keepdims=True))
+    differences: Array = (weights * windows(values, neighbours)[usable]).sum(axis=1)
+    return differences

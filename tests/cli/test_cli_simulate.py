@@ -1,0 +1,128 @@
+"""`softid simulate`: the library's numbers as CSV, also for a log of pressure alone."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from desk import Outcome
+from handmade import MUSCLE_VALUES, fit_result
+
+from softid.readers import load
+from softid.records import load_params, save_fit
+from softid.results import LogNuisance
+from softid.simulation import simulate
+
+Cli = Callable[..., Outcome]
+ZERO_RAD = 0.1 / 3  # the hand-made sensor zero of both logs
+
+
+@pytest.fixture
+def params(tmp_path: Path) -> Path:
+    save_fit(fit_result(), tmp_path / "params.json")
+    return tmp_path / "params.json"
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Path:
+    """Time and pressure, nothing measured; the highest pressure is that of the fit."""
+    path = tmp_path / "plan.csv"
+    rows = [f"{0.02 * k:.2f},{min(10 * k, 80)}" for k in range(30)]
+    path.write_text("time_s,pressure_kpa\n" + "\n".join(rows) + "\n")
+    return path
+
+
+def table(text: str) -> dict[str, np.ndarray]:
+    rows = list(csv.reader(io.StringIO(text)))
+    return {
+        name: np.array([float(row[k] or "nan") for row in rows[1:]])
+        for k, name in enumerate(rows[0])
+    }
+
+
+def test_pressure_alone_is_enough(softid: Cli, params: Path, plan: Path) -> None:
+    """Starts at the sigmoid's value at rest plus the fitted logs' zero, and rises below it."""
+    told = softid("simulate", params, "--input", plan)
+    assert (told.code, told.err) == (0, "")
+    found = table(told.out)
+    assert list(found) == ["time_s", "pressure_kpa", "angle_deg"]
+    pressure_kpa = found["pressure_kpa"]
+    assert pressure_kpa.tolist() == [min(10.0 * k, 80.0) for k in range(30)]
+    theta = np.array(list(MUSCLE_VALUES.values()))
+    static = load_params(params).build_model().static_output(theta, pressure_kpa, "angle")
+    first = (static[0] + ZERO_RAD) * 180 / np.pi
+    assert found["angle_deg"][0] == pytest.approx(first, rel=1e-12)
+    assert np.all(np.diff(found["angle_deg"]) > 0)
+    assert found["angle_deg"][-1] < (static[-1] + ZERO_RAD) * 180 / np.pi
+
+
+def test_a_measured_log_is_shown_beside(softid: Cli, params: Path, tmp_path: Path) -> None:
+    """Simulated numbers are the library's, measured ones the file's."""
+    path = tmp_path / "other.csv"
+    path.write_text("time_s,pressure_kpa,angle_deg\n0,0,1.5\n0.1,40,\n0.2,80,3.25\n")
+    told = softid("simulate", params, "--input", path)
+    found = table(told.out)
+    # degrees to radians and back costs one rounding each way
+    np.testing.assert_allclose(found["measured_angle_deg"], [1.5, np.nan, 3.25], rtol=1e-15)
+    saved = load_params(params)
+    zero = LogNuisance("other", {"angle": ZERO_RAD}, {"angle": None}, ())
+    ours = simulate(saved.build_model(), saved.values, load(path), nuisance=zero)
+    factor = saved.display["angle"][1]
+    np.testing.assert_allclose(
+        found["angle_deg"], ours.outputs["angle"] * factor, rtol=0, atol=1e-12
+    )
+
+
+def test_a_file_is_written_once(softid: Cli, params: Path, plan: Path) -> None:
+    """--out takes the same bytes as stdout and keeps an earlier file without --force."""
+    printed = softid("simulate", params, "--input", plan).out
+    told = softid("simulate", params, "--input", plan, "--out", "predicted.csv")
+    assert (told.code, told.out) == (0, "")
+    assert told.err == "softid: written to predicted.csv\n"
+    assert Path("predicted.csv").read_text() == printed
+    refused = softid("simulate", params, "--input", plan, "--out", "predicted.csv")
+    assert refused.code == 3
+    assert "--force" in refused.err
+    forced = ("simulate", params, "--input", plan, "--out", "predicted.csv", "--force", "--quiet")
+    assert softid(*forced) == Outcome(0, "", "")
+
+
+def test_beyond_the_fitted_range_is_told(softid: Cli, params: Path, tmp_path: Path) -> None:
+    """The fit ended at 80 kPa; the prediction at 200 kPa is printed with a warning."""
+    path = tmp_path / "far.csv"
+    path.write_text("time_s,pressure_kpa\n0,0\n0.1,100\n0.2,200\n")
+    told = softid("simulate", params, "--input", path)
+    assert told.code == 0
+    assert "reaches 200 kPa" in told.err
+    assert "extrapolation" in told.err
+    assert softid("simulate", params, "--input", path, "--quiet").err == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["params.json"], 2, "missing option '--input'"),
+        (["params.json", "--input", "none.csv"], 3, "none.csv"),
+        (["none.json", "--input", "plan.csv"], 3, "none.json: there is no such file"),
+        (["plan.csv", "--input", "plan.csv"], 3, "this is not JSON"),
+        (["params.json", "--input", "angle.csv"], 2, "the log has no channel pressure"),
+        (["params.json", "--input", "plan.csv", "--out", "no/x.csv"], 3, "make the folder first"),
+        (["params.json", "--input", "plan.csv", "--out", "."], 3, "a folder, not a file"),
+    ],
+)
+def test_what_is_wrong_is_said(
+    softid: Cli, params: Path, plan: Path, arguments: list[str], code: int, said: str
+) -> None:
+    """One line on stderr, the documented code, nothing on stdout and no file."""
+    Path("angle.csv").write_text("time_s,angle_deg\n0,1\n1,2\n")
+    before = sorted(p.name for p in Path().iterdir())
+    told = softid("simulate", *arguments)
+    assert told.code == code
+    assert said in told.err
+    assert told.err.count("\n") == 1
+    assert told.out == ""
+    assert sorted(p.name for p in Path().iterdir()) == before

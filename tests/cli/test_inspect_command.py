@@ -1,0 +1,110 @@
+"""`softid inspect`: what it prints, and what it gives to machines."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from desk import Desk, Outcome
+from drawn_logs import staircase_log, with_fault
+
+from softid.log import Log
+from softid.quality import inspect
+from softid_cli.inspect import render
+
+Cli = Callable[..., Outcome]
+
+
+def faulty_log() -> Log:
+    """A staircase with one lost sample."""
+
+    def fault(values):  # type: ignore[no-untyped-def]
+        values[2000] = -999.0
+        return values
+
+    return with_fault(staircase_log(), "angle", fault)
+
+
+def test_sections_in_order() -> None:
+    """Channels, findings, excitation, abilities, wanted logs, as the design has them."""
+    text = render(inspect(faulty_log()))
+    headings = [
+        "staircase: pressure → angle",
+        "channel ",
+        "Findings",
+        "Excitation of pressure\n",
+        "Excitation of pressure_command",
+        "What this log can identify",
+        "Logs that would help",
+    ]
+    places = [text.index(heading) for heading in headings]
+    assert places == sorted(places)
+    assert "warning: angle drops out at 1 place (1 × spike): 20.00 s: -999 deg" in text
+    assert "  → leave these samples out of the fit" in text
+    assert "4400 samples in 43.99 s, every 10 ms (100 Hz), no jitter; no gaps, no stalls" in (
+        " ".join(text.split())
+    )
+
+
+@pytest.mark.parametrize("width", [80, 120])
+def test_the_width(width: int) -> None:
+    """No line is longer than the terminal, and no word is cut by an ellipsis."""
+    text = render(inspect(faulty_log()), width=width)
+    assert max(map(len, text.splitlines())) <= width
+    assert "pressure_command" in text
+
+
+def test_a_clean_log_says_so() -> None:
+    """Without findings there is no empty heading."""
+    assert "Findings: none" in render(inspect(staircase_log()))
+
+
+def test_many_channels_are_folded() -> None:
+    """Six raw channels are listed, the rest counted; JSON has them all."""
+    log = staircase_log()
+    extra = {f"adc{k}": log.pressure_kpa for k in range(20)}
+    channels = {name: log.channels[name].values for name in ("pressure", "angle")} | extra
+    text = render(inspect(Log.from_arrays(log.time_s, channels)))
+    assert "adc5" in text
+    assert "adc6" not in text
+    assert "… 14 more" in text
+
+
+def test_the_command_prints(softid: Cli, desk: Desk) -> None:
+    """Each log has its own part; options reach the reader."""
+    told = softid("inspect", "a.csv", "b.csv", "--input", "pressure", "--channel", "angle=2:deg")
+    assert told.code == 0
+    assert told.err == ""
+    assert "a: pressure → angle" in told.out
+    assert "b: pressure → angle" in told.out
+    assert desk.asked["load"]["input"] == "pressure"
+    assert desk.asked["load"]["channels"] == {"angle": "2:deg"}
+
+
+def test_json(softid: Cli, desk: Desk) -> None:
+    """One document with a schema name and a list, also for one log."""
+    del desk
+    document = json.loads(softid("inspect", "a.csv", "--json").out)
+    assert document["schema"] == "softid.inspection/1"
+    (found,) = document["logs"]
+    assert found["log"] == "a"
+    assert found["sampling"]["n"] == 50
+    assert found["channels"][0]["role"] == "input"
+    assert {a["name"] for a in found["abilities"]} >= {"static curve", "inertia"}
+
+
+def test_it_needs_a_log(softid: Cli) -> None:
+    """Bad usage is 2; a file that is not there is 3."""
+    assert softid("inspect").code == 2
+    assert softid("inspect", "nowhere.csv").code == 3
+
+
+def test_a_measured_log(softid: Cli, measured: Path) -> None:
+    """The stalls and lost digits of the bend sensor, read from the file itself."""
+    told = softid("inspect", measured / "pneunet-finger-bendsensor" / "Sin_dataset_2.csv")
+    words = " ".join(told.out.split())
+    assert told.code == 0
+    assert "37 stalls longer than 0.5 s" in words
+    assert "drops out at 2 places (2 × lost digit): 43.57 s: 36.92 deg, 82.05 s: 9.36 deg" in words

@@ -1,0 +1,105 @@
+"""Settled windows: where they are, where they are not, and at which level."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from drawn_logs import follow, quantised
+
+from softid.excitation import distinct_levels, settled_windows
+from softid.excitation.holds import median_of_five, turning_points
+
+RUNGS = (0.0, 20.0, 40.0, 60.0, 40.0, 20.0, 0.0)
+
+
+def stairs(rate_hz: float = 100.0, hold_s: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
+    wanted = np.repeat(RUNGS, int(hold_s * rate_hz))
+    return np.arange(wanted.size) / rate_hz, wanted
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("lag_s", [0.02, 0.3])
+@pytest.mark.parametrize("step", [0.0, 0.8])
+def test_every_rung_is_a_window(noise: float, lag_s: float, step: float) -> None:
+    """One window per rung, at its level within the standard error of 60 samples and half a step."""
+    time_s, wanted = stairs()
+    rng = np.random.default_rng(0)
+    measured = follow(time_s, wanted, lag_s) + noise * rng.standard_normal(time_s.size)
+    windows = settled_windows(time_s, quantised(measured, step))
+    assert len(windows) == len(RUNGS)
+    for k, (window, rung) in enumerate(zip(windows, RUNGS, strict=True)):
+        assert window.level == pytest.approx(rung, abs=0.5 + 3 * noise / 60**0.5 + step / 2)
+        assert 300 * k <= window.start < window.stop <= 300 * (k + 1) + 30
+        assert window.stop - window.start >= 150
+
+
+def test_irregular_times() -> None:
+    """The same rungs on a clock that jumps between 2 and 40 ms."""
+    time_s, wanted = stairs()
+    kept = np.sort(np.random.default_rng(1).choice(time_s.size, 700, replace=False))
+    windows = settled_windows(time_s[kept], wanted[kept])
+    assert [w.level for w in windows] == list(RUNGS)
+
+
+def test_the_tail_of_a_window() -> None:
+    """A tail of 0.4 keeps the last 40 % of each window."""
+    time_s, wanted = stairs()
+    whole, tail = settled_windows(time_s, wanted), settled_windows(time_s, wanted, tail=0.4)
+    for full, part in zip(whole, tail, strict=True):
+        assert part.stop == full.stop
+        assert part.stop - part.start == pytest.approx(0.4 * (full.stop - full.start), abs=1)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.5, 2.0])
+@pytest.mark.parametrize("shape", ["sine", "triangle"])
+def test_extremes_of_a_wave_are_no_windows(shape: str, noise: float) -> None:
+    """A sine stays within 3 % of its extreme for 11 % of the period, and yet is never still."""
+    time_s = np.arange(4000) * 0.01
+    phase = (0.1 * time_s) % 1.0
+    wave = -np.cos(2 * np.pi * phase) if shape == "sine" else 1.0 - np.abs(4.0 * phase - 2.0)
+    values = 50.0 * wave + noise * np.random.default_rng(0).standard_normal(time_s.size)
+    assert settled_windows(time_s, values) == ()
+
+
+def test_a_flicker_does_not_split_a_hold() -> None:
+    """Two samples of the other level, as a logger with late messages writes."""
+    time_s, wanted = stairs()
+    wanted[750:752] = 0.0
+    windows = settled_windows(time_s, wanted)
+    assert len(windows) == len(RUNGS)
+    assert windows[2].level == 40.0
+
+
+def test_a_resting_log_is_one_window() -> None:
+    """Noise alone does not move."""
+    noise = np.random.default_rng(0).standard_normal(1000)
+    (window,) = settled_windows(np.arange(1000) * 0.01, 5.0 + noise)
+    assert (window.start, window.stop) == (0, 1000)
+    assert window.level == pytest.approx(5.0, abs=0.15)
+
+
+def test_a_held_input_has_no_false_windows() -> None:
+    """A sine of which only every 17th sample is new stands still, but never rests."""
+    time_s = np.arange(6000) * 0.01
+    held_s = 0.17 * np.floor(time_s / 0.17)
+    assert settled_windows(time_s, 30.0 * np.sin(2 * np.pi * 0.1 * held_s)) == ()
+
+
+def test_distinct_levels_do_not_chain() -> None:
+    """Levels 1 apart with a tolerance of 1.5: the first two are one level, the third is not."""
+    assert distinct_levels([0.0, 1.0, 2.0], 1.5) == (0.5, 2.0)
+
+
+def test_turning_points_of_a_triangle() -> None:
+    """Closed form: the corners."""
+    values = np.concatenate([np.arange(10.0), np.arange(10.0, 0.0, -1.0), np.arange(10.0)])
+    assert turning_points(values, 3.0).tolist() == [10, 20]
+
+
+def test_the_median_keeps_edges() -> None:
+    """A step stays where it is; one outlier vanishes."""
+    values = np.repeat([0.0, 1.0], 10)
+    spiked = values.copy()
+    spiked[4] = 50.0
+    assert np.array_equal(median_of_five(values), values)
+    assert np.array_equal(median_of_five(spiked), values)

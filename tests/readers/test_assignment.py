@@ -1,0 +1,205 @@
+"""Which column becomes which channel and which role: flags beat the sidecar, it beats names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from softid.errors import InputError, UsageError
+from softid.readers import load
+
+WriteFile = Callable[..., Path]
+
+
+def table(header: str, rows: int = 4) -> str:
+    """Rows of small rising numbers: 0.0, 0.1, … in the first column, +1 per column."""
+    width = header.count(",") + 1
+    lines = [",".join(str(round(0.1 * k + c, 3)) for c in range(width)) for k in range(rows)]
+    return "\n".join([header, *lines])
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "time_s,pressure_1,pressure_2,angle_deg",
+        "time_s,P1_kPa,P2_kPa,angle_deg",
+        "time_s,pressure_kpa,pressure_bar,angle_deg",
+    ],
+)
+def test_two_columns_that_look_like_pressure_are_listed(write_log: WriteFile, header: str) -> None:
+    _, first, second, _ = header.split(",")
+    with pytest.raises(InputError, match=f"2 columns look like pressure: {first}, {second}") as e:
+        load(write_log(table(header)))
+    assert f"--channel pressure={first}:" in str(e.value)
+
+
+def test_columns_of_one_name_are_told_by_number(write_log: WriteFile) -> None:
+    path = write_log(table("time_s,pressure_kpa,pressure_kpa,angle_deg"))
+    with pytest.raises(InputError, match=r"pressure_kpa \(column 2\), pressure_kpa \(column 3\)"):
+        load(path)
+    log = load(path, channels={"pressure": "3:kPa"})
+    assert log.pressure_kpa[0] == 2.0
+    assert log.channels["pressure_kpa"].values[0] == 1.0
+    with pytest.raises(InputError, match="columns 2 and 3 could be pressure_kpa"):
+        load(path, channels={"pressure": "pressure_kpa:kPa"})
+
+
+def test_an_unsettled_channel_is_no_error_when_nobody_needs_it(write_log: WriteFile) -> None:
+    path = write_log(table("time_s,pressure_1,pressure_2,angle_deg"))
+    log = load(path, input="pressure_1", outputs=["angle"])
+    assert set(log.channels) == {"angle", "pressure_1", "pressure_2"}
+    assert [i.code for i in log.issues] == ["channel-not-settled"]
+    with pytest.raises(InputError, match="look like pressure"):
+        load(path, input="pressure")
+
+
+@pytest.mark.parametrize("name", ["pressure", "angle"])
+def test_a_missing_unit_is_asked_for(write_log: WriteFile, name: str) -> None:
+    header = "time_s,pressure_kpa,angle_deg".replace(
+        f"{name}_{'kpa' if name[0] == 'p' else 'deg'}", name
+    )
+    with pytest.raises(InputError, match=f"the {name} has no unit") as caught:
+        load(write_log(table(header)))
+    assert f"--channel {name}={name}:" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("P left:bar", 100.0),
+        ("2:bar", 100.0),
+        ("p LEFT:bar", 100.0),
+        ("P left:25*kPa", 25.0),
+        ("a:b:kPa", 2.0),
+    ],
+)
+def test_flags_name_columns_by_name_or_number(
+    write_log: WriteFile, text: str, expected: float
+) -> None:
+    """The second column holds 1.0 first, the third 2.0; a name may contain a colon."""
+    path = write_log(table("time_s,P left,a:b,angle_deg"))
+    assert load(path, channels={"pressure": text}).pressure_kpa[0] == expected
+
+
+def test_a_name_may_be_given_without_its_unit(write_log: WriteFile) -> None:
+    log = load(write_log(table("time_s,P1 [bar],P2 [bar],angle_deg")), channels={"pressure": "P2"})
+    assert log.pressure_kpa[0] == 200.0
+
+
+@pytest.mark.parametrize("column", ["foo", "0", "5", "-1", ""])
+def test_unknown_columns_list_the_choices(write_log: WriteFile, column: str) -> None:
+    with pytest.raises(InputError, match="no such column") as caught:
+        load(write_log(table("time_s,a,b,c")), channels={"pressure": f"{column}:kPa"})
+    assert "time_s, a, b, c" in str(caught.value)
+    assert "--channel pressure" in str(caught.value)
+
+
+@pytest.mark.parametrize(("unit", "what"), [("deg", "unit of angle"), ("foo", "not a unit")])
+def test_wrong_units_are_refused(write_log: WriteFile, unit: str, what: str) -> None:
+    with pytest.raises(InputError, match=what):
+        load(write_log(table("time_s,a,angle_deg")), channels={"pressure": f"a:{unit}"})
+    with pytest.raises(InputError, match=what):
+        load(write_log(table(f"time_s,pressure [{unit}],angle_deg")))
+
+
+def test_missing_channels_say_which_option_helps(write_log: WriteFile) -> None:
+    with pytest.raises(InputError, match="no time column") as caught:
+        load(write_log(table("a,b,c")))
+    assert "--channel time=" in str(caught.value)
+    with pytest.raises(InputError, match="no input channel") as caught:
+        load(write_log(table("time_s,a,angle_deg")))
+    assert "--input" in str(caught.value)
+    with pytest.raises(InputError, match="no output channel") as caught:
+        load(write_log(table("time_s,pressure_kpa,a")))
+    assert "--output" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("header", "options", "roles"),
+    [
+        ("time_s,pressure_cmd_kpa,pressure_kpa,angle_deg", {}, ("pressure", ("angle",))),
+        ("time_s,pressure_cmd_kpa,angle_deg", {}, ("pressure_command", ("angle",))),
+        ("time_s,pressure_cmd_kpa,pressure_kpa", {}, ("pressure_command", ("pressure",))),
+        ("time_s,force_n,position_mm", {}, ("force", ("position",))),
+        ("time_s,pressure_kpa,force_n,position_mm", {}, ("pressure", ("position",))),
+        (
+            "time_s,pressure_cmd_kpa,pressure_kpa,angle_deg",
+            {"outputs": ["pressure"]},
+            ("pressure_command", ("pressure",)),
+        ),
+        (
+            "time_s,pressure_cmd_kpa,pressure_kpa,angle_deg",
+            {"input": "pressure_command"},
+            ("pressure_command", ("angle",)),
+        ),
+        ("time_s,pressure_kpa,torque_nmm,angle_deg", {"outputs": ["torque", "angle"]},
+         ("pressure", ("torque", "angle"))),
+        ("time_s,pressure_kpa,angle_deg", {"input": "angle_deg", "outputs": ["pressure_kpa"]},
+         ("angle", ("pressure",))),
+        ("time_s,pump,angle_deg", {"input": "pump"}, ("pump", ("angle",))),
+    ],
+)  # fmt: skip
+def test_roles(
+    write_log: WriteFile, header: str, options: dict[str, object], roles: tuple[str, object]
+) -> None:
+    """The defaults that the reader's documentation states, and the arguments that choose."""
+    log = load(write_log(table(header)), **options)  # type: ignore[arg-type]
+    assert (log.input, log.outputs) == roles
+
+
+@pytest.mark.parametrize("options", [{"input": "foo"}, {"outputs": ["foo"]}])
+def test_unknown_roles_list_the_choices(write_log: WriteFile, options: dict[str, object]) -> None:
+    with pytest.raises(UsageError, match="no channel foo") as caught:
+        load(write_log(table("time_s,pressure_kpa,angle_deg,x")), **options)  # type: ignore[arg-type]
+    assert "pressure, angle, x" in str(caught.value)
+
+
+SIDECAR = """
+[channels]
+pressure = {column = "a", unit = "bar"}
+angle = {column = 3, unit = "deg"}
+
+[roles]
+input = "pressure"
+output = ["angle"]
+
+[metadata]
+rig = "finger 3"
+supply_bar = 6
+"""
+
+
+@pytest.mark.parametrize("name", ["log.toml", "log.csv.toml"])
+def test_a_sidecar_beside_the_log_is_found(write_log: WriteFile, name: str) -> None:
+    write_log(SIDECAR, name)
+    log = load(write_log(table("time_s,a,b")))
+    assert (log.pressure_kpa[0], log.outputs) == (100.0, ("angle",))
+    assert dict(log.metadata) == {"rig": "finger 3", "supply_bar": "6"}
+
+
+def test_flags_beat_the_sidecar_and_the_sidecar_beats_names(write_log: WriteFile) -> None:
+    path = write_log(table("time_s,a,angle_rad,pressure_kpa"))
+    sidecar = write_log(SIDECAR, "other.toml")
+    log = load(path, sidecar=sidecar)
+    assert log.pressure_kpa[0] == 100.0  # a in bar, not the exact name pressure_kpa
+    np.testing.assert_allclose(log.channels["angle"].values[0], np.deg2rad(2.0))
+    assert load(path, sidecar=sidecar, channels={"pressure": "4:kPa"}).pressure_kpa[0] == 3.0
+
+
+def test_a_raw_channel_never_takes_a_known_name(write_log: WriteFile) -> None:
+    """Else its counts would be read as kPa."""
+    path = write_log(table("time_s,pressure,P [kPa],angle_deg"))
+    log = load(path, channels={"pressure": "P:kPa"})
+    assert log.channels["pressure_col2"].unit == "1"
+    assert log.channels["pressure_col2"].column == "pressure"
+    unsettled = load(write_log(table("time_s,pressure,pump,angle_deg")), input="pump")
+    assert set(unsettled.channels) == {"pressure_col2", "pump", "angle"}
+
+
+def test_a_column_of_timestamps_is_the_time_whatever_its_name(write_log: WriteFile) -> None:
+    rows = "2024-01-01T00:00:00,1,2\n2024-01-01T00:00:00.5,2,3\n"
+    log = load(write_log("stamp_utc,pressure_kpa,angle_deg\n" + rows))
+    assert log.time_s.tolist() == [0.0, 0.5]

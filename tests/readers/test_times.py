@@ -1,0 +1,94 @@
+"""The time axis, against dates and epochs worked out by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from softid.errors import InputError
+from softid.log import Log
+from softid.readers import load
+from softid.readers.times import PLAUSIBLE_PERIOD_S
+
+WriteFile = Callable[..., Path]
+
+
+def timed(write_log: WriteFile, header: str, cells: list[str], **options: object) -> Log:
+    rows = "\n".join(f"{cell};{k};{k}" for k, cell in enumerate(cells))
+    path = write_log(f"{header};pressure_kpa;angle_deg\n{rows}\n")
+    return load(path, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("header", "cells"),
+    [
+        ("time", ["0", "0.02", "0.04"]),
+        ("t_ms", ["0", "20", "40"]),
+        ("time [us]", ["0", "20000", "40000"]),
+        ("t [µs]", ["0", "20000", "40000"]),
+        ("min", ["0", "20", "40"]),
+    ],
+)
+def test_numbers_in_their_unit(write_log: WriteFile, header: str, cells: list[str]) -> None:
+    """A column called ``min`` is a minimum and no time: it has to be named."""
+    if header == "min":
+        with pytest.raises(InputError, match="no time column"):
+            timed(write_log, header, cells)
+        return
+    log = timed(write_log, header, cells)
+    np.testing.assert_allclose(log.time_s, [0.0, 0.02, 0.04], rtol=1e-15)
+
+
+@pytest.mark.parametrize("step", [PLAUSIBLE_PERIOD_S[0] / 2, PLAUSIBLE_PERIOD_S[1] * 2])
+def test_an_implausible_time_without_unit_is_asked_for(write_log: WriteFile, step: float) -> None:
+    cells = [repr(k * step) for k in range(4)]
+    with pytest.raises(InputError, match="the time has no unit") as caught:
+        timed(write_log, "time", cells)
+    assert "--channel time=time:ms" in str(caught.value)
+    assert timed(write_log, "time", cells, time_unit="s").period_s == pytest.approx(step)
+    flagged = timed(write_log, "time", cells, channels={"time": "time:ms"})
+    assert flagged.period_s == pytest.approx(step * 1e-3)
+    ticks = timed(write_log, "time", cells, channels={"time": "time:2.5*ms"})
+    assert ticks.period_s == pytest.approx(step * 2.5e-3)
+
+
+@pytest.mark.parametrize(
+    ("cells", "seconds"),
+    [
+        (
+            ["2024-02-28T23:59:59.5", "2024-02-29T00:00:00", "2024-03-01 00:00:00"],
+            [0, 0.5, 86400.5],
+        ),
+        (["2024-01-01T10:00:00Z", "2024-01-01T11:00:01+01:00"], [0, 1]),
+        (["2024-01-01 10:00:00,25", "2024-01-01 10:00:01,5"], [0, 1.25]),
+        (["10:00:00.5", "10:00:01", "11:00:00.5"], [0, 0.5, 3600]),
+        (["9:59:59", "10:00:00"], [0, 1]),
+    ],
+)
+def test_timestamps(write_log: WriteFile, cells: list[str], seconds: list[float]) -> None:
+    """2024 is a leap year; an offset of one hour is one hour."""
+    log = timed(write_log, "time", cells)
+    np.testing.assert_allclose(log.time_s, seconds, rtol=0, atol=1e-9)
+    assert log.metadata["start"] == cells[0]
+
+
+@pytest.mark.parametrize("odd", ["2024-01-01T00:00:02Z", "2 o'clock", "2.0", "2024-13-01T00:00:00"])
+def test_times_of_another_kind_are_named(write_log: WriteFile, odd: str) -> None:
+    cells = ["2024-01-01T00:00:00", "2024-01-01T00:00:01", odd]
+    with pytest.raises(InputError, match="not a time like 2024-01-01T00:00:00") as caught:
+        timed(write_log, "time", cells)
+    assert "row 4" in str(caught.value)
+
+
+def test_an_epoch_keeps_its_precision(write_log: WriteFile) -> None:
+    """1.7e9 s has a resolution of 2.4e-7 s in double precision; the log begins at zero."""
+    log = timed(write_log, "time", ["1700000000.25", "1700000000.26", "1700000000.27"])
+    np.testing.assert_allclose(log.time_s, [0.0, 0.01, 0.02], atol=3e-7)
+    assert log.metadata["start_epoch_s"] == "1700000000.25"
+    with pytest.raises(InputError, match="more than 1e\\+11 s"):
+        timed(write_log, "time", ["1700000000000", "1700000000010"])
+    log = timed(write_log, "time", ["1700000000000", "1700000000010"], time_unit="ms")
+    assert log.time_s.tolist() == [0.0, 0.01]
