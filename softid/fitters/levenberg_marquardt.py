@@ -199,7 +199,8 @@ def attainable_offset(
     gradient = normal.gradient[moving]
     scale = 1.0 / np.sqrt(np.diag(matrix))
     solution = _solve(matrix * np.outer(scale, scale), gradient * scale)
-    return float(np.sqrt(max(solution @ (gradient * scale), 0.0) / count / variance))
+    gain = max(float(solution @ (gradient * scale)), 0.0)
+    return float(np.sqrt(gain / count / variance))
 
 
 def _step(normal: Normal, moving: npt.NDArray[np.bool_], scale: Array, damping: float) -> Array:

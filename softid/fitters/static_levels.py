@@ -230,10 +230,16 @@ def _start(p: Array, x: Array, zero: bool) -> Array:
 def _refined(start: Array, p: Array, x: Array) -> Array:
     from scipy.optimize import least_squares  # 0.3 s to import
 
+    def residual(theta: Array) -> Array:
+        return _with_zero(theta, p)[0] - x
+
+    def jacobian(theta: Array) -> Array:
+        return _with_zero(theta, p)[1]
+
     found = least_squares(
-        lambda theta: _with_zero(theta, p)[0] - x,
+        residual,
         start,
-        jac=lambda theta: _with_zero(theta, p)[1],
+        jac=jacobian,
         x_scale="jac",
         xtol=1e-15,
         ftol=1e-15,

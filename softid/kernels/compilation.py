@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from softid.kernels.muscle import coefficient_derivatives, coefficients
 from softid.kernels.radau import propagate, propagate_with_sensitivities
 
-KERNELS = (propagate, propagate_with_sensitivities, coefficients, coefficient_derivatives)
+KERNELS: tuple[Any, ...] = (
+    propagate,
+    propagate_with_sensitivities,
+    coefficients,
+    coefficient_derivatives,
+)
 
 
 def needs_compiling() -> bool:

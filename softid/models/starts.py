@@ -216,7 +216,7 @@ def _thinned(segments: Sequence[Segment], motions: Sequence[Array], output: str)
         n = segment.time_s.size // k
         if n < 2:
             continue
-        used = segment.used[output][: n * k].reshape(n, k).all(axis=1)
+        used = np.asarray(segment.used[output][: n * k].reshape(n, k).all(axis=1), bool)
         filled = np.where(np.isfinite(motion), motion, 0.0)
 
         def mean(a: Array, n: int = n) -> Array:

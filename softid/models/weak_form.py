@@ -73,9 +73,8 @@ def _solve(matrix: Array, target: Array) -> list[float]:
 
 def _rows(segment: Segment, output: str, length_s: float) -> list[Array]:
     time = segment.time_s
-    starts = np.linspace(time[0], time[-1] - length_s, MAX_WINDOWS) if length_s > 0 else []
     rows = []
-    for start in starts:
+    for start in np.linspace(time[0], time[-1] - length_s, MAX_WINDOWS).tolist():
         inside = slice(*np.searchsorted(time, (start, start + length_s)).tolist())
         t = time[inside]
         if t.size < MIN_SAMPLES_PER_WINDOW or not segment.used[output][inside].all():

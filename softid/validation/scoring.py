@@ -100,7 +100,7 @@ def validate(
 def _from_fit(result: FitResult) -> _Scored:
     fitted = tuple(dict.fromkeys(row.log for row in result.statistics if row.in_sample))
     return _Scored(
-        MODELS[result.model.name](**result.model.options),  # type: ignore[arg-type]
+        MODELS[result.model.name](**result.model.options),
         result.values,
         result.input,
         result.outputs,
@@ -125,7 +125,7 @@ def _from_file(saved: SavedModel) -> _Scored:
 
 
 def _issues(logs: Sequence[Log], scored: _Scored, in_sample: Sequence[bool]) -> list[Issue]:
-    found = []
+    found: list[Issue] = []
     for log, known in zip(logs, in_sample, strict=True):
         found += log.issues
         if known:
