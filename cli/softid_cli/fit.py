@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,10 +21,12 @@ from softid_cli.options import (
     out_options,
     quiet_option,
 )
+from softid_cli.profiles import print_profiles, profile_entries, profile_figures, profiled
 
 if TYPE_CHECKING:
     from softid.log import Log
     from softid.results import FitResult
+    from softid.uncertainty.profile import ProfileResult
 
 RESULTS = Path("softid-out")
 PARAMS = "params.json"
@@ -39,6 +42,8 @@ class FitRequest:
     damping: str | None = None
     fixed_length: float | None = None
     diameter: float | None = None
+    options: tuple[str, ...] = ()
+    profile: tuple[str, ...] = ()
     fix: tuple[str, ...] = ()
     bound: tuple[str, ...] = ()
     tie: tuple[str, ...] = ()
@@ -88,6 +93,18 @@ class FitRequest:
     "--fixed-length", type=float, metavar="MM", help="Fixed length of the muscle's arc geometry."
 )
 @click.option("--diameter", type=float, metavar="MM", help="Diameter of the muscle's arc geometry.")
+@click.option(
+    "--option",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Other option of the model, such as order=first; may be repeated.",
+)
+@click.option(
+    "--profile",
+    multiple=True,
+    metavar="NAME",
+    help="Interval of a parameter by refitting all others along it; may be repeated.",
+)
 @out_options
 @click.option("--no-plots", is_flag=True, help="Write params.json only.")
 @click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Random seed.")
@@ -106,6 +123,8 @@ def fit(
     damping: str | None,
     fixed_length: float | None,
     diameter: float | None,
+    option: tuple[str, ...],
+    profile: tuple[str, ...],
     out: Path | None,
     force: bool,
     no_plots: bool,
@@ -126,6 +145,8 @@ def fit(
             damping=damping,
             fixed_length=fixed_length,
             diameter=diameter,
+            options=option,
+            profile=profile,
             fix=fix,
             bound=bound,
             tie=tie,
@@ -165,6 +186,7 @@ def identify(request: FitRequest) -> None:
         damping=request.damping,
         fixed_length_mm=request.fixed_length,
         diameter_mm=request.diameter,
+        options=request.options,
     )
     parameters = chosen_parameters(model, fix=request.fix, bound=request.bound, tie=request.tie)
     paths = (*request.logs, *request.hold_out)
@@ -183,29 +205,36 @@ def identify(request: FitRequest) -> None:
             seed=request.seed,
             progress=report,
         )
-    if not result.success:
-        raise IdentificationError(
-            f"{result.status.value}, so no results were written",
-            where=", ".join(log.name for log in fitted),
-            remedy="fix or bound a parameter, choose a simpler --model, or add a log",
-        )
-    _deliver(request, result, fitted[0])
+        if not result.success:
+            raise IdentificationError(
+                f"{result.status.value}, so no results were written",
+                where=", ".join(log.name for log in fitted),
+                remedy="fix or bound a parameter, choose a simpler --model, or add a log",
+            )
+        profiles = profiled(result, fitted, request.profile, progress=report)
+    _deliver(request, result, profiles, fitted[0])
 
 
-def _deliver(request: FitRequest, result: FitResult, first: Log) -> None:
+def _deliver(
+    request: FitRequest, result: FitResult, profiles: Mapping[str, ProfileResult], first: Log
+) -> None:
     """Print the tables first, so that a full disk does not take them too; then write."""
     from softid.records import dump_json, fit_document, write_folder
 
     document = fit_document(result)
+    if profiles:
+        document |= {"profiles": profile_entries(profiles)}
     if not request.as_json:
         from softid_cli.tables import print_fit
 
         print_fit(result)
+        print_profiles(result, profiles)
     files: dict[str, str | bytes] = {PARAMS: dump_json(document)}
     if request.plots:
         from softid_cli.figures import drawn
 
         files |= drawn(result)
+        files |= profile_figures(result, profiles)
     folder = request.out or _free_folder(RESULTS / first.name.replace("/", "_"))
     written = write_folder(folder, files, overwrite=request.force)
     if request.as_json:

@@ -27,6 +27,7 @@ def chosen_model(
     damping: str | None = None,
     fixed_length_mm: float | None = None,
     diameter_mm: float | None = None,
+    options: Sequence[str] = (),
 ) -> Model | None:
     """The model that the options describe, or None when softid is to choose.
 
@@ -35,7 +36,10 @@ def chosen_model(
     UsageError
         There is no such model, or it does not have an option that was given.
     """
-    given: dict[str, str | float] = {}
+    given: dict[str, str | float] = {
+        key: _plain(text)
+        for key, text in assignments(options, option="--option", form="NAME=VALUE").items()
+    }
     if damping is not None:
         given["damping"] = damping
     if fixed_length_mm is not None:
@@ -62,12 +66,22 @@ def chosen_model(
         if option not in known:
             raise UsageError(
                 f"the {name} model has no such option",
-                where=_FLAGS[option],
-                remedy=f"leave {_FLAGS[option]} away, or choose --model muscle",
+                where=_FLAGS.get(option, f"--option {option}"),
+                remedy=f"its options are {', '.join(sorted(known))}",
             )
     options: dict[str, object] = dict(given)
     model: Model = MODELS[name](**options)
     return model
+
+
+def _plain(text: str) -> str | float:
+    """A number where the text is one."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
 
 
 def chosen_parameters(

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from softid.errors import UsageError
 from softid.log import Segment
 from softid.models.second_order import Division
 from softid.parameters import ParameterSet
@@ -39,6 +40,23 @@ class Response:
     by_parameter: Mapping[str, Array] | None
     by_state: Mapping[str, Array] | None
     start: Array
+
+
+def require_choice(option: str, value: object, choices: Sequence[str]) -> None:
+    """Refuse a model option that is not one of its choices.
+
+    Raises
+    ------
+    UsageError
+        The value is none of them.
+    """
+    if value not in choices:
+        raise UsageError(
+            f"the model has no such {option}",
+            where=f"option {option}",
+            value=value,
+            remedy=f"choose from {', '.join(choices)}",
+        )
 
 
 @dataclass(frozen=True)

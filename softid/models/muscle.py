@@ -12,7 +12,7 @@ import numpy.typing as npt
 from softid.errors import UsageError
 from softid.kernels.muscle import coefficient_derivatives, coefficients
 from softid.log import Segment
-from softid.models.base import Model, Response
+from softid.models.base import Model, Response, require_choice
 from softid.models.geometry import ArcGeometry
 from softid.models.second_order import (
     ORDERS,
@@ -109,6 +109,8 @@ class Muscle(Model):
     }
 
     def __post_init__(self) -> None:
+        require_choice("damping", self.damping, ("exponential", "constant"))
+        require_choice("order", self.order, ORDERS)
         if (self.fixed_length_mm is None) != (self.diameter_mm is None):
             raise UsageError(
                 "the arc geometry needs both lengths",

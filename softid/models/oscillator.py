@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.log import Segment
-from softid.models.base import Model, Response
+from softid.models.base import Model, Response, require_choice
 from softid.models.second_order import (
     ORDERS,
     Division,
@@ -101,6 +101,10 @@ class Oscillator(Model):
         "G": "nothing: only its ratio to M, N and Q shows",
         "offset": "levels of both signs, and a known sensor zero",
     }
+
+    def __post_init__(self) -> None:
+        require_choice("order", self.order, ORDERS)
+        require_choice("spring", self.spring, ("linear", "none"))
 
     def adapted(self, units: Mapping[str, str], *, inverted: bool = False) -> Oscillator:
         """The model with the units of the logs."""

@@ -1,0 +1,70 @@
+"""Profile likelihood: agrees with the covariance where that is right, and says so where it is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from softid.errors import UsageError
+from softid.identification import fit
+from softid.identification.profiling import profile_parameter
+from softid.log import Log
+
+
+def first_order_log(hold_s: float, *, seed: int = 3) -> Log:
+    """0.3 s lag of gain 0.01 rad/kPa by its closed form at every step, with 0.5 % white noise."""
+    time = np.arange(0.0, 16.0, 0.02)
+    level = np.where(time % (2 * hold_s) < hold_s, 20.0, 100.0)
+    angle = np.empty_like(time)
+    angle[0] = 0.2
+    decay = np.exp(-0.02 / 0.3)
+    for k in range(1, time.size):
+        # The input is straight between samples: exact first-order hold.
+        u0, u1 = 0.01 * level[k - 1], 0.01 * level[k]
+        slope = (u1 - u0) / 0.02
+        particular = u1 - slope * 0.3
+        start = u0 - slope * 0.3
+        angle[k] = particular + (angle[k - 1] - start) * decay
+    noise = 0.004 * np.random.default_rng(seed).standard_normal(time.size)
+    return Log.from_arrays(time, {"pressure": level, "angle": angle + noise}, name="lag")
+
+
+def test_an_identified_parameter_has_the_interval_of_the_covariance() -> None:
+    # A nearly linear problem: both intervals agree to a few per cent of their width.
+    log = first_order_log(2.0)
+    result = fit(log, model="oscillator")
+    estimate = result.parameter("Q")
+    found = profile_parameter(result, log, "Q")
+    assert estimate.ci95 is not None
+    width = estimate.ci95[1] - estimate.ci95[0]
+    for end, expected in zip(found.ci95, estimate.ci95, strict=True):
+        assert end is not None
+        assert end == pytest.approx(expected, abs=0.05 * width)
+
+
+def test_an_unseen_saturation_is_open_on_one_side() -> None:
+    # Between 0.2 and 1 bar a curve that saturates beyond 5 bar cannot be told from one that never
+    # does: the largest contraction 1/a1 has no upper limit, so a1 has none below.
+    rng = np.random.default_rng(8)
+    time = np.arange(0.0, 20.0, 0.02)
+    bar = 0.2 + 0.2 * (time // 4.0)
+    at_rest = 1.0 / (0.01 + 20.0 * np.exp(-1.2 * bar))
+    log = Log.from_arrays(
+        time,
+        {
+            "pressure": 100.0 * bar,
+            "angle": at_rest + 1e-3 * rng.standard_normal(time.size),
+        },
+        name="low",
+    )
+    result = fit(log, model="muscle")
+    found = profile_parameter(result, log, "a1")
+    assert found.ci95[0] is None
+    assert found.ci95[1] is not None
+
+
+def test_a_parameter_that_was_not_free_is_refused() -> None:
+    log = first_order_log(2.0)
+    result = fit(log, model="oscillator")
+    with pytest.raises(UsageError, match="G was not free"):
+        profile_parameter(result, log, "G")
