@@ -186,7 +186,7 @@ def identify(request: FitRequest) -> None:
         damping=request.damping,
         fixed_length_mm=request.fixed_length,
         diameter_mm=request.diameter,
-        options=request.options,
+        other=request.options,
     )
     parameters = chosen_parameters(model, fix=request.fix, bound=request.bound, tie=request.tie)
     paths = (*request.logs, *request.hold_out)

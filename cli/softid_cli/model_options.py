@@ -27,7 +27,7 @@ def chosen_model(
     damping: str | None = None,
     fixed_length_mm: float | None = None,
     diameter_mm: float | None = None,
-    options: Sequence[str] = (),
+    other: Sequence[str] = (),
 ) -> Model | None:
     """The model that the options describe, or None when softid is to choose.
 
@@ -38,7 +38,7 @@ def chosen_model(
     """
     given: dict[str, str | float] = {
         key: _plain(text)
-        for key, text in assignments(options, option="--option", form="NAME=VALUE").items()
+        for key, text in assignments(other, option="--option", form="NAME=VALUE").items()
     }
     if damping is not None:
         given["damping"] = damping

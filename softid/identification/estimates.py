@@ -1,125 +1,39 @@
-"""From an optimum to what is reported: errors, verdicts, noise, scores."""
+"""From an optimum to what is reported: estimates with verdicts, nuisances, scores."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from softid.fitters.output_error import Optimum
-from softid.fitters.problem import Block, Problem
+from softid.fitters.problem import Problem
+from softid.identification.errors_of_fit import Errors
+from softid.identification.wishes import Wishes
 from softid.log import Log
+from softid.parameters import Scale
 from softid.residuals import fit_statistics
 from softid.results import (
     FitStatistics,
     LogNuisance,
-    NoiseModel,
     ParameterEstimate,
     SegmentStart,
     Simulation,
     Verdict,
 )
-from softid.uncertainty import (
-    CI_METHOD,
-    Covariance,
-    ResidualBlock,
-    confidence_interval,
-    fit_ar,
-    log_likelihood,
-    noise_model,
-    sandwich_covariance,
-    standard_error,
-    to_linear,
-)
+from softid.uncertainty import CI_METHOD, confidence_interval, standard_error
 from softid.uncertainty.identifiability import judge
 
-Array = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Errors:
-    """Uncertainty of an optimum.
-
-    Attributes
-    ----------
-    covariance
-        Over `determined`, in internal coordinates; None when nothing was free.
-    determined
-        Unknowns away from bounds, as indices into the problem's vector.
-    noise
-        Noise model of every output channel.
-    aic, bic
-        From the likelihood of the residuals under their autoregressions.
-    """
-
-    covariance: Covariance | None
-    determined: tuple[int, ...]
-    noise: tuple[NoiseModel, ...]
-    aic: float | None
-    bic: float | None
-
-
-def unknown_names(problem: Problem) -> list[str]:
-    """A name for every unknown, shape (U,)."""
-    names = [f"unknown {k}" for k in range(problem.size)]
-    names[: len(problem.free)] = problem.free
-    if problem.zeros:
-        for k, log in enumerate(problem.logs):
-            for channel in problem.outputs:
-                names[problem.zero_position(k, channel)] = f"zero of {log.name} {channel}"
-    return names
-
-
-def errors_of(problem: Problem, optimum: Optimum) -> Errors:
-    """Covariance, noise models and information criteria at an optimum."""
-    blocks = list(problem.blocks(optimum.unknowns, derivatives=True))
-    stuck = optimum.at_bound.copy()
-    stuck[len(problem.free) :] = False
-    columns = np.flatnonzero(~stuck)
-    grouped = [_residual_block(problem, blocks, name, columns, optimum) for name in problem.outputs]
-    names = unknown_names(problem)
-    noise, likelihood = [], 0.0
-    for block in grouped:
-        ar = fit_ar(block.residuals)
-        noise.append(
-            noise_model(block.channel, block.residuals, fitted_parameters=problem.size, ar=ar)
-        )
-        likelihood += log_likelihood(ar, block.residuals)
-    n = problem.n_samples
-    covariance = None
-    if columns.size and n > columns.size:
-        covariance = sandwich_covariance(grouped, [names[k] for k in columns])
-    return Errors(
-        covariance,
-        tuple(int(k) for k in columns),
-        tuple(noise),
-        2.0 * problem.size - 2.0 * likelihood,
-        float(np.log(n)) * problem.size - 2.0 * likelihood,
-    )
-
-
-def _residual_block(
-    problem: Problem, blocks: Sequence[Block], channel: str, columns: Array, optimum: Optimum
-) -> ResidualBlock:
-    """Spread used residuals over all samples of their segment, so that gaps stay gaps."""
-    jacobians, residuals = [], []
-    for block in blocks:
-        if block.channel != channel or block.jacobian is None:
-            continue
-        used = problem.segments[block.segment].used[channel]
-        jacobian = np.zeros((used.size, len(columns)))
-        residual = np.full(used.size, np.nan)
-        jacobian[used] = block.jacobian[:, columns]
-        residual[used] = block.residual
-        jacobians.append(jacobian)
-        residuals.append(residual)
-    return ResidualBlock(channel, tuple(jacobians), tuple(residuals), 1.0 / optimum.sigma[channel])
+MOST_RATIO = 1e6
+"""An interval over more than this factor says nothing but that the parameter is not known."""
 
 
 def parameter_estimates(
-    problem: Problem, optimum: Optimum, errors: Errors, unseen: Mapping[str, str]
+    problem: Problem,
+    optimum: Optimum,
+    errors: Errors,
+    unseen: Mapping[str, str],
+    wishes: Wishes,
 ) -> tuple[ParameterEstimate, ...]:
     """One row per parameter of the model.
 
@@ -129,6 +43,8 @@ def parameter_estimates(
         The fit.
     unseen
         Parameters that were dropped because the logs cannot see them, with the reason.
+    wishes
+        What the user asked for: only bounds of theirs say how wide a search was plausible.
     """
     theta = dict(zip(problem.parameters.names, problem.theta(optimum.unknowns), strict=True))
     rows = []
@@ -142,14 +58,17 @@ def parameter_estimates(
         if row is not None and covariance is not None:
             sd, freedom = covariance.sd[row], covariance.degrees_of_freedom[row]
         at_bound = index is not None and bool(optimum.at_bound[index])
-        verdict, reason = _verdict(problem, errors, name, sd, row, at_bound, unseen, theta[name])
+        known = at_bound or wishes.bounds(name)
+        verdict, reason = _verdict(
+            problem, errors, name, sd, row, at_bound, unseen, theta[name], use_bounds=known
+        )
         rows.append(
             ParameterEstimate(
                 name=name,
                 unit=p.unit,
                 value=float(theta[name]),
                 stderr=standard_error(float(theta[name]), p.scale, sd),
-                ci95=confidence_interval(float(theta[name]), p.scale, sd, freedom),
+                ci95=_interval(float(theta[name]), p.scale, sd, freedom),
                 ci_method=CI_METHOD if sd is not None else None,
                 lower=p.lower if np.isfinite(p.lower) else None,
                 upper=p.upper if np.isfinite(p.upper) else None,
@@ -166,6 +85,16 @@ def parameter_estimates(
     return tuple(rows)
 
 
+def _interval(
+    value: float, scale: Scale, sd: float | None, freedom: float | None
+) -> tuple[float, float] | None:
+    """95 % interval, or None where it would span so many orders that it says nothing."""
+    interval = confidence_interval(value, scale, sd, freedom)
+    if interval is None or scale == "linear" or interval[1] < MOST_RATIO * interval[0]:
+        return interval
+    return None
+
+
 def _verdict(
     problem: Problem,
     errors: Errors,
@@ -175,6 +104,8 @@ def _verdict(
     at_bound: bool,
     unseen: Mapping[str, str],
     value: float,
+    *,
+    use_bounds: bool,
 ) -> tuple[Verdict, str]:
     p = problem.parameters[name]
     if name in unseen:
@@ -190,9 +121,8 @@ def _verdict(
         sd,
         at_bound=at_bound,
         partner=partner,
-        # The search is far wider than anything plausible, so it is no measure of what is known.
-        lower=p.lower if at_bound else None,
-        upper=p.upper if at_bound else None,
+        lower=p.lower if use_bounds else None,
+        upper=p.upper if use_bounds else None,
         companions=_companions(errors, name),
     )
 
@@ -221,29 +151,6 @@ def _companions(errors: Errors, name: str) -> tuple[str, ...]:
     """Other unknowns in a direction that the residuals cannot see, together with this one."""
     groups = errors.covariance.undetermined if errors.covariance else ()
     return tuple(n for group in groups if name in group for n in group if n != name)
-
-
-def free_covariance(
-    problem: Problem, optimum: Optimum, errors: Errors
-) -> tuple[tuple[str, ...], Array | None, Array | None]:
-    """Names, covariance and correlation of the free parameters that have standard errors."""
-    if errors.covariance is None:
-        return (), None, None
-    keep = [
-        r
-        for r, k in enumerate(errors.determined)
-        if k < len(problem.free) and errors.covariance.sd[r] is not None
-    ]
-    names = tuple(errors.covariance.names[r] for r in keep)
-    if not keep:
-        return (), None, None
-    theta = dict(zip(problem.parameters.names, problem.theta(optimum.unknowns), strict=True))
-    every = errors.covariance.names
-    values = [theta.get(n, 1.0) for n in every]
-    scales = [problem.parameters[n].scale if n in theta else "linear" for n in every]
-    linear = to_linear(errors.covariance, values, scales)[np.ix_(keep, keep)]
-    sd = np.sqrt(np.diag(linear))
-    return names, linear, linear / np.outer(sd, sd)
 
 
 def nuisances_of(

@@ -1,22 +1,18 @@
-"""What has to be settled before a fit: usable logs, units, direction, and the user's wishes."""
+"""What has to be settled before a fit: usable logs, and a model that links their channels."""
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softid.errors import InputError, UsageError
+from softid.errors import InputError, Issue, UsageError
 from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
-from softid.parameters import Parameter, ParameterSet
+from softid.quality import dropout_mask
 
-if TYPE_CHECKING:
-    import lmfit
 
 def as_log_set(logs: Log | Sequence[Log]) -> LogSet:
     """One log or several as a `LogSet`."""
@@ -58,6 +54,55 @@ def require_excitation(logs: LogSet) -> None:
                     value=float(finite[0] * log.channels[name].display_factor),
                     remedy="check the sensor, or choose another --output",
                 )
+
+
+def without_dropouts(log: Log) -> Log:
+    """Leave drop-outs of the outputs out of the residuals, and say so.
+
+    Missing samples are left out already; these are samples that hold a wrong number.
+    """
+    dropped = dropout_mask(log)
+    for name in log.outputs:
+        dropped &= np.isfinite(log.channels[name].values)
+    count = int(dropped.sum())
+    if count == 0:
+        return log
+    first_s = float(log.time_s[np.flatnonzero(dropped)[0]])
+    issue = Issue(
+        "drop-out",
+        "info",
+        f"{log.name}: {count} samples are drop-outs, the first at {first_s:.4g} s; they are left "
+        "out of the residuals",
+        "see them with `softid inspect`",
+    )
+    return replace(log.with_masked(dropped), issues=(*log.issues, issue))
+
+
+def require_same_units(logs: LogSet) -> None:
+    """Refuse raw channels whose unit differs from log to log.
+
+    Raises
+    ------
+    UsageError
+        Two logs record a channel in different units, which only a raw channel can.
+    """
+    first = logs.logs[0]
+    for log in logs:
+        for name in (logs.input, *logs.outputs):
+            unit, wanted = log.channels[name].unit, first.channels[name].unit
+            if unit != wanted:
+                raise UsageError(
+                    f"{name} is in {unit}, but in {wanted} in {first.name}",
+                    where=log.name,
+                    remedy="name its unit with --channel",
+                )
+
+
+def same_stretch(a: Log, b: Log) -> bool:
+    """Whether two logs come from one file and overlap in time."""
+    if a.source is None or b.source is None or a.source.sha256 != b.source.sha256:
+        return False
+    return bool(a.time_s[0] <= b.time_s[-1] and b.time_s[0] <= a.time_s[-1])
 
 
 def units_of(logs: LogSet) -> dict[str, str]:
@@ -135,116 +180,3 @@ def adapted_model(model: Model | str, logs: LogSet, *, inverted: bool) -> Model:
     named = named_model(model)
     require_channels(named, logs)
     return named.adapted(units_of(logs), inverted=inverted)
-
-
-def with_wishes(
-    declared: ParameterSet,
-    base: ParameterSet,
-    wishes: ParameterSet | lmfit.Parameters | None,
-) -> ParameterSet:
-    """The model's parameters with the user's values, bounds, fixed values and ties laid over.
-
-    What the user left as the model has it is no wish. A parameter that the model itself holds stays
-    held: a limit of the model has dropped it.
-
-    Parameters
-    ----------
-    declared
-        Parameters of the model as adapted to the logs, or of one of its limits.
-    base
-        Parameters of the model as the user knows it.
-    wishes
-        As `softid.fit` takes them.
-
-    Raises
-    ------
-    UsageError
-        A parameter is unknown, or is one that the model holds with these options.
-    """
-    if wishes is None:
-        return declared
-    overlaid = declared
-    for name, wish in _wished(base, wishes).items():
-        p, was = declared[name], base[name]
-        if wish == was:
-            continue
-        if was.fixed and not wish.fixed:
-            raise UsageError(
-                f"the model holds {name} at {was.value:g} with these options",
-                where=f"parameter {name}",
-                remedy="leave it fixed, or choose other options of the model",
-            )
-        if p.fixed and not was.fixed:
-            continue
-        overlaid = overlaid.replacing(
-            replace(
-                p,
-                value=wish.value,
-                lower=wish.lower,
-                upper=wish.upper,
-                fixed=wish.fixed,
-                tie=wish.tie,
-            )
-        )
-    return overlaid
-
-
-def _wished(base: ParameterSet, wishes: ParameterSet | lmfit.Parameters) -> ParameterSet:
-    """The wishes as parameters of the model; where lmfit has no bound the model's own stays."""
-    if isinstance(wishes, ParameterSet):
-        unknown = [name for name in wishes if name not in base]
-        if unknown:
-            raise UsageError(
-                f"the model has no parameter {unknown[0]}",
-                remedy=f"choose from {', '.join(base.names)}",
-            )
-        return wishes
-    taken = []
-    for name, p in base.updated_from_lmfit(wishes).items():
-        was = base[name]
-        lower = was.lower if name in wishes and np.isneginf(wishes[name].min) else p.lower
-        upper = was.upper if name in wishes and np.isposinf(wishes[name].max) else p.upper
-        held = p.fixed or p.tie is not None
-        inside = p.value if held else float(np.clip(p.value, lower, upper))
-        if held:
-            lower, upper = min(lower, p.value), max(upper, p.value)
-        taken.append(replace(p, value=inside, lower=lower, upper=upper))
-    return ParameterSet(tuple(taken))
-
-
-def insists_on(
-    base: ParameterSet, wishes: ParameterSet | lmfit.Parameters | None, names: set[str]
-) -> bool:
-    """Whether the user's bounds or ties keep some of these parameters in the model."""
-    if wishes is None:
-        return False
-    wished = _wished(base, wishes)
-    ties = [p.tie for p in wished.values() if p.tie is not None]
-    used = {n.id for tie in ties for n in ast.walk(ast.parse(tie)) if isinstance(n, ast.Name)}
-    bounded = {n for n, p in wished.items() if n in names and p.lower > base[n].lower}
-    return bool(used & names or bounded)
-
-
-def start_values(
-    declared: ParameterSet, wished: ParameterSet, starts: Sequence[Mapping[str, float]]
-) -> list[dict[str, float]]:
-    """Starts for the optimiser: the user's own values first, then those found from the data.
-
-    Parameters
-    ----------
-    declared
-        The model's parameters as the model declares them.
-    wished
-        The same after the user's wishes.
-    starts
-        Parameter name → value found from the data.
-    """
-
-    def within(p: Parameter, value: float) -> float:
-        return p.value if p.fixed else float(np.clip(value, p.lower, p.upper))
-
-    found = [{n: within(p, start[n]) for n, p in wished.items()} for start in starts]
-    own = any(wished[n].value != declared[n].value and not wished[n].fixed for n in wished.names)
-    if own or not found:
-        found.insert(0, wished.values_dict())
-    return found

@@ -10,7 +10,7 @@ import numpy as np
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.output_error import Objective, output_error
 from softid.fitters.problem import Problem
-from softid.identification.estimates import errors_of
+from softid.identification.errors_of_fit import errors_of
 from softid.identification.preparation import as_log_set
 from softid.log import Log
 from softid.models import MODELS

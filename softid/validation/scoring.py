@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from softid.errors import Issue, UsageError
+from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.findings import extrapolation
-from softid.identification.preparation import as_log_set
-from softid.identification.workflow import held_out
-from softid.log import Log
+from softid.identification.preparation import as_log_set, without_dropouts
+from softid.log import Log, LogSet
 from softid.models import MODELS, Model
 from softid.records import SavedModel
 from softid.results import FitResult, Validation
@@ -63,7 +63,7 @@ def validate(
         The response is not finite on a log.
     """
     scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
-    log_set = as_log_set(logs)
+    log_set = LogSet(tuple(without_dropouts(log) for log in as_log_set(logs)))
     for log in log_set:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
             raise UsageError(

@@ -35,8 +35,10 @@ def test_an_unknown_profile_is_refused_in_a_sentence(tmp_path: Path) -> None:
 def test_options_reach_the_model(tmp_path: Path) -> None:
     out = tmp_path / "fit"
     code = run(
-        ["fit", LOG, "--model", "oscillator", "--option", "order=first", "--out", str(out)]
-        + ["--quiet", "--no-plots"]
+        [
+            *("fit", LOG, "--model", "oscillator", "--option", "order=first"),
+            *("--out", str(out), "--quiet", "--no-plots"),
+        ]
     )
     assert code == 0
     model = json.loads((out / "params.json").read_text())["model"]

@@ -1,4 +1,4 @@
-"""Profile likelihood: agrees with the covariance where that is right, and says so where it is not."""
+"""Profile likelihood: agrees with the covariance where that is right, and says where it is not."""
 
 from __future__ import annotations
 

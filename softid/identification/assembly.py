@@ -1,0 +1,138 @@
+"""From an optimum to a `FitResult`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from softid.errors import IdentificationError, Issue
+from softid.fitters.output_error import Optimum, refit_nuisance
+from softid.fitters.problem import Problem
+from softid.identification.choice import ModelChoice
+from softid.identification.errors_of_fit import errors_of, free_covariance
+from softid.identification.estimates import nuisances_of, parameter_estimates, scores
+from softid.identification.findings import fitted_range, issues_of
+from softid.identification.wishes import Wishes
+from softid.log import Log, LogSet
+from softid.models.base import Model
+from softid.results import FitResult, LogNuisance, Simulation
+from softid.simulation import simulate
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """A finished optimisation.
+
+    Attributes
+    ----------
+    problem, optimum
+        What was fitted, and where it ended.
+    unseen
+        Parameters dropped on the way because the logs cannot see them → the reason.
+    wishes
+        What the user asked for.
+    """
+
+    problem: Problem
+    optimum: Optimum
+    unseen: Mapping[str, str]
+    wishes: Wishes
+
+
+def assemble(
+    found: Identified,
+    logs: LogSet,
+    held: Sequence[Log],
+    *,
+    choice: ModelChoice | None,
+    seed: int,
+) -> FitResult:
+    """Errors, verdicts, scores and issues around an optimum.
+
+    Parameters
+    ----------
+    found
+        The finished optimisation.
+    logs, held
+        Fitted and held-out logs.
+    choice
+        How the model was chosen, if softid chose it.
+    seed
+        For the record.
+
+    Raises
+    ------
+    IdentificationError
+        No start gave a finite response.
+    """
+    problem, optimum = found.problem, found.optimum
+    model = problem.model
+    if not np.isfinite(optimum.cost):
+        raise IdentificationError(
+            optimum.status.value,
+            where=", ".join(log.name for log in logs),
+            remedy="check the units, fix or bound a parameter, or choose another --model",
+        )
+    errors = errors_of(problem, optimum)
+    estimates = parameter_estimates(problem, optimum, errors, found.unseen, found.wishes)
+    values = {e.name: e.value for e in estimates}
+    nuisances = nuisances_of(problem, optimum, errors)
+    simulations = _simulations(model, values, logs.logs, nuisances)
+    held_nuisances, held_simulations = held_out(model, values, held)
+    statistics = (
+        *scores(logs.logs, simulations, in_sample=True),
+        *scores(held, held_simulations, in_sample=False),
+    )
+    names, covariance, correlation = free_covariance(problem, optimum, errors)
+    ranges = fitted_range(logs)
+    issues = [issue for log in (*logs, *held) for issue in log.issues]
+    issues += issues_of(estimates, errors, found.unseen, ranges, held, statistics)
+    if not optimum.status.success:
+        issues.insert(0, Issue("not-converged", "error", optimum.status.value))
+    return FitResult(
+        model=model.spec(),
+        input=logs.input,
+        outputs=logs.outputs,
+        status=optimum.status,
+        message=optimum.status.value,
+        parameters=estimates,
+        derived=model.derived(values, ranges[logs.input]),
+        nuisances=(*nuisances, *held_nuisances),
+        statistics=statistics,
+        noise=errors.noise,
+        correlation=correlation,
+        covariance=covariance,
+        free=names,
+        condition_number=errors.covariance.condition_number if errors.covariance else None,
+        aic=errors.aic,
+        bic=errors.bic,
+        fitted_range=ranges,
+        simulations=(*simulations, *held_simulations),
+        evaluations=optimum.evaluations,
+        issues=tuple(issues),
+        choice=choice.reason if choice else None,
+        fingerprints={log.name: log.source.sha256 if log.source else "" for log in (*logs, *held)},
+        options={"seed": float(seed)},
+    )
+
+
+def held_out(
+    model: Model, values: Mapping[str, float], logs: Sequence[Log]
+) -> tuple[tuple[LogNuisance, ...], tuple[Simulation, ...]]:
+    """Zeros, initial states and simulations of logs that were not fitted, parameters held."""
+    if not logs:
+        return (), ()
+    problem = Problem(model, model.parameters().with_fixed(values), logs)
+    nuisances = nuisances_of(problem, refit_nuisance(problem), None)
+    return nuisances, _simulations(model, values, logs, nuisances)
+
+
+def _simulations(
+    model: Model, values: Mapping[str, float], logs: Sequence[Log], nuisances: Sequence[LogNuisance]
+) -> tuple[Simulation, ...]:
+    return tuple(
+        simulate(model, values, log, nuisance=nuisance)
+        for log, nuisance in zip(logs, nuisances, strict=True)
+    )

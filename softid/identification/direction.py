@@ -1,0 +1,75 @@
+"""Whether an output falls as its input rises."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from softid.fitters.output_error import output_error
+from softid.fitters.problem import Problem
+from softid.identification.preparation import units_of
+from softid.log import LogSet
+from softid.models import MODELS
+from softid.models.base import Model
+
+BASELINE = "oscillator"
+"""The model with which both directions are tried: linear, quick, and it takes any channels."""
+
+
+def falls_with_input(logs: LogSet, *, rng: np.random.Generator) -> bool:
+    """Whether the first output falls as the input rises.
+
+    A negative correlation is not enough: past its natural frequency any actuator moves against its
+    input. Then the oscillator is tried in both directions and the one that explains the logs better
+    counts.
+
+    Parameters
+    ----------
+    logs
+        What is to be fitted.
+    rng
+        Draws for the drafts.
+
+    Examples
+    --------
+    >>> from softid.log import Log
+    >>> t = np.arange(0.0, 8.0, 0.05)
+    >>> u = np.where(t % 4 < 2, 0.0, 100.0)
+    >>> log = Log.from_arrays(t, {"pressure": u, "length": 150.0 - 0.3 * u})
+    >>> falls_with_input(LogSet((log,)), rng=np.random.default_rng(0))
+    True
+    """
+    if correlation(logs) >= 0.0:
+        return False
+    first = LogSet(tuple(log.with_roles(outputs=log.outputs[:1]) for log in logs))
+    baseline: Model = MODELS[BASELINE]()
+    rising, falling = (
+        baseline.adapted(units_of(first), inverted=inverted) for inverted in (False, True)
+    )
+    return _cost(falling, first, rng) <= _cost(rising, first, rng)
+
+
+def correlation(logs: LogSet) -> float:
+    """Correlation of the first output with the input, means taken per segment; 0 if still."""
+    cross = inputs = outputs = 0.0
+    for segment in (s for log in logs for s in log.segments()):
+        used = segment.used[logs.outputs[0]]
+        if used.sum() < 2:
+            continue
+        u = segment.input[used] - segment.input[used].mean()
+        y = segment.outputs[logs.outputs[0]][used]
+        y = y - y.mean()
+        cross, inputs, outputs = cross + u @ y, inputs + u @ u, outputs + y @ y
+    if inputs == 0 or outputs == 0:
+        return 0.0
+    return float(cross / np.sqrt(inputs * outputs))
+
+
+def _cost(model: Model, logs: LogSet, rng: np.random.Generator) -> float:
+    """Sum of squares that a draft of the model leaves over."""
+    problem = Problem(model, model.parameters(), logs.logs)
+    starts: Sequence[dict[str, float]] = [
+        guess.values_dict() for guess in model.guess(problem.segments, logs.outputs[0])
+    ] or [model.parameters().values_dict()]
+    return output_error(problem, starts, rng=rng, rounds=0).cost

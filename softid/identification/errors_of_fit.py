@@ -1,0 +1,158 @@
+"""How well an optimum is known: covariance under coloured residuals, noise, criteria."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.fitters.output_error import Optimum
+from softid.fitters.problem import Block, Problem
+from softid.results import NoiseModel
+from softid.uncertainty import (
+    Covariance,
+    ResidualBlock,
+    fit_ar,
+    log_likelihood,
+    noise_model,
+    sandwich_covariance,
+    to_linear,
+)
+
+Array = npt.NDArray[np.float64]
+IndexArray = npt.NDArray[np.intp]
+
+OWN_NOISE_SAMPLES = 100
+"""A log with at least this many samples gets a noise model of its own; shorter ones share one.
+
+Logs whose residuals differ in size, pooled into one model, had intervals that covered 84 % in place
+of 97 %."""
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Uncertainty of an optimum.
+
+    Attributes
+    ----------
+    covariance
+        Over `determined`, in internal coordinates; None when nothing was free.
+    determined
+        Unknowns away from bounds, as indices into the problem's vector.
+    noise
+        Noise model of every output channel.
+    aic, bic
+        From the likelihood of the residuals under their autoregressions; None without noise.
+    """
+
+    covariance: Covariance | None
+    determined: tuple[int, ...]
+    noise: tuple[NoiseModel, ...]
+    aic: float | None
+    bic: float | None
+
+
+def unknown_names(problem: Problem) -> list[str]:
+    """A name for every unknown, shape (U,)."""
+    names = [f"initial state {k}" for k in range(problem.size)]
+    names[: len(problem.free)] = problem.free
+    if problem.zeros:
+        for k, log in enumerate(problem.logs):
+            for channel in problem.outputs:
+                names[problem.zero_position(k, channel)] = f"zero of {log.name} {channel}"
+    return names
+
+
+def errors_of(problem: Problem, optimum: Optimum) -> Errors:
+    """Covariance, noise models and information criteria at an optimum."""
+    blocks = list(problem.blocks(optimum.unknowns, derivatives=True))
+    stuck = optimum.at_bound.copy()
+    stuck[len(problem.free) :] = False
+    columns = np.flatnonzero(~stuck)
+    shared = [
+        _residual_block(problem, blocks, group, name, columns, optimum)
+        for name in problem.outputs
+        for group in _noise_groups(problem, name)
+    ]
+    likelihood = sum(log_likelihood(fit_ar(b.residuals), b.residuals) for b in shared)
+    n = problem.n_samples
+    names = unknown_names(problem)
+    covariance = None
+    if columns.size and n > columns.size:
+        covariance = sandwich_covariance(shared, [names[k] for k in columns])
+    noise = tuple(
+        noise_model(
+            name,
+            [r for block in shared if block.channel == name for r in block.residuals],
+            fitted_parameters=problem.size,
+        )
+        for name in problem.outputs
+    )
+    finite = bool(np.isfinite(likelihood))
+    return Errors(
+        covariance,
+        tuple(int(k) for k in columns),
+        noise,
+        2.0 * problem.size - 2.0 * likelihood if finite else None,
+        float(np.log(n)) * problem.size - 2.0 * likelihood if finite else None,
+    )
+
+
+def _noise_groups(problem: Problem, channel: str) -> list[set[int]]:
+    """Logs that share a noise model, as indices; every log that is long enough stands alone."""
+    counts = np.zeros(len(problem.logs), int)
+    for segment, owner in zip(problem.segments, problem.owner, strict=True):
+        counts[owner] += int(segment.used[channel].sum())
+    alone = [{k} for k in range(counts.size) if counts[k] >= OWN_NOISE_SAMPLES]
+    rest = {k for k in range(counts.size) if 0 < counts[k] < OWN_NOISE_SAMPLES}
+    return [*alone, rest] if rest else alone
+
+
+def _residual_block(
+    problem: Problem,
+    blocks: Sequence[Block],
+    logs: set[int],
+    channel: str,
+    columns: IndexArray,
+    optimum: Optimum,
+) -> ResidualBlock:
+    """Spread used residuals over all samples of their segment, so that gaps stay gaps."""
+    jacobians, residuals = [], []
+    for block in blocks:
+        if block.channel != channel or block.jacobian is None:
+            continue
+        if problem.owner[block.segment] not in logs:
+            continue
+        used = problem.segments[block.segment].used[channel]
+        jacobian = np.zeros((used.size, len(columns)))
+        residual = np.full(used.size, np.nan)
+        jacobian[used] = block.jacobian[:, columns]
+        residual[used] = block.residual
+        jacobians.append(jacobian)
+        residuals.append(residual)
+    return ResidualBlock(channel, tuple(jacobians), tuple(residuals), 1.0 / optimum.sigma[channel])
+
+
+def free_covariance(
+    problem: Problem, optimum: Optimum, errors: Errors
+) -> tuple[tuple[str, ...], Array | None, Array | None]:
+    """Names, covariance and correlation of the free parameters that have standard errors."""
+    if errors.covariance is None:
+        return (), None, None
+    keep = [
+        r
+        for r, k in enumerate(errors.determined)
+        if k < len(problem.free) and errors.covariance.sd[r] is not None
+    ]
+    names = tuple(errors.covariance.names[r] for r in keep)
+    if not keep:
+        return (), None, None
+    theta = dict(zip(problem.parameters.names, problem.theta(optimum.unknowns), strict=True))
+    every = errors.covariance.names
+    values = [theta.get(n, 1.0) for n in every]
+    scales = [problem.parameters[n].scale if n in theta else "linear" for n in every]
+    linear = to_linear(errors.covariance, values, scales)[np.ix_(keep, keep)]
+    sd = np.sqrt(np.diag(linear))
+    return names, linear, linear / np.outer(sd, sd)

@@ -1,0 +1,141 @@
+"""What the user knows about the parameters, laid over what the model declares."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from softid.errors import UsageError
+from softid.parameters import Parameter, ParameterSet
+
+if TYPE_CHECKING:
+    import lmfit
+
+
+@dataclass(frozen=True, eq=False)
+class Wishes:
+    """Start values, bounds, fixed values and ties that the user asked for.
+
+    What the user left as the model has it is no wish: units and direction come from the logs, and
+    a limit of the model drops parameters.
+
+    Attributes
+    ----------
+    base
+        Parameters of the model as the user knows it, before it is adapted to the logs.
+    asked
+        The same with the user's changes.
+    """
+
+    base: ParameterSet
+    asked: ParameterSet
+
+    @classmethod
+    def of(cls, base: ParameterSet, asked: ParameterSet | lmfit.Parameters | None) -> Wishes:
+        """Take wishes in any form that `softid.fit` accepts.
+
+        Raises
+        ------
+        UsageError
+            A parameter is unknown, or is one that the model holds with these options.
+        """
+        if asked is None:
+            return cls(base, base)
+        wishes = cls(base, asked if isinstance(asked, ParameterSet) else _from_lmfit(base, asked))
+        for name, wish in wishes.asked.items():
+            if name not in base:
+                raise UsageError(
+                    f"the model has no parameter {name}",
+                    remedy=f"choose from {', '.join(base.names)}",
+                )
+            if base[name].fixed and not wish.fixed:
+                raise UsageError(
+                    f"the model holds {name} at {base[name].value:g} with these options",
+                    where=f"parameter {name}",
+                    remedy="leave it fixed, or choose other options of the model",
+                )
+        return wishes
+
+    @property
+    def changed(self) -> dict[str, Parameter]:
+        """The parameters that differ from the model's own."""
+        return {name: p for name, p in self.asked.items() if p != self.base[name]}
+
+    def over(self, declared: ParameterSet) -> ParameterSet:
+        """Lay the wishes over the parameters of the adapted model or of one of its limits.
+
+        A parameter that a limit has dropped stays dropped.
+        """
+        overlaid = declared
+        for name, wish in self.changed.items():
+            p = declared[name]
+            if p.fixed and not self.base[name].fixed:
+                continue
+            overlaid = overlaid.replacing(
+                replace(
+                    p,
+                    value=wish.value,
+                    lower=wish.lower,
+                    upper=wish.upper,
+                    fixed=wish.fixed,
+                    tie=wish.tie,
+                )
+            )
+        return overlaid
+
+    def keep(self, names: Set[str]) -> bool:
+        """Whether a tie or a raised lower bound keeps one of these parameters in the model."""
+        ties = [p.tie for p in self.changed.values() if p.tie is not None]
+        trees = [node for tie in ties for node in ast.walk(ast.parse(tie))]
+        used = {node.id for node in trees if isinstance(node, ast.Name)}
+        raised = {n for n, p in self.changed.items() if p.lower > self.base[n].lower}
+        return bool((used | raised) & names)
+
+    def bounds(self, name: str) -> bool:
+        """Whether the user bounded a parameter."""
+        wish, own = self.changed.get(name), self.base[name]
+        return wish is not None and (wish.lower, wish.upper) != (own.lower, own.upper)
+
+    def starts(
+        self, overlaid: ParameterSet, found: Sequence[Mapping[str, float]]
+    ) -> list[dict[str, float]]:
+        """Starts for the optimiser: the user's own values first, then those found from the data.
+
+        Parameters
+        ----------
+        overlaid
+            From `over`.
+        found
+            Parameter name → value from the data.
+        """
+
+        def within(p: Parameter, value: float) -> float:
+            return p.value if p.fixed else float(np.clip(value, p.lower, p.upper))
+
+        starts = [{n: within(p, start[n]) for n, p in overlaid.items()} for start in found]
+        own = {
+            n: p.value
+            for n, p in self.changed.items()
+            if not p.fixed and p.tie is None and p.value != self.base[n].value
+        }
+        if own and starts:
+            starts.insert(0, starts[0] | own)
+        return starts or [overlaid.values_dict()]
+
+
+def _from_lmfit(base: ParameterSet, asked: lmfit.Parameters) -> ParameterSet:
+    """Take lmfit's parameters as the model's; where lmfit has no bound, the model's own stays."""
+    taken = []
+    for name, p in base.updated_from_lmfit(asked).items():
+        own = base[name]
+        lower = own.lower if name in asked and np.isneginf(asked[name].min) else p.lower
+        upper = own.upper if name in asked and np.isposinf(asked[name].max) else p.upper
+        if p.fixed or p.tie is not None:
+            lower, upper = min(lower, p.value), max(upper, p.value)
+        value = float(np.clip(p.value, lower, upper))
+        taken.append(replace(p, value=value, lower=lower, upper=upper))
+    return ParameterSet(tuple(taken))
