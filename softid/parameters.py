@@ -178,7 +178,10 @@ class ParameterSet(Mapping[str, Parameter]):
 
         out = lmfit.Parameters()
         for p in self.items_:
-            out.add(p.name, value=p.value, vary=not p.fixed, min=p.lower, max=p.upper)
+            if p.lower == p.upper:  # lmfit refuses bounds without width
+                out.add(p.name, value=p.value, vary=False)
+            else:
+                out.add(p.name, value=p.value, vary=not p.fixed, min=p.lower, max=p.upper)
         for p in self.items_:
             if p.tie is not None:
                 out[p.name].expr = p.tie

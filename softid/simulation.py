@@ -71,7 +71,8 @@ def simulate(
     segments = log.segments()
     for segment in segments:
         start = _start(nuisance, segment.index)
-        response = model.response(theta, segment, log.outputs, start=start, derivatives=False)
+        with np.errstate(all="ignore"):  # what is not finite is told below
+            response = model.response(theta, segment, log.outputs, start=start, derivatives=False)
         span = slice(segment.start, segment.stop)
         for name in log.outputs:
             zero = nuisance.zero.get(name, 0.0) if nuisance else 0.0

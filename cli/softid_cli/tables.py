@@ -92,7 +92,7 @@ def model_text(spec: ModelSpec) -> str:
         if name.endswith("_mm") and isinstance(value, float | int)
         else f"{name} {value:g}"
         if isinstance(value, float | int)
-        else f"{value} {name.replace('_', ' ')}"
+        else f"{'no' if value == 'none' else value} {name.replace('_', ' ')}"
         for name, value in spec.options.items()
         if value is not None and value is not False and not name.endswith("_unit")
     ]

@@ -22,10 +22,13 @@ Array = npt.NDArray[np.float64]
 BEND_STEP = 0.1
 """Fraction of a step at which the second derivative along it is measured."""
 
+SHORT_STEP = 1e-3
+"""Steps shorter than this share of what is plausible hardly bend; what is measured is rounding."""
+
 MOST_BEND = 0.75
 """A step whose acceleration is larger than this share of its velocity is too long to trust."""
 
-INITIAL_DAMPING = 1e-5
+INITIAL_DAMPING = 1e-9
 LARGEST_DECREASE = 0.1
 MOST_DAMPING = 1e30
 LARGEST_STEP = 3.0
@@ -139,7 +142,7 @@ def minimise(
                 share = float(np.linalg.norm(scale * correction) / np.linalg.norm(scale * step))
                 if 2.0 * share <= MOST_BEND:
                     step = step + correction
-                elif damping < MOST_DAMPING:
+                elif float(np.max(scale * np.abs(step))) > SHORT_STEP:
                     damping, growth = damping * growth, growth * 2.0
                     continue
         trial = np.clip(z + step, lower, upper)

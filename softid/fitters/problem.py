@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from threading import Lock
 
 import numpy as np
 import numpy.typing as npt
@@ -84,6 +85,8 @@ class Problem:
         self._log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
         self._tied = _tie_function(parameters)
         at_start = parameters.values_vector()
+        if self._tied is not None:
+            at_start = self._tied(at_start)
         self.has_equilibrium = all(
             np.isfinite(model.static_output(at_start, s.input[:1], self.outputs[0])[0])
             for s in self.segments
@@ -239,7 +242,8 @@ class Problem:
         if self._tied is None:
             return chain
         for k, index in enumerate(self._free_index):
-            h = 1e-6 * max(abs(theta[index]), 1e-12)
+            size = abs(theta[index])
+            h = 1e-6 * (size if self._log_scaled[k] else max(size, 1.0))
             up, down = theta.copy(), theta.copy()
             up[index] += h
             down[index] -= h
@@ -330,12 +334,16 @@ def _tie_function(parameters: ParameterSet) -> Callable[[Array], Array] | None:
         return None
     table = parameters.to_lmfit()
     names = parameters.names
+    for name in parameters.free:  # lmfit would clip one side of a difference at a bound
+        table[name].set(min=-np.inf, max=np.inf)
+    alone = Lock()  # the table is shared by threads that try several starts
 
     def tied(theta: Array) -> Array:
-        for name, value in zip(names, theta, strict=True):
-            if table[name].expr is None:
-                table[name].value = value
-        table.update_constraints()
-        return np.array([table[name].value for name in names])
+        with alone:
+            for name, value in zip(names, theta, strict=True):
+                if table[name].expr is None:
+                    table[name].value = value
+            table.update_constraints()
+            return np.array([table[name].value for name in names])
 
     return tied

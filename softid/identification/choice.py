@@ -47,7 +47,7 @@ class ModelChoice:
     reason
         Why, in a sentence.
     held_out_rmse
-        Candidate name → rms error on the held-out blocks, canonical unit of the output.
+        Label of a candidate → rms error on the held-out blocks, canonical unit of the output.
     starts
         Start values for the fit of the model: parameter name → value.
     """
@@ -106,28 +106,29 @@ def choose_model(logs: LogSet, *, rng: np.random.Generator, inverted: bool = Fal
     if len(candidates) == 1:
         only = candidates[0]
         return ModelChoice(
-            only, "; ".join((f"{only.name}: the only model that takes these channels", *refused))
+            only, "; ".join((f"{only.label}: the only model that takes these channels", *refused))
         )
     if sum(len(log) for log in logs) < MIN_SAMPLES:
         simplest = candidates[0]
         return ModelChoice(
-            simplest, f"{simplest.name}: too few samples to compare models by held-out blocks"
+            simplest, f"{simplest.label}: too few samples to compare models by held-out blocks"
         )
     return _best(candidates, refused, logs, rng)
 
 
 def _candidates(logs: LogSet, *, inverted: bool) -> tuple[list[Model], list[str]]:
     """Models that take the channels, fewest free parameters first, and what hinders others."""
-    usable, refused = [], []
-    for name in MODELS:
+    usable: list[Model] = []
+    refused: list[str] = []
+    for variant in (v for name in MODELS for v in MODELS[name]().variants(logs.input)):
         try:
-            require_channels(MODELS[name](), logs)
+            require_channels(variant, logs)
         except UsageError:
             continue
         try:
-            usable.append(adapted_model(name, logs, inverted=inverted))
+            usable.append(adapted_model(variant, logs, inverted=inverted))
         except UsageError as error:
-            refused.append(f"{name} was not tried: {error.what}")
+            refused.append(f"{variant.label} was not tried: {error.what}")
     return sorted(usable, key=lambda m: len(m.parameters().free)), refused
 
 
@@ -139,13 +140,13 @@ def _best(
     best: _Draft | None = None
     for k, model in enumerate(candidates):
         if best is not None and is_unpredictable(best.errors):
-            names = " and ".join(m.name for m in candidates[k:])
-            untold.append(f"what {best.model.name} leaves over is white, so {names} cannot gain")
+            names = " and ".join(m.label for m in candidates[k:])
+            untold.append(f"what {best.model.label} leaves over is white, so {names} cannot gain")
             break
         try:
             draft = _draft(model, logs, rng)
         except IdentificationError as error:
-            untold.append(f"{model.name} was not tried: {error.what}")
+            untold.append(f"{model.label} was not tried: {error.what}")
             continue
         drafts.append(draft)
         if best is None or draft.rmse < WORTH_MORE_PARAMETERS * best.rmse:
@@ -160,7 +161,7 @@ def _best(
     return ModelChoice(
         best.model,
         _reason(best, drafts, untold, logs),
-        {draft.model.name: draft.rmse for draft in drafts},
+        {draft.model.label: draft.rmse for draft in drafts},
         (best.values,),
     )
 
@@ -258,6 +259,6 @@ def _reason(best: _Draft, drafts: Sequence[_Draft], untold: Sequence[str], logs:
     def shown(draft: _Draft) -> str:
         return f"{draft.rmse * channel.display_factor:.3g} {channel.display_unit}"
 
-    others = " and ".join(f"{shown(d)} ({d.model.name})" for d in drafts if d is not best)
-    told = f"{best.model.name}: error on blocks left out of the fit {shown(best)}"
+    others = " and ".join(f"{shown(d)} ({d.model.label})" for d in drafts if d is not best)
+    told = f"{best.model.label}: error on blocks left out of the fit {shown(best)}"
     return "; ".join((f"{told}, against {others}" if others else told, *untold))

@@ -95,6 +95,16 @@ class Model(ABC):
     identified_by: ClassVar[Mapping[str, str]] = {}
 
     @property
+    def label(self) -> str:
+        """Name that tells variants apart."""
+        return self.name
+
+    def variants(self, input_name: str) -> tuple[Model, ...]:
+        """The forms of this model to be compared when softid chooses, for one input channel."""
+        del input_name
+        return (self,)
+
+    @property
     def start_states(self) -> tuple[str, ...]:
         """States whose initial value matters with these options."""
         return self.states

@@ -106,6 +106,15 @@ class Oscillator(Model):
         require_choice("order", self.order, ORDERS)
         require_choice("spring", self.spring, ("linear", "none"))
 
+    @property
+    def label(self) -> str:
+        """Name, and whether there is a spring."""
+        return self.name if self.spring == "linear" else f"{self.name} without spring"
+
+    def variants(self, input_name: str) -> tuple[Oscillator, ...]:
+        """With a spring, and for a force also without one: a drive has none."""
+        return (self, replace(self, spring="none")) if input_name == "force" else (self,)
+
     def adapted(self, units: Mapping[str, str], *, inverted: bool = False) -> Oscillator:
         """The model with the units of the logs."""
         output = next(name for name in units if name != "input")

@@ -220,13 +220,17 @@ def divide(law: Law, time_s: Array, u: Array) -> Division:
     """
     damping, stiffness, _ = law.coefficients(u)
     rate = _rate(law.mass, damping, stiffness)
+    duration_s, rise = np.diff(time_s), np.diff(u)
     with np.errstate(invalid="ignore", over="ignore"):
         wanted = np.maximum(
-            np.diff(time_s) * np.maximum(rate[:-1], rate[1:]) / MAX_PHASE_PER_STEP,
-            np.abs(np.diff(u)) * law.exponent_rate() / MAX_EXPONENT_PER_STEP,
+            duration_s * np.maximum(rate[:-1], rate[1:]) / MAX_PHASE_PER_STEP,
+            np.abs(rise) * law.exponent_rate() / MAX_EXPONENT_PER_STEP,
         )
     finite = np.where(np.isfinite(wanted), wanted, 1.0)
     counts = np.clip(np.ceil(finite), 1, MAX_SUBSTEPS).astype(np.intp)
+    if counts.max(initial=1) == 1:
+        whole = u[:-1, None] + rise[:, None] * STAGES
+        return Division(counts, duration_s, whole, np.ones(counts.size, bool))
     owner = np.repeat(np.arange(counts.size), counts)
     last = np.cumsum(counts) - 1
     within = np.arange(owner.size) - np.repeat(last - counts + 1, counts)
@@ -235,8 +239,8 @@ def divide(law: Law, time_s: Array, u: Array) -> Division:
     ends[last] = True
     return Division(
         counts,
-        (np.diff(time_s) / counts)[owner],
-        u[:-1][owner][:, None] + np.diff(u)[owner][:, None] * fraction,
+        (duration_s / counts)[owner],
+        u[:-1][owner][:, None] + rise[owner][:, None] * fraction,
         ends,
     )
 

@@ -38,6 +38,17 @@ N_FREQUENCIES = 14
 N_BASES = 8
 N_MOTIONS = 5
 N_STARTS = 5
+RINGING_RATIO = 0.25
+RINGING_FREQUENCIES = slice(4, 11)
+"""Which of the natural frequencies are combined with every plausible static curve."""
+
+RINGING_BELOW = 0.9
+"""Damping ratio below which a start is refined."""
+
+REFINEMENTS = 5
+FIRST_MOVES = (0.35, 0.8, 0.35, 0.6)
+"""First moves of the logarithms of b1, c1, natural frequency and damping ratio; halved in turn."""
+
 SMALL_INERTIA = 0.02
 SMALL_SHARE = 1e-3
 MAX_SAMPLES = 1000
@@ -74,10 +85,17 @@ def hammerstein_starts(
         Builds the law from theta of shape (7,).
     static
         Whether the law has no damping, so that no speed is searched.
+
+    Returns
+    -------
+    list of dict
+        Empty when the pressure never changes.
     """
     stretches = _thinned(segments, motions, output)
     low = min(float(s.input.min()) for s in stretches) / 100.0
     span = max(float(s.input.max()) for s in stretches) / 100.0 - low
+    if span <= 0.0:
+        return []
     speeds = np.array([0.0]) if static else _speeds(stretches)
     grid = [
         _theta(steep / span, low + middle * span, tau)
@@ -91,12 +109,23 @@ def hammerstein_starts(
     bases = [row[2] for row in _diverse(coarse, N_BASES, _static_kind)]
     slowest, fastest = 0.3 / speeds[-1], 1.0 / speeds[0]
     oscillating = [
-        _theta(t[2], np.log(t[3]) / t[2], 2.0 * ratio / omega, inertia=0.5 / (ratio * omega))
+        _ringing(t[2], np.log(t[3]) / t[2], omega, ratio)
         for t in bases
         for omega in np.geomspace(slowest, fastest, N_FREQUENCIES)
         for ratio in DAMPING_RATIOS
     ]
-    medium = _diverse(_ranked(stretches, law, [*bases, *oscillating]), N_MOTIONS, _motion_kind)
+    # The bases were ranked without inertia, which misleads where the motion rings on and on.
+    ringing = [
+        _ringing(steep / span, low + middle * span, omega, RINGING_RATIO)
+        for steep, middle, omega in product(
+            STEEPNESS[1:],
+            MIDPOINTS[2:5],
+            np.geomspace(slowest, fastest, N_FREQUENCIES)[RINGING_FREQUENCIES],
+        )
+    ]
+    ranked = _ranked(stretches, law, [*bases, *oscillating, *ringing])
+    medium = _diverse(ranked, N_MOTIONS, _motion_kind)
+    medium = [_refined(stretches, law, row) for row in medium]
     shaped = [variant for _, _, theta in medium for variant in _shapes(theta)]
     fine = _diverse(_ranked(stretches, law, shaped), N_STARTS, _motion_kind)
     return [_as_values(theta, gain) for _, gain, theta in fine]
@@ -108,6 +137,37 @@ def _ranked(
     """Residual sum of squares, gain and theta of every grid point, best first."""
     scored = [(*_score(stretches, law, theta), theta) for theta in grid]
     return sorted(scored, key=lambda row: row[0])
+
+
+def _refined(
+    stretches: Sequence[_Stretch], law: Callable[[Array], Law], row: tuple[float, float, Array]
+) -> tuple[float, float, Array]:
+    """Move a lightly damped grid point in steepness, level, frequency and damping ratio.
+
+    A ringing response fits only within a fraction of a period, closer than the grid lies.
+    """
+    mass, _, b1, c1, _, _, damping = row[2].tolist()
+    if mass <= 0.0 or damping**2 > 8.0 * c1 * mass * RINGING_BELOW**2:
+        return row
+    omega, ratio = np.sqrt(2.0 * c1 / mass), damping / np.sqrt(8.0 * c1 * mass)
+    at = np.log([b1, c1, omega, ratio])
+    size = np.array(FIRST_MOVES)
+    best = row
+    for _ in range(REFINEMENTS):
+        moved = False
+        for k in range(at.size):
+            for sign in (1.0, -1.0):
+                trial = at.copy()
+                trial[k] += sign * size[k]
+                steep, level, fast, damped = np.exp(trial).tolist()
+                theta = _ringing(steep, float(np.log(level)) / steep, fast, damped)
+                score = _score(stretches, law, theta)
+                if score[0] < best[0]:
+                    best, at, moved = (*score, theta), trial, True
+                    break
+        if not moved:
+            size /= 2.0
+    return best
 
 
 def _theta(
@@ -124,6 +184,11 @@ def _theta(
     damping = 2.0 * c1 * tau
     a2 = share * damping * float(np.exp(np.clip(-b2 * p50, -60.0, 60.0)))
     return np.array([inertia * damping, 1.0, b1, c1, a2, b2, (1.0 - share) * damping])
+
+
+def _ringing(b1: float, p50: float, omega: float, ratio: float) -> Array:
+    """Parameters with a natural frequency and a damping ratio at the midpoint."""
+    return _theta(b1, p50, 2.0 * ratio / omega, inertia=0.5 / (ratio * omega))
 
 
 def _shapes(theta: Array) -> list[Array]:

@@ -92,7 +92,7 @@ def test_inverted_outputs() -> None:
 
 @pytest.mark.parametrize("units", [{"distance": "mm"}, {"angle": "rad", "length": "mm"}])
 def test_linked_outputs_need_the_geometry(units: dict[str, str]) -> None:
-    """Without the two lengths the outputs have no common x: the error says which option is missing."""
+    """Without the two lengths the outputs have no common x; the error names the options."""
     with pytest.raises(UsageError, match="arc geometry") as error:
         Muscle().adapted({"input": "kPa"} | units)
     assert "--fixed-length" in str(error.value)
