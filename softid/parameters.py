@@ -184,7 +184,7 @@ class ParameterSet(Mapping[str, Parameter]):
                 out.add(p.name, value=p.value, vary=not p.fixed, min=p.lower, max=p.upper)
         for p in self.items_:
             if p.tie is not None:
-                out[p.name].expr = p.tie
+                _tie(out, p.name, p.tie)
         return out
 
     def updated_from_lmfit(self, parameters: lmfit.Parameters) -> ParameterSet:
@@ -214,3 +214,17 @@ class ParameterSet(Mapping[str, Parameter]):
                 )
             )
         return ParameterSet(tuple(taken))
+
+
+def _tie(parameters: lmfit.Parameters, name: str, expression: str) -> None:
+    """Hand an expression to lmfit, whose errors come from deep inside its interpreter."""
+    try:
+        parameters[name].expr = expression
+        parameters.update_constraints()
+    except (NameError, SyntaxError, TypeError, ValueError, RecursionError) as error:
+        raise UsageError(
+            f"the tie cannot be computed: {error}",
+            where=f"parameter {name}",
+            value=expression,
+            remedy="write it in the names of other parameters, without a circle",
+        ) from error

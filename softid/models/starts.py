@@ -107,28 +107,30 @@ def hammerstein_starts(
             _as_values(theta, gain) for _, gain, theta in _diverse(coarse, N_STARTS, _static_kind)
         ]
     bases = [row[2] for row in _diverse(coarse, N_BASES, _static_kind)]
-    slowest, fastest = 0.3 / speeds[-1], 1.0 / speeds[0]
-    oscillating = [
-        _ringing(t[2], np.log(t[3]) / t[2], omega, ratio)
-        for t in bases
-        for omega in np.geomspace(slowest, fastest, N_FREQUENCIES)
-        for ratio in DAMPING_RATIOS
-    ]
-    # The bases were ranked without inertia, which misleads where the motion rings on and on.
-    ringing = [
-        _ringing(steep / span, low + middle * span, omega, RINGING_RATIO)
-        for steep, middle, omega in product(
-            STEEPNESS[1:],
-            MIDPOINTS[2:5],
-            np.geomspace(slowest, fastest, N_FREQUENCIES)[RINGING_FREQUENCIES],
-        )
-    ]
-    ranked = _ranked(stretches, law, [*bases, *oscillating, *ringing])
+    frequencies = np.geomspace(0.3 / speeds[-1], 1.0 / speeds[0], N_FREQUENCIES)
+    ranked = _ranked(stretches, law, [*bases, *_moving(bases, frequencies, low, span)])
     medium = _diverse(ranked, N_MOTIONS, _motion_kind)
     medium = [_refined(stretches, law, row) for row in medium]
     shaped = [variant for _, _, theta in medium for variant in _shapes(theta)]
     fine = _diverse(_ranked(stretches, law, shaped), N_STARTS, _motion_kind)
     return [_as_values(theta, gain) for _, gain, theta in fine]
+
+
+def _moving(bases: Sequence[Array], frequencies: Array, low: float, span: float) -> list[Array]:
+    """Motions with inertia for the best static curves, and lightly damped ones for all.
+
+    The bases were ranked without inertia, which misleads where the motion rings on and on.
+    """
+    moving = [
+        _ringing(t[2], np.log(t[3]) / t[2], omega, ratio)
+        for t, omega, ratio in product(bases, frequencies, DAMPING_RATIOS)
+    ]
+    return moving + [
+        _ringing(steep / span, low + middle * span, omega, RINGING_RATIO)
+        for steep, middle, omega in product(
+            STEEPNESS[1:], MIDPOINTS[2:5], frequencies[RINGING_FREQUENCIES]
+        )
+    ]
 
 
 def _ranked(

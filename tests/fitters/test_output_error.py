@@ -1,4 +1,4 @@
-"""The simultaneous fit: truth recovered, optimum reached, failures told, ties, weights, segments."""
+"""The simultaneous fit: truth recovered, optimum reached, failures told, ties, segments."""
 
 from __future__ import annotations
 

@@ -1,0 +1,95 @@
+"""Fits of measured logs from real rigs: floors a little below what was reached, and what is said.
+
+The figures to reach come from a rough script that fitted the same seven parameters and one zero per
+log: 84/78/89 → 77 (three-chamber arm), 91 to 95 → 93 to 94 (gripper), 81/90 → 79/68 (two segments).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from softid.identification import fit
+from softid.log import Log
+from softid.readers import load
+from softid.results import FitResult
+
+
+def logs(folder: Path, names: list[str]) -> list[Log]:
+    return [load(folder / f"{name}.csv") for name in names]
+
+
+def percent(result: FitResult) -> dict[str, float]:
+    return {row.log: row.fit_percent for row in result.statistics}
+
+
+def fitted(folder: Path, fit_to: list[str], held: list[str]) -> FitResult:
+    result = fit(logs(folder, fit_to), model="muscle", hold_out=logs(folder, held))
+    assert result.success
+    assert [row.in_sample for row in result.statistics] == [True] * len(fit_to) + [False] * len(
+        held
+    )
+    return result
+
+
+def test_three_chamber_arm(measured: Path) -> None:
+    """Reached 83.8/78.0/88.6 → 76.5; the floor leaves half a point for other machines."""
+    names = [f"0730_step_{k}" for k in (1, 2, 4)]
+    result = fitted(measured / "three-chamber-arm", names, ["0730_step_3"])
+    found = percent(result)
+    floors = {"0730_step_1": 83.3, "0730_step_2": 77.5, "0730_step_4": 88.1, "0730_step_3": 76.0}
+    assert all(found[name] > floor for name, floor in floors.items()), found
+
+
+def test_an_overdamped_arm_has_no_mass_to_show(measured: Path) -> None:
+    """Time constants of a second at 60 Hz: M runs to zero, and the fit says so and goes on."""
+    result = fit(logs(measured / "three-chamber-arm", ["0730_step_2"]), model="muscle")
+    assert result.model.options["order"] == "first"
+    assert result.parameter("M").verdict == "not identified"
+    assert "not-seen" in {issue.code for issue in result.issues}
+
+
+def test_leaving_the_fitted_range_is_called_extrapolation(measured: Path) -> None:
+    """Fitted up to 105 kPa, the held-out log reaches 140: 21 % in the rough script too."""
+    names = [f"0730_step_{k}" for k in (1, 2, 3)]
+    result = fitted(measured / "three-chamber-arm", names, ["0730_step_4"])
+    assert percent(result)["0730_step_4"] < 50.0
+    (issue,) = [issue for issue in result.issues if issue.code == "extrapolation"]
+    assert "0730_step_4" in issue.message
+    assert "139.8 kPa" in issue.message
+
+
+def test_gripper_finger(measured: Path) -> None:
+    """Reached 91.0 to 94.7 → 92.2 to 93.6, but for the level at which the finger hardly moves."""
+    held = [f"calibration_flex_{k}" for k in (60, 100, 140, 180)]
+    names = [f"calibration_flex_{k}" for k in (40, 80, 120, 160, 200)]
+    found = percent(fitted(measured / "gripper-finger", names, held))
+    assert min(found[name] for name in names) > 90.5
+    assert min(found[name] for name in held) > 91.7
+
+
+def test_two_segment_arm(measured: Path) -> None:
+    """Reached 86.0/91.7 → 80.7/70.1."""
+    result = fitted(measured / "two-segment-arm", ["Jan5_1", "apr4_1"], ["Jan5_2", "apr4_2"])
+    found = percent(result)
+    floors = {"Jan5_1": 85.0, "apr4_1": 91.0, "Jan5_2": 80.0, "apr4_2": 69.0}
+    assert all(found[name] > floor for name, floor in floors.items()), found
+
+
+def test_a_drive_is_recognised_as_a_mass_without_spring(measured: Path) -> None:
+    """The published offset is −3.2 N; without Coulomb friction M is just within its interval."""
+    result = fit(load(measured / "linear-drive-friction" / "DATA_EMPS.csv"))
+    assert result.model.options["spring"] == "none"
+    assert result.parameter("offset").value == pytest.approx(-3.2, abs=0.3)
+    interval = result.parameter("M").ci95
+    assert interval is not None
+    assert interval[0] < 0.0951 < interval[1]
+
+
+def test_dropped_digits_are_left_out(measured: Path) -> None:
+    """Two samples of this log lost their first digit on the serial line."""
+    log = load(measured / "pneunet-finger-bendsensor" / "Sin_dataset_2.csv")
+    result = fit(log, model="polynomial")
+    (issue,) = [issue for issue in result.issues if issue.code == "drop-out"]
+    assert issue.message.startswith("Sin_dataset_2: 2 samples are drop-outs")
