@@ -15,7 +15,7 @@ if TYPE_CHECKING:
         SoftidError,
         UsageError,
     )
-    from softid.identification import fit
+    from softid.identification import fit, profile_parameter
     from softid.log import Log, LogSet
     from softid.models import MODELS, Model, Muscle, Oscillator, Polynomial
     from softid.parameters import Parameter, ParameterSet
@@ -36,6 +36,7 @@ _HOME = {
     "SoftidError": "softid.errors",
     "UsageError": "softid.errors",
     "fit": "softid.identification",
+    "profile_parameter": "softid.identification",
     "Log": "softid.log",
     "LogSet": "softid.log",
     "MODELS": "softid.models",
@@ -89,6 +90,7 @@ __all__ = [
     "load",
     "load_params",
     "load_recipe",
+    "profile_parameter",
     "save_fit",
     "save_validation",
     "self_check",

@@ -1,0 +1,61 @@
+"""Scores of a model on other logs, from a result and from its file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from softid.errors import UsageError
+from softid.identification import fit
+from softid.readers import load
+from softid.records import load_params, save_fit
+from softid.results import FitResult
+from softid.synthesis import bundled_datasets
+from softid.validation import validate
+
+DATA = bundled_datasets() / "data"
+
+
+@pytest.fixture(scope="module")
+def fitted() -> FitResult:
+    return fit(
+        [load(DATA / "muscle_steps.csv"), load(DATA / "muscle_sine_050.csv")],
+        model="muscle",
+        hold_out=[load(DATA / "muscle_sine_025.csv")],
+    )
+
+
+def test_the_score_is_that_of_the_held_out_log(fitted: FitResult) -> None:
+    """Same parameters, same log, same nuisance estimate: the same number."""
+    (row,) = [s for s in fitted.statistics if not s.in_sample]
+    (scored,) = validate(fitted, load(DATA / "muscle_sine_025.csv")).statistics
+    assert scored.rmse == pytest.approx(row.rmse, rel=1e-12)
+    assert not scored.in_sample
+
+
+def test_a_file_scores_as_the_fit_itself(fitted: FitResult, tmp_path: Path) -> None:
+    """Numbers are written in full, so the round trip changes nothing beyond 1e-12."""
+    save_fit(fitted, tmp_path / "params.json")
+    log = load(DATA / "muscle_sine_025.csv")
+    direct = validate(fitted, log)
+    saved = validate(load_params(tmp_path / "params.json"), log)
+    for a, b in zip(direct.simulations, saved.simulations, strict=True):
+        assert b.outputs["contraction"] == pytest.approx(a.outputs["contraction"], rel=1e-12)
+
+
+def test_a_fitted_log_is_known_by_its_bytes(fitted: FitResult) -> None:
+    result = validate(fitted, load(DATA / "muscle_steps.csv"))
+    assert result.statistics[0].in_sample
+    assert "in-sample" in {issue.code for issue in result.issues}
+
+
+def test_the_bar(fitted: FitResult) -> None:
+    log = load(DATA / "muscle_sine_025.csv")
+    assert validate(fitted, log, threshold_percent=95.0).passed
+    assert not validate(fitted, log, threshold_percent=99.9).passed
+
+
+def test_other_roles_are_refused(fitted: FitResult) -> None:
+    with pytest.raises(UsageError, match="the model links pressure → contraction"):
+        validate(fitted, load(DATA / "muscle_steps.csv", outputs=("distance",)))
