@@ -12,7 +12,16 @@ import softid
 
 ROOT = Path(__file__).resolve().parents[1]
 
-VERBS = ("fit", "inspect", "load", "self_check", "simulate", "synthesize", "validate")
+VERBS = (
+    "fit",
+    "inspect",
+    "load",
+    "profile_parameter",
+    "self_check",
+    "simulate",
+    "synthesize",
+    "validate",
+)
 RECORDS = ("load_params", "load_recipe", "save_fit", "save_validation")
 TYPES = (
     "FitResult",
