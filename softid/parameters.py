@@ -221,10 +221,18 @@ def _tie(parameters: lmfit.Parameters, name: str, expression: str) -> None:
     try:
         parameters[name].expr = expression
         parameters.update_constraints()
-    except (NameError, SyntaxError, TypeError, ValueError, RecursionError) as error:
-        raise UsageError(
-            f"the tie cannot be computed: {error}",
-            where=f"parameter {name}",
-            value=expression,
-            remedy="write it in the names of other parameters, without a circle",
-        ) from error
+    except RecursionError as error:
+        raise _not_computable("the parameter depends on itself", name, expression) from error
+    except Exception as error:
+        # Any expression may be given, so that any exception may come out of it.
+        what = str(error) or type(error).__name__
+        raise _not_computable(f"the tie cannot be computed: {what}", name, expression) from error
+
+
+def _not_computable(what: str, name: str, expression: str) -> UsageError:
+    return UsageError(
+        what,
+        where=f"parameter {name}",
+        value=expression,
+        remedy="write it in the names of other parameters, such as 0.1*c2",
+    )

@@ -110,7 +110,7 @@ def chosen_parameters(
         parameter = _known(declared, name, option="--tie")
         declared = declared.replacing(_tied(parameter, text))
     if tie:
-        _try_ties(declared)
+        declared.to_lmfit()
     held = {}
     for name, text in assignments(fix, option="--fix", form="NAME=VALUE").items():
         parameter = _known(declared, name, option="--fix")
@@ -170,17 +170,6 @@ def _tied(parameter: Parameter, expression: str) -> Parameter:
     except SyntaxError as error:
         raise _not_a_tie(f"this is not an expression: {error.msg}", expression) from error
     return replace(parameter, tie=expression, fixed=False)
-
-
-def _try_ties(parameters: ParameterSet) -> None:
-    """Compute the ties once, so that a bad one stops here and not in the middle of a fit."""
-    ties = " and ".join(p.tie for p in parameters.values() if p.tie is not None)
-    try:
-        parameters.to_lmfit().update_constraints()
-    except RecursionError as error:
-        raise _not_a_tie("a parameter depends on itself", ties) from error
-    except Exception as error:
-        raise _not_a_tie(str(error) or type(error).__name__, ties) from error
 
 
 def _not_a_tie(what: str, expression: str) -> UsageError:

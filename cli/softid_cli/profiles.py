@@ -29,6 +29,8 @@ def profiled(
     UsageError
         A name is not a parameter that was free.
     """
+    if not names:
+        return {}
     from softid.identification.profiling import profile_parameter
 
     free = [p.name for p in result.parameters if not p.fixed and p.tie is None]

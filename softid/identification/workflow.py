@@ -14,6 +14,7 @@ from softid.identification.assembly import Identified, assemble
 from softid.identification.choice import choose_model
 from softid.identification.direction import falls_with_input
 from softid.identification.findings import fitted_range
+from softid.identification.limits import simpler_model
 from softid.identification.preparation import (
     adapted_model,
     as_log_set,
@@ -161,7 +162,8 @@ def _identify(
     unseen: dict[str, str] = {}
     while np.isfinite(optimum.cost):
         theta = problem.theta(optimum.unknowns)
-        simpler = problem.model.limit(theta, period_s, input_range)
+        values = dict(zip(problem.parameters.names, theta.tolist(), strict=True))
+        simpler = simpler_model(problem.model, values, period_s, input_range)
         if simpler is None:
             break
         limit, reason = simpler
@@ -170,7 +172,6 @@ def _identify(
             break
         unseen |= dict.fromkeys(dropped, reason)
         overlaid = wishes.over(limit.parameters())
-        values = dict(zip(problem.parameters.names, theta.tolist(), strict=True))
         values |= {n: p.value for n, p in overlaid.items() if p.fixed}
         problem = Problem(limit, overlaid, logs.logs)
         optimum = output_error(problem, [values], rng=rng, progress=report)

@@ -1,0 +1,74 @@
+"""The simpler model to continue with when the samples cannot show a term."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from softid.models import MODELS
+from softid.models.base import Model
+
+LEVELS = 9
+"""Inputs over the fitted range at which the swing is looked at."""
+
+
+def simpler_model(
+    model: Model,
+    values: Mapping[str, float],
+    period_s: float,
+    input_range: tuple[float, float],
+) -> tuple[Model, str] | None:
+    """A limit of the model in which a term is dropped that cannot be seen, and why.
+
+    The model's own limit goes by how long the inertia lasts. Weakly damped it lasts, but when it
+    swings more than once in two samples everywhere, the samples show an alias of any frequency: a
+    staircase sampled once a second was fitted with a mass that was not there.
+
+    Parameters
+    ----------
+    model
+        The model as fitted.
+    values
+        Parameter name → fitted value.
+    period_s
+        Median sampling interval.
+    input_range
+        Smallest and largest input that was fitted.
+    """
+    theta = np.array([values[name] for name in model.parameters().names])
+    return model.limit(theta, period_s, input_range) or _aliased(
+        model, values, period_s, input_range
+    )
+
+
+def _aliased(
+    model: Model,
+    values: Mapping[str, float],
+    period_s: float,
+    input_range: tuple[float, float],
+) -> tuple[Model, str] | None:
+    spec = model.spec()
+    if spec.options.get("order") != "second":
+        return None
+    slowest_hz = float("inf")
+    for level in np.linspace(*input_range, LEVELS).tolist():
+        derived = model.derived(values, (level, level))
+        swing = _one(derived, "natural_frequency")
+        ratio = _one(derived, "damping_ratio")
+        if swing is None or ratio is None or ratio >= 1.0:
+            return None
+        slowest_hz = min(slowest_hz, swing)
+    shown_hz = 0.5 / period_s
+    if slowest_hz <= shown_hz:
+        return None
+    limit: Model = MODELS[spec.name](**(dict(spec.options) | {"order": "first"}))
+    return limit, (
+        f"the motion would swing at {slowest_hz:.2g} Hz, and more than {shown_hz:.2g} Hz cannot be "
+        "seen at this sampling interval"
+    )
+
+
+def _one(derived: Mapping[str, tuple[float, str]], name: str) -> float | None:
+    found = [value for key, (value, _) in derived.items() if key.startswith(name)]
+    return found[0] if found else None
