@@ -107,7 +107,14 @@ class FitRequest:
 )
 @out_options
 @click.option("--no-plots", is_flag=True, help="Write params.json only.")
-@click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Random seed.")
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    metavar="N",
+    help="Random seed.",
+)
 @json_option
 @quiet_option
 def fit(

@@ -117,6 +117,14 @@ def chosen_parameters(
         if parameter.tie is not None:
             raise UsageError(f"{name} is fixed and tied at once", remedy="give only one of both")
         held[name] = _number(text, option="--fix", parameter=name)
+        if parameter.scale == "log" and held[name] <= 0:
+            raise UsageError(
+                "this parameter must be positive",
+                where=f"--fix {name}",
+                value=held[name],
+                remedy="give a positive value, or drop its term with --option order=first or "
+                "--damping constant",
+            )
     return declared.with_fixed(held)
 
 

@@ -25,8 +25,8 @@ Array = npt.NDArray[np.float64]
 REST_WINDOW_S = 0.3
 REST_MIN_SAMPLES = 5
 REST_FRACTION = 0.02
-"""A segment starts at rest when over its first 0.3 s (at least five samples) input and outputs stay
-within 2 % of their spans in that log."""
+"""A segment starts at rest when over its first 0.3 s (at least five samples) the input stays within
+2 % of its span in that log, and the outputs within 2 % of theirs until the input first moves."""
 
 LOG_REACH = 2.0
 LINEAR_REACH = 3.0
@@ -295,7 +295,7 @@ class Problem:
 
 
 def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
-    """Whether input and outputs hold still at the start of a segment.
+    """Whether input and outputs hold still from the start of a segment to the first input change.
 
     Parameters
     ----------
@@ -308,12 +308,15 @@ def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
     n = max(n, REST_MIN_SAMPLES)
     if np.ptp(segment.input[:n]) > REST_FRACTION * spans["input"]:
         return False
+    level = float(np.median(segment.input[:n]))
+    moving = np.abs(segment.input - level) > REST_FRACTION * spans["input"]
+    end = int(np.argmax(moving)) if moving.any() else segment.input.size
     for name, values in segment.outputs.items():
-        head = values[:n][segment.used[name][:n]]
-        if head.size < REST_MIN_SAMPLES:
+        still = values[: max(end, n)][segment.used[name][: max(end, n)]]
+        if still.size < REST_MIN_SAMPLES:
             return False
-        half = head.size // 2
-        moved = abs(float(head[half:].mean() - head[:half].mean()))
+        few = min(n, still.size // 2)
+        moved = abs(float(still[-few:].mean() - still[:few].mean()))
         if moved > REST_FRACTION * spans[name]:
             return False
     return True
