@@ -59,6 +59,8 @@ class Segment:
         Output channel name → samples, each of shape (n,).
     used
         Output channel name → which samples count in the residual, each of shape (n,).
+    log_start_s
+        Time of the log's first sample.
     """
 
     log_name: str
@@ -69,6 +71,7 @@ class Segment:
     input: Array
     outputs: Mapping[str, Array]
     used: Mapping[str, BoolArray]
+    log_start_s: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,6 +227,7 @@ class Log:
             self.channels[self.input].values[span],
             outputs,
             used,
+            float(self.time_s[0]),
         )
 
     def with_roles(self, *, input: str | None = None, outputs: Sequence[str] = ()) -> Log:

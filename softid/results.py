@@ -41,10 +41,16 @@ class ModelSpec:
         Key in the table of models.
     options
         Option name → plain value (text, number or None).
+    effects
+        Names of the effects that extend it, in the order in which they act.
+    scale
+        Sizes that those effects' bounds and knots go by; empty without effects.
     """
 
     name: str
     options: Mapping[str, str | float | None] = field(default_factory=dict)
+    effects: tuple[str, ...] = ()
+    scale: Mapping[str, str | float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from softid.errors import UsageError
 from softid.log import Segment
-from softid.models.second_order import Division
+from softid.models.second_order import Division, Law
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 
@@ -183,6 +183,16 @@ class Model(ABC):
     @abstractmethod
     def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
         """Output at rest, without sensor zero, for inputs of shape (m,); NaN where undefined."""
+
+    def motion_law(self, theta: Array) -> Law | None:
+        """The coefficients of a law of motion affine in its state; None when it is not."""
+        del theta
+        return None
+
+    def observed(self, x: Array, output: str) -> tuple[Array, Array]:
+        """An output, and its slope by the position, at positions of shape (n,)."""
+        del output
+        return x, np.ones_like(x)
 
     def derived(
         self, values: Mapping[str, float], input_range: tuple[float, float]

@@ -231,7 +231,7 @@ class Muscle(Model):
         by_parameter: dict[str, Array] = {}
         by_state: dict[str, Array] = {}
         for name in outputs:
-            values[name], slope = self._output(name, motion.x)
+            values[name], slope = self.observed(motion.x, name)
             if motion.by_parameter is not None and motion.by_state is not None:
                 by_parameter[name] = motion.by_parameter * slope[:, None]
                 by_state[name] = (motion.by_state * slope[:, None])[:, : len(self.start_states)]
@@ -242,16 +242,20 @@ class Muscle(Model):
             np.array([motion.x[0], motion.v[0]]),
         )
 
-    def _output(self, name: str, x: Array) -> tuple[Array, Array]:
+    def motion_law(self, theta: Array) -> MuscleLaw:
+        """Ru's coefficients at these parameters."""
+        return MuscleLaw(theta)
+
+    def observed(self, x: Array, output: str) -> tuple[Array, Array]:
         """Output and its slope dy/dx; Ru Eq 1 to 3."""
         geometry = self.geometry
         sign = -1.0 if self.inverted else 1.0
-        if name == "distance" and geometry is not None:
+        if output == "distance" and geometry is not None:
             return geometry.distance_mm(x), geometry.distance_slope(x)
-        if name == "length":
+        if output == "length":
             whole = geometry.fixed_length_mm if geometry is not None else 0.0
             return whole - x, np.full(x.size, -1.0)
-        scale = sign / geometry.diameter_mm if geometry is not None and name == "angle" else sign
+        scale = sign / geometry.diameter_mm if geometry is not None and output == "angle" else sign
         return scale * x, np.full(x.size, scale)
 
     def plan(self, theta: Array, segment: Segment) -> Division:
@@ -261,7 +265,7 @@ class Muscle(Model):
     def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
         """The sigmoid x∞(p) = 1/(a1 + c1·exp(−b1·p)) as the output records it."""
         _, stiffness, force = MuscleLaw(theta).coefficients(input_values)
-        return self._output(output, force / stiffness)[0]
+        return self.observed(force / stiffness, output)[0]
 
     def damping_curve(self, theta: Array, pressure_kpa: Array) -> Array:
         """N(p) at pressures of shape (m,), in s per unit of x; Ru Eq 6."""

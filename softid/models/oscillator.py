@@ -217,6 +217,10 @@ class Oscillator(Model):
             first,
         )
 
+    def motion_law(self, theta: Array) -> OscillatorLaw:
+        """The constant coefficients."""
+        return OscillatorLaw(theta)
+
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals; see `Model.plan`."""
         return divide(OscillatorLaw(theta), segment.time_s, segment.input)

@@ -1,0 +1,256 @@
+"""What an effect is: a named physical cause with a law, parameters, and words for people."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.parameters import ParameterSet
+
+Array = npt.NDArray[np.float64]
+Stage = Literal["input", "state", "output"]
+Step = Callable[[float, float, float, float, float, Any, Any], None]
+
+STAGES: tuple[Stage, ...] = ("input", "state", "output")
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Sizes that the bounds and starts of an effect's parameters go by.
+
+    They are taken once from the fitted logs and the fitted base model, and are stored with an
+    extended model, because knots and bounds follow from them.
+
+    Attributes
+    ----------
+    u_low, u_high
+        Range of the input.
+    x_low, x_high
+        Range of the position in the law of motion.
+    v_max
+        Largest speed that is reached for more than a moment.
+    force
+        Span of the elastic force over the range of positions.
+    y_low, y_high
+        Range of the first output.
+    period_s, duration_s
+        Median sampling interval, and the length of the longest log.
+    motion_s
+        Slowest time constant of the motion.
+    travel
+        ∫|v| dt over the longest log.
+    u_unit, x_unit, force_unit, y_unit
+        Units of input, position, force and first output.
+    """
+
+    u_low: float
+    u_high: float
+    x_low: float
+    x_high: float
+    v_max: float
+    force: float
+    y_low: float
+    y_high: float
+    period_s: float
+    duration_s: float
+    motion_s: float
+    travel: float
+    u_unit: str = "kPa"
+    x_unit: str = "mm"
+    force_unit: str = "1"
+    y_unit: str = "mm"
+
+    @property
+    def u_span(self) -> float:
+        """Span of the input."""
+        return self.u_high - self.u_low
+
+    @property
+    def x_span(self) -> float:
+        """Span of the position."""
+        return self.x_high - self.x_low
+
+    @property
+    def y_span(self) -> float:
+        """Span of the first output."""
+        return self.y_high - self.y_low
+
+
+@dataclass(frozen=True)
+class Effect(ABC):
+    """A physical effect; a subclass of one of the three stages is one file and one table line.
+
+    Class attributes
+    ----------------
+    name, title
+        Name in the catalogue and heading for people.
+    variant
+        Empty, or what tells a richer form of the same cause from its plain form.
+    stage
+        Where it acts: on the input, in the equation of motion, or on the output.
+    law
+        The law in one line of plain text.
+    meaning
+        What happens physically, in one plain sentence.
+    signature
+        What it leaves in the residual of a model that ignores it.
+    neighbours
+        Effects that it can be confused with.
+    remedy
+        What to do in hardware, or an empty text when there is nothing.
+    shown_by
+        The experiment that shows it.
+    source
+        Where the law comes from.
+    amplitude
+        Parameter at whose value zero the effect vanishes.
+    changes_sign
+        Whether the amplitude may have either sign.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    variant: ClassVar[str] = ""
+    stage: ClassVar[Stage]
+    law: ClassVar[str]
+    meaning: ClassVar[str]
+    signature: ClassVar[str]
+    neighbours: ClassVar[tuple[str, ...]] = ()
+    remedy: ClassVar[str] = ""
+    shown_by: ClassVar[str]
+    source: ClassVar[str]
+    amplitude: ClassVar[str]
+    changes_sign: ClassVar[bool] = False
+
+    @property
+    def key(self) -> str:
+        """Name in the table: that of the catalogue, with the variant if there is one."""
+        return f"{self.name}.{self.variant}" if self.variant else self.name
+
+    @abstractmethod
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The parameters with moderate values, units, bounds and meaning.
+
+        Parameters
+        ----------
+        scale
+            Sizes of the logs and of the base model.
+        """
+
+    @abstractmethod
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Complete parameter values from which a search begins, spread over the plausible range.
+
+        Parameters
+        ----------
+        scale
+            Sizes of the logs and of the base model.
+        """
+
+
+@dataclass(frozen=True)
+class InputEffect(Effect):
+    """An effect between the recorded input and the input that drives the actuator."""
+
+    stage: ClassVar[Stage] = "input"
+
+    @abstractmethod
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """The input that arrives, at the same times.
+
+        Parameters
+        ----------
+        eta
+            Parameter values in the order of `parameters`, shape (H,).
+        time_s
+            Strictly increasing times, finer than the samples, shape (m,).
+        u
+            Input, straight between these times and constant before the first, shape (m,).
+        scale
+            Sizes of the logs and of the base model.
+        """
+
+
+@dataclass(frozen=True)
+class StateEffect(Effect):
+    """An effect in the equation of motion.
+
+    Class attributes
+    ----------------
+    has_state
+        Whether it has a state z of its own.
+    follows_position
+        Whether z rests at the position instead of at zero.
+    """
+
+    stage: ClassVar[Stage] = "state"
+    has_state: ClassVar[bool] = False
+    follows_position: ClassVar[bool] = False
+
+    @staticmethod
+    @abstractmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Add the effect's part to the equation of motion; compiled, so numbers and `math` only.
+
+        Parameters
+        ----------
+        x, v, z, u, t
+            Position, velocity, own state, input and time since the start of the log.
+        eta
+            The parameters in their order, then `constants`.
+        out
+            Zeros; the places are named in `softid.kernels.terms`: FORCE, RATE, INERTIA, DAMPING,
+            STIFFNESS and SHIFT.
+        """
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """Numbers that the step needs besides the parameters.
+
+        Parameters
+        ----------
+        scale
+            Sizes of the logs and of the base model.
+        """
+        del scale
+        return ()
+
+    def address(self) -> int:
+        """Address of the compiled step."""
+        return int(_compiled(type(self).step).address)
+
+
+@dataclass(frozen=True)
+class OutputEffect(Effect):
+    """An effect between the motion and the recorded output."""
+
+    stage: ClassVar[Stage] = "output"
+
+    @abstractmethod
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """What is recorded, at the same times.
+
+        Parameters
+        ----------
+        eta
+            Parameter values in the order of `parameters`, shape (H,).
+        time_s
+            Times of the samples since the start of the log, shape (n,).
+        y
+            True output in the channel's unit, without sensor zero, shape (n,).
+        scale
+            Sizes of the logs and of the base model.
+        """
+
+
+@cache
+def _compiled(step: Step) -> Any:
+    """Compile once a process; numba keeps the result on disk."""
+    from softid.kernels.terms import compile_term
+
+    return compile_term(step)

@@ -1,0 +1,298 @@
+"""A model with effects added, which is a model again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import (
+    STAGES,
+    Effect,
+    InputEffect,
+    OutputEffect,
+    Scale,
+    StateEffect,
+)
+from softid.effects.motion import divided, rest, simulate_motion, stage_times
+from softid.log import Segment
+from softid.models.base import Model, Response
+from softid.models.second_order import Division, divide
+from softid.parameters import ParameterSet
+from softid.results import ModelSpec
+
+Array = npt.NDArray[np.float64]
+
+DIFFERENCE = 1e-6
+"""Relative step by which parameters of input and output effects are moved to differentiate."""
+
+
+@dataclass(frozen=True)
+class ExtendedModel(Model):
+    """A model whose input, motion and output are changed by effects.
+
+    The input effects act one after the other on the recorded input, the state effects together in
+    the equation of motion, and the output effects one after the other on the first output.
+
+    Attributes
+    ----------
+    model
+        The model that is extended.
+    effects
+        Its effects, in the order in which they act.
+    scale
+        Sizes that their bounds and knots go by.
+    """
+
+    model: Model
+    effects: tuple[Effect, ...]
+    scale: Scale
+
+    name: ClassVar[str] = "extended"
+    title: ClassVar[str] = "A model with effects"
+    equation: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        base = self.model
+        order = sorted(self.effects, key=lambda effect: STAGES.index(effect.stage))
+        inherited = {
+            "effects": tuple(order),
+            "name": base.name,
+            "title": base.title,
+            "equation": "; ".join((base.equation, *(effect.law for effect in order))),
+            "source": base.source,
+            "states": base.states,
+            "inputs": base.inputs,
+            "outputs": base.outputs,
+            "own_zero": base.own_zero,
+            "identified_by": dict(base.identified_by)
+            | {
+                extended_name(effect, parameter): effect.shown_by
+                for effect in order
+                for parameter in effect.parameters(self.scale)
+            },
+        }
+        for key, value in inherited.items():
+            object.__setattr__(self, key, value)
+
+    @property
+    def label(self) -> str:
+        """Names of the model and of its effects."""
+        return " + ".join((self.model.label, *(effect.key for effect in self.effects)))
+
+    @property
+    def start_states(self) -> tuple[str, ...]:
+        """Those of the model: an effect's own state starts at rest."""
+        return self.model.start_states
+
+    def parameters(self) -> ParameterSet:
+        """The model's parameters, then those of each effect as ``effect_parameter``."""
+        added = [
+            replace(p, name=extended_name(effect, p.name))
+            for effect in self.effects
+            for p in effect.parameters(self.scale).values()
+        ]
+        return ParameterSet((*self.model.parameters().values(), *added))
+
+    def guess(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
+        """The model's own starts with the effects at moderate size."""
+        declared = self.parameters()
+        return tuple(
+            declared.with_values({name: start[name].value for name in start.free})
+            for start in self.model.guess(segments, output)
+        )
+
+    def response(
+        self,
+        theta: Array,
+        segment: Segment,
+        outputs: Sequence[str],
+        *,
+        start: Array | None,
+        derivatives: bool,
+        relative: bool = False,
+        plan: Division | None = None,
+    ) -> Response:
+        """Simulate one segment; see `Model.response`."""
+        fixed_plan = plan or self.plan(theta, segment)
+        first = outputs[0]
+
+        def moved(theta: Array, *, derivatives: bool) -> Response:
+            arriving = self._arriving(theta, segment, fixed_plan)
+            return simulate_motion(
+                self.model,
+                self._state_effects,
+                self.scale,
+                theta[: self._split[0]],
+                theta[self._split[1] : self._split[2]],
+                segment,
+                outputs,
+                first_input=float(arriving[0]),
+                stage_input=arriving[1:].reshape(-1, 3),
+                plan=fixed_plan,
+                start=start,
+                relative=relative,
+                derivatives=derivatives,
+            )
+
+        motion = moved(theta, derivatives=derivatives)
+        recorded = self._recorded(theta, segment, motion.outputs[first])
+        values = dict(motion.outputs) | {first: recorded}
+        if motion.by_parameter is None or motion.by_state is None:
+            return Response(values, None, None, motion.start)
+        by_parameter, by_state = {}, {}
+        for name in outputs:
+            by, by_start = motion.by_parameter[name], motion.by_state[name]
+            if name == first:
+                by = self._carried(theta, segment, motion.outputs[first], by)
+                by_start = self._carried(theta, segment, motion.outputs[first], by_start)
+            by_parameter[name] = self._in_order(by)
+            by_state[name] = by_start
+        for at in range(self._split[0], self._split[1]):
+            h = self._steps[at]
+            there = moved(_stepped(theta, at, h), derivatives=False).outputs
+            for name in outputs:
+                y = self._recorded(theta, segment, there[name]) if name == first else there[name]
+                by_parameter[name][:, at] = (y - values[name]) / h
+        for at in range(self._split[2], theta.size):
+            h = self._steps[at]
+            y = self._recorded(_stepped(theta, at, h), segment, motion.outputs[first])
+            by_parameter[first][:, at] = (y - recorded) / h
+        return Response(values, by_parameter, by_state, motion.start)
+
+    @cached_property
+    def _state_effects(self) -> tuple[StateEffect, ...]:
+        return tuple(e for e in self.effects if isinstance(e, StateEffect))
+
+    @cached_property
+    def _split(self) -> tuple[int, int, int]:
+        """Where the parameters of input, state and output effects begin."""
+        counts = [len(self.model.parameters())]
+        for stage in STAGES[:2]:
+            stage_effects = (e for e in self.effects if e.stage == stage)
+            counts.append(sum(len(e.parameters(self.scale)) for e in stage_effects))
+        first, second, third = np.cumsum(counts).tolist()
+        return first, second, third
+
+    @cached_property
+    def _steps(self) -> Array:
+        """Steps by which the parameters are moved to differentiate, shape (K,)."""
+        declared = self.parameters().values()
+        steps: Array = np.array([DIFFERENCE * max(abs(p.value), 1e-12) for p in declared])
+        return steps
+
+    def _own(self, theta: Array) -> Iterator[tuple[Effect, Array]]:
+        """Every effect with its parameters."""
+        at = self._split[0]
+        for effect in self.effects:
+            count = len(effect.parameters(self.scale))
+            yield effect, theta[at : at + count]
+            at += count
+
+    def _arriving(self, theta: Array, segment: Segment, plan: Division) -> Array:
+        """The input that arrives at the first sample and at all stages, shape (1 + 3 L,)."""
+        time_s = np.concatenate((segment.time_s[:1], stage_times(segment.time_s, plan).ravel()))
+        u = np.concatenate((segment.input[:1], plan.stage_input.ravel()))
+        for effect, eta in self._own(theta):
+            if isinstance(effect, InputEffect):
+                u = effect.apply(eta, time_s, u, self.scale)
+        return u
+
+    def _recorded(self, theta: Array, segment: Segment, y: Array) -> Array:
+        """What the sensor makes of the first output."""
+        since_s = segment.time_s - segment.log_start_s
+        for effect, eta in self._own(theta):
+            if isinstance(effect, OutputEffect):
+                y = effect.apply(eta, since_s, y, self.scale)
+        return y
+
+    def _carried(self, theta: Array, segment: Segment, y: Array, by: Array) -> Array:
+        """Derivatives of the first output, shape (n, C), as the sensor passes them on."""
+        if self._split[2] == theta.size:
+            return by
+        before = self._recorded(theta, segment, y)
+        passed = np.empty_like(by)
+        for column in range(by.shape[1]):
+            size = float(np.max(np.abs(by[:, column]), initial=0.0))
+            h = DIFFERENCE * self.scale.y_span / size if size > 0.0 else 1.0
+            passed[:, column] = (self._recorded(theta, segment, y + h * by[:, column]) - before) / h
+        return passed
+
+    def _in_order(self, by: Array) -> Array:
+        """Columns of base and state parameters at their places among all parameters."""
+        base, state, output = self._split
+        whole = np.zeros((by.shape[0], len(self.parameters())))
+        whole[:, :base] = by[:, :base]
+        whole[:, state:output] = by[:, base:]
+        return whole
+
+    def plan(self, theta: Array, segment: Segment) -> Division:
+        """Division of the sampling intervals; see `Model.plan`.
+
+        The arriving input may change faster than the recorded one, so both decide.
+        """
+        base = theta[: self._split[0]]
+        law = self.model.motion_law(base)
+        u = segment.input
+        for effect, eta in self._own(theta):
+            if isinstance(effect, InputEffect):
+                u = effect.apply(eta, segment.time_s, u, self.scale)
+        counts = np.ones(max(u.size - 1, 0), np.intp)
+        if law is not None:
+            for values in (segment.input, u):
+                counts = np.maximum(counts, divide(law, segment.time_s, values).counts)
+        return divided(segment.time_s, segment.input, counts)
+
+    def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
+        """Output at rest, without what the sensor adds; NaN where there is no rest."""
+        base = theta[: self._split[0]]
+        eta = theta[self._split[1] : self._split[2]]
+        u = np.asarray(input_values, np.float64)
+        for effect, own in self._own(theta):
+            if isinstance(effect, InputEffect):
+                u = np.array([self._settled(effect, own, float(level)) for level in u])
+        if not self._state_effects:
+            return self.model.static_output(base, u, output)
+        x = [rest(self.model, self._state_effects, self.scale, base, eta, float(v)) for v in u]
+        return self.model.observed(np.array(x), output)[0]
+
+    def _settled(self, effect: InputEffect, eta: Array, level: float) -> float:
+        """What arrives when the input has long been held."""
+        time_s = np.linspace(0.0, 100.0 * max(self.scale.motion_s, self.scale.period_s), 50)
+        return float(effect.apply(eta, time_s, np.full(time_s.size, level), self.scale)[-1])
+
+    def derived(
+        self, values: Mapping[str, float], input_range: tuple[float, float]
+    ) -> dict[str, tuple[float, str]]:
+        """Those of the model without its effects."""
+        own = {name: values[name] for name in self.model.parameters().names}
+        return self.model.derived(own, input_range)
+
+    def limit(
+        self, theta: Array, period_s: float, input_range: tuple[float, float]
+    ) -> tuple[Model, str] | None:
+        """The limit of the model with the same effects."""
+        found = self.model.limit(theta[: self._split[0]], period_s, input_range)
+        return None if found is None else (replace(self, model=found[0]), found[1])
+
+    def spec(self) -> ModelSpec:
+        """Name and options of the model, names of the effects, and the scale."""
+        base = self.model.spec()
+        names = tuple(effect.key for effect in self.effects)
+        return ModelSpec(base.name, base.options, names, asdict(self.scale))
+
+
+def extended_name(effect: Effect, parameter: str) -> str:
+    """Name of an effect's parameter in an extended model."""
+    return f"{effect.name}_{parameter}"
+
+
+def _stepped(theta: Array, at: int, h: float) -> Array:
+    there = theta.copy()
+    there[at] += h
+    return there

@@ -1,0 +1,326 @@
+"""Motion of a model's law with state effects in it, on a segment's own times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import Scale, StateEffect
+from softid.log import Segment
+from softid.models.base import Model, Response
+from softid.models.second_order import Division
+
+Array = npt.NDArray[np.float64]
+
+BLOCK = 2048
+DIFFERENCE = 1e-7
+REST_ITERATIONS = 50
+REST_TOLERANCE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class _Terms:
+    """Addresses, parameters and states of the effects, as the kernel wants them."""
+
+    addresses: npt.NDArray[np.int64]
+    eta: Array
+    eta_from: npt.NDArray[np.int64]
+    own: npt.NDArray[np.int64]
+    follows: tuple[bool, ...]
+    scale: Array
+    steps: Array
+    columns: npt.NDArray[np.int64]
+    """Which entries of ``eta`` are parameters, not constants."""
+
+    @property
+    def n_own(self) -> int:
+        return len(self.follows)
+
+
+def simulate_motion(
+    model: Model,
+    effects: Sequence[StateEffect],
+    scale: Scale,
+    theta: Array,
+    eta: Array,
+    segment: Segment,
+    outputs: Sequence[str],
+    *,
+    first_input: float,
+    stage_input: Array,
+    plan: Division,
+    start: Array | None,
+    relative: bool,
+    derivatives: bool,
+) -> Response:
+    """Simulate one segment with state effects and an input that is given at the stages.
+
+    Parameters
+    ----------
+    model
+        The model without effects, with a law of motion.
+    effects
+        Effects in the equation of motion.
+    scale
+        Sizes that their constants go by.
+    theta, eta
+        Parameters of the model, shape (K,), and of the effects one after the other, shape (H,).
+    segment
+        Times.
+    outputs
+        Output channels wanted.
+    first_input, stage_input
+        Input that arrives at the first sample, and at the stages of every step, shape (L, 3).
+    plan
+        Division of the sampling intervals.
+    start, relative, derivatives
+        As in `Model.response`.
+
+    Returns
+    -------
+    Response
+        Its derivatives are by (θ, η).
+    """
+    from softid.kernels.extended import propagate_extended
+
+    law = model.motion_law(theta)
+    if law is None:
+        raise TypeError(f"{model.name} has no law of motion")
+    terms = _gather(effects, scale, theta, eta)
+    n, n_theta, n_eta = segment.time_s.size, theta.size, terms.eta.size
+    since_s = segment.time_s[0] - segment.log_start_s
+    from_rest = start is None or relative
+    state = np.zeros(2 + terms.n_own)
+    tangent = np.zeros((state.size, n_theta + n_eta + 2))
+    if from_rest:
+        state[0], tangent[0, :-2] = _rest_by(model, terms, theta, first_input, since_s)
+    if start is not None:
+        state[0] += start[0]
+        state[1] += start[1]
+    tangent[0, -2] = tangent[1, -1] = 1.0
+    for k, follows in enumerate(terms.follows):
+        if follows:
+            state[2 + k] = state[0]
+            tangent[2 + k] = tangent[0]
+    x, by = np.empty(n), np.zeros((n, tangent.shape[1]))
+    x[0], by[0] = state[0], tangent[0]
+    begun = np.array([state[0], state[1]])
+    places = np.stack((stage_times(segment.time_s, plan) - segment.log_start_s, stage_input), 1)
+    sample = 1
+    for first in range(0, plan.step_s.size, BLOCK):
+        block = slice(first, first + BLOCK)
+        coefficients, coefficients_by = _packed(model, theta, stage_input[block], derivatives)
+        length = coefficients.shape[0]
+        states = np.empty((length, 2))
+        tangents = np.empty((length if derivatives else 0, tangent.shape[1]))
+        solved = propagate_extended(
+            plan.step_s[block], places[block], coefficients, coefficients_by, 0, theta.copy(),
+            terms.addresses, terms.eta, terms.eta_from, terms.own, terms.scale, terms.steps,
+            state, tangent, states, tangents, derivatives,
+        )  # fmt: skip
+        if not solved:
+            x[sample:] = np.nan
+            break
+        reached = np.flatnonzero(plan.ends[block])
+        stop = sample + reached.size
+        x[sample:stop] = states[reached, 0]
+        if derivatives:
+            by[sample:stop] = tangents[reached]
+        sample = stop
+    return _response(model, outputs, x, by, begun, terms, n_theta, derivatives=derivatives)
+
+
+def _response(
+    model: Model,
+    outputs: Sequence[str],
+    x: Array,
+    by: Array,
+    begun: Array,
+    terms: _Terms,
+    n_theta: int,
+    *,
+    derivatives: bool,
+) -> Response:
+    values, by_parameter, by_state = {}, {}, {}
+    kept = np.concatenate((np.arange(n_theta), n_theta + terms.columns))
+    starts = by.shape[1] - 2 + np.arange(len(model.start_states))
+    for name in outputs:
+        values[name], slope = model.observed(x, name)
+        if derivatives:
+            by_parameter[name] = by[:, kept] * slope[:, None]
+            by_state[name] = by[:, starts] * slope[:, None]
+    if not derivatives:
+        return Response(values, None, None, begun)
+    return Response(values, by_parameter, by_state, begun)
+
+
+def _gather(effects: Sequence[StateEffect], scale: Scale, theta: Array, eta: Array) -> _Terms:
+    values: list[float] = []
+    begins, own = [0], []
+    columns: list[int] = []
+    follows: list[bool] = []
+    sizes: list[float] = []
+    at = 0
+    for effect in effects:
+        declared = effect.parameters(scale)
+        count = len(declared)
+        columns.extend(range(len(values), len(values) + count))
+        constants = effect.constants(scale)
+        values.extend((*eta[at : at + count].tolist(), *constants))
+        sizes.extend(max(abs(p.value), 1e-12) for p in declared.values())
+        sizes.extend(1.0 for _ in constants)
+        at += count
+        begins.append(len(values))
+        own.append(len(follows) if effect.has_state else -1)
+        if effect.has_state:
+            follows.append(effect.follows_position)
+    theta_sizes = np.maximum(np.abs(theta), 1e-12)
+    return _Terms(
+        np.array([effect.address() for effect in effects], np.int64),
+        np.array(values, np.float64),
+        np.array(begins, np.int64),
+        np.array(own, np.int64),
+        tuple(follows),
+        np.array([scale.x_span, scale.v_max, *(scale.x_span if f else 1.0 for f in follows)]),
+        DIFFERENCE * np.concatenate((theta_sizes, np.array(sizes))),
+        np.array(columns, np.int64),
+    )
+
+
+def _packed(model: Model, theta: Array, u: Array, derivatives: bool) -> tuple[Array, Array]:
+    """m, n, q and f at inputs of shape (L, 3), and their derivatives."""
+    law = model.motion_law(theta)
+    assert law is not None
+    flat = u.ravel()
+    packed = np.empty((*u.shape, 4))
+    packed[..., 0] = law.mass
+    for k, values in enumerate(law.coefficients(flat)):
+        packed[..., 1 + k] = values.reshape(u.shape)
+    if not derivatives:
+        return packed, np.zeros((1, 3, 4, 0))
+    by = np.empty((*u.shape, 4, theta.size))
+    by[..., 0, :] = law.mass_by
+    for k, columns in enumerate(law.derivatives(flat)):
+        by[..., 1 + k, :] = columns.reshape(*u.shape, -1)
+    return packed, by
+
+
+def _unbalanced(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: float) -> float:
+    """Force that is left at rest at a position."""
+    from softid.kernels.extended import evaluate
+
+    packed, _ = _packed(model, theta, np.array([[u]]), False)
+    z = np.array([x if follows else 0.0 for follows in terms.follows])
+    return float(
+        evaluate(
+            x, 0.0, 0.0, z, u, t, packed[0, 0], 0, theta, terms.addresses, terms.eta,
+            terms.eta_from, terms.own, np.empty(z.size), np.empty(5), np.empty(6),
+        )
+    )  # fmt: skip
+
+
+def _rest_position(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> float:
+    """Position at which nothing moves, by Newton's method from the model's own; NaN if none."""
+    law = model.motion_law(theta)
+    assert law is not None
+    x = law.equilibrium(u)
+    if not terms.addresses.size:
+        return x
+    h = DIFFERENCE * terms.scale[0]
+    for _ in range(REST_ITERATIONS):
+        left = _unbalanced(model, terms, theta, x, u, t)
+        slope = (_unbalanced(model, terms, theta, x + h, u, t) - left) / h
+        move = left / slope if slope != 0.0 else np.nan
+        x -= float(np.clip(move, -terms.scale[0], terms.scale[0]))
+        if not np.isfinite(x) or abs(move) < REST_TOLERANCE * terms.scale[0]:
+            return x
+    return x
+
+
+def _rest_by(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> tuple[float, Array]:
+    """Position at rest and its derivatives by (θ, η), from the balance of forces."""
+    x = _rest_position(model, terms, theta, u, t)
+    left = _unbalanced(model, terms, theta, x, u, t)
+    h = DIFFERENCE * terms.scale[0]
+    slope = (_unbalanced(model, terms, theta, x + h, u, t) - left) / h
+    by = np.zeros(theta.size + terms.eta.size)
+    law = model.motion_law(theta)
+    assert law is not None
+    if not terms.addresses.size:
+        by[: theta.size] = law.equilibrium_by(u)
+        return x, by
+    for k, step in enumerate(terms.steps):
+        if k < theta.size:
+            moved = theta.copy()
+            moved[k] += step
+            there = _unbalanced(model, terms, moved, x, u, t)
+        else:
+            eta = terms.eta.copy()
+            eta[k - theta.size] += step
+            there = _unbalanced(model, replace(terms, eta=eta), theta, x, u, t)
+        by[k] = -(there - left) / step / slope
+    return x, by
+
+
+def rest(
+    model: Model,
+    effects: Sequence[StateEffect],
+    scale: Scale,
+    theta: Array,
+    eta: Array,
+    u: float,
+) -> float:
+    """Position at rest under a constant input; NaN when there is none.
+
+    Parameters
+    ----------
+    model, effects, scale, theta, eta
+        As in `simulate_motion`.
+    u
+        The input.
+    """
+    return _rest_position(model, _gather(effects, scale, theta, eta), theta, u, 0.0)
+
+
+def stage_times(time_s: Array, plan: Division) -> Array:
+    """Times at the stages of every step, shape (L, 3).
+
+    Parameters
+    ----------
+    time_s
+        Sample times, shape (n,).
+    plan
+        Division of the intervals between them.
+    """
+    from softid.kernels.radau import STAGES as NODES
+
+    owner = np.repeat(np.arange(plan.counts.size), plan.counts)
+    last = np.cumsum(plan.counts)
+    within = np.arange(owner.size) - (last - plan.counts)[owner]
+    begins = time_s[:-1][owner] + within * plan.step_s
+    return begins[:, None] + plan.step_s[:, None] * NODES[None, :]
+
+
+def divided(time_s: Array, u: Array, counts: npt.NDArray[np.intp]) -> Division:
+    """Divide each sampling interval into a given number of equal steps.
+
+    Parameters
+    ----------
+    time_s, u
+        Sample times and input, each of shape (n,).
+    counts
+        Steps per interval, shape (n − 1,).
+    """
+    from softid.kernels.radau import STAGES as NODES
+
+    owner = np.repeat(np.arange(counts.size), counts)
+    last = np.cumsum(counts)
+    within = np.arange(owner.size) - (last - counts)[owner]
+    fraction = (within[:, None] + NODES[None, :]) / counts[owner][:, None]
+    ends = np.zeros(owner.size, bool)
+    ends[last - 1] = True
+    stage_input = u[:-1][owner][:, None] + np.diff(u)[owner][:, None] * fraction
+    return Division(counts, (np.diff(time_s) / counts)[owner], stage_input, ends)

@@ -1,0 +1,59 @@
+"""Sensor drift: the recorded output wanders at a constant rate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import OutputEffect, Scale
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SensorDrift(OutputEffect):
+    """Drift at a constant rate, y + d t."""
+
+    name: ClassVar[str] = "sensor_drift"
+    title: ClassVar[str] = "Drift of the sensor"
+    law: ClassVar[str] = "recorded y = y + d t"
+    meaning: ClassVar[str] = "The sensor's reading wanders at a constant rate while nothing moves."
+    signature: ClassVar[str] = "The residual is a straight line over the whole log."
+    neighbours: ClassVar[tuple[str, ...]] = ("sensor_warmup", "ageing", "creep")
+    remedy: ClassVar[str] = "let the sensor warm up, calibrate a gyro's bias at rest"
+    shown_by: ClassVar[str] = "a rest at the beginning and at the end of a long record"
+    source: ClassVar[str] = "constant-rate drift"
+    amplitude: ClassVar[str] = "rate"
+    changes_sign: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The rate d, at most the whole output span within the log."""
+        largest = 2.0 * scale.y_span / scale.duration_s
+        return ParameterSet(
+            (
+                Parameter(
+                    "rate",
+                    0.05 * largest,
+                    f"{scale.y_unit}/s",
+                    -largest,
+                    largest,
+                    meaning="drift of the reading",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """One, since the effect is linear in its rate."""
+        return (self.parameters(scale).values_dict(),)
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Add d t."""
+        del scale
+        drifting: Array = y + eta[0] * time_s
+        return drifting
