@@ -115,9 +115,8 @@ def simulate_motion(
         if follows:
             state[2 + k] = state[0]
             tangent[2 + k] = tangent[0]
-    x, by = np.empty(n), np.zeros((n, tangent.shape[1]))
-    x[0], by[0] = state[0], tangent[0]
-    begun = np.array([state[0], state[1]])
+    motion, by = np.empty((n, 2)), np.zeros((n, tangent.shape[1]))
+    motion[0], by[0] = state[:2], tangent[0]
     places = np.stack((stage_times(segment.time_s, plan) - segment.log_start_s, stage_input), 1)
     equation = terms.equation(theta)
     sample = 1
@@ -137,29 +136,29 @@ def simulate_motion(
         )
         solved = integrate(equation, course, state, tangent, states, tangents)
         if not solved:
-            x[sample:] = np.nan
+            motion[sample:] = np.nan
             break
         reached = np.flatnonzero(plan.ends[block])
         stop = sample + reached.size
-        x[sample:stop] = states[reached, 0]
+        motion[sample:stop] = states[reached]
         if derivatives:
             by[sample:stop] = tangents[reached]
         sample = stop
-    return _response(model, outputs, x, by, begun, terms, n_theta, derivatives=derivatives)
+    return _response(model, outputs, motion, by, terms, n_theta, derivatives=derivatives)
 
 
 def _response(
     model: Model,
     outputs: Sequence[str],
-    x: Array,
+    motion: Array,
     by: Array,
-    begun: Array,
     terms: _Terms,
     n_theta: int,
     *,
     derivatives: bool,
 ) -> Response:
     values, by_parameter, by_state = {}, {}, {}
+    x, v = motion.T
     kept = np.concatenate((np.arange(n_theta), n_theta + terms.columns))
     starts = by.shape[1] - 2 + np.arange(len(model.start_states))
     for name in outputs:
@@ -168,8 +167,8 @@ def _response(
             by_parameter[name] = by[:, kept] * slope[:, None]
             by_state[name] = by[:, starts] * slope[:, None]
     if not derivatives:
-        return Response(values, None, None, begun)
-    return Response(values, by_parameter, by_state, begun)
+        return Response(values, None, None, motion[0], x, v)
+    return Response(values, by_parameter, by_state, motion[0], x, v)
 
 
 def _gather(effects: Sequence[StateEffect], scale: Scale, theta: Array, eta: Array) -> _Terms:
