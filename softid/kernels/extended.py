@@ -25,6 +25,9 @@ Array = npt.NDArray[np.float64]
 MAX_HALVINGS = 6
 """How often a step is halved whose stages cannot be found."""
 
+ALIKE = 1e-6
+"""Relative difference up to which two steps are equal, so that one predicts the next."""
+
 EXTRAPOLATION: Array = np.array(
     [[np.prod([(1.0 + c - o) / (n - o) for o in STAGES if o != n]) for n in STAGES] for c in STAGES]
 )
@@ -157,6 +160,7 @@ def integrate(
     step = _room(course.scale)
     coefficients_by = np.zeros((3, 4, course.coefficients_by.shape[3]))
     by = np.zeros((3, state.size - 1, course.moves.size))
+    rhs = np.zeros((step.w.size, tangent.shape[1]))
     last = np.zeros(step.w.size)
     before, tangent_before = state.copy(), tangent.copy()
     follows = False
@@ -167,7 +171,8 @@ def integrate(
         for halvings in range(MAX_HALVINGS + 1):
             pieces = 1 << halvings
             h = course.step_s[i] / pieces
-            follows = follows and pieces == 1 and course.step_s[i] == course.step_s[i - 1]
+            alike = i > 0 and abs(course.step_s[i] - course.step_s[i - 1]) < ALIKE * h
+            follows = follows and pieces == 1 and alike
             for piece in range(pieces):
                 _enter(course, i, piece, pieces, step, coefficients_by)
                 _predict(step, last, state, follows)
@@ -175,7 +180,7 @@ def integrate(
                 if not solved:
                     break
                 if derivatives:
-                    carry(equation, step, coefficients_by, course.moves, by, tangent, h)
+                    carry(equation, step, coefficients_by, course.moves, by, rhs, tangent, h)
                 advance(step, state, h)
             if solved:
                 break

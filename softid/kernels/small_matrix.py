@@ -59,3 +59,35 @@ def solve(factors: Array, order: Index, b: Array) -> None:
         for c in range(i + 1, n):
             b[i] -= factors[i, c] * b[c]
         b[i] /= factors[i, i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def solve_columns(factors: Array, order: Index, b: Array) -> None:
+    """Solve for many right-hand sides in place; the loops along a row of ``b`` vectorise.
+
+    Parameters
+    ----------
+    factors, order
+        From `factorise`.
+    b
+        Right-hand sides as columns, shape (n, C); overwritten by the solutions.
+    """
+    n, columns = b.shape
+    for i in range(n):
+        row = order[i]
+        if row != i:
+            for p in range(columns):
+                b[i, p], b[row, p] = b[row, p], b[i, p]
+    for i in range(n):
+        for c in range(i):
+            factor = factors[i, c]
+            for p in range(columns):
+                b[i, p] -= factor * b[c, p]
+    for i in range(n - 1, -1, -1):
+        for c in range(i + 1, n):
+            factor = factors[i, c]
+            for p in range(columns):
+                b[i, p] -= factor * b[c, p]
+        factor = 1.0 / factors[i, i]
+        for p in range(columns):
+            b[i, p] *= factor

@@ -8,7 +8,7 @@ from numba import njit
 
 from softid.kernels.equation import Equation, unbalanced
 from softid.kernels.radau import B1, A
-from softid.kernels.small_matrix import solve
+from softid.kernels.small_matrix import solve_columns
 from softid.kernels.stages import Step
 
 Array = npt.NDArray[np.float64]
@@ -57,6 +57,7 @@ def carry(
     coefficients_by: Array,
     moves: Array,
     by: Array,
+    rhs: Array,
     tangent: Array,
     h: float,
 ) -> None:
@@ -70,29 +71,35 @@ def carry(
         Derivatives of the affine law's coefficients at the stages, shape (3, 4, K).
     moves
         By how much each parameter is moved to differentiate, shape (K + H,).
-    by
-        Room, zeros in shape (3, 1 + Z, K + H).
+    by, rhs
+        Room: zeros in shape (3, 1 + Z, K + H), and shape (3 + 3 Z, K + H + 2).
     tangent
         ∂(x, v, own states)/∂(θ, η, x₀, v₀), shape (2 + Z, K + H + 2); overwritten.
     """
-    n_own, n_parameters = tangent.shape[0] - 2, by.shape[2]
+    n_own = tangent.shape[0] - 2
     _by_parameters(equation, step, coefficients_by, moves, by)
-    rhs = step.residual
+    for c in range(3):
+        heavy = step.parts[c, 4] * step.parts[c, 0] / h * B1[c]
+        slope = step.slopes[c, 0, 0]
+        for p in range(tangent.shape[1]):
+            rhs[c, p] = heavy * tangent[1, p] - slope * tangent[0, p]
+        for p in range(by.shape[2]):
+            rhs[c, p] -= by[c, 0, p]
+        for k in range(n_own):
+            row, slope = 3 * (k + 1) + c, step.slopes[c, 2 + k, 0]
+            along_x, along_own = step.slopes[c, 0, 1 + k], step.slopes[c, 2 + k, 1 + k]
+            for p in range(tangent.shape[1]):
+                rhs[c, p] -= slope * tangent[2 + k, p]
+                rhs[row, p] = along_x * tangent[0, p] + along_own * tangent[2 + k, p]
+            for p in range(by.shape[2]):
+                rhs[row, p] += by[c, 1 + k, p]
+    solve_columns(step.matrix, step.order, rhs)
     for p in range(tangent.shape[1]):
-        for c in range(3):
-            heavy = step.parts[c, 4] * step.parts[c, 0] / h
-            own = by[c, 0, p] if p < n_parameters else 0.0
-            rhs[c] = heavy * B1[c] * tangent[1, p] - own - step.slopes[c, 0, 0] * tangent[0, p]
-            for k in range(n_own):
-                rhs[c] -= step.slopes[c, 2 + k, 0] * tangent[2 + k, p]
-                rhs[3 * (k + 1) + c] = (
-                    step.slopes[c, 0, 1 + k] * tangent[0, p]
-                    + step.slopes[c, 2 + k, 1 + k] * tangent[2 + k, p]
-                    + (by[c, 1 + k, p] if p < n_parameters else 0.0)
-                )
-        solve(step.matrix, step.order, rhs)
-        for j in range(3):
-            tangent[0, p] += h * A[2, j] * rhs[j]
-            for k in range(n_own):
-                tangent[2 + k, p] += h * A[2, j] * rhs[3 * (k + 1) + j]
-        tangent[1, p] = rhs[2]
+        tangent[0, p] += h * (A[2, 0] * rhs[0, p] + A[2, 1] * rhs[1, p] + A[2, 2] * rhs[2, p])
+        tangent[1, p] = rhs[2, p]
+    for k in range(n_own):
+        first = 3 * (k + 1)
+        for p in range(tangent.shape[1]):
+            tangent[2 + k, p] += h * (
+                A[2, 0] * rhs[first, p] + A[2, 1] * rhs[first + 1, p] + A[2, 2] * rhs[first + 2, p]
+            )

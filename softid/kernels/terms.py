@@ -80,10 +80,8 @@ def compile_term(function: Callable[..., None]) -> Any:
         return numba.cfunc(
             SIGNATURE,
             cache=True,
-            nopython=True,
         )(function)
     except RuntimeError:  # typed at a prompt: there is no file beside which to cache
         return numba.cfunc(
             SIGNATURE,
-            nopython=True,
         )(function)
