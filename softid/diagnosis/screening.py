@@ -150,8 +150,8 @@ def _scaled(effect: Effect, values: Mapping[str, float], share: float) -> dict[s
     size = float(np.clip(abs(share), SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE))
     factor = size if share >= 0.0 else -size
     scaled = dict(values)
-    if effect.amplitude in scaled:
-        scaled[effect.amplitude] = factor * scaled[effect.amplitude]
+    for name in effect.amplitudes:
+        scaled[name] = factor * scaled[name]
     return scaled
 
 
