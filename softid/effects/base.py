@@ -133,6 +133,11 @@ class Effect(ABC):
         """Name in the table: that of the catalogue, with the variant if there is one."""
         return f"{self.name}.{self.variant}" if self.variant else self.name
 
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """Parameters that must all be zero for the effect to vanish: ``amplitude``, if no more."""
+        return (self.amplitude,)
+
     @abstractmethod
     def parameters(self, scale: Scale) -> ParameterSet:
         """The parameters with moderate values, units, bounds and meaning.
@@ -219,6 +224,19 @@ class StateEffect(Effect):
         """
         del scale
         return ()
+
+    def rate(self, eta: Array, scale: Scale) -> float:
+        """Fastest rate, in 1/s, that the integrator's steps must resolve besides the model's own.
+
+        Parameters
+        ----------
+        eta
+            Parameter values in the order of `parameters`, shape (H,).
+        scale
+            Sizes of the logs and of the base model.
+        """
+        del eta, scale
+        return 0.0
 
     def address(self) -> int:
         """Address of the compiled step."""

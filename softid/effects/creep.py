@@ -29,16 +29,16 @@ class Creep(StateEffect):
     law: ClassVar[str] = "+ k (x - z),  tau z' = x - z"
     meaning: ClassVar[str] = (
         "After a change the actuator settles quickly to most of its new position and then creeps "
-        "on for seconds, because part of its elastic force relaxes."
+        "on for seconds or minutes, because part of its elastic force relaxes."
     )
     signature: ClassVar[str] = (
-        "The residual decays exponentially after every change of level, with the same time at "
-        "every level and in both directions."
+        "The residual decays exponentially after every change of level, in proportion to the "
+        "change, with the same time at every level and in both directions."
     )
-    neighbours: ClassVar[tuple[str, ...]] = ("sensor_warmup", "hysteresis", "pneumatic_lag")
+    neighbours: ClassVar[tuple[str, ...]] = ("sensor_warmup", "hysteresis", "sensor_drift")
     remedy: ClassVar[str] = "precondition the actuator, or use a less viscoelastic elastomer"
     shown_by: ClassVar[str] = "a hold of 20 s followed by a rest of 20 s"
-    source: ClassVar[str] = "standard linear solid"
+    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (standard linear solid)"
     amplitude: ClassVar[str] = "k"
     has_state: ClassVar[bool] = True
     follows_position: ClassVar[bool] = True

@@ -21,7 +21,7 @@ from softid.effects.base import (
 from softid.effects.motion import divided, rest, simulate_motion, stage_times
 from softid.log import Segment
 from softid.models.base import Model, Response
-from softid.models.second_order import Division, divide
+from softid.models.second_order import MAX_PHASE_PER_STEP, MAX_SUBSTEPS, Division, divide
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 
@@ -234,7 +234,8 @@ class ExtendedModel(Model):
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals; see `Model.plan`.
 
-        The arriving input may change faster than the recorded one, so both decide.
+        The arriving input may change faster than the recorded one, so both decide, and so does the
+        fastest of the state effects.
         """
         base = theta[: self._split[0]]
         law = self.model.motion_law(base)
@@ -246,7 +247,18 @@ class ExtendedModel(Model):
         if law is not None:
             for values in (segment.input, u):
                 counts = np.maximum(counts, divide(law, segment.time_s, values).counts)
+        wanted = np.ceil(np.diff(segment.time_s) * self._rate(theta) / MAX_PHASE_PER_STEP)
+        counts = np.maximum(counts, np.clip(wanted, 1, MAX_SUBSTEPS).astype(np.intp))
         return divided(segment.time_s, segment.input, counts)
+
+    def _rate(self, theta: Array) -> float:
+        """Fastest rate that a state effect calls for, in 1/s; 0 without one."""
+        rates = [
+            effect.rate(eta, self.scale)
+            for effect, eta in self._own(theta)
+            if isinstance(effect, StateEffect)
+        ]
+        return max((rate for rate in rates if np.isfinite(rate)), default=0.0)
 
     def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
         """Output at rest, without what the sensor adds; NaN where there is no rest."""

@@ -1,0 +1,67 @@
+"""Ageing: the stiffness changes steadily with time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from softid.effects.base import Scale, StateEffect
+from softid.kernels.terms import STIFFNESS
+from softid.parameters import Parameter, ParameterSet
+
+LARGEST = 0.9
+SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class Ageing(StateEffect):
+    r"""Stiffness that changes at a constant rate, Q (1 + r t).
+
+    To first order in time an actuator that warms up or wears changes so over a long log.
+
+    Source: Treloar, *The Physics of Rubber Elasticity*, ch. 2 (stiffness and temperature).
+    """
+
+    name: ClassVar[str] = "ageing"
+    title: ClassVar[str] = "Stiffness that changes with time"
+    law: ClassVar[str] = "Q (1 + r t) in place of Q"
+    meaning: ClassVar[str] = (
+        "The actuator slowly grows softer or stiffer while the log runs, whether it moves or not, "
+        "as when it warms up or wears."
+    )
+    signature: ClassVar[str] = (
+        "The residual grows in proportion to time and to the position: it is largest at high "
+        "levels late in the log and vanishes where the position is zero."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("softening", "sensor_drift", "sensor_warmup")
+    remedy: ClassVar[str] = "let it reach its temperature first, or identify it again now and then"
+    shown_by: ClassVar[str] = "the same two levels at the beginning and at the end of a long log"
+    source: ClassVar[str] = "Treloar, The Physics of Rubber Elasticity, ch. 2"
+    amplitude: ClassVar[str] = "r"
+    changes_sign: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The rate r; a negative one leaves a tenth of the stiffness at the end of the log."""
+        return ParameterSet(
+            (
+                Parameter(
+                    "r",
+                    SHARE / scale.duration_s,
+                    "1/s",
+                    -LARGEST / scale.duration_s,
+                    LARGEST / scale.duration_s,
+                    meaning="share of the stiffness gained each second",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """One, since the effect is nearly linear in its rate."""
+        return (self.parameters(scale).values_dict(),)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Relative change r t of the stiffness."""
+        out[STIFFNESS] += eta[0] * t

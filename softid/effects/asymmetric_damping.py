@@ -1,0 +1,80 @@
+"""Asymmetric damping: one direction of motion is held back more than the other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from softid.effects.base import Scale, StateEffect
+from softid.kernels.terms import DAMPING
+from softid.parameters import Parameter, ParameterSet
+
+LARGEST = 0.95
+SHARE = 0.2
+SPEEDS = (0.02, 0.3)
+
+
+@dataclass(frozen=True)
+class AsymmetricDamping(StateEffect):
+    r"""Damping that depends on the direction, N (1 + ε tanh(v/v0)).
+
+    Filling and venting take different paths, and a wall that is stretched loses more energy than
+    one that comes back.
+
+    Source: Dixon, *The Shock Absorber Handbook* (different damping in bump and rebound).
+    """
+
+    name: ClassVar[str] = "asymmetric_damping"
+    title: ClassVar[str] = "Damping that differs by direction"
+    law: ClassVar[str] = "N (1 + eps tanh(v/v0)) in place of N"
+    meaning: ClassVar[str] = (
+        "Moving one way is damped more than moving the other way, so that rise and return take "
+        "different times."
+    )
+    signature: ClassVar[str] = (
+        "The residual has the same sign after steps up and after steps down, and dies out when "
+        "the motion does."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "valve_flow", "quadratic_damping")
+    remedy: ClassVar[str] = "exhaust through a valve as wide as the one that fills"
+    shown_by: ClassVar[str] = "equal steps up and down between the same levels"
+    source: ClassVar[str] = "Dixon, The Shock Absorber Handbook (bump and rebound)"
+    amplitude: ClassVar[str] = "eps"
+    changes_sign: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The asymmetry ε, positive where rising is damped more, and the speed v0."""
+        return ParameterSet(
+            (
+                Parameter(
+                    "eps",
+                    SHARE,
+                    "1",
+                    -LARGEST,
+                    LARGEST,
+                    meaning="share by which a rising motion is damped more",
+                    source=self.source,
+                ),
+                Parameter(
+                    "v0",
+                    SPEEDS[0] * scale.v_max,
+                    f"{scale.x_unit}/s",
+                    3e-3 * scale.v_max,
+                    3.0 * scale.v_max,
+                    "log",
+                    meaning="speed at which the difference has come up",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """A sudden and a gradual change with the direction."""
+        return tuple({"eps": SHARE, "v0": share * scale.v_max} for share in SPEEDS)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Relative change ε tanh(v/v0) of the damping."""
+        out[DAMPING] += eta[0] * math.tanh(v / eta[1])

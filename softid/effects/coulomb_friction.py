@@ -1,0 +1,166 @@
+"""Coulomb friction: a force of constant size against the motion, and its Stribeck form."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import Scale, StateEffect
+from softid.kernels.terms import FORCE
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+SHARE = 0.05
+TURN = 0.8
+SHARP = 190.0
+LARGE = 0.05
+"""Near a turn the friction changes within a time that goes with vs; beyond vs = v_max/`SHARP` it is
+a jump for the steps, whose error goes with their square and with the force, and stops growing at a
+friction of `LARGE` of the elastic force, where the motion begins to stick."""
+
+SPEEDS = (3e-3, 0.03)
+STRIBECK_SPEEDS = (0.03, 0.1)
+
+
+@dataclass(frozen=True)
+class CoulombFriction(StateEffect):
+    r"""Dry friction, + Fc tanh(v/vs).
+
+    Below the speed vs the sign function is replaced by a steep slope, so that derivatives exist.
+
+    Source: Armstrong-Hélouvry et al. 1994, doi 10.1016/0005-1098(94)90209-7.
+    """
+
+    name: ClassVar[str] = "coulomb_friction"
+    title: ClassVar[str] = "Dry friction"
+    law: ClassVar[str] = "+ Fc tanh(v/vs)"
+    meaning: ClassVar[str] = (
+        "Surfaces that rub hold the motion back with a force of constant size, and let the "
+        "actuator stick when it turns round."
+    )
+    signature: ClassVar[str] = (
+        "The residual keeps one size with the sign of the motion, however slow the motion is, and "
+        "the output has flat stretches at the turning points."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("hysteresis", "quadratic_damping", "dead_zone")
+    remedy: ClassVar[str] = "lubricate or align the guides, add dither, or compensate the force"
+    shown_by: ClassVar[str] = "the same path once slowly and once fast"
+    source: ClassVar[str] = "Armstrong-Hélouvry et al. 1994, doi 10.1016/0005-1098(94)90209-7"
+    amplitude: ClassVar[str] = "Fc"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Size Fc of the friction, and the speed vs below which it fades."""
+        return ParameterSet(
+            (
+                Parameter(
+                    "Fc",
+                    SHARE * scale.force,
+                    scale.force_unit,
+                    1e-6 * scale.force,
+                    3.0 * scale.force,
+                    "log",
+                    meaning="force of dry friction",
+                    source=self.source,
+                ),
+                Parameter(
+                    "vs",
+                    SPEEDS[1] * scale.v_max,
+                    f"{scale.x_unit}/s",
+                    1e-3 * scale.v_max,
+                    0.3 * scale.v_max,
+                    "log",
+                    meaning="speed at which the friction has come up",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """A sharp and a gradual change with the direction."""
+        return tuple({"Fc": SHARE * scale.force, "vs": share * scale.v_max} for share in SPEEDS)
+
+    def rate(self, eta: Array, scale: Scale) -> float:
+        """The friction turns round while the speed goes through ±vs."""
+        largest = float(eta[0]) * (1.0 + self.excess(eta))
+        jump = SHARP * min(max(largest / scale.force, 0.0) / LARGE, 1.0) ** 0.5
+        return float(TURN * min(scale.v_max / eta[1], jump) * scale.v_max / scale.x_span)
+
+    def excess(self, eta: Array) -> float:
+        """Share by which the friction at low speed is above that at high speed."""
+        del eta
+        return 0.0
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force Fc tanh(v/vs)."""
+        out[FORCE] += eta[0] * math.tanh(v / eta[1])
+
+
+@dataclass(frozen=True)
+class StribeckFriction(CoulombFriction):
+    r"""Dry friction that is larger at low speed, + Fc tanh(v/vs) (1 + β exp(−(v/vb)²)).
+
+    Source: Armstrong-Hélouvry et al. 1994, doi 10.1016/0005-1098(94)90209-7, §2.1.
+    """
+
+    variant: ClassVar[str] = "stribeck"
+    title: ClassVar[str] = "Dry friction that is larger at low speed"
+    law: ClassVar[str] = "+ Fc tanh(v/vs) (1 + beta exp(-(v/vb)^2))"
+    meaning: ClassVar[str] = (
+        "Surfaces that rub hold the motion back, and more so just before and after they stick, so "
+        "that slow motion may go in jerks."
+    )
+    signature: ClassVar[str] = (
+        "As for dry friction, and in slow motion the residual is larger than in fast motion."
+    )
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Those of dry friction, its share β of excess at low speed, and the speed vb."""
+        return ParameterSet(
+            (
+                *super().parameters(scale).values(),
+                Parameter(
+                    "beta",
+                    0.5,
+                    "1",
+                    1e-3,
+                    5.0,
+                    "log",
+                    meaning="share by which friction is larger at low speed",
+                    source=self.source,
+                ),
+                Parameter(
+                    "vb",
+                    STRIBECK_SPEEDS[1] * scale.v_max,
+                    f"{scale.x_unit}/s",
+                    3e-3 * scale.v_max,
+                    scale.v_max,
+                    "log",
+                    meaning="speed at which the excess has gone",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Those of dry friction with two Stribeck speeds."""
+        return tuple(
+            {**start, "beta": 0.5, "vb": share * scale.v_max}
+            for start, share in zip(super().starts(scale), STRIBECK_SPEEDS, strict=True)
+        )
+
+    def excess(self, eta: Array) -> float:
+        """The share β."""
+        return max(float(eta[2]), 0.0)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force Fc tanh(v/vs) (1 + β exp(−(v/vb)²))."""
+        fast = v / eta[3]
+        out[FORCE] += eta[0] * math.tanh(v / eta[1]) * (1.0 + eta[2] * math.exp(-fast * fast))

@@ -1,0 +1,97 @@
+"""Hysteresis: the way up and the way down differ, however slowly they are gone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import Scale, StateEffect
+from softid.kernels.terms import FORCE, RATE
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+SHARE = 0.05
+TURN = 8.0
+"""Rate that the steps resolve where the loop is as steep as the spring, in ranges of positions that
+the largest speed covers in a second; the corner of |v| at a turn asks for more than smooth laws."""
+
+DISTANCES = (0.01, 0.05, 0.25)
+
+
+@dataclass(frozen=True)
+class Hysteresis(StateEffect):
+    r"""Rate-independent hysteresis of Dahl, + α z with zs ż = v − |v| z.
+
+    z runs to ±1 over a distance zs after every turn, so that the loop depends on the path and not
+    on its speed. It is the Bouc–Wen law with exponent 1 and β = γ.
+
+    Source: Dahl 1968, *A Solid Friction Model*; Ikhouane & Rodellar, *Systems with Hysteresis*
+    (Bouc–Wen).
+    """
+
+    name: ClassVar[str] = "hysteresis"
+    title: ClassVar[str] = "Hysteresis of the material"
+    law: ClassVar[str] = "+ alpha z,  z' = (v - |v| z)/zs"
+    meaning: ClassVar[str] = (
+        "The way up and the way down run along different curves, however slowly they are gone, "
+        "because the material or its fibres rub inside."
+    )
+    signature: ClassVar[str] = (
+        "The residual makes a loop over the position whose area does not shrink at low speed, and "
+        "small back-and-forth motions make small loops inside it."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("coulomb_friction", "creep", "pneumatic_lag")
+    remedy: ClassVar[str] = "approach every position from the same side, or invert the loop"
+    shown_by: ClassVar[str] = "the same path at two speeds, and small loops within large ones"
+    source: ClassVar[str] = "Dahl 1968; Ikhouane & Rodellar, Systems with Hysteresis"
+    amplitude: ClassVar[str] = "alpha"
+    has_state: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Half height α of the loop, and the distance zs over which it changes branch."""
+        return ParameterSet(
+            (
+                Parameter(
+                    "alpha",
+                    SHARE * scale.force,
+                    scale.force_unit,
+                    1e-6 * scale.force,
+                    10.0 * scale.force,
+                    "log",
+                    meaning="force by which the branches lie off the middle",
+                    source=self.source,
+                ),
+                Parameter(
+                    "zs",
+                    DISTANCES[1] * scale.x_span,
+                    scale.x_unit,
+                    3e-3 * scale.x_span,
+                    0.6 * scale.x_span,
+                    "log",
+                    meaning="distance over which one branch turns into the other",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Distances from a sharp turn to a quarter of the range."""
+        return tuple(
+            {"alpha": SHARE * scale.force, "zs": share * scale.x_span} for share in DISTANCES
+        )
+
+    def rate(self, eta: Array, scale: Scale) -> float:
+        """After a turn the loop acts as a spring of stiffness α/zs."""
+        ratio = max(float(eta[0] / eta[1]), 0.0) * scale.x_span / scale.force
+        return float(TURN * ratio**0.5 * scale.v_max / scale.x_span)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force α z, and ż = (v − |v| z)/zs."""
+        out[FORCE] += eta[0] * z
+        out[RATE] += (v - abs(v) * z) / eta[1]

@@ -1,0 +1,81 @@
+"""Softening: the first cycles make the rubber softer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from softid.effects.base import Scale, StateEffect
+from softid.kernels.terms import RATE, STIFFNESS
+from softid.parameters import Parameter, ParameterSet
+
+SHARE = 0.1
+PATHS = (0.05, 0.2, 0.7)
+
+
+@dataclass(frozen=True)
+class Softening(StateEffect):
+    r"""Softening by use, Q (1 − s (1 − exp(−W/W0))) with W = ∫|v| dt.
+
+    The own state is w = W/W0, which is 0 at the beginning and grows with the path, not with time.
+
+    Source: Mullins 1969, doi 10.5254/1.3539210; as a damage law Simo 1987,
+    doi 10.1016/0045-7825(87)90107-1.
+    """
+
+    name: ClassVar[str] = "softening"
+    title: ClassVar[str] = "Softening by use (Mullins effect)"
+    law: ClassVar[str] = "Q (1 - s (1 - exp(-W/W0))) in place of Q,  W' = |v|"
+    meaning: ClassVar[str] = (
+        "The first cycles make the rubber softer, so that the same pressure moves it further and "
+        "further until it has settled in."
+    )
+    signature: ClassVar[str] = (
+        "The residual grows with the path covered, quickly in the first cycles, and stands still "
+        "while the actuator rests."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("ageing", "sensor_warmup")
+    remedy: ClassVar[str] = "cycle a new actuator over its full range before it is used"
+    shown_by: ClassVar[str] = "many cycles with pauses between them"
+    source: ClassVar[str] = "Mullins 1969, doi 10.5254/1.3539210"
+    amplitude: ClassVar[str] = "s"
+    has_state: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Share s of the stiffness that goes, and the path W0 over which it goes."""
+        return ParameterSet(
+            (
+                Parameter(
+                    "s",
+                    SHARE,
+                    "1",
+                    1e-6,
+                    0.9,
+                    "log",
+                    meaning="share of the stiffness that is lost in the end",
+                    source=self.source,
+                ),
+                Parameter(
+                    "W0",
+                    PATHS[1] * scale.travel,
+                    scale.x_unit,
+                    0.01 * scale.travel,
+                    3.0 * scale.travel,
+                    "log",
+                    meaning="path over which it is lost",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Paths from the first cycles to most of the log."""
+        return tuple({"s": SHARE, "W0": share * scale.travel} for share in PATHS)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Relative change −s (1 − exp(−w)) of the stiffness, and ẇ = |v|/W0."""
+        out[STIFFNESS] -= eta[0] * (1.0 - math.exp(-z))
+        out[RATE] += abs(v) / eta[1]

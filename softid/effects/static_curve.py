@@ -1,0 +1,122 @@
+"""Static curve: the settled positions do not lie on the curve that the model can draw."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from softid.effects.base import Scale, StateEffect
+from softid.kernels.terms import SHIFT
+from softid.parameters import Parameter, ParameterSet
+
+KNOTS = 6
+LAST = KNOTS - 1
+HALF_RANGE = 0.5
+SHARE = 0.05
+LEVELLING = 0.5
+"""Distance, in knots, over which the curve levels off outside the range of the knots."""
+
+BENDING = (
+    (56.0 / 209.0, -15.0 / 209.0, 4.0 / 209.0, -1.0 / 209.0),
+    (-15.0 / 209.0, 60.0 / 209.0, -16.0 / 209.0, 4.0 / 209.0),
+    (4.0 / 209.0, -16.0 / 209.0, 60.0 / 209.0, -15.0 / 209.0),
+    (-1.0 / 209.0, 4.0 / 209.0, -15.0 / 209.0, 56.0 / 209.0),
+)
+"""Inverse of the tridiagonal matrix (1, 4, 1): a natural spline's second derivatives at the inner
+knots are six times this matrix times the second differences of its values."""
+
+SHAPES = (
+    (1.0, -0.2, -0.8, -0.8, -0.2, 1.0),
+    (-5.0 / 7.0, 1.0, 4.0 / 7.0, -4.0 / 7.0, -1.0, 5.0 / 7.0),
+    (1.0 / 3.0, -1.0, 2.0 / 3.0, 2.0 / 3.0, -1.0, 1.0 / 3.0),
+)
+"""The orthogonal polynomials of degree 2, 3 and 4 on six places: what a straight line leaves."""
+
+
+@dataclass(frozen=True)
+class StaticCurve(StateEffect):
+    r"""Shift of the spring's rest by a natural cubic spline in the input, q(x − s(u)).
+
+    At rest the position is that of the model plus s(u). The spline goes through six equally spaced
+    knots over the range of the input, and levels off outside it.
+
+    Source: de Boor, *A Practical Guide to Splines*, ch. IV (natural cubic spline).
+    """
+
+    name: ClassVar[str] = "static_curve"
+    title: ClassVar[str] = "Another static curve"
+    law: ClassVar[str] = "x - s(u) in place of x in the spring; s a cubic spline through 6 knots"
+    meaning: ClassVar[str] = (
+        "The positions at which the actuator settles follow a curve of another shape than the one "
+        "the model can draw."
+    )
+    signature: ClassVar[str] = (
+        "The residual at rest depends on the level alone, is the same on the way up and on the way "
+        "down, and stays as long as the level is held."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("stiffening", "contact", "dead_zone")
+    remedy: ClassVar[str] = "none is needed: use the measured curve for control"
+    shown_by: ClassVar[str] = "held levels over the full range, up and down"
+    source: ClassVar[str] = "de Boor, A Practical Guide to Splines, ch. IV"
+    amplitude: ClassVar[str] = "k1"
+    changes_sign: ClassVar[bool] = True
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """All values at the knots: the effect is linear in them."""
+        return tuple(f"k{i + 1}" for i in range(KNOTS))
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Shifts k1 to k6 at the knots, at most half the range of positions either way."""
+        largest = HALF_RANGE * scale.x_span
+        spacing = scale.u_span / LAST
+        return ParameterSet(
+            tuple(
+                Parameter(
+                    f"k{i + 1}",
+                    SHARE * scale.x_span * SHAPES[0][i],
+                    scale.x_unit,
+                    -largest,
+                    largest,
+                    meaning=f"shift at {scale.u_low + i * spacing:.3g} {scale.u_unit}",
+                    source=self.source,
+                )
+                for i in range(KNOTS)
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """A bow, an S and a W."""
+        size = SHARE * scale.x_span
+        return tuple(
+            {f"k{i + 1}": size * value for i, value in enumerate(shape)} for shape in SHAPES
+        )
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """Place of the first knot, and knots per unit of the input."""
+        return (scale.u_low, LAST / scale.u_span)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Shift s(u); beyond the ends, where the spline is straight, tanh brings it to a level."""
+        place = (u - eta[KNOTS]) * eta[KNOTS + 1]
+        inside = min(max(place, 0.0), float(LAST))
+        left = min(int(inside), LAST - 1)
+        bend_left, bend_right = 0.0, 0.0
+        for j in range(LAST - 1):
+            bent = 6.0 * (eta[j] - 2.0 * eta[j + 1] + eta[j + 2])
+            if left > 0:
+                bend_left += BENDING[left - 1][j] * bent
+            if left < LAST - 1:
+                bend_right += BENDING[left][j] * bent
+        b = inside - left
+        a = 1.0 - b
+        shift = a * eta[left] + b * eta[left + 1]
+        shift += ((a * a * a - a) * bend_left + (b * b * b - b) * bend_right) / 6.0
+        if place != inside:
+            slope = eta[left + 1] - eta[left]
+            slope += ((3.0 * b * b - 1.0) * bend_right - (3.0 * a * a - 1.0) * bend_left) / 6.0
+            shift += slope * LEVELLING * math.tanh((place - inside) / LEVELLING)
+        out[SHIFT] += shift

@@ -1,0 +1,242 @@
+"""Every effect of the catalogue: its words and bounds, and its law against one that scipy solves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from textbook_effects import (
+    LAWS,
+    MUSCLE,
+    OSCILLATOR,
+    driven,
+    sizes,
+    textbook_motion,
+)
+
+from softid.effects import EFFECTS, Effect, ExtendedModel, Scale, StateEffect
+from softid.log import Segment
+from softid.models.base import Model
+from softid.models.muscle import Muscle
+from softid.models.oscillator import Oscillator
+
+NAMES = (
+    "delay", "pneumatic_lag", "line_resonance", "valve_flow", "dead_zone",
+    "static_curve", "stiffening", "contact", "quadratic_damping", "asymmetric_damping",
+    "coulomb_friction", "hysteresis", "creep", "softening", "ageing", "pressure_mass",
+    "sensor_drift", "sensor_warmup", "sensor_lag", "sensor_clipping", "clock_rate",
+)  # fmt: skip
+BASES: dict[str, tuple[Model, np.ndarray]] = {
+    "muscle": (Muscle(), MUSCLE),
+    "oscillator": (Oscillator(), OSCILLATOR),
+}
+STATE = [key for key, effect in EFFECTS.items() if issubclass(effect, StateEffect)]
+OUTPUT = ("position",)
+
+
+@cache
+def rig(base: str) -> tuple[Segment, Scale]:
+    """The drive of a base model and the sizes of its motion."""
+    drive = driven(base)
+    return drive, sizes(base, drive)
+
+
+def moved(model: Model, theta: np.ndarray, drive: Segment) -> np.ndarray:
+    """The simulated output, from rest."""
+    found = model.response(theta, drive, OUTPUT, start=None, derivatives=False)
+    return found.outputs[OUTPUT[0]]
+
+
+def eta_of(effect: Effect, scale: Scale, values: dict[str, float]) -> np.ndarray:
+    """Parameter values in their order."""
+    return np.array([values[name] for name in effect.parameters(scale)])
+
+
+@pytest.mark.parametrize("key", EFFECTS)
+def test_words_are_there(key: str) -> None:
+    """Every text is given, in sentences where people read sentences; neighbours are effects."""
+    effect = EFFECTS[key]()
+    assert effect.key == key
+    assert effect.name in NAMES
+    for text in (effect.title, effect.law, effect.remedy, effect.shown_by, effect.source):
+        assert text
+        assert not text.endswith(".")
+    for sentence in (effect.meaning, effect.signature):
+        assert sentence.endswith(".")
+        assert sentence[0].isupper()
+    assert effect.neighbours
+    assert set(effect.neighbours) <= set(NAMES) - {effect.name}
+
+
+def test_neighbours_are_mutual() -> None:
+    """Among the effects in the equation of motion, each names those that name it."""
+    for key in STATE:
+        for other in STATE:
+            mine, theirs = EFFECTS[key], EFFECTS[other]
+            if theirs.name in mine.neighbours:
+                assert mine.name in theirs.neighbours, (key, other)
+
+
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("key", EFFECTS)
+def test_parameters_and_starts(key: str, base: str) -> None:
+    """Bounds, units and meaning are set; starts are complete, few, inside, and not nothing."""
+    effect, scale = EFFECTS[key](), rig(base)[1]
+    declared = effect.parameters(scale)
+    assert effect.amplitude in effect.amplitudes
+    assert set(effect.amplitudes) <= set(declared)
+    for p in declared.values():
+        assert np.isfinite([p.lower, p.upper]).all()
+        assert p.lower < p.value < p.upper
+        assert p.meaning
+        assert p.source
+        assert p.unit
+        assert p.scale == "linear" or p.lower > 0.0
+    for name in effect.amplitudes:
+        assert (declared[name].lower < 0.0) == effect.changes_sign
+    starts = effect.starts(scale)
+    assert 1 <= len(starts) <= 4
+    for start in starts:
+        assert tuple(start) == declared.names
+        for name, value in start.items():
+            assert declared[name].lower <= value <= declared[name].upper, name
+        assert any(start[name] != 0.0 for name in effect.amplitudes)
+
+
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("key", EFFECTS)
+def test_nothing_at_zero_amplitude(key: str, base: str) -> None:
+    """With its amplitudes at zero an effect leaves the base model's response, to 1e-9 of it."""
+    (model, theta), (drive, scale) = BASES[base], rig(base)
+    effect = EFFECTS[key]()
+    values = effect.parameters(scale).values_dict() | dict.fromkeys(effect.amplitudes, 0.0)
+    extended = ExtendedModel(model, (effect,), scale)
+    plan = model.plan(theta, drive)
+    whole = np.concatenate((theta, eta_of(effect, scale, values)))
+    found = extended.response(whole, drive, OUTPUT, start=None, derivatives=False, plan=plan)
+    expected = moved(model, theta, drive)
+    np.testing.assert_allclose(found.outputs[OUTPUT[0]], expected, atol=1e-9 * np.ptp(expected))
+
+
+def test_every_state_effect_has_a_textbook_law() -> None:
+    """The comparison below leaves no effect of the table out."""
+    assert set(STATE) == set(LAWS)
+
+
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("key", STATE)
+def test_motion_agrees_with_scipy(key: str, base: str) -> None:
+    """Every start, within 1e-4 of the range of LSODA at 1e-9 on a law that is written apart."""
+    (model, theta), (drive, scale) = BASES[base], rig(base)
+    effect = EFFECTS[key]()
+    for start in effect.starts(scale):
+        values = dict(start)
+        expected = textbook_motion(base, drive, key, values, scale)[0]
+        whole = np.concatenate((theta, eta_of(effect, scale, values)))
+        found = moved(ExtendedModel(model, (effect,), scale), whole, drive)
+        span = np.ptp(expected)
+        np.testing.assert_allclose(found, expected, atol=1e-4 * span)
+        alone = moved(model, theta, drive)
+        assert np.max(np.abs(alone - expected)) > 30 * 1e-4 * span, "the effect would not show"
+
+
+SHARPEST = {
+    "contact": {"kw": 90.0, "xw": 0.6},
+    "hysteresis": {"alpha": 0.3, "zs": 3e-3},
+    "coulomb_friction": {"Fc": 0.05, "vs": 1e-3},
+    "coulomb_friction.stribeck": {"Fc": 0.05, "vs": 3e-3, "beta": 0.5, "vb": 0.1},
+    "asymmetric_damping": {"eps": -0.9, "v0": 3e-3},
+    "quadratic_damping": {"d2": 10.0},
+}
+"""In the effects' natural sizes."""
+
+
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("key", SHARPEST)
+def test_sharp_laws_get_the_steps_they_need(key: str, base: str) -> None:
+    """Corners at the ends of the bounds: the step goes by `rate`, and 3e-4 of the range holds."""
+    (model, theta), (drive, scale) = BASES[base], rig(base)
+    natural = {
+        "kw": scale.force / scale.x_span, "xw": scale.x_span, "alpha": scale.force,
+        "zs": scale.x_span, "Fc": scale.force, "vs": scale.v_max, "beta": 1.0, "vb": scale.v_max,
+        "eps": 1.0, "v0": scale.v_max, "d2": scale.force / scale.v_max**2,
+    }  # fmt: skip
+    values = {name: share * natural[name] for name, share in SHARPEST[key].items()}
+    if "xw" in values:
+        values["xw"] += scale.x_low
+    expected = textbook_motion(base, drive, key, values, scale)[0]
+    effect = EFFECTS[key]()
+    whole = np.concatenate((theta, eta_of(effect, scale, values)))
+    found = moved(ExtendedModel(model, (effect,), scale), whole, drive)
+    np.testing.assert_allclose(found, expected, atol=3e-4 * np.ptp(expected))
+
+
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("key", EFFECTS)
+def test_jacobian(key: str, base: str) -> None:
+    """Derivatives against central differences of whole simulations, to 1e-3 of each column."""
+    (model, theta), (drive, scale) = BASES[base], rig(base)
+    effect = EFFECTS[key]()
+    extended = ExtendedModel(model, (effect,), scale)
+    values = dict(effect.starts(scale)[0])
+    whole = np.concatenate((theta, eta_of(effect, scale, values)))
+    plan = extended.plan(whole, drive)
+
+    def outputs(at: np.ndarray) -> np.ndarray:
+        found = extended.response(at, drive, OUTPUT, start=None, derivatives=False, plan=plan)
+        return found.outputs[OUTPUT[0]]
+
+    exact = extended.response(whole, drive, OUTPUT, start=None, derivatives=True, plan=plan)
+    assert exact.by_parameter is not None
+    by = exact.by_parameter[OUTPUT[0]]
+    natural = np.abs(np.concatenate((theta, effect.parameters(scale).values_vector())))
+    for k, size in enumerate(natural):
+        h = 1e-4 * max(size, 1e-3)
+        step = h * np.eye(whole.size)[k]
+        expected = (outputs(whole + step) - outputs(whole - step)) / (2 * h)
+        atol = 1e-3 * np.max(np.abs(expected)) + 1e-9 * scale.x_span / max(size, 1e-3)
+        np.testing.assert_allclose(by[:, k], expected, atol=atol, err_msg=f"column {k}")
+
+
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("key", STATE)
+def test_lower_orders_are_the_limits_of_higher_ones(key: str, base: str) -> None:
+    """With M, and with M and N, a millionth of what they were, to 1e-3 of the range at the median.
+
+    The median, because a mode that dies out within microseconds is seen right after a jump only.
+    """
+    (model, theta), (drive, scale) = BASES[base], rig(base)
+    effect = EFFECTS[key]()
+    eta = eta_of(effect, scale, dict(effect.starts(scale)[0]))
+    names = model.parameters().names
+    damping = [names.index(name) for name in names if name in ("N", "a2", "c2")]
+    for order, faded in (("first", [0]), ("static", [0, *damping])):
+        small, none = theta.copy(), theta.copy()
+        small[faded] *= 1e-6
+        none[faded] = 0.0
+        limit = replace(model, order=order)
+        found = moved(ExtendedModel(limit, (effect,), scale), np.concatenate((none, eta)), drive)
+        near = moved(ExtendedModel(model, (effect,), scale), np.concatenate((small, eta)), drive)
+        assert np.isfinite(found).all()
+        assert np.median(np.abs(found - near)) < 1e-3 * np.ptp(found), order
+
+
+def test_all_state_effects_act_together() -> None:
+    """All at a fifth of their start at once: finite, and every one of them changes the motion."""
+    (model, theta), (drive, scale) = BASES["muscle"], rig("muscle")
+    plain = [EFFECTS[key]() for key in STATE if not EFFECTS[key].variant]
+    extended = ExtendedModel(model, tuple(plain), scale)
+    weak = []
+    for effect in plain:
+        values = dict(effect.starts(scale)[0])
+        values |= {name: 0.2 * values[name] for name in effect.amplitudes}
+        weak.append(eta_of(effect, scale, values))
+    together = moved(extended, np.concatenate((theta, *weak)), drive)
+    assert np.isfinite(together).all()
+    for k, effect in enumerate(plain):
+        fewer = ExtendedModel(model, tuple(e for e in plain if e is not effect), scale)
+        rest = [eta for j, eta in enumerate(weak) if j != k]
+        without = moved(fewer, np.concatenate((theta, *rest)), drive)
+        assert np.max(np.abs(without - together)) > 1e-4 * np.ptp(together), effect.name
