@@ -109,7 +109,8 @@ class Effect(ABC):
     source
         Where the law comes from.
     amplitude
-        Parameter at whose value zero the effect vanishes.
+        Parameter at whose value zero the effect vanishes; None where it vanishes only as a limit
+        leaves the range.
     changes_sign
         Whether the amplitude may have either sign.
     """
@@ -125,7 +126,7 @@ class Effect(ABC):
     remedy: ClassVar[str] = ""
     shown_by: ClassVar[str]
     source: ClassVar[str]
-    amplitude: ClassVar[str]
+    amplitude: ClassVar[str | None]
     changes_sign: ClassVar[bool] = False
 
     @property
