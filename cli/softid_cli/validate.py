@@ -97,7 +97,7 @@ def score(
     from softid_cli.tables import print_validation
 
     saved = load_params(params)
-    logs = load_logs(paths, channel, saved.input, saved.outputs)
+    logs = load_logs(paths, channel, saved.input, saved.outputs, roles_of=params)
     announce_compilation(quiet=quiet)
     result = validate_model(saved, logs, threshold_percent=threshold)
     noticed = [issue for issue in saved.issues if issue not in result.issues]

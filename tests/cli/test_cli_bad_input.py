@@ -28,7 +28,16 @@ BAD = {
     "empty": (b"", "the file is empty; "),
     "header_only": (log([]), "no row of numbers; "),
     "text": (log([*ROWS[:30], "0.60,high,15", *ROWS[31:]]), "row 32: this is not a number"),
-    "all_missing": (log(columns("nan", "nan")), "holds no number at all; "),
+    "all_missing": (
+        log(columns("nan", "nan")),
+        "no number at all: its 60 values are all empty, NaN",
+    ),
+    "all_infinite": (log(columns("inf")), "no number at all: its 60 values are all empty, NaN"),
+    "zeros": (bytes(512), "the file is 512 bytes of nothing but zeros; "),
+    "plain_names": (
+        log([f"{r},1" for r in ROWS], "time_s,P_kPa,angle_deg,pressure [bar]"),
+        "2 columns look like pressure: P_kPa, pressure [bar]; choose one",
+    ),
     "one_sample": (log(ROWS[:1]), "only one sample is left; "),
     "constant": (log(columns("50")), "is constant, so nothing can be identified"),
     "dead_output": (log(columns("{p}", "7")), "never changes although the input does"),
