@@ -225,30 +225,38 @@ def identify(request: FitRequest) -> None:
 def _deliver(
     request: FitRequest, result: FitResult, profiles: Mapping[str, ProfileResult], first: Log
 ) -> None:
-    """Print the tables first, so that a full disk does not take them too; then write."""
-    from softid.records import dump_json, fit_document, write_folder
+    """Write first, then print: what is printed stands, and an error means that nothing does."""
+    from softid.records import (
+        dump_json,
+        fit_document,
+        plot_fingerprints,
+        recorded_plots,
+        write_folder,
+    )
 
     document = fit_document(result)
     if profiles:
         document |= {"profiles": profile_entries(profiles)}
-    if not request.as_json:
-        from softid_cli.tables import print_fit
-
-        print_fit(result)
-        print_profiles(result, profiles)
-    files: dict[str, str | bytes] = {PARAMS: dump_json(document)}
+    plots: dict[str, str | bytes] = {}
     if request.plots:
         from softid_cli.figures import drawn
 
-        files |= drawn(result)
-        files |= profile_figures(result, profiles)
+        plots = drawn(result) | profile_figures(result, profiles)
+        document |= {"plots": dict(plot_fingerprints(plots))}
     folder = request.out or _free_folder(RESULTS / first.name.replace("/", "_"))
-    written = write_folder(folder, files, overwrite=request.force)
+    written = write_folder(
+        folder,
+        {PARAMS: dump_json(document), **plots},
+        overwrite=request.force,
+        superseded=recorded_plots(folder / PARAMS),
+    )
     if request.as_json:
         click.echo(dump_json(document | {"files": [str(p) for p in written]}), nl=False)
     else:
-        from softid_cli.tables import print_files
+        from softid_cli.tables import print_files, print_fit
 
+        print_fit(result)
+        print_profiles(result, profiles)
         print_files(folder, [p.name for p in written])
 
 

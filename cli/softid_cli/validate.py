@@ -18,6 +18,7 @@ from softid_cli.options import (
     quiet_option,
 )
 
+RECORD = "validation.json"
 CHECKED = ("truth", "estimate", "95 % interval")
 
 
@@ -92,7 +93,14 @@ def score(
     quiet: bool,
 ) -> bool:
     """Score a saved model; returns whether it reached the bar."""
-    from softid.records import dump_json, load_params, validation_document, write_folder
+    from softid.records import (
+        dump_json,
+        load_params,
+        plot_fingerprints,
+        recorded_plots,
+        validation_document,
+        write_folder,
+    )
     from softid.validation import validate as validate_model
     from softid_cli.tables import print_validation
 
@@ -102,18 +110,20 @@ def score(
     result = validate_model(saved, logs, threshold_percent=threshold)
     noticed = [issue for issue in saved.issues if issue not in result.issues]
     result = replace(result, issues=(*noticed, *result.issues))
-    document = dump_json(validation_document(result, params=params))
-    if not as_json:
-        print_validation(result)
+    document = validation_document(result, params=params)
     if out is not None:
         from softid_cli.figures import drawn
 
-        files = {"validation.json": document, **drawn(result)}
-        write_folder(out, files, overwrite=force)
+        plots = drawn(result)
+        document |= {"plots": dict(plot_fingerprints(plots))}
+        files = {RECORD: dump_json(document), **plots}
+        write_folder(out, files, overwrite=force, superseded=recorded_plots(out / RECORD))
         if not quiet:
             say(f"written to {out}: {', '.join(files)}")
     if as_json:
-        click.echo(document, nl=False)
+        click.echo(dump_json(document), nl=False)
+    else:
+        print_validation(result)
     return result.passed
 
 

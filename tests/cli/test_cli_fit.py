@@ -98,10 +98,8 @@ def test_a_failed_fit_writes_nothing(softid: Cli, desk: Desk) -> None:
     assert not Path("softid-out").exists()
 
 
-def test_a_full_disk_keeps_the_table(
-    softid: Cli, desk: Desk, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The numbers were computed and are shown; no half-written folder stays."""
+def test_a_full_disk_is_no_result(softid: Cli, desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    """ENOSPC, error 28: nothing on stdout that looks like success, and no half-written folder."""
 
     def full(_: int) -> None:
         raise OSError(28, "No space left on device")
@@ -109,9 +107,29 @@ def test_a_full_disk_keeps_the_table(
     monkeypatch.setattr(os, "fsync", full)
     told = softid("fit", "step_1.csv")
     assert told.code == 3
-    assert "0.300 ± 0.015" in told.out
+    assert told.out == ""
     assert "no space left on device" in told.err
+    assert told.err.count("\n") == 1
     assert not Path("softid-out").exists()
+
+
+def test_no_plot_of_an_earlier_model_stays(
+    softid: Cli, desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """--force: the old result's own plots go; the user's files and altered plots stay."""
+    folder = Path("mine")
+    earlier = {"damping.png": b"N", "loops.png": b"L", "touched.png": b"T"}
+    monkeypatch.setattr("softid_cli.figures.drawn", lambda _: dict(earlier))
+    assert softid("fit", "step_1.csv", "--out", folder).code == 0
+    (folder / "response_mine.png").write_bytes(b"mine")
+    (folder / "touched.png").write_bytes(b"T with an arrow")
+    monkeypatch.setattr("softid_cli.figures.drawn", lambda _: {"loops.png": b"l"})
+    assert softid("fit", "step_1.csv", "--out", folder, "--force").code == 0
+    names = ["loops.png", "params.json", "response_mine.png", "touched.png"]
+    assert sorted(p.name for p in folder.iterdir()) == names
+    assert (folder / "loops.png").read_bytes() == b"l"
+    assert softid("fit", "step_1.csv", "--out", folder, "--force", "--no-plots").code == 0
+    assert sorted(p.name for p in folder.iterdir()) == names[1:]
 
 
 @pytest.mark.parametrize(
