@@ -16,6 +16,7 @@ from softid_cli.options import (
     FILE,
     GreedyCommand,
     json_option,
+    length_mm,
     load_logs,
     log_options,
     out_options,
@@ -90,9 +91,14 @@ class FitRequest:
     help="Damping of the muscle model.",
 )
 @click.option(
-    "--fixed-length", type=float, metavar="MM", help="Fixed length of the muscle's arc geometry."
+    "--fixed-length",
+    callback=length_mm,
+    metavar="MM",
+    help="Fixed length of the muscle's arc geometry.",
 )
-@click.option("--diameter", type=float, metavar="MM", help="Diameter of the muscle's arc geometry.")
+@click.option(
+    "--diameter", callback=length_mm, metavar="MM", help="Diameter of the muscle's arc geometry."
+)
 @click.option(
     "--option",
     multiple=True,
@@ -215,7 +221,7 @@ def identify(request: FitRequest) -> None:
         if not result.success:
             raise IdentificationError(
                 f"{result.status.value}, so no results were written",
-                where=", ".join(log.name for log in fitted),
+                where=", ".join(map(str, request.logs)),
                 remedy="fix or bound a parameter, choose a simpler --model, or add a log",
             )
         profiles = profiled(result, fitted, request.profile, progress=report)

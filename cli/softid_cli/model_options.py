@@ -36,6 +36,15 @@ def chosen_model(
     UsageError
         There is no such model, or it does not have an option that was given.
     """
+    if (fixed_length_mm is None) != (diameter_mm is None):
+        there, missing = ("--diameter", "--fixed-length")
+        if diameter_mm is None:
+            there, missing = missing, there
+        raise UsageError(
+            "the arc geometry needs both lengths",
+            where=there,
+            remedy=f"give {missing} too, or neither",
+        )
     given: dict[str, str | float] = {
         key: _plain(text)
         for key, text in assignments(other, option="--option", form="NAME=VALUE").items()
@@ -168,6 +177,13 @@ def _bounded(parameter: Parameter, text: str) -> Parameter:
         lower = _number(low.strip(), option="--bound", parameter=parameter.name)
     if high.strip():
         upper = _number(high.strip(), option="--bound", parameter=parameter.name)
+    if parameter.scale == "log" and (lower < 0 or upper <= 0):
+        raise UsageError(
+            f"{parameter.name} must be positive",
+            where=f"--bound {parameter.name}",
+            value=text,
+            remedy="give bounds above zero",
+        )
     inside = min(max(parameter.value, lower), max(lower, upper))
     return replace(parameter, lower=lower, upper=upper, value=inside)
 

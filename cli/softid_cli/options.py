@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -26,11 +27,29 @@ class FilePath(click.Path):
         if value == "":
             raise UsageError(
                 "the name of a file is empty",
-                where=param.human_readable_name if param else None,
+                where=param.opts[0] if isinstance(param, click.Option) else None,
                 value=value,
                 remedy="name a file; an unset variable of the shell makes such a name",
             )
         return super().convert(value, param, ctx)
+
+
+def length_mm(_: click.Context, param: click.Parameter, value: str | None) -> float | None:
+    """Turn an option's text into a length in mm, which is positive and finite."""
+    if value is None:
+        return None
+    try:
+        length = float(value)
+    except ValueError:
+        length = math.nan
+    if not 0.0 < length < math.inf:
+        raise UsageError(
+            "this is not a length",
+            where=param.opts[0],
+            value=value,
+            remedy="measure it on the actuator and give it in mm",
+        )
+    return length
 
 
 FILE = FilePath(path_type=Path, readable=False)

@@ -134,7 +134,7 @@ def require_excitation(log: Log) -> None:
     if span <= SMALLEST_RELATIVE_SPAN * float(np.max(np.abs(channel.values))):
         raise InputError(
             f"the {log.input} is constant, so nothing can be identified from it",
-            where=log.source.path if log.source else log.name,
+            where=log.place,
             value=f"{channel.displayed[0]:.6g} {channel.display_unit}",
             remedy="record a log with steps of the input, or choose another channel with --input",
         )

@@ -10,6 +10,7 @@ import pytest
 from desk import Outcome
 
 Cli = Callable[..., Outcome]
+BOUND = ("--bound", "N=500:")
 
 HEADER = "time_s,pressure_kpa,angle_deg"
 ROWS = tuple(f"{0.02 * k:.2f},{80 if k > 20 else 0},{0.5 * k:.2f}" for k in range(60))
@@ -72,6 +73,24 @@ def refuse(told: Outcome, name: str, said: str) -> None:
     assert told.err.count("\n") == 1
     assert told.out == ""
     assert not Path("softid-out").exists()
+
+
+def test_the_file_is_named_not_only_the_log(softid: Cli, tmp_path: Path) -> None:
+    """Two folders may hold logs of one name, so an error names the path as it was typed."""
+    (tmp_path / "day1").mkdir()
+    (tmp_path / "day1" / "run.csv").write_bytes(log(columns("{p}", "7")))
+    told = softid("fit", "day1/run.csv", "--model", "oscillator", "--quiet")
+    refuse(told, "day1/run.csv", "never changes although the input does")
+
+
+def test_a_bound_of_the_user_is_not_softids(softid: Cli, tmp_path: Path) -> None:
+    """At N ≥ 50, far above its value, the optimum rests on that bound, whoever gave it."""
+    rows = [
+        f"{0.02 * k:.2f},{80.0 * (k // 20 % 2)},{k // 20 % 2 * 9 + k % 3:.2f}" for k in range(90)
+    ]
+    (tmp_path / "step.csv").write_bytes(log(rows))
+    told = softid(*("fit", "step.csv", "--model", "oscillator", "--quiet", "--no-plots"), *BOUND)
+    assert "rests on its lower bound" in " ".join(told.out.split()), told.err
 
 
 def test_a_file_that_is_not_there(softid: Cli) -> None:

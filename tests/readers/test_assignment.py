@@ -230,6 +230,13 @@ def test_flags_beat_the_sidecar_and_the_sidecar_beats_names(write_log: WriteFile
     assert load(path, sidecar=sidecar, channels={"pressure": "4:kPa"}).pressure_kpa[0] == 3.0
 
 
+def test_a_unit_of_something_else_reads_well(write_log: WriteFile) -> None:
+    """One sentence for all quantities, whatever sound they begin with."""
+    path = write_log(table("time_s,pressure_kpa,angle_deg"))
+    with pytest.raises(InputError, match="bar is a unit of pressure, not of angle"):
+        load(path, channels={"angle": "angle_deg:bar"})
+
+
 def test_a_raw_channel_never_takes_a_known_name(write_log: WriteFile) -> None:
     """Else its counts would be read as kPa."""
     path = write_log(table("time_s,pressure,P [kPa],angle_deg"))
