@@ -11,7 +11,7 @@ import click
 
 from softid.errors import IdentificationError, OutputError, UsageError
 from softid_cli.console import announce_compilation, progress
-from softid_cli.model_options import chosen_model, chosen_parameters
+from softid_cli.model_options import chosen_model, chosen_parameters, require_parameters
 from softid_cli.options import (
     FILE,
     GreedyCommand,
@@ -201,6 +201,7 @@ def identify(request: FitRequest) -> None:
         diameter_mm=request.diameter,
         other=request.options,
     )
+    require_parameters(model, request.profile, option="--profile")
     parameters = chosen_parameters(model, fix=request.fix, bound=request.bound, tie=request.tie)
     paths = (*request.logs, *request.hold_out)
     logs = load_logs(paths, request.channel, request.input, request.output)
@@ -268,6 +269,12 @@ def _deliver(
 
 def _refuse_old_results(request: FitRequest) -> None:
     """Say before the work, not after it, that the results would have no place."""
+    if request.out is not None and request.out.is_file():
+        raise OutputError(
+            "this is a file, not a folder",
+            where=str(request.out),
+            remedy="name another folder with --out",
+        )
     if request.out is not None and (request.out / PARAMS).exists() and not request.force:
         raise OutputError(
             "the folder holds results already",

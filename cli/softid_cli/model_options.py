@@ -70,8 +70,16 @@ def chosen_model(
             value=name,
             remedy=f"choose from {', '.join(MODELS)}",
         )
-    known = {f.name for f in fields(MODELS[name])}
+    own = {f.name for f in fields(MODELS[name])}
+    known = {option for option in own if not _follows_from_logs(option)}
     for option in given:
+        if option in own - known:
+            raise UsageError(
+                "this follows from the logs and cannot be chosen",
+                where=f"--option {option}",
+                value=given[option],
+                remedy="leave it out",
+            )
         if option not in known:
             raise UsageError(
                 f"the {name} model has no such option",
@@ -81,6 +89,25 @@ def chosen_model(
     options: dict[str, object] = dict(given)
     model: Model = MODELS[name](**options)
     return model
+
+
+def _follows_from_logs(option: str) -> bool:
+    """Units and the sense of the motion are taken from the channels at every fit."""
+    return option.endswith("_unit") or option == "inverted"
+
+
+def require_parameters(model: Model | None, names: Sequence[str], *, option: str) -> None:
+    """Refuse names that the model does not have, if it is known before the work which one it is.
+
+    Raises
+    ------
+    UsageError
+        A name is none of the model's parameters.
+    """
+    if model is not None:
+        declared = model.parameters()
+        for name in names:
+            _known(declared, name, option=option)
 
 
 def _plain(text: str) -> str | float:

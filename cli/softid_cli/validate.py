@@ -18,6 +18,7 @@ from softid_cli.options import (
     quiet_option,
 )
 
+MOST_PERCENT = 100.0
 RECORD = "validation.json"
 CHECKED = ("truth", "estimate", "95 % interval")
 
@@ -52,10 +53,17 @@ def validate(
     Without arguments softid checks itself: it refits every bundled synthetic log and compares the
     parameters with the truth.
     """
-    if params is None and (threshold is not None or channel or out is not None):
+    if threshold is not None and not threshold <= MOST_PERCENT:
+        raise UsageError(
+            "no fit can be judged by this bar",
+            where="--threshold",
+            value=threshold,
+            remedy="give a fit in per cent, of which 100 is perfect",
+        )
+    if params is None and (threshold is not None or channel or out is not None or force):
         raise UsageError(
             "these options belong to a model and logs, and the self-check has none",
-            where="--threshold, --channel, --out",
+            where="--threshold, --channel, --out, --force",
             remedy="name PARAMS and a LOG, or leave the options away",
         )
     if params is None:

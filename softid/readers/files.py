@@ -167,7 +167,7 @@ def _decompressed(path: Path, data: bytes) -> bytes:
         ) from None
     except (gzip.BadGzipFile, zlib.error) as error:
         raise InputError(
-            f"this is not a sound gzip file ({error})",
+            "this is not a sound gzip file",
             where=str(path),
             remedy="copy it again, or drop .gz from the name if it was never compressed",
         ) from error

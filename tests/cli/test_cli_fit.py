@@ -113,6 +113,15 @@ def test_a_full_disk_is_no_result(softid: Cli, desk: Desk, monkeypatch: pytest.M
     assert not Path("softid-out").exists()
 
 
+def test_a_file_in_the_way_is_told_before_the_work(softid: Cli, desk: Desk) -> None:
+    """A fit may take minutes; that --out names a file is known at once."""
+    Path("taken").write_text("mine")
+    told = softid("fit", "step_1.csv", "--out", "taken")
+    assert (told.code, told.out) == (3, "")
+    assert "taken: this is a file, not a folder; name another folder with --out" in told.err
+    assert "logs" not in desk.asked
+
+
 def test_no_plot_of_an_earlier_model_stays(
     softid: Cli, desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -148,6 +157,9 @@ def test_no_plot_of_an_earlier_model_stays(
         (["a.csv", "--fixed-length", "long"], "is not a length (got 'long')"),
         (["a.csv", "--model", "muscle", "--bound", "M=-2:1"], "M must be positive"),
         (["a.csv", "--model", "muscle", "--bound", "M=:0"], "M must be positive"),
+        (["a.csv", "--model", "muscle", "--profile", "Z"], "no such parameter (got 'Z')"),
+        (["a.csv", "--model", "muscle", "--option", "inverted=maybe"], "follows from the logs"),
+        (["a.csv", "--model", "muscle", "--option", "x_unit=parsec"], "follows from the logs"),
         ([""], "the name of a file is empty"),
         (["a.csv", "--hold-out", ""], "the name of a file is empty"),
         (["a.csv", "--out", ""], "the name of a file is empty"),
