@@ -78,7 +78,7 @@ def write_folder(
     folder
         Target; it and its parents are made when missing.
     files
-        File name → text or bytes.
+        File name, possibly below a subfolder (``"data/a.csv"``) → text or bytes.
     overwrite
         Whether files of those names may be replaced; other files in the folder stay.
     superseded
@@ -111,6 +111,7 @@ def write_folder(
         try:
             staged.mkdir(parents=True)
             for name, data in files.items():
+                (staged / name).parent.mkdir(exist_ok=True)
                 _write_synced(staged / name, data)
             old = _unchanged(real, superseded or {}) if overwrite else []
             with _uninterrupted():
@@ -130,8 +131,9 @@ def _move_into_place(staged: Path, folder: Path, names: Mapping[str, str | bytes
         staged.rename(folder)
         return
     for name in names:
+        (folder / name).parent.mkdir(exist_ok=True)
         os.replace(staged / name, folder / name)
-    staged.rmdir()
+    shutil.rmtree(staged)
 
 
 def _unchanged(folder: Path, known: Mapping[str, str]) -> list[Path]:

@@ -112,6 +112,26 @@ def test_a_folder_is_whole_or_absent(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert sorted(p.name for p in folder.iterdir()) == ["a.txt", "b.png"]
 
 
+def test_a_full_disk_leaves_no_part_of_a_tree(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Recipes without data are as little use as half a file; subfolders are made with the rest."""
+    tree = {"recipes/a.toml": "1", "data/a.csv": "2", "manifest.json": "3"}
+    with monkeypatch.context() as full:
+        fail_with(full, "fsync", errno.ENOSPC)
+        with pytest.raises(OutputError, match="no space left"):
+            write_folder(tmp_path / "new" / "set", tree)
+    assert list(tmp_path.iterdir()) == []
+    write_folder(tmp_path / "set", {"manifest.json": "0"})
+    paths = write_folder(tmp_path / "set", tree, overwrite=True)
+    assert [p.read_text() for p in paths] == ["1", "2", "3"]
+    assert sorted(p.name for p in (tmp_path / "set").iterdir()) == [
+        "data",
+        "manifest.json",
+        "recipes",
+    ]
+
+
 def test_only_unchanged_files_beside_the_new_ones_are_superseded(tmp_path: Path) -> None:
     """A record edited by hand may name anything: what is outside, or is not that file, stays."""
     out = tmp_path / "out"
