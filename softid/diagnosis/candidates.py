@@ -12,9 +12,11 @@ from softid.diagnosis.whitening import Whitener
 from softid.effects import EFFECTS
 from softid.effects.base import Effect, Scale
 from softid.effects.extended import ExtendedModel, extended_name
+from softid.effects.motion import divided
 from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
 from softid.fitters.output_error import Objective, Prior
 from softid.fitters.problem import Problem
+from softid.models.second_order import Division
 
 Array = npt.NDArray[np.float64]
 
@@ -22,8 +24,25 @@ BASE_SD = 1.5
 """Standard deviation of the log-normal prior about the base fit: a flat direction cannot run away
 and make a wrong name look good."""
 
+COARSE, FINE = 1, 4
+"""Most steps in a sampling interval while candidates race, and while they are compared. Sharp laws
+ask for more to reach 1e-4 of the range; noise is far above what this costs."""
+
 EFFECT_SD = 3.0
 """The same for an effect's parameters about their start, in logarithms."""
+
+
+@dataclass(frozen=True, eq=False)
+class TemperedPrior(Prior):
+    """A prior that knows for which variance of the residual its weight was made.
+
+    Attributes
+    ----------
+    variance
+        Variance of the weighted residual.
+    """
+
+    variance: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +88,7 @@ class Candidate:
     effects: tuple[Effect, ...]
     problem: Problem
     minimum: Minimum
-    prior: Prior
+    prior: TemperedPrior
     whitener: Whitener | None = field(default=None)
 
     @property
@@ -194,10 +213,16 @@ def prior_about(problem: Problem, centre: Array, known: Sequence[str], variance:
             weight[k] = variance / (BASE_SD if name in known else EFFECT_SD) ** 2
         elif name in known:
             weight[k] = variance / max(abs(centre[k]), 1.0) ** 2 / BASE_SD**2
-    return Prior(centre.copy(), weight)
+    return TemperedPrior(centre.copy(), weight, variance)
 
 
-def advance(candidate: Candidate, sigma: Mapping[str, float], evaluations: int) -> Candidate:
+def advance(
+    candidate: Candidate,
+    sigma: Mapping[str, float],
+    evaluations: int,
+    *,
+    substeps: int = FINE,
+) -> Candidate:
     """Take a candidate nearer to its optimum.
 
     Parameters
@@ -208,11 +233,14 @@ def advance(candidate: Candidate, sigma: Mapping[str, float], evaluations: int) 
         Weight of each output channel.
     evaluations
         At most so many simulations with derivatives.
+    substeps
+        At most so many steps in a sampling interval.
     """
     objective = WhitenedObjective(candidate.problem, sigma, candidate.whitener)
+    candidate = _tempered(candidate)
     objective.prior = candidate.prior
     point = candidate.minimum.point
-    objective.plans = candidate.problem.plans(point)
+    objective.plans = limited_plans(candidate.problem, point, substeps)
     lower, upper = candidate.problem.bounds()
     found = minimise(
         objective,
@@ -224,6 +252,43 @@ def advance(candidate: Candidate, sigma: Mapping[str, float], evaluations: int) 
         tolerance=1e-2,
     )
     return replace(candidate, minimum=found)
+
+
+def _tempered(candidate: Candidate) -> Candidate:
+    """The prior in proportion to the variance of the residual as it is now."""
+    prior = candidate.prior
+    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+    variance = 1.0 if candidate.whitener is not None else candidate.squares / n
+    factor = max(variance, np.finfo(float).tiny) / prior.variance
+    return replace(candidate, prior=replace(prior, weight=prior.weight * factor, variance=variance))
+
+
+def in_other_basins(candidate: Candidate, scale: Scale) -> list[Candidate]:
+    """The candidate at places from which a search finds what is hidden from where it stands."""
+    moved = []
+    problem = candidate.problem
+    changes = problem.model.other_basins(candidate.parameters, (scale.u_low, scale.u_high))
+    for change in changes:
+        z = candidate.minimum.point.copy()
+        for name, value in change.items():
+            if name in problem.free:
+                p = problem.parameters[name]
+                inside = float(np.clip(value, p.lower, p.upper))
+                z[problem.free.index(name)] = np.log(inside) if p.scale == "log" else inside
+        moved.append(replace(candidate, minimum=replace(candidate.minimum, point=z)))
+    return moved
+
+
+def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Division | None]:
+    """The division of the sampling intervals with no more than so many steps in each."""
+    plans: list[Division | None] = []
+    for plan, segment in zip(problem.plans(unknowns), problem.segments, strict=True):
+        if plan is not None and plan.counts.max(initial=1) > substeps:
+            counts = np.minimum(plan.counts, substeps)
+            plans.append(divided(segment.time_s, segment.input, counts))
+        else:
+            plans.append(plan)
+    return plans
 
 
 def catalogue(names: Sequence[str] = ()) -> tuple[Effect, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from softid.diagnosis.candidates import Candidate, advance, extend, prior_about, start_unknowns
+from softid.diagnosis.candidates import COARSE, Candidate, advance, prior_about
 from softid.diagnosis.screening import Signature, screen
 from softid.diagnosis.search import Ranked, race, rank
 from softid.effects.base import Effect, Scale
@@ -28,6 +28,7 @@ NESTED = 6.0
 """A richer form of the same law must gain this much on the plain one."""
 
 MAX_LINKS = 4
+UNWHITENING = 12
 PROMISE = 0.25
 """No refit is tried when no signature promises this share of the fall that would count."""
 
@@ -184,14 +185,10 @@ def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:
 
 def unwhitened(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
     """The candidate at its optimum for white noise, from which the next round starts."""
+    at_truth = replace(candidate.prior, weight=np.zeros_like(candidate.prior.weight))
+    plain = advance(replace(candidate, whitener=None, prior=at_truth), sigma, 1, substeps=COARSE)
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
-    plain = advance(replace(candidate, whitener=None, prior=_no_prior(candidate)), sigma, 1)
-    variance = plain.squares / n
     prior = prior_about(
-        candidate.problem, candidate.minimum.point, candidate.problem.free, variance
+        candidate.problem, plain.minimum.point, candidate.problem.free, plain.squares / n
     )
-    return advance(replace(plain, prior=prior), sigma, 12)
-
-
-def _no_prior(candidate: Candidate):  # type: ignore[no-untyped-def]
-    return replace(candidate.prior, weight=np.zeros_like(candidate.prior.weight))
+    return advance(replace(plain, prior=prior), sigma, UNWHITENING, substeps=COARSE)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -87,18 +88,20 @@ def _rests(residual: Array, u: Array, time_s: Array, motion_s: float) -> list[Ar
     edges = np.searchsorted(time_s, np.arange(time_s[0], time_s[-1] + LOOK_S, LOOK_S))
     found: list[Array] = []
     begin, level = 0, float(u[0])
-    for first, stop in zip(edges[:-1], edges[1:], strict=True):
+    for first, stop in pairwise(edges.tolist()):
         piece = u[first:stop]
-        if piece.size and np.ptp(piece) <= 2 * tolerance and abs(np.median(piece) - level) <= tolerance:
+        if (
+            piece.size
+            and np.ptp(piece) <= 2 * tolerance
+            and abs(np.median(piece) - level) <= tolerance
+        ):
             continue
         found += _settled(residual, time_s, begin, int(first), motion_s)
         begin, level = int(stop), float(np.median(piece)) if piece.size else level
     return found + _settled(residual, time_s, begin, u.size, motion_s)
 
 
-def _settled(
-    residual: Array, time_s: Array, begin: int, stop: int, motion_s: float
-) -> list[Array]:
+def _settled(residual: Array, time_s: Array, begin: int, stop: int, motion_s: float) -> list[Array]:
     """The part of a still stretch in which the motion has died out, if it is long enough."""
     if stop <= begin:
         return []

@@ -90,7 +90,7 @@ def structure_of(
         Draws the shifts.
     """
     features = [_features(part, motion_s) for part in parts]
-    groups = {name: columns for name, columns in features[0][1].items()}
+    groups = features[0][1]
     matrix = np.concatenate([f for f, _ in features])
     matrix = _standardised(matrix)
     residual = np.concatenate([part.residual for part in parts])

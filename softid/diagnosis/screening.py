@@ -9,8 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.candidates import (
+    COARSE,
     Candidate,
     extend,
+    limited_plans,
     named_values,
     prior_about,
     start_unknowns,
@@ -78,7 +80,8 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
     sigma
         Weight of each output channel.
     """
-    blocks = list(problem.blocks(unknowns, derivatives=True))
+    plans = limited_plans(problem, unknowns, COARSE)
+    blocks = list(problem.blocks(unknowns, derivatives=True, plans=plans))
     rows = np.concatenate([b.residual / sigma[b.channel] for b in blocks])
     jacobian = np.concatenate(
         [b.jacobian / sigma[b.channel] for b in blocks if b.jacobian is not None]
@@ -129,7 +132,9 @@ def screen(
         named = named_values(effect, values)
         z = start_unknowns(problem, fitted.problem, fitted.minimum.point, named)
         with np.errstate(all="ignore"):
-            rows = [b.residual / sigma[b.channel] for b in problem.blocks(z, derivatives=False)]
+            plans = limited_plans(problem, z, COARSE)
+            blocks = problem.blocks(z, derivatives=False, plans=plans)
+            rows = [b.residual / sigma[b.channel] for b in blocks]
         change = residual.without_basis(measured - np.concatenate(rows) - residual.simulated)
         power = float(change @ change)
         if not np.isfinite(power) or power <= 0.0:

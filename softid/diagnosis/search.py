@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from softid.diagnosis.candidates import Candidate, advance
+from softid.diagnosis.candidates import COARSE, Candidate, advance, in_other_basins
 from softid.diagnosis.parallel import in_parallel
 from softid.diagnosis.screening import Signature, candidate_from, screen
 from softid.diagnosis.whitening import Whitener, whitener_of
@@ -75,10 +75,12 @@ def race(
     variance = fitted.squares / n
     entrants = [candidate_from(fitted, s, scale, variance) for s in _starts(found)]
     report(0.1)
-    first = in_parallel(lambda c: advance(c, sigma, FIRST_LAP), entrants)
+    first = in_parallel(lambda c: advance(c, sigma, FIRST_LAP, substeps=COARSE), entrants)
     report(0.5)
     best = _best_of_each(first)
-    second = in_parallel(lambda c: advance(c, sigma, SECOND_LAP), best[:SECOND_FIELD])
+    second = in_parallel(
+        lambda c: advance(c, sigma, SECOND_LAP, substeps=COARSE), best[:SECOND_FIELD]
+    )
     report(0.7)
     second = _by_squares(second)
     kept = second[:LAST_FIELD]
@@ -86,9 +88,10 @@ def race(
         leader = kept[0].squares
         limit = leader + CLEAR_LEAD * max(fitted.squares - leader, 0.0)
         kept = [c for c in kept if c.squares <= limit] or kept[:1]
-    last = in_parallel(lambda c: advance(c, sigma, LAST_LAP), kept)
+    kept += [there for candidate in kept for there in in_other_basins(candidate, scale)]
+    last = in_parallel(lambda c: advance(c, sigma, LAST_LAP, substeps=COARSE), kept)
     report(1.0)
-    return _by_squares(last)
+    return _best_of_each(last)
 
 
 def _starts(signatures: Sequence[Signature]) -> list[Signature]:
@@ -134,21 +137,9 @@ def rank(
     model = whitener or whitener_of(best.problem, best.minimum.point, sigma)
 
     def refit(candidate: Candidate) -> Ranked:
-        variance_one = _with_unit_variance(candidate)
-        white = advance(replace(variance_one, whitener=model), sigma, WHITE_LAP)
+        white = advance(replace(candidate, whitener=model), sigma, WHITE_LAP)
         n, k = white.minimum.normal.n, white.problem.size
         spread = max(white.squares, np.finfo(float).tiny)
         return Ranked(white, float(n * np.log(spread / n) + k * np.log(n)))
 
     return sorted(in_parallel(refit, candidates), key=lambda r: r.bic)
-
-
-def _with_unit_variance(candidate: Candidate) -> Candidate:
-    """The same prior for residuals in units of their own standard deviation."""
-    weight = candidate.prior.weight
-    largest = float(weight.max(initial=0.0))
-    if largest == 0.0:
-        return candidate
-    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
-    variance = max(candidate.squares / n, np.finfo(float).tiny)
-    return replace(candidate, prior=replace(candidate.prior, weight=weight / variance))

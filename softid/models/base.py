@@ -198,6 +198,21 @@ class Model(ABC):
         del output
         return x, np.ones_like(x)
 
+    def other_basins(
+        self, values: Mapping[str, float], input_range: tuple[float, float]
+    ) -> tuple[Mapping[str, float], ...]:
+        """Changed values from which a search finds optima that are hidden from these values.
+
+        Parameters
+        ----------
+        values
+            Parameter name → value.
+        input_range
+            Smallest and largest input that was fitted.
+        """
+        del values, input_range
+        return ()
+
     def derived(
         self, values: Mapping[str, float], input_range: tuple[float, float]
     ) -> dict[str, tuple[float, str]]:

@@ -33,6 +33,9 @@ NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
 _KPA_PER_BAR = 100.0
 _RU = "Ru et al. 2019"
 
+CHANGING_RATE, CHANGING_SHARE = 2.0, 0.3
+"""A damping that changes: b2 per bar, and its changing share at the end where it is larger."""
+
 
 class MuscleLaw(Law):
     """Coefficients of Ru's law at fixed parameters; the input is pressure in kPa."""
@@ -272,6 +275,24 @@ class Muscle(Model):
     def damping_curve(self, theta: Array, pressure_kpa: Array) -> Array:
         """N(p) at pressures of shape (m,), in s per unit of x; Ru Eq 6."""
         return MuscleLaw(theta).coefficients(pressure_kpa)[0]
+
+    def other_basins(
+        self, values: Mapping[str, float], input_range: tuple[float, float]
+    ) -> tuple[Mapping[str, float], ...]:
+        """Damping that falls with the pressure where it grew, and grows where it fell.
+
+        Between the two lies constant damping, where nothing shows b2: a search does not cross it.
+        """
+        if self.damping == "constant" or self.order == "static":
+            return ()
+        low, high = (edge / _KPA_PER_BAR for edge in input_range)
+        middle = 0.5 * (low + high)
+        level = values["a2"] * float(np.exp(values["b2"] * middle)) + values["c2"]
+        b2 = -CHANGING_RATE if values["b2"] > 0.0 else CHANGING_RATE
+        end = high if b2 > 0.0 else low
+        at_end = CHANGING_SHARE * level
+        shrunk = at_end * float(np.exp(b2 * (middle - end)))
+        return ({"a2": at_end * float(np.exp(-b2 * end)), "b2": b2, "c2": level - shrunk},)
 
     def derived(
         self, values: Mapping[str, float], input_range: tuple[float, float]
