@@ -26,7 +26,7 @@ def test_stiffness_follows_the_path() -> None:
 
 
 def test_a_rest_changes_nothing() -> None:
-    """Two cycles with a rest of 20 s between them reach the positions of two without it, to 1e-9."""
+    """Two cycles with a rest of 20 s between them end as two without it do, to 1e-9."""
     once = np.interp(np.arange(200) * 0.01, [0.0, 1.0, 2.0], [0.0, 1.0, 0.0])
     model, found = Oscillator(order="static"), []
     for pause in (0, 2000):
