@@ -178,6 +178,11 @@ class Log:
         return int(self.time_s.size)
 
     @property
+    def place(self) -> str:
+        """The log's file, or its name where it was given as arrays, for messages."""
+        return self.source.path if self.source else self.name
+
+    @property
     def pressure_kpa(self) -> Array:
         """Measured pressure, shape (n,)."""
         return self._known("pressure")

@@ -81,7 +81,7 @@ def simulate(
             if not np.all(np.isfinite(response.outputs[name])):
                 raise IdentificationError(
                     f"the simulated {name} is not finite",
-                    where=log.name,
+                    where=log.place,
                     remedy="check the parameter values and the unit of the input",
                 )
     return Simulation(

@@ -284,7 +284,7 @@ def factor_to_canonical(unit: str, quantity: Quantity, *, where: str | None = No
     parsed = parse_unit(unit, where=where)
     if parsed.quantity != quantity:
         raise InputError(
-            f"{unit} is a unit of {parsed.quantity}, but this channel is a {quantity}",
+            f"{unit} is a unit of {parsed.quantity}, not of {quantity}",
             where=where,
             remedy=f"give a unit of {quantity}, such as {CANONICAL_UNIT[quantity]}",
         )

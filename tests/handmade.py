@@ -34,6 +34,17 @@ MUSCLE_VALUES = {
 DEGREE = np.pi / 180
 
 
+MUSCLE_UNITS = {
+    "M": "s²/rad",
+    "a1": "1/rad",
+    "b1": "1/bar",
+    "c1": "1/rad",
+    "a2": "s/rad",
+    "b2": "1/bar",
+    "c2": "s/rad",
+}
+
+
 def muscle_spec() -> ModelSpec:
     options = {
         "damping": "constant",
@@ -100,7 +111,7 @@ def estimate(name: str, value: float) -> ParameterEstimate:
     weak = name == "M"
     return ParameterEstimate(
         name=name,
-        unit="1/bar" if name.startswith("b") else "rad",
+        unit=MUSCLE_UNITS[name],
         value=value,
         stderr=None if fixed else 0.05 * value,
         ci95=None if fixed else (0.9 * value, 1.1 * value),

@@ -9,13 +9,15 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
 from softid.errors import SoftidError
 
 if TYPE_CHECKING:
+    from types import FrameType
+
     from rich.progress import Progress, TaskID
 
 INTERRUPTED = 130
@@ -29,6 +31,38 @@ PATIENCE_S = 1.0
 _BAR_STEPS = 1000
 
 ProgressCallback = Callable[[str, float], None]
+
+
+_interruptions: list[int] = []
+
+
+def note_interruption(signum: int, frame: FrameType | None) -> NoReturn:
+    """Raise KeyboardInterrupt, and remember it, for a library may turn it into something else."""
+    del frame
+    _interruptions.append(signum)
+    sys.unraisablehook = _say_nothing
+    raise KeyboardInterrupt
+
+
+def was_interrupted() -> bool:
+    """Whether the user has asked this process to stop."""
+    return bool(_interruptions)
+
+
+def _say_nothing(_: object) -> None:
+    """What goes wrong while an interrupted run is taken down is of no interest."""
+
+
+def leave_at_once(code: int) -> NoReturn:
+    """End an interrupted process without the interpreter's last steps.
+
+    They could be interrupted again, and where code made at run time was interrupted the interpreter
+    would end by the signal and not with the code.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):  # closed or full
+            stream.flush()
+    os._exit(code)
 
 
 def say(message: str) -> None:

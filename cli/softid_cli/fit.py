@@ -11,11 +11,12 @@ import click
 
 from softid.errors import IdentificationError, OutputError, UsageError
 from softid_cli.console import announce_compilation, progress
-from softid_cli.model_options import chosen_model, chosen_parameters
+from softid_cli.model_options import chosen_model, chosen_parameters, require_parameters
 from softid_cli.options import (
     FILE,
     GreedyCommand,
     json_option,
+    length_mm,
     load_logs,
     log_options,
     out_options,
@@ -90,9 +91,14 @@ class FitRequest:
     help="Damping of the muscle model.",
 )
 @click.option(
-    "--fixed-length", type=float, metavar="MM", help="Fixed length of the muscle's arc geometry."
+    "--fixed-length",
+    callback=length_mm,
+    metavar="MM",
+    help="Fixed length of the muscle's arc geometry.",
 )
-@click.option("--diameter", type=float, metavar="MM", help="Diameter of the muscle's arc geometry.")
+@click.option(
+    "--diameter", callback=length_mm, metavar="MM", help="Diameter of the muscle's arc geometry."
+)
 @click.option(
     "--option",
     multiple=True,
@@ -195,6 +201,7 @@ def identify(request: FitRequest) -> None:
         diameter_mm=request.diameter,
         other=request.options,
     )
+    require_parameters(model, request.profile, option="--profile")
     parameters = chosen_parameters(model, fix=request.fix, bound=request.bound, tie=request.tie)
     paths = (*request.logs, *request.hold_out)
     logs = load_logs(paths, request.channel, request.input, request.output)
@@ -215,7 +222,7 @@ def identify(request: FitRequest) -> None:
         if not result.success:
             raise IdentificationError(
                 f"{result.status.value}, so no results were written",
-                where=", ".join(log.name for log in fitted),
+                where=", ".join(map(str, request.logs)),
                 remedy="fix or bound a parameter, choose a simpler --model, or add a log",
             )
         profiles = profiled(result, fitted, request.profile, progress=report)
@@ -225,35 +232,49 @@ def identify(request: FitRequest) -> None:
 def _deliver(
     request: FitRequest, result: FitResult, profiles: Mapping[str, ProfileResult], first: Log
 ) -> None:
-    """Print the tables first, so that a full disk does not take them too; then write."""
-    from softid.records import dump_json, fit_document, write_folder
+    """Write first, then print: what is printed stands, and an error means that nothing does."""
+    from softid.records import (
+        dump_json,
+        fit_document,
+        plot_fingerprints,
+        recorded_plots,
+        write_folder,
+    )
 
     document = fit_document(result)
     if profiles:
         document |= {"profiles": profile_entries(profiles)}
-    if not request.as_json:
-        from softid_cli.tables import print_fit
-
-        print_fit(result)
-        print_profiles(result, profiles)
-    files: dict[str, str | bytes] = {PARAMS: dump_json(document)}
+    plots: dict[str, str | bytes] = {}
     if request.plots:
         from softid_cli.figures import drawn
 
-        files |= drawn(result)
-        files |= profile_figures(result, profiles)
+        plots = drawn(result) | profile_figures(result, profiles)
+        document |= {"plots": dict(plot_fingerprints(plots))}
     folder = request.out or _free_folder(RESULTS / first.name.replace("/", "_"))
-    written = write_folder(folder, files, overwrite=request.force)
+    written = write_folder(
+        folder,
+        {PARAMS: dump_json(document), **plots},
+        overwrite=request.force,
+        superseded=recorded_plots(folder / PARAMS),
+    )
     if request.as_json:
         click.echo(dump_json(document | {"files": [str(p) for p in written]}), nl=False)
     else:
-        from softid_cli.tables import print_files
+        from softid_cli.tables import print_files, print_fit
 
+        print_fit(result)
+        print_profiles(result, profiles)
         print_files(folder, [p.name for p in written])
 
 
 def _refuse_old_results(request: FitRequest) -> None:
     """Say before the work, not after it, that the results would have no place."""
+    if request.out is not None and request.out.is_file():
+        raise OutputError(
+            "this is a file, not a folder",
+            where=str(request.out),
+            remedy="name another folder with --out",
+        )
     if request.out is not None and (request.out / PARAMS).exists() and not request.force:
         raise OutputError(
             "the folder holds results already",

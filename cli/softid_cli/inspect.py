@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from softid_cli.options import FILE, json_option, load_logs, log_options
+from softid_cli.console import progress
+from softid_cli.options import FILE, json_option, load_logs, log_options, quiet_option
 from softid_cli.tables import WIDTH
 
 if TYPE_CHECKING:
@@ -31,19 +32,26 @@ NO_JITTER = 1e-6
 @click.argument("logs", nargs=-1, required=True, type=FILE)
 @log_options
 @json_option
+@quiet_option
 def inspect(
     logs: tuple[Path, ...],
     channel: tuple[str, ...],
     input: str | None,
     output: tuple[str, ...],
     as_json: bool,
+    quiet: bool,
 ) -> None:
     """Say what is in LOGS: sampling, faults, excitation, and what they can identify."""
     from softid.quality import inspect as inspect_log
     from softid.records import dump_json
 
     loaded = load_logs(logs, channel, input, output)
-    inspections = [inspect_log(log) for log in loaded]
+    inspections = []
+    with progress(quiet=quiet) as report:
+        for k, log in enumerate(loaded):
+            if report is not None:
+                report(f"inspecting {log.name}", k / len(loaded))
+            inspections.append(inspect_log(log))
     if as_json:
         click.echo(dump_json({"schema": SCHEMA, "logs": inspections}), nl=False)
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 import warnings
 from collections.abc import Sequence
@@ -9,7 +10,13 @@ from importlib import import_module
 
 import click
 
-from softid_cli.console import report_failure
+from softid_cli.console import (
+    INTERRUPTED,
+    leave_at_once,
+    note_interruption,
+    report_failure,
+    was_interrupted,
+)
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "inspect": ("softid_cli.inspect", "Say what is in a log and what can be identified from it."),
@@ -100,18 +107,31 @@ def run(arguments: Sequence[str]) -> int:
         except click.exceptions.Exit as ended:
             code = ended.exit_code
         sys.stdout.flush()
-    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the last line of defence
+    except (Exception, KeyboardInterrupt) as met:  # noqa: BLE001 - the last line of defence
+        error = KeyboardInterrupt() if was_interrupted() else met
         debug = context is not None and bool(context.params.get("debug"))
         return report_failure(error, debug=debug)
     return code
 
 
 def main() -> None:
-    """Entry point of the installed script."""
+    """Run `softid` with the arguments of the process, and exit.
+
+    An interruption counts even where a library took it for a failure of its own; once all is done
+    it comes too late and is not heard.
+    """
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal without θ shows a ?
-    sys.exit(run(sys.argv[1:]))
+    try:
+        signal.signal(signal.SIGINT, note_interruption)
+        code = run(sys.argv[1:])
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except KeyboardInterrupt as error:  # while the end of the run was reported
+        code = report_failure(error, debug=False)
+    if code == INTERRUPTED:
+        leave_at_once(code)
+    sys.exit(code)
 
 
 if __name__ == "__main__":

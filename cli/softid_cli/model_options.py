@@ -36,6 +36,15 @@ def chosen_model(
     UsageError
         There is no such model, or it does not have an option that was given.
     """
+    if (fixed_length_mm is None) != (diameter_mm is None):
+        there, missing = ("--diameter", "--fixed-length")
+        if diameter_mm is None:
+            there, missing = missing, there
+        raise UsageError(
+            "the arc geometry needs both lengths",
+            where=there,
+            remedy=f"give {missing} too, or neither",
+        )
     given: dict[str, str | float] = {
         key: _plain(text)
         for key, text in assignments(other, option="--option", form="NAME=VALUE").items()
@@ -61,8 +70,16 @@ def chosen_model(
             value=name,
             remedy=f"choose from {', '.join(MODELS)}",
         )
-    known = {f.name for f in fields(MODELS[name])}
+    own = {f.name for f in fields(MODELS[name])}
+    known = {option for option in own if not _follows_from_logs(option)}
     for option in given:
+        if option in own - known:
+            raise UsageError(
+                "this follows from the logs and cannot be chosen",
+                where=f"--option {option}",
+                value=given[option],
+                remedy="leave it out",
+            )
         if option not in known:
             raise UsageError(
                 f"the {name} model has no such option",
@@ -72,6 +89,25 @@ def chosen_model(
     options: dict[str, object] = dict(given)
     model: Model = MODELS[name](**options)
     return model
+
+
+def _follows_from_logs(option: str) -> bool:
+    """Units and the sense of the motion are taken from the channels at every fit."""
+    return option.endswith("_unit") or option == "inverted"
+
+
+def require_parameters(model: Model | None, names: Sequence[str], *, option: str) -> None:
+    """Refuse names that the model does not have, if it is known before the work which one it is.
+
+    Raises
+    ------
+    UsageError
+        A name is none of the model's parameters.
+    """
+    if model is not None:
+        declared = model.parameters()
+        for name in names:
+            _known(declared, name, option=option)
 
 
 def _plain(text: str) -> str | float:
@@ -168,6 +204,13 @@ def _bounded(parameter: Parameter, text: str) -> Parameter:
         lower = _number(low.strip(), option="--bound", parameter=parameter.name)
     if high.strip():
         upper = _number(high.strip(), option="--bound", parameter=parameter.name)
+    if parameter.scale == "log" and (lower < 0 or upper <= 0):
+        raise UsageError(
+            f"{parameter.name} must be positive",
+            where=f"--bound {parameter.name}",
+            value=text,
+            remedy="give bounds above zero",
+        )
     inside = min(max(parameter.value, lower), max(lower, upper))
     return replace(parameter, lower=lower, upper=upper, value=inside)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from softid.errors import UsageError
-from softid_cli.options import json_option
+from softid_cli.options import json_option, quiet_option
 
 if TYPE_CHECKING:
     from softid.models.base import Model
@@ -18,8 +18,10 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("name", required=False)
 @json_option
-def models(name: str | None, as_json: bool) -> None:
+@quiet_option
+def models(name: str | None, as_json: bool, quiet: bool) -> None:
     """List the models, or describe the one called NAME."""
+    del quiet  # there is nothing to say beside the list; the option is there as in all commands
     from softid.models import MODELS
     from softid.records import dump_json
     from softid_cli.tables import print_rows

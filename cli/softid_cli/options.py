@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,8 +18,41 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 R = TypeVar("R")
 
-FILE = click.Path(path_type=Path, readable=False)
-"""A path that the library, not click, finds wanting: its errors name the remedy."""
+
+class FilePath(click.Path):
+    """A path that the library, not click, finds wanting: its errors name the remedy."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Refuse the empty name, which would mean the folder in which one is."""
+        if value == "":
+            raise UsageError(
+                "the name of a file is empty",
+                where=param.opts[0] if isinstance(param, click.Option) else None,
+                value=value,
+                remedy="name a file; an unset variable of the shell makes such a name",
+            )
+        return super().convert(value, param, ctx)
+
+
+def length_mm(_: click.Context, param: click.Parameter, value: str | None) -> float | None:
+    """Turn an option's text into a length in mm, which is positive and finite."""
+    if value is None:
+        return None
+    try:
+        length = float(value)
+    except ValueError:
+        length = math.nan
+    if not 0.0 < length < math.inf:
+        raise UsageError(
+            "this is not a length",
+            where=param.opts[0],
+            value=value,
+            remedy="measure it on the actuator and give it in mm",
+        )
+    return length
+
+
+FILE = FilePath(path_type=Path, readable=False)
 
 
 class GreedyCommand(click.Command):
@@ -136,7 +170,12 @@ def assignments(texts: Sequence[str], *, option: str, form: str) -> dict[str, st
 
 
 def load_logs(
-    paths: Sequence[Path], channel: Sequence[str], input: str | None, output: Sequence[str]
+    paths: Sequence[Path],
+    channel: Sequence[str],
+    input: str | None,
+    output: Sequence[str],
+    *,
+    roles_of: Path | None = None,
 ) -> list[Log]:
     """Read logs with the channels and roles of the command line.
 
@@ -150,6 +189,8 @@ def load_logs(
         ``NAME=COL:UNIT`` texts.
     input, output
         Roles, or None and empty for those that the reader chooses.
+    roles_of
+        The params.json whose roles they are; None when the user gave them.
 
     Raises
     ------
@@ -163,7 +204,16 @@ def load_logs(
 
     from softid.readers import load  # numpy and the readers, not wanted by `softid --help`
 
-    logs = [load(p, channels=columns or None, input=input, outputs=tuple(output)) for p in paths]
+    logs = [
+        load(
+            path,
+            channels=columns or None,
+            input=input,
+            outputs=tuple(output),
+            roles_of=f"the model {roles_of}" if roles_of else None,
+        )
+        for path in paths
+    ]
     names = [log.name for log in logs]
     return [
         replace(log, name=f"{path.resolve().parent.name}/{log.name}")

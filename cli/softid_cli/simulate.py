@@ -81,7 +81,13 @@ def load_driving(source: Path, channel: tuple[str, ...], saved: SavedModel) -> L
     from softid.readers import load
 
     columns = assignments(channel, option="--channel", form="NAME=COL:UNIT")
-    log = load(source, channels=columns or None, input=saved.input, outputs=None)
+    log = load(
+        source,
+        channels=columns or None,
+        input=saved.input,
+        outputs=None,
+        roles_of=f"the model {saved.path}",
+    )
     missing = {
         name: make_channel(name, np.full(len(log), np.nan), saved.display[name][0])
         for name in saved.outputs

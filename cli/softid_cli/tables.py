@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 WIDTH = 80
+OPEN = "…"
 _MOST_DIGITS = 9
 
 
@@ -35,6 +36,8 @@ def print_fit(result: FitResult) -> None:
     if result.choice:
         _print(f"Why this model: {result.choice.removeprefix(result.model.name + ': ')}")
     _print("", _parameter_table(result.parameters), "")
+    if any(OPEN in _interval_of(p) for p in result.parameters):
+        _print(f"{OPEN}: no limit on this side within the bounds of the parameter", "")
     for estimate in result.parameters:
         told = any(issue.message.startswith(f"{estimate.name} ") for issue in result.issues)
         if estimate.reason and not told:
@@ -137,7 +140,11 @@ def interval(
     low, high = ci95
     below = low is None or not math.isfinite(low) or (lower is not None and low < lower)
     above = high is None or not math.isfinite(high) or (upper is not None and high > upper)
-    return f"[{'…' if below else f'{low:.4g}'}, {'…' if above else f'{high:.4g}'}]"
+    return f"[{OPEN if below else f'{low:.4g}'}, {OPEN if above else f'{high:.4g}'}]"
+
+
+def _interval_of(p: ParameterEstimate) -> str:
+    return interval(p.ci95, lower=p.lower, upper=p.upper)
 
 
 def _parameter_table(parameters: Sequence[ParameterEstimate]) -> Table:
@@ -155,7 +162,7 @@ def _parameter_table(parameters: Sequence[ParameterEstimate]) -> Table:
         table.add_row(
             p.name,
             with_error(p.value, p.stderr),
-            interval(p.ci95, lower=p.lower, upper=p.upper),
+            _interval_of(p),
             _unit(p.unit),
             verdict,
         )
@@ -181,7 +188,7 @@ def _score_table(statistics: Sequence[FitStatistics]) -> Table:
             str(s.n),
             f"{s.rmse * s.display_factor:.4g}",
             _unit(s.display_unit),
-            f"{s.fit_percent:.1f}",
+            f"{s.fit_percent:z.1f}",
             "in sample" if s.in_sample else "held out",
         )
     return table

@@ -18,6 +18,8 @@ from softid_cli.options import (
     quiet_option,
 )
 
+MOST_PERCENT = 100.0
+RECORD = "validation.json"
 CHECKED = ("truth", "estimate", "95 % interval")
 
 
@@ -51,10 +53,17 @@ def validate(
     Without arguments softid checks itself: it refits every bundled synthetic log and compares the
     parameters with the truth.
     """
-    if params is None and (threshold is not None or channel or out is not None):
+    if threshold is not None and not threshold <= MOST_PERCENT:
+        raise UsageError(
+            "no fit can be judged by this bar",
+            where="--threshold",
+            value=threshold,
+            remedy="give a fit in per cent, of which 100 is perfect",
+        )
+    if params is None and (threshold is not None or channel or out is not None or force):
         raise UsageError(
             "these options belong to a model and logs, and the self-check has none",
-            where="--threshold, --channel, --out",
+            where="--threshold, --channel, --out, --force",
             remedy="name PARAMS and a LOG, or leave the options away",
         )
     if params is None:
@@ -92,28 +101,37 @@ def score(
     quiet: bool,
 ) -> bool:
     """Score a saved model; returns whether it reached the bar."""
-    from softid.records import dump_json, load_params, validation_document, write_folder
+    from softid.records import (
+        dump_json,
+        load_params,
+        plot_fingerprints,
+        recorded_plots,
+        validation_document,
+        write_folder,
+    )
     from softid.validation import validate as validate_model
     from softid_cli.tables import print_validation
 
     saved = load_params(params)
-    logs = load_logs(paths, channel, saved.input, saved.outputs)
+    logs = load_logs(paths, channel, saved.input, saved.outputs, roles_of=params)
     announce_compilation(quiet=quiet)
     result = validate_model(saved, logs, threshold_percent=threshold)
     noticed = [issue for issue in saved.issues if issue not in result.issues]
     result = replace(result, issues=(*noticed, *result.issues))
-    document = dump_json(validation_document(result, params=params))
-    if not as_json:
-        print_validation(result)
+    document = validation_document(result, params=params)
     if out is not None:
         from softid_cli.figures import drawn
 
-        files = {"validation.json": document, **drawn(result)}
-        write_folder(out, files, overwrite=force)
+        plots = drawn(result)
+        document |= {"plots": dict(plot_fingerprints(plots))}
+        files = {RECORD: dump_json(document), **plots}
+        write_folder(out, files, overwrite=force, superseded=recorded_plots(out / RECORD))
         if not quiet:
             say(f"written to {out}: {', '.join(files)}")
     if as_json:
-        click.echo(document, nl=False)
+        click.echo(dump_json(document), nl=False)
+    else:
+        print_validation(result)
     return result.passed
 
 

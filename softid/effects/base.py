@@ -109,7 +109,8 @@ class Effect(ABC):
     source
         Where the law comes from.
     amplitude
-        Parameter at whose value zero the effect vanishes.
+        Parameter at whose value zero the effect vanishes; None where it vanishes only as a limit
+        leaves the range.
     changes_sign
         Whether the amplitude may have either sign.
     """
@@ -125,7 +126,7 @@ class Effect(ABC):
     remedy: ClassVar[str] = ""
     shown_by: ClassVar[str]
     source: ClassVar[str]
-    amplitude: ClassVar[str]
+    amplitude: ClassVar[str | None]
     changes_sign: ClassVar[bool] = False
 
     @property
@@ -135,8 +136,8 @@ class Effect(ABC):
 
     @property
     def amplitudes(self) -> tuple[str, ...]:
-        """Parameters that must all be zero for the effect to vanish: ``amplitude``, if no more."""
-        return (self.amplitude,)
+        """Parameters that must all be zero for the effect to vanish; none without an amplitude."""
+        return (self.amplitude,) if self.amplitude is not None else ()
 
     @abstractmethod
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -144,7 +144,7 @@ class ExtendedModel(Model):
         recorded = self._recorded(theta, segment, motion.outputs[first])
         values = dict(motion.outputs) | {first: recorded}
         if motion.by_parameter is None or motion.by_state is None:
-            return Response(values, None, None, motion.start)
+            return Response(values, None, None, motion.start, motion.x, motion.v)
         by_parameter, by_state = {}, {}
         for name in outputs:
             by, by_start = motion.by_parameter[name], motion.by_state[name]
@@ -163,7 +163,7 @@ class ExtendedModel(Model):
             h = self._steps[at]
             y = self._recorded(_stepped(theta, at, h), segment, motion.outputs[first])
             by_parameter[first][:, at] = (y - recorded) / h
-        return Response(values, by_parameter, by_state, motion.start)
+        return Response(values, by_parameter, by_state, motion.start, motion.x, motion.v)
 
     @cached_property
     def _state_effects(self) -> tuple[StateEffect, ...]:

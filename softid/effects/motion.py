@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,9 @@ from softid.effects.base import Scale, StateEffect
 from softid.log import Segment
 from softid.models.base import Model, Response
 from softid.models.second_order import Division
+
+if TYPE_CHECKING:
+    from softid.kernels.equation import Equation
 
 Array = npt.NDArray[np.float64]
 
@@ -31,13 +35,19 @@ class _Terms:
     own: npt.NDArray[np.int64]
     follows: tuple[bool, ...]
     scale: Array
-    steps: Array
+    moves: Array
     columns: npt.NDArray[np.int64]
     """Which entries of ``eta`` are parameters, not constants."""
 
     @property
     def n_own(self) -> int:
         return len(self.follows)
+
+    def equation(self, theta: Array) -> Equation:
+        """What the kernel integrates; it moves and restores the arrays, so they are its own."""
+        from softid.kernels.equation import Equation
+
+        return Equation(0, theta.copy(), self.addresses, self.eta.copy(), self.eta_from, self.own)
 
 
 def simulate_motion(
@@ -84,7 +94,7 @@ def simulate_motion(
     Response
         Its derivatives are by (θ, η).
     """
-    from softid.kernels.extended import propagate_extended
+    from softid.kernels.extended import Course, integrate
 
     law = model.motion_law(theta)
     if law is None:
@@ -105,10 +115,10 @@ def simulate_motion(
         if follows:
             state[2 + k] = state[0]
             tangent[2 + k] = tangent[0]
-    x, by = np.empty(n), np.zeros((n, tangent.shape[1]))
-    x[0], by[0] = state[0], tangent[0]
-    begun = np.array([state[0], state[1]])
+    motion, by = np.empty((n, 2)), np.zeros((n, tangent.shape[1]))
+    motion[0], by[0] = state[:2], tangent[0]
     places = np.stack((stage_times(segment.time_s, plan) - segment.log_start_s, stage_input), 1)
+    equation = terms.equation(theta)
     sample = 1
     for first in range(0, plan.step_s.size, BLOCK):
         block = slice(first, first + BLOCK)
@@ -116,35 +126,39 @@ def simulate_motion(
         length = coefficients.shape[0]
         states = np.empty((length, 2))
         tangents = np.empty((length if derivatives else 0, tangent.shape[1]))
-        solved = propagate_extended(
-            plan.step_s[block], places[block], coefficients, coefficients_by, 0, theta.copy(),
-            terms.addresses, terms.eta, terms.eta_from, terms.own, terms.scale, terms.steps,
-            state, tangent, states, tangents, derivatives,
-        )  # fmt: skip
+        course = Course(
+            plan.step_s[block],
+            places[block],
+            coefficients,
+            coefficients_by,
+            terms.scale,
+            terms.moves,
+        )
+        solved = integrate(equation, course, state, tangent, states, tangents)
         if not solved:
-            x[sample:] = np.nan
+            motion[sample:] = np.nan
             break
         reached = np.flatnonzero(plan.ends[block])
         stop = sample + reached.size
-        x[sample:stop] = states[reached, 0]
+        motion[sample:stop] = states[reached]
         if derivatives:
             by[sample:stop] = tangents[reached]
         sample = stop
-    return _response(model, outputs, x, by, begun, terms, n_theta, derivatives=derivatives)
+    return _response(model, outputs, motion, by, terms, n_theta, derivatives=derivatives)
 
 
 def _response(
     model: Model,
     outputs: Sequence[str],
-    x: Array,
+    motion: Array,
     by: Array,
-    begun: Array,
     terms: _Terms,
     n_theta: int,
     *,
     derivatives: bool,
 ) -> Response:
     values, by_parameter, by_state = {}, {}, {}
+    x, v = motion.T
     kept = np.concatenate((np.arange(n_theta), n_theta + terms.columns))
     starts = by.shape[1] - 2 + np.arange(len(model.start_states))
     for name in outputs:
@@ -153,8 +167,8 @@ def _response(
             by_parameter[name] = by[:, kept] * slope[:, None]
             by_state[name] = by[:, starts] * slope[:, None]
     if not derivatives:
-        return Response(values, None, None, begun)
-    return Response(values, by_parameter, by_state, begun)
+        return Response(values, None, None, motion[0], x, v)
+    return Response(values, by_parameter, by_state, motion[0], x, v)
 
 
 def _gather(effects: Sequence[StateEffect], scale: Scale, theta: Array, eta: Array) -> _Terms:
@@ -210,16 +224,13 @@ def _packed(model: Model, theta: Array, u: Array, derivatives: bool) -> tuple[Ar
 
 def _unbalanced(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: float) -> float:
     """Force that is left at rest at a position."""
-    from softid.kernels.extended import evaluate
+    from softid.kernels.equation import Instant, unbalanced
 
     packed, _ = _packed(model, theta, np.array([[u]]), False)
     z = np.array([x if follows else 0.0 for follows in terms.follows])
-    return float(
-        evaluate(
-            x, 0.0, 0.0, z, u, t, packed[0, 0], 0, theta, terms.addresses, terms.eta,
-            terms.eta_from, terms.own, np.empty(z.size), np.empty(5), np.empty(6),
-        )
-    )  # fmt: skip
+    found = Instant(np.empty(z.size), np.empty(5), np.empty(6))
+    equation = terms.equation(theta)
+    return float(unbalanced(equation, packed[0, 0], x, 0.0, 0.0, z, u, t, found))
 
 
 def _rest_position(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> float:
@@ -252,7 +263,7 @@ def _rest_by(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> t
     if not terms.addresses.size:
         by[: theta.size] = law.equilibrium_by(u)
         return x, by
-    for k, step in enumerate(terms.steps):
+    for k, step in enumerate(terms.moves):
         if k < theta.size:
             moved = theta.copy()
             moved[k] += step

@@ -204,7 +204,8 @@ class Problem:
         """Where the sensor zero of one log and channel stands among the unknowns."""
         return self._zero_from + log * len(self.outputs) + self.outputs.index(channel)
 
-    def _start(self, z: Array, segment: int) -> Array | None:
+    def start_of(self, z: Array, segment: int) -> Array | None:
+        """Initial state of one segment as `Model.response` takes it; None for a start at rest."""
         at = self._start_from[segment]
         if at is None:
             return None
@@ -219,7 +220,7 @@ class Problem:
             self.theta(z),
             self.segments[segment],
             self.outputs[:1],
-            start=self._start(z, segment),
+            start=self.start_of(z, segment),
             derivatives=False,
             relative=self.has_equilibrium,
         )
@@ -272,7 +273,7 @@ class Problem:
                     theta,
                     segment,
                     self.outputs,
-                    start=self._start(z, k),
+                    start=self.start_of(z, k),
                     derivatives=derivatives,
                     relative=self.has_equilibrium,
                     plan=plans[k] if plans is not None else None,

@@ -92,7 +92,7 @@ def contraction(
     if name in ("distance", "length"):
         if geometry is None:
             raise UsageError(
-                f"a {name} is linked to the contraction by the arc geometry",
+                f"the {name} is linked to the contraction by the arc geometry",
                 where=segment.log_name,
                 remedy="give the fixed length and the diameter in mm",
             )

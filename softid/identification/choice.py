@@ -154,7 +154,7 @@ def _best(
     if best is None:
         raise IdentificationError(
             "no model could be fitted",
-            where=", ".join(log.name for log in logs),
+            where=", ".join(log.place for log in logs),
             value="; ".join(untold),
             remedy="name a --model, or record a log with more levels",
         )

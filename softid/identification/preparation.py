@@ -32,7 +32,7 @@ def require_excitation(logs: LogSet) -> None:
         log = logs.logs[0]
         raise InputError(
             f"the input {log.input} is constant, so nothing can be identified",
-            where=log.name,
+            where=log.place,
             value=float(log.channels[log.input].displayed[0]),
             remedy="record a log in which it changes, or choose another --input",
         )
@@ -44,13 +44,13 @@ def require_excitation(logs: LogSet) -> None:
             if finite.size < 2:
                 raise InputError(
                     f"the output {name} has {finite.size} usable samples",
-                    where=log.name,
+                    where=log.place,
                     remedy="choose another --output, or record it again",
                 )
             if np.ptp(finite) == 0 and log in moving:
                 raise InputError(
                     f"the output {name} never changes although the input does",
-                    where=log.name,
+                    where=log.place,
                     value=float(finite[0] * log.channels[name].display_factor),
                     remedy="check the sensor, or choose another --output",
                 )
@@ -93,7 +93,7 @@ def require_same_units(logs: LogSet) -> None:
             if unit != wanted:
                 raise UsageError(
                     f"{name} is in {unit}, but in {wanted} in {first.name}",
-                    where=log.name,
+                    where=log.place,
                     remedy="name its unit with --channel",
                 )
 
@@ -148,7 +148,7 @@ def require_channels(model: Model, logs: LogSet) -> None:
     wrong = [name for name in logs.outputs if model.outputs and name not in model.outputs]
     if wrong:
         raise UsageError(
-            f"the {model.name} model does not explain a {wrong[0]}",
+            f"the {model.name} model does not explain the channel {wrong[0]}",
             remedy=f"choose an --output from {', '.join(model.outputs)}, or another --model",
         )
     if len(logs.outputs) > 1 and not model.outputs:

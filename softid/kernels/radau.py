@@ -20,15 +20,16 @@ _R6 = np.sqrt(6.0)
 STAGES: Array = np.array([(4.0 - _R6) / 10.0, (4.0 + _R6) / 10.0, 1.0])
 """Positions of the stages within a step."""
 
-_A = np.array(
+A = np.array(
     [
         [(88.0 - 7.0 * _R6) / 360.0, (296.0 - 169.0 * _R6) / 1800.0, (-2.0 + 3.0 * _R6) / 225.0],
         [(296.0 + 169.0 * _R6) / 1800.0, (88.0 + 7.0 * _R6) / 360.0, (-2.0 - 3.0 * _R6) / 225.0],
         [(16.0 - _R6) / 36.0, (16.0 + _R6) / 36.0, 1.0 / 9.0],
     ]
 )
-_B = np.linalg.inv(_A)
-_B1 = _B.sum(axis=1)
+B = np.linalg.inv(A)
+B1 = B.sum(axis=1)
+"""Butcher matrix A of the rule, its inverse B, and the row sums of B."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -82,14 +83,14 @@ def propagate(
         mh = mass / h
         for r in range(3):
             for c in range(3):
-                w[r, c] = mh * _B[r, c] + h * stiffness[i, r] * _A[r, c]
+                w[r, c] = mh * B[r, c] + h * stiffness[i, r] * A[r, c]
             w[r, r] += damping[i, r]
         _invert3(w, g)
         for r in range(3):
             velocity[r] = 0.0
             for c in range(3):
-                velocity[r] += g[r, c] * (force[i, c] - stiffness[i, c] * x + mh * _B1[c] * v)
-        x += h * (_A[2, 0] * velocity[0] + _A[2, 1] * velocity[1] + _A[2, 2] * velocity[2])
+                velocity[r] += g[r, c] * (force[i, c] - stiffness[i, c] * x + mh * B1[c] * v)
+        x += h * (A[2, 0] * velocity[0] + A[2, 1] * velocity[1] + A[2, 2] * velocity[2])
         v = velocity[2]
         states[i, 0] = x
         states[i, 1] = v
@@ -141,28 +142,28 @@ def propagate_with_sensitivities(
         mh = mass / h
         for r in range(3):
             for c in range(3):
-                w[r, c] = mh * _B[r, c] + h * stiffness[i, r] * _A[r, c]
+                w[r, c] = mh * B[r, c] + h * stiffness[i, r] * A[r, c]
             w[r, r] += damping[i, r]
         _invert3(w, g)
         for r in range(3):
             velocity[r] = 0.0
             for c in range(3):
-                velocity[r] += g[r, c] * (force[i, c] - stiffness[i, c] * x + mh * _B1[c] * v)
+                velocity[r] += g[r, c] * (force[i, c] - stiffness[i, c] * x + mh * B1[c] * v)
         for r in range(3):
             position[r] = x
-            inertia[r] = -_B1[r] * v
+            inertia[r] = -B1[r] * v
             for c in range(3):
-                position[r] += h * _A[r, c] * velocity[c]
-                inertia[r] += _B[r, c] * velocity[c]
+                position[r] += h * A[r, c] * velocity[c]
+                inertia[r] += B[r, c] * velocity[c]
             inertia[r] /= h
         # Φ: how the end of the step answers to its start.
         phi_xx, phi_xv, phi_vx, phi_vv = 1.0, 0.0, 0.0, 0.0
         for c in range(3):
-            to_x[c] = h * (_A[2, 0] * g[0, c] + _A[2, 1] * g[1, c] + _A[2, 2] * g[2, c])
+            to_x[c] = h * (A[2, 0] * g[0, c] + A[2, 1] * g[1, c] + A[2, 2] * g[2, c])
             phi_xx -= to_x[c] * stiffness[i, c]
-            phi_xv += to_x[c] * mh * _B1[c]
+            phi_xv += to_x[c] * mh * B1[c]
             phi_vx -= g[2, c] * stiffness[i, c]
-            phi_vv += g[2, c] * mh * _B1[c]
+            phi_vv += g[2, c] * mh * B1[c]
         for k in range(n_parameters + 2):
             sx, sv = tangent[0, k], tangent[1, k]
             new_x = phi_xx * sx + phi_xv * sv

@@ -30,13 +30,12 @@ TERM_SIZE = 6
 LAW_INERTIA, LAW_DAMPING, LAW_ELASTIC, LAW_DRIVE = range(4)
 """Places in a law's result: m, d, q and g."""
 
-_POINTER = types.CPointer(types.float64)
+_POINTER: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
 SIGNATURE = types.void(*(types.float64,) * 5, _POINTER, _POINTER)
 """(position, velocity, own state, input, time, parameters, result) of a term or a law."""
 
 
-@intrinsic  # type: ignore[misc, untyped-decorator, unused-ignore]
-def call_term(
+def _call_term(
     context: Any,
     address: Any,
     x: Any,
@@ -48,20 +47,24 @@ def call_term(
     result: Any,
 ) -> Any:
     """Call the term at an address; the last two arguments are addresses of float arrays."""
-    del context
+    del context, address, x, v, z, u, t, parameters, result
     signature = types.void(types.int64, *(types.float64,) * 5, types.int64, types.int64)
-    del address, x, v, z, u, t, parameters, result
 
-    def emit(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        del signature
         double = ir.DoubleType()
         pointer = double.as_pointer()
         function = ir.FunctionType(ir.VoidType(), [double] * 5 + [pointer] * 2)
         target = builder.inttoptr(values[0], function.as_pointer())
         arrays = [builder.inttoptr(value, pointer) for value in values[6:]]
         builder.call(target, [*values[1:6], *arrays])
-        return _context.get_dummy_value()
+        return context.get_dummy_value()
 
     return signature, emit
+
+
+call_term: Any = intrinsic(_call_term)
+"""Call the term at an address: (address, x, v, z, u, t, address of η, address of the result)."""
 
 
 def compile_term(function: Callable[..., None]) -> Any:
@@ -77,10 +80,8 @@ def compile_term(function: Callable[..., None]) -> Any:
         return numba.cfunc(
             SIGNATURE,
             cache=True,
-            nopython=True,
         )(function)
     except RuntimeError:  # typed at a prompt: there is no file beside which to cache
         return numba.cfunc(
             SIGNATURE,
-            nopython=True,
         )(function)

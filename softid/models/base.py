@@ -34,12 +34,16 @@ class Response:
         None if not asked.
     start
         Initial state used, shape (S,).
+    x, v
+        Position and velocity in the law of motion, each of shape (n,); None without one.
     """
 
     outputs: Mapping[str, Array]
     by_parameter: Mapping[str, Array] | None
     by_state: Mapping[str, Array] | None
     start: Array
+    x: Array | None = None
+    v: Array | None = None
 
 
 def require_choice(option: str, value: object, choices: Sequence[str]) -> None:

@@ -240,6 +240,8 @@ class Muscle(Model):
             by_parameter if derivatives else None,
             by_state if derivatives else None,
             np.array([motion.x[0], motion.v[0]]),
+            motion.x,
+            motion.v,
         )
 
     def motion_law(self, theta: Array) -> MuscleLaw:

@@ -209,12 +209,14 @@ class Oscillator(Model):
         first = np.array([motion.x[0], motion.v[0]])
         values = dict.fromkeys(outputs, motion.x)
         if motion.by_parameter is None or motion.by_state is None:
-            return Response(values, None, None, first)
+            return Response(values, None, None, first, motion.x, motion.v)
         return Response(
             values,
             dict.fromkeys(outputs, motion.by_parameter),
             dict.fromkeys(outputs, motion.by_state[:, : len(self.start_states)]),
             first,
+            motion.x,
+            motion.v,
         )
 
     def motion_law(self, theta: Array) -> OscillatorLaw:

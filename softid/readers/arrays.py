@@ -22,7 +22,8 @@ def table_of_arrays(named: Named, *, path: str, sha256: str, file_format: str) -
     """Line up the arrays of one file as columns.
 
     Vectors and the columns of matrices become columns; scalars and texts become metadata; arrays
-    of another length than most are left out and named in an issue.
+    of another length than most are left out and named in an issue, and are an error where a channel
+    needs them.
 
     Parameters
     ----------
@@ -55,7 +56,8 @@ def table_of_arrays(named: Named, *, path: str, sha256: str, file_format: str) -
             where=path,
             remedy="save time and channels as vectors of the same length",
         )
-    left_out += [name for name, column in columns.items() if column.size != length]
+    odd = {name: column.size for name, column in columns.items() if column.size != length}
+    left_out += [f"{name} ({size} long)" for name, size in odd.items()]
     kept = {name: column for name, column in columns.items() if column.size == length}
     head = Head(
         path=path,
@@ -65,6 +67,7 @@ def table_of_arrays(named: Named, *, path: str, sha256: str, file_format: str) -
         units=(None,) * len(kept),
         metadata=facts,
         issues=_left_out(path, left_out, length),
+        unaligned={name: _unaligned(path, name, size, kept, length) for name, size in odd.items()},
     )
     return ArrayTable(head, sample_rows(length), "sample", tuple(kept.values()))
 
@@ -103,6 +106,16 @@ def unique_names(
     }
 
 
+def _unaligned(path: str, name: str, size: int, kept: Named, length: int) -> InputError:
+    return InputError(
+        f"the array {name} has {size} values, but {listed(list(kept))} "
+        f"{'have' if len(kept) > 1 else 'has'} {length}",
+        where=path,
+        remedy="save time and channels with one value per sample, or map a column of the common "
+        "length with --channel",
+    )
+
+
 def _left_out(path: str, names: list[str], length: int) -> tuple[Issue, ...]:
     if not names:
         return ()
@@ -110,7 +123,7 @@ def _left_out(path: str, names: list[str], length: int) -> tuple[Issue, ...]:
         Issue(
             "column-left-out",
             "info",
-            f"{path}: left out {listed(names)}, which are no channels of {length} numbers",
-            "nothing, if they are not needed",
+            f"{path}: left out {listed(names)}, not being channels of {length} numbers",
+            "no action is needed, unless one of them is a channel",
         ),
     )

@@ -107,10 +107,12 @@ def find_channels(
     asked = {wish.index for wish in wishes.values()}
     free = [k for k in range(len(table.head.names)) if k not in asked and not _is_index(table, k)]
     matches = best_matches(table.head.names, free) if table.head.headed else {}
+    problems = {k: v for k, v in _unaligned(table).items() if k not in wishes and k not in matches}
+    if "time" in problems:
+        raise problems["time"]
     time = wishes.pop("time", None) or Wish(_time_column(table, matches, free), None)
     free = [k for k in free if k != time.index]
     channels = {name: _wished_channel(table, name, wish) for name, wish in wishes.items()}
-    problems: dict[str, InputError] = {}
     for name, columns in matches.items():
         if name in channels or name == "time":
             continue
@@ -125,7 +127,8 @@ def find_channels(
         free = [k for k in free if table.head.names[k] in needed]
     _add_raw(table, free, channels, issues)
     columns_of = {c.column: name for name, c in channels.items() if c.column is not None}
-    return Found(_times(table, time, time_unit), channels, problems, columns_of, tuple(issues))
+    times = _times(table, time, time_unit)
+    return Found(times, channels, problems, columns_of, (*issues, *times.issues))
 
 
 def find_column(table: Table, column: str | int, where: str) -> int:
@@ -138,6 +141,8 @@ def find_column(table: Table, column: str | int, where: str) -> int:
     """
     names = table.head.names
     text = str(column).strip()
+    if text in table.head.unaligned:
+        raise table.head.unaligned[text]
     wanted = text.casefold()
     for alike in (
         lambda name: name == text,
@@ -177,6 +182,15 @@ def _wish(index: int, unit: str | None) -> Wish:
     return Wish(index, text, scale)
 
 
+def _unaligned(table: Table) -> dict[str, InputError]:
+    """Channels whose arrays could not be lined up with the others."""
+    names = list(table.head.unaligned)
+    return {
+        channel: table.head.unaligned[names[indices[0]]]
+        for channel, indices in best_matches(names, range(len(names))).items()
+    }
+
+
 def _is_index(table: Table, index: int) -> bool:
     """Whether a column only counts the rows."""
     if index > 0 or not table.head.headed or not is_index_name(table.head.names[index]):
@@ -213,8 +227,9 @@ def _holds_times(table: Table, index: int) -> bool:
 
 
 def _times(table: Table, wish: Wish, time_unit: str | None) -> TimeAxis:
-    unit = time_unit or wish.unit or stated_unit(table, wish.index)
-    return read_times(table, wish.index, unit, scale=wish.scale)
+    confirmed = time_unit or wish.unit
+    unit = confirmed or stated_unit(table, wish.index)
+    return read_times(table, wish.index, unit, scale=wish.scale, confirmed=bool(confirmed))
 
 
 def stated_unit(table: Table, index: int) -> str | None:
@@ -276,12 +291,17 @@ def _doubt(table: Table, channel: Channel, index: int) -> InputError | None:
     doubt = find_doubt(channel)
     if doubt is None:
         return None
+    shown = channel.display_unit
     flag = channel_flag(channel.name, table, index, doubt.better)
+    if unit_symbol(doubt.better) == shown:  # no other unit would make them plausible
+        remedy = f"confirm {shown} with {flag}, or map another column in the same way"
+    else:
+        remedy = f"state the unit, as in {flag}, or confirm {shown} in the same way"
     return InputError(
         doubt.what,
         where=table.place(index),
         value=doubt.value,
-        remedy=f"state the unit, as in {flag}, or confirm {channel.display_unit} in the same way",
+        remedy=remedy,
     )
 
 
@@ -307,7 +327,7 @@ def _left_out(error: InputError) -> Issue:
         "column-left-out",
         "info",
         f"{error.where}: {error.what}{seen}, so the column was left out",
-        "nothing, if it is not needed",
+        "no action is needed, unless it is a channel",
     )
 
 

@@ -41,6 +41,9 @@ class Head:
         Facts beside the table.
     issues
         What the reader noticed.
+    unaligned
+        Name of a channel's array that has not one value per sample → the error to raise when it
+        is needed.
     """
 
     path: str
@@ -51,6 +54,7 @@ class Head:
     headed: bool = True
     metadata: Mapping[str, str] = field(default_factory=dict)
     issues: tuple[Issue, ...] = ()
+    unaligned: Mapping[str, InputError] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -86,13 +86,15 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
     for name in (input, *outputs):
         if not np.isfinite(samples.channels[name].values).any():
             raise InputError(
-                f"the {name} holds no number at all",
+                f"the {name} holds no number at all: {_all_missing(samples)}",
                 where=samples.column(name),
-                remedy="map another column with --channel, or check the sensor",
+                remedy=f"map another column with --channel {name}=COLUMN:UNIT, choose another "
+                f"{'input with --input' if name == input else 'output with --output'}, or check "
+                "the sensor",
             )
     if not np.isfinite(samples.time_s).any():
         raise InputError(
-            "no sample has a time",
+            f"no sample has a time: {_all_missing(samples)}",
             where=samples.where,
             remedy="map another column with --channel time=COLUMN:s",
         )
@@ -132,10 +134,14 @@ def require_excitation(log: Log) -> None:
     if span <= SMALLEST_RELATIVE_SPAN * float(np.max(np.abs(channel.values))):
         raise InputError(
             f"the {log.input} is constant, so nothing can be identified from it",
-            where=log.source.path if log.source else log.name,
+            where=log.place,
             value=f"{channel.displayed[0]:.6g} {channel.display_unit}",
             remedy="record a log with steps of the input, or choose another channel with --input",
         )
+
+
+def _all_missing(samples: Samples) -> str:
+    return f"its {samples.rows.size} values are all empty, NaN or infinite"
 
 
 def _drop_missing(samples: Samples, present: npt.NDArray[np.bool_], name: str) -> Samples:
@@ -145,9 +151,9 @@ def _drop_missing(samples: Samples, present: npt.NDArray[np.bool_], name: str) -
     issue = Issue(
         f"missing-{'time' if name == 'time' else 'input'}",
         "warning",
-        f"{samples.where}: dropped {missing.size} of {present.size} samples, which have no {name}, "
-        f"the first in {samples.row(int(missing[0]))}",
-        "nothing, if the gap is short; a long one splits the log",
+        f"{samples.where}: dropped {missing.size} of {present.size} samples, which have no {name} "
+        f"(empty, NaN or infinite), the first in {samples.row(int(missing[0]))}",
+        "no action is needed if the gap is short; a long one splits the log",
     )
     return samples.keeping(present, issue)
 

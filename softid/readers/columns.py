@@ -12,6 +12,9 @@ from softid.units import CHANNEL_QUANTITY, Unit, lookup_unit
 EXACT, SYNONYM, LOOKALIKE = 0, 1, 2
 """How well a name fits a channel: softid's own word, another word for it, a word beside others."""
 
+_PLAIN = (EXACT, SYNONYM)
+"""Either says plainly what the column is, so that two such columns are one question."""
+
 _WORDS: dict[str, tuple[str, ...]] = {
     "time": ("time", "t", "timestamp", "datetime", "elapsed", "zeit"),
     "pressure": ("pressure", "p", "press", "druck"),
@@ -227,13 +230,16 @@ def best_matches(names: Sequence[str], free: Iterable[int]) -> dict[str, tuple[i
     Returns
     -------
     dict
-        Channel → indices; more than one where the names do not decide.
+        Channel → indices; more than one where the names do not decide. Of two plain names for the
+        time softid's own wins, for a clock beside the seconds says the same once more.
     """
     found: dict[str, dict[int, list[int]]] = {}
     for index in free:
         matched = match_channel(read_name(names[index]))
         if matched:
             channel, rank = matched
+            if rank in _PLAIN and channel != "time":
+                rank = EXACT
             found.setdefault(channel, {}).setdefault(rank, []).append(index)
     return {channel: tuple(ranks[min(ranks)]) for channel, ranks in found.items()}
 

@@ -69,14 +69,14 @@ def read_csv(path: Path) -> Table:
     Parameters
     ----------
     path
-        File; a name that ends in ``.gz`` is decompressed.
+        File; it is decompressed when its content is gzip's or its name ends in ``.gz``.
 
     Raises
     ------
     InputError
         The file cannot be read or holds no table.
     """
-    content = read_content(path, compressed=path.suffix.lower() == ".gz")
+    content = read_content(path, compressed=path.suffix.lower() == ".gz" or None)
     refuse_other_format(path, content.data)
     where = str(path)
     lines = split_lines(decode(content.data, where=where))
@@ -196,5 +196,5 @@ def _incomplete(path: str, number: int) -> Issue:
         "incomplete-last-row",
         "warning",
         f"{path}, row {number}: the last row is incomplete and was dropped",
-        "nothing, if the recording was stopped in the middle of a row",
+        "no action is needed if the recording was stopped in the middle of a row",
     )

@@ -44,7 +44,14 @@ def decode(data: bytes, *, where: str) -> str:
                     where=f"{where}, byte {error.start + 1}",
                     remedy="save it as UTF-8",
                 ) from error
+    size = len(data)
     data = data.rstrip(b"\x00\x1a")  # a logger that lost power, or a DOS end-of-file mark
+    if size and not data:
+        raise InputError(
+            f"the file is {size} bytes of nothing but zeros",
+            where=where,
+            remedy="copy it again from the logger; one that loses power reserves a file like this",
+        )
     controls = len(data) - len(data.translate(None, _CONTROL))
     if b"\x00" in data or controls > MOST_CONTROL_SHARE * len(data):
         first = min(position for position, byte in enumerate(data) if byte in _CONTROL)

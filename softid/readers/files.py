@@ -16,10 +16,10 @@ SIZE_LIMIT_BYTES = 512 * 2**20
 """Largest content that is read at once, after decompression."""
 
 CHUNK_BYTES = 2**20
+GZIP_SIGNATURE = b"\x1f\x8b"
 MEGABYTE = 2**20
 
 _SIGNATURES: tuple[tuple[bytes, str, str], ...] = (
-    (b"\x1f\x8b", "gzip", ".csv.gz"),
     (b"PK\x03\x04", "a zip archive (NPZ or a spreadsheet)", ".npz, or export a spreadsheet to CSV"),
     (b"PAR1", "Parquet", ".parquet"),
     (b"MATLAB", "a MAT file", ".mat"),
@@ -34,7 +34,7 @@ class Content:
     Attributes
     ----------
     data
-        Content, decompressed where the name says so.
+        Content, decompressed where that was asked for.
     sha256
         Fingerprint of the bytes on disk.
     """
@@ -70,7 +70,7 @@ def require_file(path: Path) -> int:
     return status.st_size
 
 
-def read_content(path: Path, *, compressed: bool = False) -> Content:
+def read_content(path: Path, *, compressed: bool | None = False) -> Content:
     """Read a whole file, or refuse it for its size.
 
     Parameters
@@ -78,7 +78,7 @@ def read_content(path: Path, *, compressed: bool = False) -> Content:
     path
         File to read.
     compressed
-        Whether it is gzip-compressed.
+        Whether it must be gzip-compressed; None to look at its first bytes.
 
     Raises
     ------
@@ -97,6 +97,8 @@ def read_content(path: Path, *, compressed: bool = False) -> Content:
     except OSError as error:
         raise _unreadable(path, error) from error
     sha256 = hashlib.sha256(data).hexdigest()
+    if compressed is None:
+        compressed = data.startswith(GZIP_SIGNATURE)
     return Content(_decompressed(path, data) if compressed else data, sha256)
 
 
@@ -165,7 +167,7 @@ def _decompressed(path: Path, data: bytes) -> bytes:
         ) from None
     except (gzip.BadGzipFile, zlib.error) as error:
         raise InputError(
-            f"this is not a sound gzip file ({error})",
+            "this is not a sound gzip file",
             where=str(path),
             remedy="copy it again, or drop .gz from the name if it was never compressed",
         ) from error

@@ -23,6 +23,7 @@ def load(
     outputs: Sequence[str] | None = (),
     sidecar: str | os.PathLike[str] | None = None,
     time_unit: str | None = None,
+    roles_of: str | None = None,
 ) -> Log:
     r"""Read a log from a file.
 
@@ -47,6 +48,9 @@ def load(
         TOML file that says the same; by default the one beside the log, if there is one.
     time_unit
         Unit of the time column, whatever the header or the sidecar says.
+    roles_of
+        What ``input`` and ``outputs`` come from, such as ``"the model params.json"``, so that a log
+        that lacks one of them is at fault and not the request.
 
     Returns
     -------
@@ -59,7 +63,7 @@ def load(
     InputError
         The file cannot be read, or its columns, units or times cannot be settled without asking.
     UsageError
-        A role names no channel.
+        A role that you gave names no channel.
     MissingExtraError
         The format needs a package that is not installed.
 
@@ -89,7 +93,12 @@ def load(
     )
     where = table.head.path
     driving, explained = choose_roles(
-        found, input=wanted_input, outputs=wanted_outputs, where=where
+        found,
+        input=wanted_input,
+        outputs=wanted_outputs,
+        where=where,
+        input_of=roles_of if input else f"the sidecar {said.path}",
+        outputs_of=roles_of if outputs else f"the sidecar {said.path}",
     )
     raw = Samples(where, table.row_word, table.rows, found.times.seconds, found.channels)
     samples = clean(raw, input=driving, outputs=explained)

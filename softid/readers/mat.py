@@ -87,11 +87,16 @@ def read_mat(path: Path) -> Table:
         named = unique_names(_variables(path, memoryview(data)[_HEADER_BYTES:], order))
     except (_DamagedError, zlib.error, struct.error, UnicodeDecodeError) as error:
         raise InputError(
-            f"this is not a MAT file of version 5 that can be read ({error})",
+            f"this is not a MAT file of version 5 that can be read: {_reason(error)}",
             where=str(path),
             remedy="save it again in MATLAB with save(name, '-v7'), or as CSV",
         ) from error
     return table_of_arrays(named, path=str(path), sha256=content.sha256, file_format="mat")
+
+
+def _reason(error: Exception) -> str:
+    """What is wrong with a file, in words of the file and not of a library."""
+    return str(error) if isinstance(error, _DamagedError) else "a variable in it is damaged"
 
 
 def _variables(

@@ -46,16 +46,33 @@ def _arrays(path: Path, data: bytes) -> Iterator[tuple[str, str, npt.NDArray[Any
     except InputError:
         raise
     except Exception as error:  # damaged archives raise whatever zip and numpy meet
-        reason = f"{type(error).__name__}: {error}"
-        remedy = "write it again with numpy.savez"
-        if "allow_pickle" in reason:
-            reason, remedy = "it holds pickled objects", "save plain arrays of numbers only"
+        what, remedy = _reason(data, error), "write it again with numpy.savez"
+        if "allow_pickle" in str(error):
+            what, remedy = "it holds pickled objects", "save plain arrays of numbers only"
         raise InputError(
-            f"this is not an NPZ archive that can be read ({reason})",
+            f"this is not an NPZ archive that can be read: {what}",
             where=str(path),
             remedy=remedy,
         ) from error
+    if not arrays:
+        raise InputError(
+            "the archive holds no arrays",
+            where=str(path),
+            remedy="save time and channels with numpy.savez(name, time_s=…, pressure_kpa=…)",
+        )
     for name, array in arrays.items():
         if isinstance(array, np.ndarray):
             for field, part in flattened(name, array):
                 yield name, field, part
+
+
+def _reason(data: bytes, error: Exception) -> str:
+    """What is wrong with an archive, in words of the file and not of a library."""
+    if not data.startswith(b"PK"):
+        return "its first bytes are not those of an archive"
+    if isinstance(error, zipfile.BadZipFile):
+        crc = "CRC" in str(error)
+        return "an array in it is damaged" if crc else "it is damaged or ends too early"
+    if isinstance(error, MemoryError):
+        return "an array in it is larger than the memory"
+    return "an array in it is damaged"

@@ -14,6 +14,7 @@ from softid.readers import files
 from softid.readers.base import Array, Head, Table, Timestamps, datetime_seconds, sample_rows
 
 _BYTES_PER_NUMBER = 8
+_SIGNATURE = b"PAR1"
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +66,10 @@ class ParquetTable(Table):
             return np.asarray(column.to_numpy())
         except Exception as error:  # damaged pages raise whatever pyarrow meets
             raise InputError(
-                f"the column cannot be read ({type(error).__name__}: {error})",
+                f"the column cannot be read, being damaged or of a kind ({self._kind(index)}) that "
+                "has no numbers",
                 where=self.place(index),
-                remedy="write the file again",
+                remedy="write the file again, with the column as plain numbers",
             ) from error
 
 
@@ -101,7 +103,7 @@ def read_parquet(path: Path) -> Table:
         source = ParquetFile(path)
     except Exception as error:  # damaged files raise whatever pyarrow meets
         raise InputError(
-            f"this is not a Parquet file that can be read ({type(error).__name__}: {error})",
+            f"this is not a Parquet file that can be read: {_reason(path, size)}",
             where=str(path),
             remedy="check the name's ending, or write the file again",
         ) from error
@@ -123,3 +125,14 @@ def read_parquet(path: Path) -> Table:
 def _unit_of(metadata: dict[bytes, bytes] | None) -> str | None:
     unit = (metadata or {}).get(b"unit")
     return unit.decode("utf-8", errors="replace") if unit else None
+
+
+def _reason(path: Path, size: int) -> str:
+    """What is wrong with a file, in words of the file and not of a library."""
+    with path.open("rb") as stream:
+        first = stream.read(len(_SIGNATURE))
+        stream.seek(max(size - len(_SIGNATURE), 0))
+        last = stream.read()
+    if first != _SIGNATURE:
+        return "its first bytes are not those of the format"
+    return "its table of contents is damaged" if last == _SIGNATURE else "it ends too early"

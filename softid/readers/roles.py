@@ -14,7 +14,13 @@ INPUT_PREFERENCE = ("pressure", "pressure_command")
 
 
 def choose_roles(
-    found: Found, *, input: str | None, outputs: Sequence[str] | None, where: str
+    found: Found,
+    *,
+    input: str | None,
+    outputs: Sequence[str] | None,
+    where: str,
+    input_of: str | None = None,
+    outputs_of: str | None = None,
 ) -> tuple[str, tuple[str, ...]]:
     """Settle input and outputs.
 
@@ -30,6 +36,8 @@ def choose_roles(
         that there shall be none.
     where
         File named in the errors.
+    input_of, outputs_of
+        The file that gave the name, such as ``"the sidecar step.toml"``; None for the user.
 
     Returns
     -------
@@ -39,21 +47,37 @@ def choose_roles(
     Raises
     ------
     UsageError
-        A name is none of the log's channels.
+        A name that the user gave is none of the log's channels, or both input and output.
     InputError
-        A role cannot be settled.
+        A role cannot be settled, or a file gave a name that is none of the log's channels.
     """
     if outputs is None:
-        return _driving(found, input, where), ()
-    named = tuple(dict.fromkeys(_resolve(found, name, "--output", where) for name in outputs))
+        return _driving(found, input, where, input_of), ()
+    named = tuple(
+        dict.fromkeys(_resolve(found, name, "--output", where, outputs_of) for name in outputs)
+    )
     if input is not None:
-        chosen = _resolve(found, input, "--input", where)
+        chosen = _resolve(found, input, "--input", where, input_of)
+        if chosen in named:
+            raise UsageError(
+                f"{chosen} is both input and output",
+                where=where,
+                remedy=f"choose another --input or --output from {listed(list(found.channels))}",
+            )
         return chosen, named or _outputs(found, chosen, where)
     for name in INPUT_PREFERENCE:
         if name not in named and _there(found, name):
             return _with_outputs(found, name, named, where)
     if "force" not in named and _there(found, "position") and _there(found, "force"):
         return _with_outputs(found, "force", named, where)
+    taken = next((name for name in INPUT_PREFERENCE if name in named), None)
+    if taken:
+        raise UsageError(
+            f"{taken} is to be explained, and no other channel of the log plainly drives",
+            where=f"{where}, --output",
+            value=taken,
+            remedy="name what drives it with --input, or leave --output away",
+        )
     raise InputError(
         f"no input channel is recognised among {listed(list(found.channels))}",
         where=where,
@@ -62,9 +86,9 @@ def choose_roles(
     )
 
 
-def _driving(found: Found, input: str | None, where: str) -> str:
+def _driving(found: Found, input: str | None, where: str, input_of: str | None) -> str:
     there = [name for name in INPUT_PREFERENCE if input is None and _there(found, name)]
-    return _resolve(found, input or (*there, *INPUT_PREFERENCE)[0], "--input", where)
+    return _resolve(found, input or (*there, *INPUT_PREFERENCE)[0], "--input", where, input_of)
 
 
 def _with_outputs(
@@ -93,11 +117,18 @@ def _there(found: Found, name: str) -> bool:
     return name in found.channels
 
 
-def _resolve(found: Found, name: str, option: str, where: str) -> str:
+def _resolve(found: Found, name: str, option: str, where: str, asked_by: str | None) -> str:
     if _there(found, name):
         return name
     if name in found.columns:
         return found.columns[name]
+    if asked_by is not None:
+        raise InputError(
+            f"the log has no channel {name}, which {asked_by} asks for",
+            where=where,
+            remedy=f"map a column with --channel {name}=COLUMN:UNIT, or take a log that has it "
+            f"(this one has {listed(list(found.channels)) or 'none'})",
+        )
     raise UsageError(
         f"the log has no channel {name}",
         where=f"{where}, {option}",

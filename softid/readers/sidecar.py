@@ -68,7 +68,9 @@ def read_sidecar(path: Path) -> Sidecar:
         said = tomllib.loads(read_content(path).data.decode("utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise InputError(
-            f"the sidecar is not TOML ({error})", where=str(path), remedy="correct that line"
+            f"the sidecar is not TOML ({_reason(error)})",
+            where=str(path),
+            remedy=f"correct that line; a channel is written {_FORM}",
         ) from error
     unknown = [key for key in said if key not in _TABLES]
     if unknown:
@@ -85,6 +87,13 @@ def read_sidecar(path: Path) -> Sidecar:
         _outputs(roles, path),
         {k: str(v) for k, v in _table(said, "metadata", path).items()},
     )
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, UnicodeDecodeError):
+        return f"byte {error.start + 1} is not UTF-8"
+    text = str(error) if isinstance(error, tomllib.TOMLDecodeError) else "it is nested too deeply"
+    return text[:1].lower() + text[1:]
 
 
 def _table(said: Mapping[str, object], name: str, path: Path) -> Mapping[str, object]:

@@ -7,12 +7,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from softid.errors import InputError
+from softid.errors import InputError, Issue
 from softid.readers.base import Array, Table
 from softid.units import factor_to_canonical
 
-PLAUSIBLE_PERIOD_S = (1e-4, 10.0)
-"""A time without unit is in seconds if its median step lies in this range; else softid asks."""
+PLAUSIBLE_PERIOD_S = (1e-4, 2.0)
+"""Seconds with a median step outside this range are doubted: 5 "s" is more often 5 ms.
+
+A log sampled once a second passes. A time without unit is refused, since nobody vouched for it. A
+unit that the file states is only questioned, for slow logs of creep exist.
+"""
+
+LONG_LOG_S = 4 * 3600.0
+"""A log with a step of a second or more is doubted beyond this length: 1 kHz counted in ms."""
 
 EPOCH_MIN_S = 1e8
 """Seconds above this count from 1970; they are shifted to the first sample to keep precision."""
@@ -31,13 +38,23 @@ class TimeAxis:
         Times, shape (n,); NaN where a cell is empty.
     metadata
         Start of the recording, where the file tells it.
+    issues
+        Doubt about the unit.
     """
 
     seconds: Array
     metadata: dict[str, str] = field(default_factory=dict)
+    issues: tuple[Issue, ...] = ()
 
 
-def read_times(table: Table, index: int, unit: str | None, *, scale: float = 1.0) -> TimeAxis:
+def read_times(
+    table: Table,
+    index: int,
+    unit: str | None,
+    *,
+    scale: float = 1.0,
+    confirmed: bool = False,
+) -> TimeAxis:
     """Turn the time column into seconds.
 
     Parameters
@@ -50,6 +67,8 @@ def read_times(table: Table, index: int, unit: str | None, *, scale: float = 1.0
         Unit of the numbers as stated by the user, the header or a unit row; None when nobody says.
     scale
         Number of units of one count.
+    confirmed
+        Whether the user vouches for the unit, so that it is not questioned.
 
     Raises
     ------
@@ -63,8 +82,6 @@ def read_times(table: Table, index: int, unit: str | None, *, scale: float = 1.0
     counts = table.numbers(index)
     where = table.place(index)
     factor = scale * (factor_to_canonical(unit, "time", where=where) if unit else 1.0)
-    if unit is None:
-        _require_plausible(counts, table, index)
     with np.errstate(over="ignore", invalid="ignore"):
         seconds = np.where(np.isfinite(counts), counts * factor, np.nan)
     valid = seconds[np.isfinite(seconds)]
@@ -75,9 +92,13 @@ def read_times(table: Table, index: int, unit: str | None, *, scale: float = 1.0
             value=float(counts[np.nanargmax(np.abs(seconds))]),
             remedy=f"state the unit with {_time_flag(table, index)}",
         )
+    if unit is None:
+        _require_plausible(counts, table, index)
+    issues = () if confirmed else _unit_questioned(valid, table, index, unit)
     if valid.size and valid[0] > EPOCH_MIN_S:
-        return TimeAxis(_since_first(counts, factor), {"start_epoch_s": repr(float(valid[0]))})
-    return TimeAxis(seconds)
+        start = {"start_epoch_s": repr(float(valid[0]))}
+        return TimeAxis(_since_first(counts, factor), start, issues)
+    return TimeAxis(seconds, issues=issues)
 
 
 def _since_first(counts: Array, factor: float) -> Array:
@@ -85,22 +106,50 @@ def _since_first(counts: Array, factor: float) -> Array:
     return np.where(np.isfinite(counts), (counts - finite[0]) * factor, np.nan)
 
 
-def _require_plausible(counts: Array, table: Table, index: int) -> None:
-    finite = counts[np.isfinite(counts)]
+def _median_step(values: Array) -> float | None:
     with np.errstate(over="ignore"):
-        steps = np.diff(finite)
+        steps = np.diff(values[np.isfinite(values)])
     steps = steps[steps > 0]
-    if not steps.size:
-        return
-    period = float(np.median(steps))
+    return float(np.median(steps)) if steps.size else None
+
+
+def _require_plausible(counts: Array, table: Table, index: int) -> None:
+    period = _median_step(counts)
     shortest, longest = PLAUSIBLE_PERIOD_S
-    if not shortest <= period <= longest:
+    if period is not None and not shortest <= period <= longest:
         raise InputError(
             "the time has no unit, and as seconds its median step would be implausible",
             where=table.place(index),
             value=period,
             remedy=f"state the unit with {_time_flag(table, index)}",
         )
+
+
+def _unit_questioned(
+    seconds: Array, table: Table, index: int, unit: str | None
+) -> tuple[Issue, ...]:
+    """A warning where the sampling would be odd for an actuator's log."""
+    period = _median_step(seconds)
+    if period is None:
+        return ()
+    shortest, longest = PLAUSIBLE_PERIOD_S
+    length_s = float(seconds.max() - seconds.min())
+    slow = period > longest or (period >= 1.0 and length_s > LONG_LOG_S)
+    if not slow and period >= shortest:
+        return ()
+    stated = unit or "s"
+    lasting = f", the log {length_s / 3600.0:.3g} hours long" if length_s > 3600.0 else ""
+    better = "ms" if slow else "s"
+    return (
+        Issue(
+            "time-unit-doubtful",
+            "warning",
+            f"{table.place(index)}: in {stated} the median step of the time is {period:.4g} s"
+            f"{lasting}; is {stated} its unit?",
+            f"state the unit, as in {channel_flag('time', table, index, better)}, or confirm "
+            f"{stated} in the same way",
+        ),
+    )
 
 
 def _time_flag(table: Table, index: int) -> str:

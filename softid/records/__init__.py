@@ -2,6 +2,7 @@
 
 from softid.records.params import fit_document, save_fit
 from softid.records.plain import dump_json, to_jsonable
+from softid.records.reading import plot_fingerprints, recorded_plots
 from softid.records.saved import SavedModel, load_params
 from softid.records.simulated import simulation_csv
 from softid.records.validations import save_validation, validation_document
@@ -12,6 +13,8 @@ __all__ = [
     "dump_json",
     "fit_document",
     "load_params",
+    "plot_fingerprints",
+    "recorded_plots",
     "save_fit",
     "save_validation",
     "simulation_csv",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping
 from importlib import resources
@@ -57,6 +58,38 @@ def read_document(path: Path, *, schema: str) -> dict[str, Any]:
     _check_kind(document, schema, where=str(path))
     _check_schema(document, schema, where=str(path))
     return document
+
+
+def recorded_plots(path: Path) -> dict[str, str]:
+    """The plots that were written beside a record: file name → sha256.
+
+    Empty when there is no such record or it cannot be read: then nothing is known of its plots.
+
+    Parameters
+    ----------
+    path
+        A params.json or validation.json.
+    """
+    try:
+        document = json.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    plots = document.get("plots") if isinstance(document, dict) else None
+    if not isinstance(plots, dict):
+        return {}
+    return {
+        name: sha256
+        for name, sha256 in plots.items()
+        if isinstance(sha256, str) and name.endswith(".png") and Path(name).name == name
+    }
+
+
+def plot_fingerprints(plots: Mapping[str, str | bytes]) -> dict[str, str]:
+    """What a record keeps of the plots beside it: file name → sha256."""
+    return {
+        name: hashlib.sha256(data.encode() if isinstance(data, str) else data).hexdigest()
+        for name, data in plots.items()
+    }
 
 
 def load_schema(schema: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from softid.errors import InputError, Issue, SoftidError
+from softid.records.agreement import require_units
 from softid.records.params import PARAMS_SCHEMA
 from softid.records.plain import content_sha256
 from softid.records.reading import read_document
@@ -109,14 +110,16 @@ def load_params(path: Path | str) -> SavedModel:
     ------
     InputError
         The file cannot be read, is of another version, breaks its schema, or names a model,
-        option or parameter that does not exist or a value outside its bounds.
+        option or parameter that does not exist, a value outside its bounds or a unit that is not
+        the model's.
     """
     path = Path(path)
     document = read_document(path, schema=PARAMS_SCHEMA)
     where = str(path)
     spec = ModelSpec(document["model"]["name"], document["model"]["options"])
-    names = _build(spec, where=where).parameters().names
-    values, bounds = _parameters(document["parameters"], names, where=where)
+    model = _build(spec, where=where)
+    values, bounds = _parameters(document["parameters"], model.parameters().names, where=where)
+    require_units(document, model, where=where)
     data = document["data"]
     return SavedModel(
         path=where,

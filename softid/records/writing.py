@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import secrets
 import shutil
+import signal
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -59,18 +62,28 @@ def write_atomic(path: Path, data: str | bytes, *, overwrite: bool = False) -> N
 
 
 def write_folder(
-    folder: Path, files: Mapping[str, str | bytes], *, overwrite: bool = False
+    folder: Path,
+    files: Mapping[str, str | bytes],
+    *,
+    overwrite: bool = False,
+    superseded: Mapping[str, str] | None = None,
 ) -> tuple[Path, ...]:
     """Write several files into one folder: all of them, or none when the folder is new.
+
+    They are written beside their places first and take their names together at the end, which an
+    interruption waits for.
 
     Parameters
     ----------
     folder
         Target; it and its parents are made when missing.
     files
-        File name → text or bytes.
+        File name, possibly below a subfolder (``"data/a.csv"``) → text or bytes.
     overwrite
         Whether files of those names may be replaced; other files in the folder stay.
+    superseded
+        File name → sha256 of files of an earlier result. With ``overwrite`` they go, unless they
+        were changed since or are written anew.
 
     Returns
     -------
@@ -98,8 +111,14 @@ def write_folder(
         try:
             staged.mkdir(parents=True)
             for name, data in files.items():
+                (staged / name).parent.mkdir(exist_ok=True)
                 _write_synced(staged / name, data)
-            _move_into_place(staged, real, files)
+            old = _unchanged(real, superseded or {}) if overwrite else []
+            with _uninterrupted():
+                _move_into_place(staged, real, files)
+                for path in old:
+                    if path.name not in files:
+                        path.unlink(missing_ok=True)
         except BaseException:
             shutil.rmtree(staged, ignore_errors=True)
             _remove_empty(made)
@@ -112,8 +131,35 @@ def _move_into_place(staged: Path, folder: Path, names: Mapping[str, str | bytes
         staged.rename(folder)
         return
     for name in names:
+        (folder / name).parent.mkdir(exist_ok=True)
         os.replace(staged / name, folder / name)
-    staged.rmdir()
+    shutil.rmtree(staged)
+
+
+def _unchanged(folder: Path, known: Mapping[str, str]) -> list[Path]:
+    """The files that are still what they were when they were recorded."""
+    plain = [(folder / name, sha256) for name, sha256 in known.items() if Path(name).name == name]
+    return [
+        path
+        for path, sha256 in plain
+        if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256
+    ]
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Let Ctrl-C wait, for only the main thread can be interrupted by it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pressed: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+    if pressed:
+        raise KeyboardInterrupt
 
 
 def _remove_empty(folders: Sequence[Path]) -> None:

@@ -167,11 +167,10 @@ def write_dataset(dataset: DataSet, folder: Path, *, overwrite: bool = False) ->
         _refuse_existing(folder / MANIFEST)
     known = read_entries(folder) if (folder / MANIFEST).is_file() else {}
     known.update({entry["name"]: dict(entry) for entry in dataset.entries})
-    if recipes:
-        write_folder(folder / RECIPES, recipes, overwrite=overwrite)
-    written = write_folder(folder / DATA, dataset.data, overwrite=overwrite)
-    text = manifest_text(known.values())
-    return (*written, *write_folder(folder, {MANIFEST: text}, overwrite=overwrite))
+    files: dict[str, str | bytes] = {f"{RECIPES}/{name}": recipes[name] for name in recipes}
+    files |= {f"{DATA}/{name}": content for name, content in dataset.data.items()}
+    files[MANIFEST] = manifest_text(known.values())
+    return write_folder(folder, files, overwrite=overwrite)[len(recipes) :]
 
 
 def check_dataset(

@@ -219,7 +219,7 @@ def read_recipe_bytes(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise InputError(
-            f"the recipe cannot be read: {error.strerror or error}",
+            f"the recipe cannot be read ({(error.strerror or str(error)).lower()})",
             where=str(path),
             remedy="check the path and its permissions",
         ) from error

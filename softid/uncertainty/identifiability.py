@@ -193,9 +193,9 @@ def judge(
 
 def _which_bound(value: float, lower: float | None, upper: float | None) -> str:
     if lower is None or upper is None:
-        return "a bound of the search"
+        return "a bound"
     name = "lower" if abs(value - lower) <= abs(upper - value) else "upper"
-    return f"the {name} bound of the search"
+    return f"its {name} bound"
 
 
 def _listed(names: Sequence[str]) -> str:

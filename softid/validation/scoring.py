@@ -69,7 +69,7 @@ def validate(
             raise UsageError(
                 f"the model links {scored.input} → {', '.join(scored.outputs)}, the log "
                 f"{log.input} → {', '.join(log.outputs)}",
-                where=log.name,
+                where=log.place,
                 remedy="choose the roles with --input and --output",
             )
     nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)

@@ -10,6 +10,7 @@ import pytest
 from desk import Outcome
 
 Cli = Callable[..., Outcome]
+BOUND = ("--bound", "N=500:")
 
 HEADER = "time_s,pressure_kpa,angle_deg"
 ROWS = tuple(f"{0.02 * k:.2f},{80 if k > 20 else 0},{0.5 * k:.2f}" for k in range(60))
@@ -28,7 +29,16 @@ BAD = {
     "empty": (b"", "the file is empty; "),
     "header_only": (log([]), "no row of numbers; "),
     "text": (log([*ROWS[:30], "0.60,high,15", *ROWS[31:]]), "row 32: this is not a number"),
-    "all_missing": (log(columns("nan", "nan")), "holds no number at all; "),
+    "all_missing": (
+        log(columns("nan", "nan")),
+        "no number at all: its 60 values are all empty, NaN",
+    ),
+    "all_infinite": (log(columns("inf")), "no number at all: its 60 values are all empty, NaN"),
+    "zeros": (bytes(512), "the file is 512 bytes of nothing but zeros; "),
+    "plain_names": (
+        log([f"{r},1" for r in ROWS], "time_s,P_kPa,angle_deg,pressure [bar]"),
+        "2 columns look like pressure: P_kPa, pressure [bar]; choose one",
+    ),
     "one_sample": (log(ROWS[:1]), "only one sample is left; "),
     "constant": (log(columns("50")), "is constant, so nothing can be identified"),
     "dead_output": (log(columns("{p}", "7")), "never changes although the input does"),
@@ -63,6 +73,24 @@ def refuse(told: Outcome, name: str, said: str) -> None:
     assert told.err.count("\n") == 1
     assert told.out == ""
     assert not Path("softid-out").exists()
+
+
+def test_the_file_is_named_not_only_the_log(softid: Cli, tmp_path: Path) -> None:
+    """Two folders may hold logs of one name, so an error names the path as it was typed."""
+    (tmp_path / "day1").mkdir()
+    (tmp_path / "day1" / "run.csv").write_bytes(log(columns("{p}", "7")))
+    told = softid("fit", "day1/run.csv", "--model", "oscillator", "--quiet")
+    refuse(told, "day1/run.csv", "never changes although the input does")
+
+
+def test_a_bound_of_the_user_is_not_softids(softid: Cli, tmp_path: Path) -> None:
+    """At N ≥ 50, far above its value, the optimum rests on that bound, whoever gave it."""
+    rows = [
+        f"{0.02 * k:.2f},{80.0 * (k // 20 % 2)},{k // 20 % 2 * 9 + k % 3:.2f}" for k in range(90)
+    ]
+    (tmp_path / "step.csv").write_bytes(log(rows))
+    told = softid(*("fit", "step.csv", "--model", "oscillator", "--quiet", "--no-plots"), *BOUND)
+    assert "rests on its lower bound" in " ".join(told.out.split()), told.err
 
 
 def test_a_file_that_is_not_there(softid: Cli) -> None:

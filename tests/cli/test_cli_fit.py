@@ -98,10 +98,8 @@ def test_a_failed_fit_writes_nothing(softid: Cli, desk: Desk) -> None:
     assert not Path("softid-out").exists()
 
 
-def test_a_full_disk_keeps_the_table(
-    softid: Cli, desk: Desk, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The numbers were computed and are shown; no half-written folder stays."""
+def test_a_full_disk_is_no_result(softid: Cli, desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    """ENOSPC, error 28: nothing on stdout that looks like success, and no half-written folder."""
 
     def full(_: int) -> None:
         raise OSError(28, "No space left on device")
@@ -109,9 +107,38 @@ def test_a_full_disk_keeps_the_table(
     monkeypatch.setattr(os, "fsync", full)
     told = softid("fit", "step_1.csv")
     assert told.code == 3
-    assert "0.300 ± 0.015" in told.out
+    assert told.out == ""
     assert "no space left on device" in told.err
+    assert told.err.count("\n") == 1
     assert not Path("softid-out").exists()
+
+
+def test_a_file_in_the_way_is_told_before_the_work(softid: Cli, desk: Desk) -> None:
+    """A fit may take minutes; that --out names a file is known at once."""
+    Path("taken").write_text("mine")
+    told = softid("fit", "step_1.csv", "--out", "taken")
+    assert (told.code, told.out) == (3, "")
+    assert "taken: this is a file, not a folder; name another folder with --out" in told.err
+    assert "logs" not in desk.asked
+
+
+def test_no_plot_of_an_earlier_model_stays(
+    softid: Cli, desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """--force: the old result's own plots go; the user's files and altered plots stay."""
+    folder = Path("mine")
+    earlier = {"damping.png": b"N", "loops.png": b"L", "touched.png": b"T"}
+    monkeypatch.setattr("softid_cli.figures.drawn", lambda _: dict(earlier))
+    assert softid("fit", "step_1.csv", "--out", folder).code == 0
+    (folder / "response_mine.png").write_bytes(b"mine")
+    (folder / "touched.png").write_bytes(b"T with an arrow")
+    monkeypatch.setattr("softid_cli.figures.drawn", lambda _: {"loops.png": b"l"})
+    assert softid("fit", "step_1.csv", "--out", folder, "--force").code == 0
+    names = ["loops.png", "params.json", "response_mine.png", "touched.png"]
+    assert sorted(p.name for p in folder.iterdir()) == names
+    assert (folder / "loops.png").read_bytes() == b"l"
+    assert softid("fit", "step_1.csv", "--out", folder, "--force", "--no-plots").code == 0
+    assert sorted(p.name for p in folder.iterdir()) == names[1:]
 
 
 @pytest.mark.parametrize(
@@ -123,7 +150,19 @@ def test_a_full_disk_keeps_the_table(
         (["a.csv", "--hold-out", "--json"], "--hold-out needs at least one value"),
         (["a.csv", "--model", "spring"], "no such model (got 'spring')"),
         (["a.csv", "--model", "oscillator", "--damping", "constant"], "has no such option"),
-        (["a.csv", "--fixed-length", "150"], "needs both lengths"),
+        (["a.csv", "--fixed-length", "150"], "needs both lengths; give --diameter too"),
+        (["a.csv", "--diameter", "20"], "needs both lengths; give --fixed-length too"),
+        (["a.csv", "--fixed-length", "-3", "--diameter", "20"], "is not a length (got '-3')"),
+        (["a.csv", "--fixed-length", "150", "--diameter", "nan"], "is not a length (got 'nan')"),
+        (["a.csv", "--fixed-length", "long"], "is not a length (got 'long')"),
+        (["a.csv", "--model", "muscle", "--bound", "M=-2:1"], "M must be positive"),
+        (["a.csv", "--model", "muscle", "--bound", "M=:0"], "M must be positive"),
+        (["a.csv", "--model", "muscle", "--profile", "Z"], "no such parameter (got 'Z')"),
+        (["a.csv", "--model", "muscle", "--option", "inverted=maybe"], "follows from the logs"),
+        (["a.csv", "--model", "muscle", "--option", "x_unit=parsec"], "follows from the logs"),
+        ([""], "the name of a file is empty"),
+        (["a.csv", "--hold-out", ""], "the name of a file is empty"),
+        (["a.csv", "--out", ""], "the name of a file is empty"),
         (["a.csv", "--fix", "M=1"], "name the model with --model"),
         (["a.csv", "--model", "muscle", "--fix", "M"], "--fix NAME=VALUE"),
         (["a.csv", "--model", "muscle", "--fix", "M=x"], "not a number (got 'x')"),

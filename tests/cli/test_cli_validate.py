@@ -126,6 +126,9 @@ def test_self_check(softid: Cli, asked: dict[str, Any]) -> None:
         ([".", "a.csv"], 3, "this is a folder"),
         (["--threshold", "high", "params.json", "a.csv"], 2, "not a valid float"),
         (["--threshold", "50"], 2, "--threshold"),
+        (["--threshold", "nan", "params.json", "a.csv"], 2, "no fit can be judged by this bar"),
+        (["--threshold", "101", "params.json", "a.csv"], 2, "of which 100 is perfect"),
+        (["--force"], 2, "leave the options away"),
     ],
 )
 def test_wrong_usage(

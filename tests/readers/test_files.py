@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import os
+import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -99,7 +100,8 @@ def test_truncated_gzip(write_log: WriteFile) -> None:
 
 @pytest.mark.parametrize("content", [GOOD.encode(), b"\x1f\x8b" + bytes(20)])
 def test_what_is_no_gzip(write_log: WriteFile, content: bytes) -> None:
-    assert "not a sound gzip file" in str(refused(write_log(content, "log.csv.gz")))
+    said = str(refused(write_log(content, "log.csv.gz")))
+    assert "not a sound gzip file; " in said  # and not what the library calls it
 
 
 def test_an_empty_gzip(write_log: WriteFile) -> None:
@@ -109,7 +111,6 @@ def test_an_empty_gzip(write_log: WriteFile) -> None:
 @pytest.mark.parametrize(
     ("content", "what"),
     [
-        (gzip.compress(GOOD.encode()), "gzip"),
         (b"PK\x03\x04rest", "a zip archive"),
         (b"PAR1rest", "Parquet"),
         (b"MATLAB 5.0 MAT-file", "a MAT file"),
@@ -120,6 +121,27 @@ def test_another_format_under_a_wrong_name(write_log: WriteFile, content: bytes,
     error = refused(write_log(content))
     assert f"the content is {what}" in str(error)
     assert "rename" in str(error.remedy)
+
+
+def test_gzip_is_known_by_its_content(write_log: WriteFile) -> None:
+    """A log that lost the .gz of its name is read as if it had it; a damaged one is refused."""
+    packed = gzip.compress(GOOD.encode())
+    assert load(write_log(packed)).time_s.tolist() == [0.0, 1.0]
+    assert "ends too early" in str(refused(write_log(packed[:-9], "cut.csv")))
+    assert "the content is Parquet" in str(refused(write_log(gzip.compress(b"PAR1"), "odd.csv")))
+
+
+def test_zeros_are_not_an_empty_file(write_log: WriteFile) -> None:
+    """A logger that lost power leaves a file of its size and nothing in it."""
+    assert "4096 bytes of nothing but zeros" in str(refused(write_log(bytes(4096))))
+
+
+@pytest.mark.parametrize("name", ["log.npz", "log.mat", "log.parquet"])
+@pytest.mark.parametrize("content", [b"PK\x03\x04" + bytes(60), b"PAR1" * 9, bytes(range(200))])
+def test_no_library_speaks(write_log: WriteFile, name: str, content: bytes) -> None:
+    """The user reads what is wrong with the file, not what a library calls it."""
+    said = str(refused(write_log(content, name)))
+    assert not re.search(r"Error|Arrow|Bad[A-Z]|struct|unpack |pickle", said), said
 
 
 @pytest.mark.parametrize(

@@ -68,6 +68,30 @@ def test_a_truncated_archive(write_log: WriteFile) -> None:
         load(write_log(data[: len(data) // 2], "log.npz"))
 
 
+@pytest.mark.parametrize(("lost", "size"), [("angle_deg", 4), ("pressure_bar", 9), ("time_s", 6)])
+def test_a_channel_of_another_length_is_no_channel_less(
+    write_log: WriteFile, lost: str, size: int
+) -> None:
+    """The array that a role needs is named with both lengths; a flag that chooses another helps."""
+    arrays = COLUMNS | {lost: np.arange(size) * 0.1, "spare": np.arange(5) * 0.1}
+    path = write_log(saved(**arrays), "log.npz")
+    with pytest.raises(InputError, match=f"the array {lost} has {size} values, but .* have 5") as e:
+        load(path)
+    assert "one value per sample" in str(e.value)
+    channel, unit = lost.split("_")
+    assert load(path, channels={channel: f"spare:{unit}"}).time_s.size == 5
+    with pytest.raises(InputError, match=f"{lost} has {size} values"):
+        load(path, channels={channel: f"{lost}:{unit}"})
+
+
+def test_an_odd_array_that_nobody_needs_is_told(write_log: WriteFile) -> None:
+    """Gains, maps and notes lie beside the channels of many files."""
+    log = load(write_log(saved(**COLUMNS, gains=np.arange(3), torque_nmm=np.arange(7)), "log.npz"))
+    told = {issue.code: issue.message for issue in log.issues}
+    assert "left out gains (3 long), torque_nmm (7 long)" in told["column-left-out"]
+    assert "so no column was taken as torque" in told["channel-not-settled"]
+
+
 def test_texts_are_named_when_they_are_asked_for(write_log: WriteFile) -> None:
     data = saved(**COLUMNS, mode=np.array(list("abcde")))
     log = load(write_log(data, "log.npz"))

@@ -74,3 +74,11 @@ def test_the_reader_asks_and_an_explicit_unit_answers(write_log: WriteFile) -> N
     assert load(path, channels={"pressure": "pressure_bar:bar"}).pressure_kpa[1] == 2e6
     with pytest.raises(InputError, match="is that its unit"):
         load(path, channels={"pressure": "pressure_bar"})  # no unit stated: still asked
+
+
+def test_the_only_fitting_unit_is_confirmed_not_proposed(write_log: WriteFile) -> None:
+    """An angle of three turns in degrees has no better unit, so the question is only: really?"""
+    path = write_log("time_s,pressure_kpa,angle_deg\n0,0,0\n1,50,600\n2,90,1100\n")
+    with pytest.raises(InputError, match="confirm deg with --channel angle=angle_deg:deg, or map"):
+        load(path)
+    assert load(path, channels={"angle": "angle_deg:deg"}).channels["angle"].displayed[2] == 1100

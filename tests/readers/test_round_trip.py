@@ -114,5 +114,5 @@ def test_what_is_written_is_read(
         np.testing.assert_array_equal(log.channels[name].values, expected)
     np.testing.assert_array_equal(log.channels["raw"].values, values[:, 3])
     assert set(log.channels) == {"pressure", "angle", "raw"}
-    assert log.issues == ()
+    assert {issue.code for issue in log.issues} <= {"time-unit-doubtful"}  # steps of 1 µs are odd
     assert dialect.mark is None or dict(log.metadata) == FACTS

@@ -17,7 +17,7 @@ WriteFile = Callable[..., Path]
 
 
 def timed(write_log: WriteFile, header: str, cells: list[str], **options: object) -> Log:
-    rows = "\n".join(f"{cell};{k};{k}" for k, cell in enumerate(cells))
+    rows = "\n".join(f"{cell};{k % 90};{k % 90}" for k, cell in enumerate(cells))
     path = write_log(f"{header};pressure_kpa;angle_deg\n{rows}\n")
     return load(path, **options)  # type: ignore[arg-type]
 
@@ -53,6 +53,32 @@ def test_an_implausible_time_without_unit_is_asked_for(write_log: WriteFile, ste
     assert flagged.period_s == pytest.approx(step * 1e-3)
     ticks = timed(write_log, "time", cells, channels={"time": "time:2.5*ms"})
     assert ticks.period_s == pytest.approx(step * 2.5e-3)
+
+
+@pytest.mark.parametrize(
+    ("header", "step", "samples", "doubted"),
+    [
+        ("time_s", 5.0, 2000, True),  # 5 ms taken for 5 s: a log of 2.8 hours
+        ("time_s", 1.0, 20000, True),  # 1 kHz taken for 1 Hz: 5.6 hours
+        ("time_s", 1.0, 3600, False),  # an hour of creep, once a second
+        ("time_s", 2.0, 1000, False),
+        ("time", 1.0, 3600, False),
+        ("t_ms", 0.02, 100, True),  # seconds taken for ms: 50 kHz
+        ("t_ms", 20.0, 100, False),
+    ],
+)
+def test_a_stated_unit_is_questioned(
+    write_log: WriteFile, header: str, step: float, samples: int, doubted: bool
+) -> None:
+    """Slow logs exist, so it is a warning; who states the unit by flag is not asked again."""
+    cells = [repr(k * step) for k in range(samples)]
+    issues = timed(write_log, header, cells).issues
+    assert [issue.code for issue in issues] == ["time-unit-doubtful"] * doubted
+    if doubted:
+        better = "ms" if header == "time_s" else "s"
+        assert f"--channel time={header}:{better}" in str(issues[0].remedy)
+    unit = header.rpartition("_")[2] if "_" in header else "s"
+    assert not timed(write_log, header, cells, channels={"time": f"{header}:{unit}"}).issues
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import signal
 import stat
 from pathlib import Path
 
@@ -12,7 +13,14 @@ import pytest
 from handmade import simulation, step_log
 
 from softid.errors import OutputError
-from softid.records import simulation_csv, to_jsonable, write_atomic, write_folder
+from softid.records import (
+    plot_fingerprints,
+    recorded_plots,
+    simulation_csv,
+    to_jsonable,
+    write_atomic,
+    write_folder,
+)
 from softid.records.simulated import column_name
 
 
@@ -102,6 +110,67 @@ def test_a_folder_is_whole_or_absent(tmp_path: Path, monkeypatch: pytest.MonkeyP
         write_folder(folder, {"a.txt": "9"}, overwrite=True)
     assert (folder / "a.txt").read_text() == "1"
     assert sorted(p.name for p in folder.iterdir()) == ["a.txt", "b.png"]
+
+
+def test_a_full_disk_leaves_no_part_of_a_tree(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Recipes without data are as little use as half a file; subfolders are made with the rest."""
+    tree = {"recipes/a.toml": "1", "data/a.csv": "2", "manifest.json": "3"}
+    with monkeypatch.context() as full:
+        fail_with(full, "fsync", errno.ENOSPC)
+        with pytest.raises(OutputError, match="no space left"):
+            write_folder(tmp_path / "new" / "set", tree)
+    assert list(tmp_path.iterdir()) == []
+    write_folder(tmp_path / "set", {"manifest.json": "0"})
+    paths = write_folder(tmp_path / "set", tree, overwrite=True)
+    assert [p.read_text() for p in paths] == ["1", "2", "3"]
+    assert sorted(p.name for p in (tmp_path / "set").iterdir()) == [
+        "data",
+        "manifest.json",
+        "recipes",
+    ]
+
+
+def test_only_unchanged_files_beside_the_new_ones_are_superseded(tmp_path: Path) -> None:
+    """A record edited by hand may name anything: what is outside, or is not that file, stays."""
+    out = tmp_path / "out"
+    known = {"old.png": b"1", "changed.png": b"2", "../params.png": b"3", "new.png": b"4"}
+    out.mkdir()
+    for name, data in known.items():
+        (out / name).write_bytes(data)
+    (out / "changed.png").write_bytes(b"22")
+    prints = plot_fingerprints(known) | {"none.png": "0" * 64}
+    write_folder(out, {"new.png": b"4"}, overwrite=True, superseded=prints)
+    assert sorted(p.name for p in out.iterdir()) == ["changed.png", "new.png"]
+    assert (tmp_path / "params.png").exists()
+
+
+@pytest.mark.parametrize(
+    "content", ["", "[1]", '{"plots": ["a.png"]}', '{"plots": {"a.txt": "0"}}']
+)
+def test_a_record_that_says_nothing_of_plots(tmp_path: Path, content: str) -> None:
+    """Whatever lies there, the new result is written; only known plots are looked for."""
+    (tmp_path / "params.json").write_text(content)
+    assert recorded_plots(tmp_path / "params.json") == {}
+    assert recorded_plots(tmp_path / "none.json") == {}
+
+
+def test_an_interrupt_waits_for_the_last_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C while files of an old folder are replaced: all are new, then it counts."""
+    write_folder(tmp_path / "out", {"a": "1", "b": "1"})
+    replace = os.replace
+
+    def interrupted(source: Path, target: Path) -> None:
+        signal.raise_signal(signal.SIGINT)
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_folder(tmp_path / "out", {"a": "2", "b": "2"}, overwrite=True)
+    assert {p.name: p.read_text() for p in (tmp_path / "out").iterdir()} == {"a": "2", "b": "2"}
 
 
 def test_writing_into_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

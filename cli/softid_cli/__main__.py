@@ -1,0 +1,5 @@
+"""`python -m softid_cli` is `softid`."""
+
+from softid_cli.entry import main
+
+main()

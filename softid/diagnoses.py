@@ -1,0 +1,196 @@
+"""What a diagnosis finds; frozen, without live objects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from softid.errors import Issue
+from softid.results import FitResult, ParameterEstimate
+
+
+class Verdict(Enum):
+    """Answer of a diagnosis."""
+
+    ADEQUATE = "adequate"
+    NAMED = "named"
+    PARTIAL = "partial"
+    AMBIGUOUS = "ambiguous"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Error of one channel of one log before and after the extension.
+
+    Attributes
+    ----------
+    log, channel, unit
+        Where.
+    held_out
+        Whether the samples were not fitted.
+    n
+        Samples.
+    rmse_before, rmse_after
+        Root mean square error of the base and of the extended model.
+    fit_percent_before, fit_percent_after
+        100 (1 − nrmse) of both.
+    """
+
+    log: str
+    channel: str
+    unit: str
+    held_out: bool
+    n: int
+    rmse_before: float
+    rmse_after: float
+    fit_percent_before: float
+    fit_percent_after: float
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One link of the chain.
+
+    Attributes
+    ----------
+    effect
+        Its name in the catalogue.
+    key
+        Name with the variant of its law.
+    title, law, meaning, remedy
+        Words of the catalogue.
+    parameters
+        Its fitted parameters with errors.
+    delta_bic
+        By how much the noise-whitened BIC falls when it is added.
+    holdout_rmse_before, holdout_rmse_after
+        Root mean square error over all held-out samples without and with it, in the first output's
+        unit.
+    gain_ci95
+        Interval of the relative gain 1 − after/before, by a block bootstrap; None when the
+        held-out samples are too few.
+    """
+
+    effect: str
+    key: str
+    title: str
+    law: str
+    meaning: str
+    remedy: str
+    parameters: tuple[ParameterEstimate, ...]
+    delta_bic: float
+    holdout_rmse_before: float
+    holdout_rmse_after: float
+    gain_ci95: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """A set of causes that the data cannot split.
+
+    Attributes
+    ----------
+    effects
+        Names that explain the same misfit equally well, the best first.
+    delta_bic
+        Name → BIC above the best.
+    why
+        Why they cannot be split, and what would split them.
+    """
+
+    effects: tuple[str, ...]
+    delta_bic: Mapping[str, float]
+    why: str
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What no named cause explains.
+
+    Attributes
+    ----------
+    rms
+        Root mean square of the residual, in the first output's unit.
+    explained_share
+        Share of the base's misfit above the noise that the chain explains; 1 when nothing is left.
+    structure_share, structure_limit
+        Share of the residual's power that follows from the motion, and what chance reaches.
+    by
+        Variable → share that it alone predicts.
+    structured
+        Whether there is more than chance.
+    """
+
+    rms: float
+    explained_share: float
+    structure_share: float
+    structure_limit: float
+    by: Mapping[str, float]
+    structured: bool
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """How one candidate did in one round.
+
+    Attributes
+    ----------
+    round
+        1 for the first link of the chain.
+    effect
+        Key of the candidate; empty for what was to be extended.
+    delta_bic
+        Fall of the BIC against what was to be extended; None when it was out of the race before.
+    drop_share
+        Share of the sum of squares that it explains.
+    """
+
+    round: int
+    effect: str
+    delta_bic: float | None
+    drop_share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What the simulation gets wrong, why, and what mending it gains.
+
+    Attributes
+    ----------
+    verdict
+        The answer.
+    summary
+        The answer as a short paragraph.
+    base
+        The fit of the model without effects.
+    extended
+        The fit with the chain of causes; None when there is none.
+    causes
+        The chain, the strongest first.
+    alternatives
+        Sets of causes that cannot be split.
+    remainder
+        What is left.
+    gains
+        Error before and after, for each log and channel.
+    evidence
+        Every candidate of every round.
+    next_experiment
+        What to record next; None when nothing is open.
+    issues
+        Findings about the logs and the fits.
+    """
+
+    verdict: Verdict
+    summary: str
+    base: FitResult
+    extended: FitResult | None
+    causes: tuple[Cause, ...]
+    alternatives: tuple[Alternative, ...]
+    remainder: Remainder
+    gains: tuple[Gain, ...]
+    evidence: tuple[Evidence, ...]
+    next_experiment: str | None
+    issues: tuple[Issue, ...] = ()

@@ -1,0 +1,231 @@
+"""Candidate causes: the base model with effects added, refitted to the same logs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.whitening import Whitener
+from softid.effects import EFFECTS
+from softid.effects.base import Effect, Scale
+from softid.effects.extended import ExtendedModel, extended_name
+from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
+from softid.fitters.output_error import Objective, Prior
+from softid.fitters.problem import Problem
+
+Array = npt.NDArray[np.float64]
+
+BASE_SD = 1.5
+"""Standard deviation of the log-normal prior about the base fit: a flat direction cannot run away
+and make a wrong name look good."""
+
+EFFECT_SD = 3.0
+"""The same for an effect's parameters about their start, in logarithms."""
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """The fit that a diagnosis starts from.
+
+    Attributes
+    ----------
+    problem
+        The model and the logs, with what is held out masked.
+    unknowns
+        Where the fit ended, shape (U,).
+    scale
+        Sizes of its motion.
+    sigma
+        Weight of each output channel.
+    """
+
+    problem: Problem
+    unknowns: Array
+    scale: Scale
+    sigma: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """The base with effects, somewhere on its way to the optimum.
+
+    Attributes
+    ----------
+    effects
+        Its effects; none for the base itself.
+    problem
+        The extended model and the logs.
+    minimum
+        Where it stands now.
+    prior
+        What holds its flat directions.
+    whitener
+        The noise model by which its cost was last computed; None for white noise.
+    """
+
+    effects: tuple[Effect, ...]
+    problem: Problem
+    minimum: Minimum
+    prior: Prior
+    whitener: Whitener | None = field(default=None)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of its effects."""
+        return tuple(effect.key for effect in self.effects)
+
+    @property
+    def squares(self) -> float:
+        """Weighted sum of squares, without the prior."""
+        cost = self.minimum.normal.cost - self.prior.cost(self.minimum.point)
+        return 2.0 * max(cost, 0.0)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Parameter → value where it stands."""
+        theta = self.problem.theta(self.minimum.point)
+        return dict(zip(self.problem.parameters.names, theta.tolist(), strict=True))
+
+
+class WhitenedObjective(Objective):
+    """Cost and normal equations of residuals that a noise model has made white."""
+
+    def __init__(
+        self, problem: Problem, sigma: Mapping[str, float], whitener: Whitener | None
+    ) -> None:
+        super().__init__(problem, sigma)
+        self.whitener = whitener
+
+    def __call__(self, z: Array) -> Normal:
+        """Cost ½Σ(W r/σ)² and its normal equations at ``z``."""
+        if self.whitener is None:
+            return super().__call__(z)
+        self.evaluations += 1
+        size = self.problem.size
+        cost, n = 0.0, 0
+        gradient, matrix = np.zeros(size), np.zeros((size, size))
+        with np.errstate(all="ignore"):
+            for block in self.problem.blocks(z, derivatives=True, plans=self.plans):
+                assert block.jacobian is not None
+                used = self.problem.segments[block.segment].used[block.channel]
+                log = self.problem.owner[block.segment]
+                rows = np.column_stack((block.residual, block.jacobian))
+                white = self.whitener.apply(rows, used, log=log, channel=block.channel)
+                r, jacobian = white[:, 0], white[:, 1:]
+                cost += 0.5 * float(r @ r)
+                gradient += jacobian.T @ r
+                matrix += jacobian.T @ jacobian
+                n += r.size
+        if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
+            return Normal(z, np.inf, np.zeros(size), np.eye(size), n)
+        if self.prior is not None:
+            cost += self.prior.cost(z)
+            gradient -= self.prior.weight * (z - self.prior.centre)
+            matrix += np.diag(self.prior.weight)
+        return Normal(z, cost, gradient, matrix, n)
+
+
+def extend(base: Problem, effects: Sequence[Effect], scale: Scale) -> Problem:
+    """The problem of the base model with effects.
+
+    Parameters
+    ----------
+    base
+        The base model, its parameters and the logs.
+    effects
+        Effects to add.
+    scale
+        Sizes of the base fit.
+    """
+    inner = base.model
+    if isinstance(inner, ExtendedModel):
+        effects = (*inner.effects, *effects)
+        inner = inner.model
+    model = ExtendedModel(inner, tuple(effects), scale)
+    declared = model.parameters()
+    for parameter in base.parameters.values():
+        declared = declared.replacing(parameter)
+    return Problem(model, declared, base.logs)
+
+
+def start_unknowns(
+    problem: Problem, base: Problem, unknowns: Array, values: Mapping[str, float]
+) -> Array:
+    """Unknowns of an extended problem from those of the base and values of the added parameters."""
+    z = np.zeros(problem.size)
+    known = dict(zip(base.free, unknowns.tolist(), strict=False))
+    for k, name in enumerate(problem.free):
+        if name in known:
+            z[k] = known[name]
+            continue
+        p = problem.parameters[name]
+        value = float(np.clip(values[name], p.lower, p.upper))
+        z[k] = np.log(value) if p.scale == "log" else value
+    z[len(problem.free) :] = unknowns[len(base.free) :]
+    return z
+
+
+def named_values(effect: Effect, values: Mapping[str, float]) -> dict[str, float]:
+    """An effect's values under their names in an extended model."""
+    return {extended_name(effect, name): value for name, value in values.items()}
+
+
+def prior_about(problem: Problem, centre: Array, known: Sequence[str], variance: float) -> Prior:
+    """The prior of a refit.
+
+    Parameters
+    ----------
+    problem
+        The extended problem.
+    centre
+        Base fit and start of the added parameters, shape (U,).
+    known
+        Free parameters of what is extended.
+    variance
+        Variance of the weighted residual.
+    """
+    weight = np.zeros(problem.size)
+    for k, name in enumerate(problem.free):
+        p = problem.parameters[name]
+        if p.scale == "log":
+            weight[k] = variance / (BASE_SD if name in known else EFFECT_SD) ** 2
+        elif name in known:
+            weight[k] = variance / max(abs(centre[k]), 1.0) ** 2 / BASE_SD**2
+    return Prior(centre.copy(), weight)
+
+
+def advance(candidate: Candidate, sigma: Mapping[str, float], evaluations: int) -> Candidate:
+    """Take a candidate nearer to its optimum.
+
+    Parameters
+    ----------
+    candidate
+        Where it stands.
+    sigma
+        Weight of each output channel.
+    evaluations
+        At most so many simulations with derivatives.
+    """
+    objective = WhitenedObjective(candidate.problem, sigma, candidate.whitener)
+    objective.prior = candidate.prior
+    point = candidate.minimum.point
+    objective.plans = candidate.problem.plans(point)
+    lower, upper = candidate.problem.bounds()
+    found = minimise(
+        objective,
+        point,
+        lower,
+        upper,
+        candidate.problem.reach(),
+        evaluations=evaluations,
+        tolerance=1e-2,
+    )
+    return replace(candidate, minimum=found)
+
+
+def catalogue(names: Sequence[str] = ()) -> tuple[Effect, ...]:
+    """The effects of the table, or those named."""
+    return tuple(EFFECTS[name]() for name in (names or EFFECTS))

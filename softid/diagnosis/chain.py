@@ -1,0 +1,197 @@
+"""The chain of causes: add the best effect, look at what is left, and go on while it pays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from softid.diagnosis.candidates import Candidate, advance, extend, prior_about, start_unknowns
+from softid.diagnosis.screening import Signature, screen
+from softid.diagnosis.search import Ranked, race, rank
+from softid.effects.base import Effect, Scale
+
+DETECT = 18.0
+"""Fall of the whitened BIC from which the first cause counts as found."""
+
+CONTINUE = 30.0
+"""Fall from which a further one does."""
+
+SMALLEST_DROP = 0.01
+"""Share of the sum of squares that a further cause must take away."""
+
+INDISTINCT = 8.0
+"""Candidates within this BIC of the best explain the logs as well."""
+
+NESTED = 6.0
+"""A richer form of the same law must gain this much on the plain one."""
+
+MAX_LINKS = 4
+PROMISE = 0.25
+"""No refit is tried when no signature promises this share of the fall that would count."""
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """One round of the search.
+
+    Attributes
+    ----------
+    before
+        What was to be extended, under the round's noise model.
+    ranked
+        All contenders of the round, best first.
+    chosen
+        The best one.
+    rivals
+        Keys of the effects that explain the logs as well, the chosen one first.
+    signatures
+        Every effect's best promise.
+    """
+
+    before: Ranked
+    ranked: tuple[Ranked, ...]
+    chosen: Ranked
+    rivals: tuple[str, ...]
+    signatures: tuple[Signature, ...]
+
+    @property
+    def delta_bic(self) -> float:
+        """Fall of the BIC."""
+        return self.before.bic - self.chosen.bic
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The links found, and the round that found no more.
+
+    Attributes
+    ----------
+    links
+        One for each cause.
+    last
+        The round after the last link; None when the limit was reached.
+    final
+        The model with all causes.
+    """
+
+    links: tuple[Link, ...]
+    last: Link | None
+    final: Candidate
+
+
+def find_chain(
+    base: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+    *,
+    holds: Callable[[Candidate, Candidate], bool],
+    report: Callable[[str, float], None] = lambda message, fraction: None,
+    max_links: int = MAX_LINKS,
+) -> Chain:
+    """Extend the base by one effect after the other.
+
+    Parameters
+    ----------
+    base
+        The base fit.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Weight of each output channel.
+    holds
+        Whether a candidate is no worse than another on what was held out.
+    report
+        Called with a sentence and the fraction done.
+    max_links
+        No more causes than this.
+    """
+    links: list[Link] = []
+    now = base
+    last: Link | None = None
+    while len(links) < max_links:
+        number = len(links)
+        report(f"looking for cause {number + 1}", number / max_links)
+        link = next_link(now, effects, scale, sigma)
+        if link is None:
+            break
+        last = link
+        if not _pays(link, first=not links) or not holds(now, link.chosen.candidate):
+            break
+        links.append(link)
+        last = None
+        now = unwhitened(link.chosen.candidate, sigma)
+    return Chain(tuple(links), last, now)
+
+
+def next_link(
+    now: Candidate, effects: Sequence[Effect], scale: Scale, sigma: Mapping[str, float]
+) -> Link | None:
+    """One round; None when the catalogue is exhausted."""
+    taken = {effect.name for effect in now.effects}
+    left = [effect for effect in effects if effect.name not in taken]
+    if not left:
+        return None
+    signatures = screen(now, left, scale, sigma)
+    contenders = race(now, left, scale, sigma, signatures=signatures)
+    ranked = rank([*contenders, now], sigma)
+    before = next(r for r in ranked if r.candidate.keys == now.keys)
+    others = [r for r in ranked if r is not before]
+    if not others:
+        return None
+    chosen, rivals = _rivals(others, now)
+    return Link(before, tuple(ranked), chosen, rivals, _best_promises(signatures))
+
+
+def _pays(link: Link, *, first: bool) -> bool:
+    if first:
+        return link.delta_bic > DETECT
+    before, after = link.before.candidate.squares, link.chosen.candidate.squares
+    return link.delta_bic > CONTINUE and after < (1.0 - SMALLEST_DROP) * before
+
+
+def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str, ...]]:
+    """The best candidate, the plain form before a richer one, and what explains as well."""
+
+    def added(row: Ranked) -> Effect:
+        known = set(now.keys)
+        return next(e for e in row.candidate.effects if e.key not in known)
+
+    best = ranked[0]
+    plain = next(
+        (r for r in ranked if added(r).name == added(best).name and not added(r).variant), None
+    )
+    if added(best).variant and plain is not None and plain.bic - best.bic < NESTED:
+        best = plain
+    names = [added(best).name]
+    for row in ranked:
+        name = added(row).name
+        if row.bic - best.bic < INDISTINCT and name not in names:
+            names.append(name)
+    return best, tuple(names)
+
+
+def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:
+    best: dict[str, Signature] = {}
+    for signature in signatures:
+        best.setdefault(signature.effect.key, signature)
+    return tuple(best.values())
+
+
+def unwhitened(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
+    """The candidate at its optimum for white noise, from which the next round starts."""
+    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+    plain = advance(replace(candidate, whitener=None, prior=_no_prior(candidate)), sigma, 1)
+    variance = plain.squares / n
+    prior = prior_about(
+        candidate.problem, candidate.minimum.point, candidate.problem.free, variance
+    )
+    return advance(replace(plain, prior=prior), sigma, 12)
+
+
+def _no_prior(candidate: Candidate):  # type: ignore[no-untyped-def]
+    return replace(candidate.prior, weight=np.zeros_like(candidate.prior.weight))

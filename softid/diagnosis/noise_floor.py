@@ -1,0 +1,108 @@
+"""The noise of an output without the motion: from rest stretches, or from its fastest part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.uncertainty.autoregression import contiguous_runs, fit_ar
+from softid.uncertainty.noise import effective_n
+
+Array = npt.NDArray[np.float64]
+
+REST_S = 20.0
+"""Shortest rest, in one piece and after the motion has died out, that shows the noise's colour."""
+
+SETTLED = 10.0
+"""Time constants after which the motion counts as dead."""
+
+STILL = 0.02
+"""The input rests while it stays within this share of its span."""
+
+LOOK_S = 0.5
+"""Length of the pieces in which the input is looked at."""
+
+
+@dataclass(frozen=True)
+class NoiseFloor:
+    """Variance of the noise and how well it is known.
+
+    Attributes
+    ----------
+    variance
+        In the square of the output's unit.
+    relative_sd
+        Standard deviation of the variance, as a share of it.
+    from_rest
+        Whether rest stretches told it; otherwise it is what is left in the fastest part of the
+        residual, and slow noise looks like a misfit.
+    """
+
+    variance: float
+    relative_sd: float
+    from_rest: bool
+
+
+def noise_floor(
+    residuals: Sequence[Array], inputs: Sequence[Array], times: Sequence[Array], motion_s: float
+) -> NoiseFloor:
+    """Estimate the noise from the residuals of all segments.
+
+    Parameters
+    ----------
+    residuals
+        Residual of each segment, NaN where not used, shape (n,) each.
+    inputs, times
+        Input and times, shape (n,) each.
+    motion_s
+        Time constant of the motion.
+    """
+    rests = [
+        stretch - np.nanmean(stretch)
+        for residual, u, time_s in zip(residuals, inputs, times, strict=True)
+        for stretch in _rests(residual, u, time_s, motion_s)
+    ]
+    if rests:
+        runs = [run for rest in rests for run in contiguous_runs(rest)]
+        lengths = [run.size for run in runs]
+        known = effective_n(fit_ar(runs), lengths)
+        degrees = max(known - len(rests), 1.0)
+        total = sum(float(run @ run) for run in runs)
+        variance = total / sum(lengths) * (known / degrees)
+        return NoiseFloor(variance, float(np.sqrt(2.0 / degrees)), from_rest=True)
+    second = np.concatenate(
+        [np.diff(run, 2) for r in residuals for run in contiguous_runs(r) if run.size > 2]
+        or [np.zeros(1)]
+    )
+    sigma = 1.4826 * float(np.median(np.abs(second))) / np.sqrt(6.0)
+    return NoiseFloor(sigma**2, float(np.sqrt(7.0 / max(second.size, 1))), from_rest=False)
+
+
+def _rests(residual: Array, u: Array, time_s: Array, motion_s: float) -> list[Array]:
+    """Stretches in which the input has long been still."""
+    tolerance = STILL * float(np.ptp(u))
+    edges = np.searchsorted(time_s, np.arange(time_s[0], time_s[-1] + LOOK_S, LOOK_S))
+    found: list[Array] = []
+    begin, level = 0, float(u[0])
+    for first, stop in zip(edges[:-1], edges[1:], strict=True):
+        piece = u[first:stop]
+        if piece.size and np.ptp(piece) <= 2 * tolerance and abs(np.median(piece) - level) <= tolerance:
+            continue
+        found += _settled(residual, time_s, begin, int(first), motion_s)
+        begin, level = int(stop), float(np.median(piece)) if piece.size else level
+    return found + _settled(residual, time_s, begin, u.size, motion_s)
+
+
+def _settled(
+    residual: Array, time_s: Array, begin: int, stop: int, motion_s: float
+) -> list[Array]:
+    """The part of a still stretch in which the motion has died out, if it is long enough."""
+    if stop <= begin:
+        return []
+    first = int(np.searchsorted(time_s, time_s[begin] + SETTLED * motion_s))
+    if first >= stop or time_s[stop - 1] - time_s[first] < REST_S:
+        return []
+    return [residual[first:stop]]

@@ -1,0 +1,106 @@
+"""Sizes of a fitted motion, by which the bounds and starts of effects go."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import Scale
+from softid.fitters.problem import Problem
+from softid.models.second_order import Law
+
+Array = npt.NDArray[np.float64]
+
+FAST_QUANTILE = 0.99
+"""The largest speed is what is exceeded for a hundredth of the time only."""
+
+
+def scale_of(problem: Problem, unknowns: Array) -> Scale:
+    """Take the sizes from the logs and from the base model that fits them.
+
+    Parameters
+    ----------
+    problem
+        The base model and its logs.
+    unknowns
+        Where its fit ended, shape (U,).
+    """
+    theta = problem.theta(unknowns)
+    law = problem.model.motion_law(theta)
+    paths = [_path(problem, unknowns, k) for k in range(len(problem.segments))]
+    u = np.concatenate([s.input for s in problem.segments])
+    x = np.concatenate([path[0] for path in paths])
+    v = np.concatenate([path[1] for path in paths])
+    first = problem.outputs[0]
+    y = np.concatenate([s.outputs[first][s.used[first]] for s in problem.segments])
+    x_span = max(float(np.ptp(x)), 1e-12)
+    units = {name: problem.logs[0].channels[name].unit for name in (first, problem.logs[0].input)}
+    declared = problem.parameters
+    return Scale(
+        u_low=float(u.min()),
+        u_high=float(u.max()),
+        x_low=float(x.min()),
+        x_high=float(x.min()) + x_span,
+        v_max=max(float(np.quantile(np.abs(v), FAST_QUANTILE)), 1e-9 * x_span),
+        force=_force(law, u, x_span),
+        y_low=float(y.min()),
+        y_high=float(y.max()),
+        period_s=float(np.median(np.concatenate([np.diff(s.time_s) for s in problem.segments]))),
+        duration_s=max(float(log.time_s[-1] - log.time_s[0]) for log in problem.logs),
+        motion_s=_slowness(law, u, problem),
+        travel=max(
+            _travel(path[1], s.time_s) for path, s in zip(paths, problem.segments, strict=True)
+        ),
+        u_unit=units[problem.logs[0].input],
+        x_unit=str(getattr(problem.model, "x_unit", units[first])),
+        force_unit=_force_unit(declared["Q"].unit, str(getattr(problem.model, "x_unit", "")))
+        if "Q" in declared
+        else "1",
+        y_unit=units[first],
+    )
+
+
+def _path(problem: Problem, unknowns: Array, k: int) -> tuple[Array, Array]:
+    """Position and velocity of the base model over one segment."""
+    segment = problem.segments[k]
+    response = problem.model.response(
+        problem.theta(unknowns),
+        segment,
+        problem.outputs[:1],
+        start=problem.start_of(unknowns, k),
+        derivatives=False,
+        relative=problem.has_equilibrium,
+    )
+    if response.x is None or response.v is None:
+        y = response.outputs[problem.outputs[0]]
+        return y, np.gradient(y, segment.time_s)
+    return response.x, response.v
+
+
+def _force(law: Law | None, u: Array, x_span: float) -> float:
+    """Typical span of the elastic force; that of the drive where there is no spring."""
+    if law is None:
+        return 1.0
+    _, stiffness, drive = law.coefficients(u)
+    elastic = float(np.median(stiffness)) * x_span
+    return elastic if elastic > 0.0 else max(float(np.ptp(drive)), 1e-12)
+
+
+def _slowness(law: Law | None, u: Array, problem: Problem) -> float:
+    """Typical time constant of the motion, at least one sampling interval."""
+    period_s = float(np.median(np.diff(problem.segments[0].time_s)))
+    if law is None:
+        return period_s
+    damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
+    if stiffness > 0.0:
+        return max(damping / stiffness, period_s)
+    return max(law.mass / damping if damping > 0.0 else period_s, period_s)
+
+
+def _travel(v: Array, time_s: Array) -> float:
+    return max(float(np.sum(np.abs(v[:-1]) * np.diff(time_s))), 1e-12)
+
+
+def _force_unit(stiffness_unit: str, x_unit: str) -> str:
+    """Unit of a stiffness times that of a position."""
+    return stiffness_unit.removesuffix(f"/{x_unit}") or "1"

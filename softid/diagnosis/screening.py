@@ -1,0 +1,179 @@
+"""Which effects could explain what the fit leaves: signatures against the residual."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.candidates import (
+    Candidate,
+    extend,
+    named_values,
+    prior_about,
+    start_unknowns,
+)
+from softid.diagnosis.parallel import in_parallel
+from softid.effects.base import Effect, Scale
+from softid.fitters.problem import Problem
+
+Array = npt.NDArray[np.float64]
+
+SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE = 0.05, 5.0
+"""A start's amplitude is scaled by what the residual asks for, within these factors."""
+
+
+@dataclass(frozen=True, eq=False)
+class Signature:
+    """What one start of one effect would change, seen against the residual.
+
+    Attributes
+    ----------
+    effect
+        The effect.
+    values
+        Parameter → value from which a refit starts, its amplitude scaled to the residual.
+    drop
+        (r·s)²/(s·s), the drop of the sum of squares that it promises.
+    """
+
+    effect: Effect
+    values: Mapping[str, float]
+    drop: float
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """Residual and Jacobian of a fit, with what the Jacobian spans taken out.
+
+    Attributes
+    ----------
+    rows
+        Residual in units of the channels' weights, shape (n,).
+    basis
+        Orthonormal columns that span the Jacobian, shape (n, U).
+    simulated
+        Simulated outputs in the same units and order, shape (n,).
+    """
+
+    rows: Array
+    basis: Array
+    simulated: Array
+
+    def without_basis(self, values: Array) -> Array:
+        """A vector of shape (n,) with the Jacobian's span taken out."""
+        projected: Array = values - self.basis @ (self.basis.T @ values)
+        return projected
+
+
+def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -> Residual:
+    """Linearise a fit where it stands.
+
+    Parameters
+    ----------
+    problem, unknowns
+        The fit.
+    sigma
+        Weight of each output channel.
+    """
+    blocks = list(problem.blocks(unknowns, derivatives=True))
+    rows = np.concatenate([b.residual / sigma[b.channel] for b in blocks])
+    jacobian = np.concatenate(
+        [b.jacobian / sigma[b.channel] for b in blocks if b.jacobian is not None]
+    )
+    size = np.linalg.norm(jacobian, axis=0)
+    kept = jacobian[:, size > 0] / size[size > 0]
+    left, singular, _ = np.linalg.svd(kept, full_matrices=False)
+    basis = left[:, singular > 1e-9 * singular.max(initial=0.0)]
+    return Residual(rows, basis, _measured(problem, sigma) - rows)
+
+
+def _measured(problem: Problem, sigma: Mapping[str, float]) -> Array:
+    return np.concatenate(
+        [
+            segment.outputs[name][segment.used[name]] / sigma[name]
+            for segment in problem.segments
+            for name in problem.outputs
+        ]
+    )
+
+
+def screen(
+    fitted: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Signature]:
+    """Signatures of every start of every effect, the most promising first.
+
+    Parameters
+    ----------
+    fitted
+        The base, or a candidate that already has effects.
+    effects
+        Effects that it does not have.
+    scale
+        Sizes of the base fit.
+    sigma
+        Weight of each output channel.
+    """
+    residual = residual_of(fitted.problem, fitted.minimum.point, sigma)
+    measured = _measured(fitted.problem, sigma)
+    starts = [(effect, values) for effect in effects for values in effect.starts(scale)]
+
+    def look(start: tuple[Effect, Mapping[str, float]]) -> Signature | None:
+        effect, values = start
+        problem = extend(fitted.problem, (effect,), scale)
+        named = named_values(effect, values)
+        z = start_unknowns(problem, fitted.problem, fitted.minimum.point, named)
+        with np.errstate(all="ignore"):
+            rows = [b.residual / sigma[b.channel] for b in problem.blocks(z, derivatives=False)]
+        change = residual.without_basis(measured - np.concatenate(rows) - residual.simulated)
+        power = float(change @ change)
+        if not np.isfinite(power) or power <= 0.0:
+            return None
+        along = float(residual.rows @ change)
+        share = along / power
+        drop = along**2 / power
+        if not effect.changes_sign and share < 0.0:
+            share, drop = SMALLEST_AMPLITUDE, 0.0
+        return Signature(effect, _scaled(effect, values, share), drop)
+
+    found = [s for s in in_parallel(look, starts) if s is not None]
+    return sorted(found, key=lambda s: -s.drop)
+
+
+def _scaled(effect: Effect, values: Mapping[str, float], share: float) -> dict[str, float]:
+    """Start values with the amplitude as large as the residual asks for."""
+    size = float(np.clip(abs(share), SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE))
+    factor = size if share >= 0.0 else -size
+    scaled = dict(values)
+    for name in effect.amplitudes:
+        scaled[name] = factor * scaled[name]
+    return scaled
+
+
+def candidate_from(
+    fitted: Candidate, signature: Signature, scale: Scale, variance: float
+) -> Candidate:
+    """A candidate that stands at the start that a signature proposes.
+
+    Parameters
+    ----------
+    fitted
+        The base, or a candidate that already has effects.
+    signature
+        The effect to add and its values.
+    scale
+        Sizes of the base fit.
+    variance
+        Variance of the weighted residual, for the prior.
+    """
+    problem = extend(fitted.problem, (signature.effect,), scale)
+    named = named_values(signature.effect, signature.values)
+    z = start_unknowns(problem, fitted.problem, fitted.minimum.point, named)
+    prior = prior_about(problem, z, fitted.problem.free, variance)
+    placed = fitted.minimum.__class__(z, fitted.minimum.normal, 0, np.inf)
+    return Candidate((*fitted.effects, signature.effect), problem, placed, prior)

@@ -1,0 +1,154 @@
+"""Joint refits of all candidate causes as a race, and their comparison under one noise model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from softid.diagnosis.candidates import Candidate, advance
+from softid.diagnosis.parallel import in_parallel
+from softid.diagnosis.screening import Signature, candidate_from, screen
+from softid.diagnosis.whitening import Whitener, whitener_of
+from softid.effects.base import Effect, Scale
+
+SECOND_START = 0.3
+"""A further start of an effect runs when it promises this share of the best one's drop."""
+
+MAX_STARTS = 2
+FIRST_LAP, SECOND_LAP, LAST_LAP, WHITE_LAP = 4, 10, 25, 12
+"""Evaluations of each lap."""
+
+SECOND_FIELD, LAST_FIELD = 8, 5
+"""Candidates that stay in the race for the second and the last lap."""
+
+CLEAR_LEAD = 0.5
+"""One whose sum of squares above the leader's is more than this share of the base's misfit above
+the leader's drops out before the last lap."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ranked:
+    """A refitted candidate under the noise model that all share.
+
+    Attributes
+    ----------
+    candidate
+        The candidate at its whitened optimum.
+    bic
+        n ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns.
+    """
+
+    candidate: Candidate
+    bic: float
+
+
+def race(
+    fitted: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+    *,
+    signatures: Sequence[Signature] | None = None,
+    report: Callable[[float], None] = lambda fraction: None,
+) -> list[Candidate]:
+    """Refit the base with each effect, polishing the contenders only; best first.
+
+    Parameters
+    ----------
+    fitted
+        What is to be extended.
+    effects
+        Effects that it does not have.
+    scale
+        Sizes of the base fit.
+    sigma
+        Weight of each output channel.
+    signatures
+        From `screen`, if it ran already.
+    report
+        Called with the fraction done.
+    """
+    found = list(signatures) if signatures is not None else screen(fitted, effects, scale, sigma)
+    n = max(fitted.problem.n_samples - fitted.problem.size, 1)
+    variance = fitted.squares / n
+    entrants = [candidate_from(fitted, s, scale, variance) for s in _starts(found)]
+    report(0.1)
+    first = in_parallel(lambda c: advance(c, sigma, FIRST_LAP), entrants)
+    report(0.5)
+    best = _best_of_each(first)
+    second = in_parallel(lambda c: advance(c, sigma, SECOND_LAP), best[:SECOND_FIELD])
+    report(0.7)
+    second = _by_squares(second)
+    kept = second[:LAST_FIELD]
+    if kept:
+        leader = kept[0].squares
+        limit = leader + CLEAR_LEAD * max(fitted.squares - leader, 0.0)
+        kept = [c for c in kept if c.squares <= limit] or kept[:1]
+    last = in_parallel(lambda c: advance(c, sigma, LAST_LAP), kept)
+    report(1.0)
+    return _by_squares(last)
+
+
+def _starts(signatures: Sequence[Signature]) -> list[Signature]:
+    """The best starts of every effect."""
+    chosen: dict[str, list[Signature]] = {}
+    for signature in signatures:
+        mine = chosen.setdefault(signature.effect.key, [])
+        if not mine or (len(mine) < MAX_STARTS and signature.drop >= SECOND_START * mine[0].drop):
+            mine.append(signature)
+    return [s for mine in chosen.values() for s in mine]
+
+
+def _by_squares(candidates: Sequence[Candidate]) -> list[Candidate]:
+    finite = [c for c in candidates if np.isfinite(c.minimum.normal.cost)]
+    return sorted(finite, key=lambda c: c.squares)
+
+
+def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
+    best: dict[tuple[str, ...], Candidate] = {}
+    for candidate in _by_squares(candidates):
+        best.setdefault(candidate.keys, candidate)
+    return list(best.values())
+
+
+def rank(
+    candidates: Sequence[Candidate],
+    sigma: Mapping[str, float],
+    *,
+    whitener: Whitener | None = None,
+) -> list[Ranked]:
+    """Refit all under the noise model of the best one and compare them by BIC, best first.
+
+    Parameters
+    ----------
+    candidates
+        What has been refitted, the base among them, best first.
+    sigma
+        Weight of each output channel, which floors the noise.
+    whitener
+        A noise model; None fits it to what the best candidate leaves.
+    """
+    best = _by_squares(candidates)[0]
+    model = whitener or whitener_of(best.problem, best.minimum.point, sigma)
+
+    def refit(candidate: Candidate) -> Ranked:
+        variance_one = _with_unit_variance(candidate)
+        white = advance(replace(variance_one, whitener=model), sigma, WHITE_LAP)
+        n, k = white.minimum.normal.n, white.problem.size
+        spread = max(white.squares, np.finfo(float).tiny)
+        return Ranked(white, float(n * np.log(spread / n) + k * np.log(n)))
+
+    return sorted(in_parallel(refit, candidates), key=lambda r: r.bic)
+
+
+def _with_unit_variance(candidate: Candidate) -> Candidate:
+    """The same prior for residuals in units of their own standard deviation."""
+    weight = candidate.prior.weight
+    largest = float(weight.max(initial=0.0))
+    if largest == 0.0:
+        return candidate
+    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+    variance = max(candidate.squares / n, np.finfo(float).tiny)
+    return replace(candidate, prior=replace(candidate.prior, weight=weight / variance))

@@ -1,0 +1,95 @@
+"""Line resonance: the air in the tube rings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import InputEffect, Scale
+from softid.kernels.filters import resonance
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+SHORTEST_PERIODS = 1e-2
+LONGEST_SHARE = 0.25
+"""Bounds of the ringing period, in sampling intervals and as a share of the log."""
+
+ZETA = (0.02, 3.0)
+START_ZETA = 0.2
+
+
+@dataclass(frozen=True)
+class LineResonance(InputEffect):
+    """Second-order resonance p̈a/ω² + 2ζ ṗa/ω + pa = p, exact for a straight input.
+
+    It is written with the period 2π/ω, so that a period of zero is no resonance at all.
+    """
+
+    name: ClassVar[str] = "line_resonance"
+    title: ClassVar[str] = "Resonance of the supply line"
+    law: ClassVar[str] = "pa''/w^2 + 2 zeta pa'/w + pa = p,  w = 2 pi/period"
+    meaning: ClassVar[str] = (
+        "The air in the tube and the volume behind it swing like a mass on a spring, so the "
+        "actuator's pressure overshoots and rings after every fast change."
+    )
+    signature: ClassVar[str] = (
+        "The residual rings with one frequency after every step, and turns over in a chirp where "
+        "that frequency is passed."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "delay", "pressure_mass")
+    remedy: ClassVar[str] = (
+        "shorten the tube, put a restrictor at the actuator, or record the pressure there"
+    )
+    shown_by: ClassVar[str] = "fast steps, or a chirp beyond the ringing frequency"
+    source: ClassVar[str] = "Richards et al., J. Dyn. Sys. Meas. Control 108 (1986) 342"
+    amplitude: ClassVar[str] = "period"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The ringing period 2π/ω and the damping ratio ζ."""
+        return ParameterSet(
+            (
+                Parameter(
+                    "period",
+                    self._periods(scale)[1],
+                    "s",
+                    SHORTEST_PERIODS * scale.period_s,
+                    LONGEST_SHARE * scale.duration_s,
+                    "log",
+                    meaning="period of the undamped ringing",
+                    source=self.source,
+                ),
+                Parameter(
+                    "zeta",
+                    START_ZETA,
+                    "1",
+                    *ZETA,
+                    "log",
+                    meaning="damping ratio of the line",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Lightly damped, from six samples to twice the motion's own time."""
+        return tuple({"period": t, "zeta": START_ZETA} for t in self._periods(scale))
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """The ringing input."""
+        del scale
+        arriving = np.array(u, np.float64)
+        if eta[0] > 0.0:
+            resonance(np.diff(time_s), arriving, 2.0 * np.pi / float(eta[0]), float(eta[1]))
+        return arriving
+
+    @staticmethod
+    def _periods(scale: Scale) -> tuple[float, ...]:
+        longest = 0.5 * LONGEST_SHARE * scale.duration_s
+        shortest = min(6.0 * scale.period_s, 0.1 * longest)
+        slowest = min(max(2.0 * scale.motion_s, 8.0 * shortest), longest)
+        return tuple(np.geomspace(shortest, slowest, 4).tolist())

@@ -1,0 +1,73 @@
+"""Sensor lag: the reading follows the motion late."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import OutputEffect, Scale
+from softid.effects.time_constants import lag_bounds, lag_times
+from softid.kernels.filters import lag
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SensorLag(OutputEffect):
+    """First-order lag of the reading, τ ẏ + y = x, exact for a motion straight between samples.
+
+    Behind an actuator that is itself linear it is the same as a lag before it.
+    """
+
+    name: ClassVar[str] = "sensor_lag"
+    title: ClassVar[str] = "Lag of the sensor"
+    law: ClassVar[str] = "tau y' + y = x"
+    meaning: ClassVar[str] = (
+        "The reading follows the motion exponentially, because the sensor or a filter behind it "
+        "averages over a time of its own."
+    )
+    signature: ClassVar[str] = (
+        "The residual is in proportion to the speed of the motion, with the same factor at every "
+        "level and in both directions."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "delay", "clock_rate")
+    remedy: ClassVar[str] = (
+        "switch off or shorten the sensor's smoothing filter, or correct the reading for it"
+    )
+    shown_by: ClassVar[str] = "a chirp beyond the bandwidth of the sensor, at two offsets"
+    source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.3"
+    amplitude: ClassVar[str] = "tau"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The time constant τ, up to a quarter of the log."""
+        shortest, longest = lag_bounds(scale)
+        return ParameterSet(
+            (
+                Parameter(
+                    "tau",
+                    lag_times(scale)[1],
+                    "s",
+                    shortest,
+                    longest,
+                    "log",
+                    meaning="time constant with which the reading follows",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """From two samples to the motion's own time."""
+        return tuple({"tau": tau} for tau in lag_times(scale))
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """The lagged reading, settled at the first sample."""
+        del scale
+        recorded = np.array(y, np.float64)
+        lag(np.diff(time_s), recorded, float(eta[0]), float(eta[0]))
+        return recorded

@@ -1,0 +1,93 @@
+"""Sensor warm-up: the reading wanders after switching on and settles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import OutputEffect, Scale
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+LARGEST_SHARE = 1.0
+START_SHARE = 0.1
+"""Bound and start of the wander, as shares of the output's range."""
+
+SHORTEST_PERIODS = 5.0
+LONGEST_DURATIONS = 2.0
+TIMES = (0.05, 0.2, 0.6)
+"""Bounds of the warm-up time in sampling intervals and logs, and its starts in logs."""
+
+
+@dataclass(frozen=True)
+class SensorWarmup(OutputEffect):
+    """Exponential wander after switching on, y + D (1 − e^{−t/T}), t from the start of the log."""
+
+    name: ClassVar[str] = "sensor_warmup"
+    title: ClassVar[str] = "Warm-up of the sensor"
+    law: ClassVar[str] = "recorded y = y + D (1 - exp(-t/T))"
+    meaning: ClassVar[str] = (
+        "The sensor's zero wanders after it was switched on and comes to rest as the sensor gets "
+        "warm."
+    )
+    signature: ClassVar[str] = (
+        "The residual rises or falls fast at the start of the log and ever more slowly later, "
+        "whatever the input does."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("sensor_drift", "creep", "ageing")
+    remedy: ClassVar[str] = "switch the sensor on long before the log, or log a rest first"
+    shown_by: ClassVar[str] = "a record much longer than the warm-up, with rests in it"
+    source: ClassVar[str] = "first-order warming; Fraden, Handbook of Modern Sensors, 5th ed., §3"
+    amplitude: ClassVar[str] = "size"
+    changes_sign: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The wander D, at most the output's range, and its time T, at most two logs."""
+        shortest = SHORTEST_PERIODS * scale.period_s
+        longest = max(LONGEST_DURATIONS * scale.duration_s, 10.0 * shortest)
+        return ParameterSet(
+            (
+                Parameter(
+                    "size",
+                    START_SHARE * scale.y_span,
+                    scale.y_unit,
+                    -LARGEST_SHARE * scale.y_span,
+                    LARGEST_SHARE * scale.y_span,
+                    meaning="wander of the reading until it is warm",
+                    source=self.source,
+                ),
+                Parameter(
+                    "time",
+                    min(max(TIMES[1] * scale.duration_s, shortest), longest),
+                    "s",
+                    shortest,
+                    longest,
+                    "log",
+                    meaning="time constant of the warming",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Times from a twentieth to most of the log; the effect is linear in its size."""
+        declared = self.parameters(scale)
+        time = declared["time"]
+        return tuple(
+            {
+                "size": declared["size"].value,
+                "time": min(max(share * scale.duration_s, time.lower), time.upper),
+            }
+            for share in TIMES
+        )
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Add D (1 − e^{−t/T})."""
+        del scale
+        warming: Array = y - eta[0] * np.expm1(-time_s / eta[1])
+        return warming

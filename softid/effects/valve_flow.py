@@ -1,0 +1,107 @@
+"""Valve flow: the pressure follows as fast as a restriction lets air pass."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import InputEffect, Scale
+from softid.effects.time_constants import lag_bounds, lag_times
+from softid.kernels.valve import valve_flow
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+ATMOSPHERE_KPA = 101.325
+LOWEST_SHARE = 0.01
+"""Lowest absolute pressure, in atmospheres: noise below a vacuum is no pressure."""
+
+TOLERANCE = 1e-9
+"""Error allowed per step of the integration, as a share of the input's range."""
+
+CRITICAL = (0.1, 0.3, 0.528)
+"""Bounds and usual value of the critical ratio; 0.528 is an ideal nozzle's."""
+
+
+@dataclass(frozen=True)
+class ValveFlow(InputEffect):
+    r"""Flow through a valve after ISO 6358, ṗa = C p_u ψ(p_d/p_u).
+
+    ψ(r) = 1 for r ≤ b and √(1 − ((r − b)/(1 − b))²) above. The recorded pressure is that of the
+    regulator: air flows between it and the actuator in the direction of the difference, so the
+    upstream pressure p_u is the recorded one while filling and the actuator's while venting. C is
+    written as 1/τ, so that τ = 0 is no restriction. Above r = 0.999 the flow is laminar.
+
+    Pressures are absolute, above an atmosphere of 101.325 kPa; an input in another unit than kPa
+    counts as a pressure whose range runs from one atmosphere to two.
+    """
+
+    name: ClassVar[str] = "valve_flow"
+    title: ClassVar[str] = "Flow through a valve"
+    law: ClassVar[str] = "pa' = C pu psi(pd/pu),  C = 1/tau"
+    meaning: ClassVar[str] = (
+        "A narrow valve lets only so much air pass, so large steps fill at a constant rate and the "
+        "times of filling and venting depend on the level."
+    )
+    signature: ClassVar[str] = (
+        "The residual after a step grows with the step and lasts longer for larger steps; a lag of "
+        "one time constant leaves a rest that differs from level to level."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "delay")
+    remedy: ClassVar[str] = (
+        "use a valve with a larger sonic conductance, or record the pressure inside the actuator"
+    )
+    shown_by: ClassVar[str] = "steps up and down at several levels and of several sizes"
+    source: ClassVar[str] = "ISO 6358-1:2013"
+    amplitude: ClassVar[str] = "tau"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The time τ = 1/C, and the critical ratio b within those of real valves."""
+        shortest, longest = lag_bounds(scale)
+        return ParameterSet(
+            (
+                Parameter(
+                    "tau",
+                    lag_times(scale)[1],
+                    "s",
+                    shortest,
+                    longest,
+                    "log",
+                    meaning="time in which a choked flow raises the pressure by the upstream one",
+                    source=self.source,
+                ),
+                Parameter(
+                    "b",
+                    CRITICAL[1],
+                    "1",
+                    CRITICAL[0],
+                    CRITICAL[2],
+                    meaning="ratio of the pressures below which the flow is choked",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """From two samples to the motion's own time."""
+        return tuple({"tau": tau, "b": CRITICAL[1]} for tau in lag_times(scale))
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """The pressure behind the valve."""
+        arriving = np.array(u, np.float64)
+        if eta[0] <= 0.0:
+            return arriving
+        if scale.u_unit == "kPa":
+            atmosphere, added = ATMOSPHERE_KPA, ATMOSPHERE_KPA
+        else:
+            atmosphere, added = scale.u_span, scale.u_span - scale.u_low
+        absolute = np.maximum(arriving + added, LOWEST_SHARE * atmosphere)
+        valve_flow(
+            np.diff(time_s), absolute, float(eta[0]), float(eta[1]), TOLERANCE * scale.u_span
+        )
+        passed: Array = absolute - added
+        return passed

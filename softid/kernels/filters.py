@@ -1,0 +1,149 @@
+r"""Filters that are exact for an input that is straight between any, also irregular, times.
+
+Before the first time the input is constant, so every filter begins settled. Each works in place on
+the values of its input; ``step_s`` are the intervals between them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+Array = npt.NDArray[np.float64]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def lag_difference(difference: float, slope: float, step_s: float, tau_s: float) -> float:
+    """Output minus input of τ ẏ + y = u after a step along a straight input.
+
+    With d = y − u it is d⁺ = d e^{−h/τ} − s τ (1 − e^{−h/τ}).
+
+    Parameters
+    ----------
+    difference
+        d before the step.
+    slope
+        Slope s of the input.
+    step_s
+        Length h of the step.
+    tau_s
+        Time constant τ, positive.
+    """
+    decayed = np.expm1(-step_s / tau_s)
+    return float(difference * (1.0 + decayed) + slope * tau_s * decayed)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def lag(step_s: Array, values: Array, rising_s: float, falling_s: float) -> None:
+    """First-order lag τ ẏ + y = u, with one τ where u > y and another where u < y.
+
+    The difference y − u passes zero at most once along a straight input, since there it moves
+    against the slope; the time constant changes at that instant,
+    t* = τ ln(1 + d/(s τ)).
+
+    Parameters
+    ----------
+    step_s
+        Intervals, shape (n − 1,).
+    values
+        Input, shape (n,); overwritten by the output.
+    rising_s, falling_s
+        Time constants while the output follows upward and downward; not negative.
+    """
+    before = values[0]
+    difference = 0.0
+    for k in range(step_s.size):
+        now = values[k + 1]
+        left = step_s[k]
+        slope = (now - before) / left
+        rising = difference < 0.0 or (difference == 0.0 and slope > 0.0)
+        tau = rising_s if rising else falling_s
+        if rising_s != falling_s and difference != 0.0 and (slope < 0.0) == rising and slope != 0.0:
+            passing = tau * np.log1p(difference / (slope * tau)) if tau > 0.0 else 0.0
+            if passing < left:
+                left -= passing
+                difference = 0.0
+                tau = falling_s if rising else rising_s
+        difference = lag_difference(difference, slope, left, tau) if tau > 0.0 else 0.0
+        values[k + 1] = now + difference
+        before = now
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def resonance(step_s: Array, values: Array, omega: float, zeta: float) -> None:
+    """Second-order resonance ÿ/ω² + 2ζ ẏ/ω + y = u at any damping.
+
+    With s the slope of the input, e = y − u + 2ζ s/ω obeys ë + 2ζω ė + ω² e = 0, so with a = ζω
+
+        e⁺ = e^{−ah} [e C + (ė + a e) S],   ė⁺ = e^{−ah} [ė C − (a ė + ω² e) S],
+
+    C = cos ω_d h, S = sin(ω_d h)/ω_d and ω_d = ω √(1 − ζ²); beyond ζ = 1 the hyperbolic functions.
+
+    Parameters
+    ----------
+    step_s
+        Intervals, shape (n − 1,).
+    values
+        Input, shape (n,); overwritten by the output.
+    omega
+        Natural frequency ω in rad/s, positive.
+    zeta
+        Damping ratio ζ, positive.
+    """
+    a = zeta * omega
+    turning = omega * np.sqrt(abs((1.0 - zeta) * (1.0 + zeta)))
+    before = values[0]
+    y, v = before, 0.0
+    for k in range(step_s.size):
+        h = step_s[k]
+        now = values[k + 1]
+        slope = (now - before) / h
+        if zeta < 1.0:
+            c = np.exp(-a * h) * np.cos(turning * h)
+            s = np.exp(-a * h) * np.sin(turning * h) / turning
+        elif turning > 0.0:
+            slow = np.exp(-omega * h / (zeta + turning / omega))
+            c = 0.5 * slow * (1.0 + np.exp(-2.0 * turning * h))
+            s = -0.5 * slow * np.expm1(-2.0 * turning * h) / turning
+        else:
+            c = np.exp(-a * h)
+            s = h * np.exp(-a * h)
+        behind = 2.0 * zeta * slope / omega
+        e, rate = y - before + behind, v - slope
+        y = now - behind + e * c + (rate + a * e) * s
+        v = slope + rate * c - (a * rate + omega * omega * e) * s
+        values[k + 1] = y
+        before = now
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cubic(time_s: Array, values: Array, at_s: Array, found: Array) -> None:
+    """Interpolate by the cubic through the two samples on either side (Lagrange).
+
+    Near the ends it is the cubic through the outermost four.
+
+    Parameters
+    ----------
+    time_s, values
+        Samples, each of shape (n,) with n ≥ 4.
+    at_s
+        Increasing times within those of the samples, shape (m,).
+    found
+        Receives the values at these times, shape (m,).
+    """
+    n = time_s.size
+    left = 0
+    for i in range(at_s.size):
+        t = at_s[i]
+        while left < n - 2 and time_s[left + 1] <= t:
+            left += 1
+        first = min(max(left - 1, 0), n - 4)
+        total = 0.0
+        for j in range(first, first + 4):
+            weight = 1.0
+            for o in range(first, first + 4):
+                if o != j:
+                    weight *= (t - time_s[o]) / (time_s[j] - time_s[o])
+            total += weight * values[j]
+        found[i] = total
