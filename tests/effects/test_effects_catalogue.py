@@ -85,7 +85,7 @@ def test_parameters_and_starts(key: str, base: str) -> None:
     """Bounds, units and meaning are set; starts are complete, few, inside, and not nothing."""
     effect, scale = EFFECTS[key](), rig(base)[1]
     declared = effect.parameters(scale)
-    assert effect.amplitude in effect.amplitudes
+    assert effect.amplitude is None or effect.amplitude in effect.amplitudes
     assert set(effect.amplitudes) <= set(declared)
     for p in declared.values():
         assert np.isfinite([p.lower, p.upper]).all()
@@ -102,11 +102,11 @@ def test_parameters_and_starts(key: str, base: str) -> None:
         assert tuple(start) == declared.names
         for name, value in start.items():
             assert declared[name].lower <= value <= declared[name].upper, name
-        assert any(start[name] != 0.0 for name in effect.amplitudes)
+        assert not effect.amplitudes or any(start[name] != 0.0 for name in effect.amplitudes)
 
 
 @pytest.mark.parametrize("base", BASES)
-@pytest.mark.parametrize("key", EFFECTS)
+@pytest.mark.parametrize("key", [key for key in EFFECTS if EFFECTS[key]().amplitudes])
 def test_nothing_at_zero_amplitude(key: str, base: str) -> None:
     """With its amplitudes at zero an effect leaves the base model's response, to 1e-9 of it."""
     (model, theta), (drive, scale) = BASES[base], rig(base)
