@@ -14,8 +14,9 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from softid.effects import Scale
+from softid.effects import Effect, ExtendedModel, Scale
 from softid.log import Log, Segment
+from softid.models.oscillator import Oscillator
 
 PERIOD_S = 0.01
 MUSCLE = np.array([3e-3, 1 / 60, 2.0, 0.3, 0.02, 0.3, 0.05])
@@ -138,6 +139,39 @@ def segment(time_s: np.ndarray, u: np.ndarray) -> Segment:
     """A drive without a recorded output."""
     channels = {"pressure": u, "position": time_s}
     return Log.from_arrays(time_s, channels, input="pressure", outputs=("position",)).segments()[0]
+
+
+def round_scale() -> Scale:
+    """Round sizes, for laws that are tried by themselves."""
+    return Scale(
+        u_low=0.0, u_high=1.0, x_low=0.0, x_high=0.5, v_max=2.0, force=1.0, y_low=0.0, y_high=0.5,
+        period_s=PERIOD_S, duration_s=10.0, motion_s=0.1, travel=10.0,
+    )  # fmt: skip
+
+
+def oscillation(
+    effect: Effect,
+    values: Values,
+    drive: Segment,
+    coefficients: tuple[float, float, float],
+    start: tuple[float, ...] | None = None,
+    model: Oscillator | None = None,
+) -> np.ndarray:
+    """Position of an oscillator (M, N, Q) with one effect, by softid's simulator."""
+    extended = ExtendedModel(model or Oscillator(), (effect,), round_scale())
+    eta = [values[name] for name in effect.parameters(round_scale())]
+    theta = np.array([*coefficients, 1.0, 0.0, *eta])
+    began = None if start is None else np.array(start)
+    found = extended.response(theta, drive, ("position",), start=began, derivatives=False)
+    return found.outputs["position"]
+
+
+def settled(effect: Effect, values: Values, u: np.ndarray, stiffness: float) -> np.ndarray:
+    """Position at rest of an oscillator with one effect, by softid."""
+    extended = ExtendedModel(Oscillator(), (effect,), round_scale())
+    eta = [values[name] for name in effect.parameters(round_scale())]
+    theta = np.array([0.01, 0.1, stiffness, 1.0, 0.0, *eta])
+    return extended.static_output(theta, u, "position")
 
 
 def sizes(model: str, drive: Segment) -> Scale:

@@ -24,7 +24,7 @@ LARGE = 0.05
 a jump for the steps, whose error goes with their square and with the force, and stops growing at a
 friction of `LARGE` of the elastic force, where the motion begins to stick."""
 
-SPEEDS = (3e-3, 0.03)
+SPEEDS = (0.01, 0.06)
 STRIBECK_SPEEDS = (0.03, 0.1)
 
 

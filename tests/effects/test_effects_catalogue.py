@@ -1,4 +1,4 @@
-"""Every effect of the catalogue: its words and bounds, and its law against one that scipy solves."""
+"""Every effect of the catalogue: words, bounds, and its law against one that scipy solves."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_parameters_and_starts(key: str, base: str) -> None:
     """Bounds, units and meaning are set; starts are complete, few, inside, and not nothing."""
     effect, scale = EFFECTS[key](), rig(base)[1]
     declared = effect.parameters(scale)
-    assert effect.amplitude in effect.amplitudes
+    assert effect.amplitude is None or effect.amplitude in effect.amplitudes
     assert set(effect.amplitudes) <= set(declared)
     for p in declared.values():
         assert np.isfinite([p.lower, p.upper]).all()
@@ -102,11 +102,11 @@ def test_parameters_and_starts(key: str, base: str) -> None:
         assert tuple(start) == declared.names
         for name, value in start.items():
             assert declared[name].lower <= value <= declared[name].upper, name
-        assert any(start[name] != 0.0 for name in effect.amplitudes)
+        assert not effect.amplitudes or any(start[name] != 0.0 for name in effect.amplitudes)
 
 
 @pytest.mark.parametrize("base", BASES)
-@pytest.mark.parametrize("key", EFFECTS)
+@pytest.mark.parametrize("key", [key for key in EFFECTS if EFFECTS[key]().amplitudes])
 def test_nothing_at_zero_amplitude(key: str, base: str) -> None:
     """With its amplitudes at zero an effect leaves the base model's response, to 1e-9 of it."""
     (model, theta), (drive, scale) = BASES[base], rig(base)
@@ -176,11 +176,14 @@ def test_sharp_laws_get_the_steps_they_need(key: str, base: str) -> None:
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("key", EFFECTS)
 def test_jacobian(key: str, base: str) -> None:
-    """Derivatives against central differences of whole simulations, to 1e-3 of each column."""
+    """Derivatives against central differences of whole simulations, to 1e-4 of each column.
+
+    At a start times 1.0173, since a corner that falls on a sample has a derivative on each side.
+    """
     (model, theta), (drive, scale) = BASES[base], rig(base)
     effect = EFFECTS[key]()
     extended = ExtendedModel(model, (effect,), scale)
-    values = dict(effect.starts(scale)[0])
+    values = {name: 1.0173 * value for name, value in effect.starts(scale)[0].items()}
     whole = np.concatenate((theta, eta_of(effect, scale, values)))
     plan = extended.plan(whole, drive)
 
@@ -193,34 +196,54 @@ def test_jacobian(key: str, base: str) -> None:
     by = exact.by_parameter[OUTPUT[0]]
     natural = np.abs(np.concatenate((theta, effect.parameters(scale).values_vector())))
     for k, size in enumerate(natural):
-        h = 1e-4 * max(size, 1e-3)
+        h = 1e-5 * max(size, 1e-3)
         step = h * np.eye(whole.size)[k]
         expected = (outputs(whole + step) - outputs(whole - step)) / (2 * h)
-        atol = 1e-3 * np.max(np.abs(expected)) + 1e-9 * scale.x_span / max(size, 1e-3)
+        atol = 1e-4 * np.max(np.abs(expected)) + 1e-8 * scale.x_span / max(size, 1e-3)
         np.testing.assert_allclose(by[:, k], expected, atol=atol, err_msg=f"column {k}")
 
 
-@pytest.mark.parametrize("base", BASES)
-@pytest.mark.parametrize("key", STATE)
-def test_lower_orders_are_the_limits_of_higher_ones(key: str, base: str) -> None:
-    """With M, and with M and N, a millionth of what they were, to 1e-3 of the range at the median.
+GENTLE = {
+    "coulomb_friction": {"Fc": 0.05, "vs": 0.3},
+    "coulomb_friction.stribeck": {"Fc": 0.05, "vs": 0.3, "beta": 0.1, "vb": 1.0},
+}
+"""In shares of force and largest speed. Without inertia and damping nothing but the spring holds
+the stages of sharp friction together, and Newton's method does not find them; and friction that
+falls with the speed faster than the damping grows has no unique motion at all."""
 
-    The median, because a mode that dies out within microseconds is seen right after a jump only.
+
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize(
+    ("order", "key"),
+    [
+        *(("first", key) for key in STATE),
+        *(("static", key) for key in STATE if not key.endswith("stribeck")),
+    ],
+)
+def test_lower_orders_are_the_limits_of_higher_ones(order: str, key: str, base: str) -> None:
+    """With M, and with M and N, a millionth of what they were, to 3e-3 of the range at the median.
+
+    The median, because a mode that dies out within microseconds is seen right after a jump only;
+    3e-3, because the turns of a hysteresis fall between the steps in both.
     """
     (model, theta), (drive, scale) = BASES[base], rig(base)
     effect = EFFECTS[key]()
-    eta = eta_of(effect, scale, dict(effect.starts(scale)[0]))
+    values = dict(effect.starts(scale)[0])
+    if key in GENTLE:
+        natural = {"Fc": scale.force, "vs": scale.v_max, "vb": scale.v_max, "beta": 1.0}
+        values = {name: share * natural[name] for name, share in GENTLE[key].items()}
+    eta = eta_of(effect, scale, values)
     names = model.parameters().names
-    damping = [names.index(name) for name in names if name in ("N", "a2", "c2")]
-    for order, faded in (("first", [0]), ("static", [0, *damping])):
-        small, none = theta.copy(), theta.copy()
-        small[faded] *= 1e-6
-        none[faded] = 0.0
-        limit = replace(model, order=order)
-        found = moved(ExtendedModel(limit, (effect,), scale), np.concatenate((none, eta)), drive)
-        near = moved(ExtendedModel(model, (effect,), scale), np.concatenate((small, eta)), drive)
-        assert np.isfinite(found).all()
-        assert np.median(np.abs(found - near)) < 1e-3 * np.ptp(found), order
+    gone = ("M",) if order == "first" else ("M", "N", "a2", "c2")
+    faded = [k for k, name in enumerate(names) if name in gone]
+    small, none = theta.copy(), theta.copy()
+    small[faded] *= 1e-6
+    none[faded] = 0.0
+    limit = replace(model, order=order)
+    found = moved(ExtendedModel(limit, (effect,), scale), np.concatenate((none, eta)), drive)
+    near = moved(ExtendedModel(model, (effect,), scale), np.concatenate((small, eta)), drive)
+    assert np.isfinite(found).all()
+    assert np.median(np.abs(found - near)) < 3e-3 * np.ptp(found)
 
 
 def test_all_state_effects_act_together() -> None:

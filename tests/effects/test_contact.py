@@ -1,0 +1,31 @@
+"""Contact: two springs in turn, with a rounded corner."""
+
+from __future__ import annotations
+
+import numpy as np
+from textbook_effects import settled
+
+from softid.effects.contact import Contact
+
+VALUES = {"kw": 6.0, "xw": 0.3}
+
+
+def test_two_straight_branches_at_rest() -> None:
+    """x = u/Q below, (u + kw xw)/(Q + kw) above: the corner has gone 20 widths away, to 1e-8."""
+    low, high = np.array([0.0, 0.2, 0.39]), np.array([1.5, 3.0, 9.0])
+    below = settled(Contact(), VALUES, low, 2.0)
+    above = settled(Contact(), VALUES, high, 2.0)
+    np.testing.assert_allclose(below, low / 2.0, atol=1e-8)
+    np.testing.assert_allclose(above, (high + 6.0 * 0.3) / 8.0, atol=1e-8)
+
+
+def test_force_at_the_corner() -> None:
+    """At x = xw the softplus is w ln 2, with w = 1 % of the range 0.5."""
+    u = np.array([2.0 * 0.3 + 6.0 * 0.005 * np.log(2.0)])
+    np.testing.assert_allclose(settled(Contact(), VALUES, u, 2.0), 0.3, atol=1e-10)
+
+
+def test_nothing_overflows_far_from_the_obstacle() -> None:
+    """Thousands of widths on either side give the straight branches, not infinity."""
+    found = settled(Contact(), VALUES, np.array([-100.0, 40.0]), 2.0)
+    np.testing.assert_allclose(found, [-50.0, (40.0 + 1.8) / 8.0], rtol=1e-10)

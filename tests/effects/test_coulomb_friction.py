@@ -1,0 +1,67 @@
+"""Coulomb friction: amplitudes that fall by equal amounts, sticking, and the Stribeck form."""
+
+from __future__ import annotations
+
+import numpy as np
+from textbook_effects import oscillation, round_scale, segment
+
+from softid.effects.coulomb_friction import CoulombFriction, StribeckFriction
+from softid.kernels.terms import FORCE
+
+
+def force(effect: CoulombFriction, v: float, eta: list[float]) -> float:
+    """Friction at a speed, by the effect's own step."""
+    out = np.zeros(6)
+    effect.step(0.0, v, 0.0, 0.0, 0.0, np.array(eta), out)
+    return float(out[FORCE])
+
+
+def free_decay(friction: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Times, positions and half period of a spring and a mass let go at 0.5."""
+    mass, spring = 0.02, 2.0
+    half_s = np.pi * np.sqrt(mass / spring)
+    time_s = np.linspace(0.0, 8 * half_s, 641)
+    values = {"Fc": friction, "vs": 2e-3}
+    drive = segment(time_s, np.zeros(641))
+    found = oscillation(CoulombFriction(), values, drive, (mass, 0.0, spring), start=(0.5, 0.0))
+    return time_s, found, half_s
+
+
+def test_amplitude_falls_by_equal_amounts() -> None:
+    """After each half period the turning point is closer by 2 Fc/Q, to 1e-3 of the first.
+
+    Textbook solution of M x'' + Fc sign(x') + Q x = 0; vs is 1/2500 of the largest speed.
+    """
+    _, x, _ = free_decay(0.08)
+    turns = x[::80][:6]
+    expected = [(-1) ** n * (0.5 - n * 0.08) for n in range(6)]
+    np.testing.assert_allclose(turns, expected, atol=1e-3 * 0.5)
+
+
+def test_it_sticks() -> None:
+    """Once |Q x| < Fc at a turn nothing moves but by x' = −vs artanh(Q x/Fc), to 1e-6."""
+    time_s, x, half_s = free_decay(0.35)
+    late = time_s > 2.2 * half_s
+    rest = x[late]
+    assert abs(rest[0]) * 2.0 < 0.35
+    creeping = -2e-3 * np.arctanh(2.0 * rest / 0.35)
+    np.testing.assert_allclose(np.gradient(rest, time_s[late])[1:-1], creeping[1:-1], atol=1e-5)
+
+
+def test_stribeck_is_larger_slowly_and_the_same_fast() -> None:
+    """Fc (1 + β) between vs and vb, Fc far above vb, and Fc tanh(v/vs) at β = 0."""
+    stribeck, plain = StribeckFriction(), CoulombFriction()
+    eta = [2.0, 1e-4, 0.5, 0.1]
+    assert abs(force(stribeck, 1e-3, eta) - 3.0) < 1e-3
+    assert abs(force(stribeck, -1.0, eta) + 2.0) < 1e-9
+    for v in (-0.2, 1e-4, 0.05):
+        assert force(stribeck, v, [2.0, 1e-4, 0.0, 0.1]) == force(plain, v, eta[:2])
+
+
+def test_sharp_friction_asks_for_small_steps() -> None:
+    """The rate grows as vs falls, and stops where the friction is a jump for any step."""
+    scale, effect = round_scale(), CoulombFriction()
+    rates = [effect.rate(np.array([0.1, vs]), scale) for vs in (0.6, 0.1, 0.01, 1e-3, 1e-5)]
+    assert rates == sorted(rates)
+    assert rates[-1] == rates[-2]
+    assert effect.rate(np.array([0.0, 1e-3]), scale) == 0.0
