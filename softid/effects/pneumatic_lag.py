@@ -39,7 +39,7 @@ class PneumaticLag(InputEffect):
         "record the pressure inside the actuator, shorten or widen the tube, use a larger valve"
     )
     shown_by: ClassVar[str] = "a chirp up to the bandwidth of the actuator"
-    source: ClassVar[str] = "first-order lag of a chamber behind a restriction"
+    source: ClassVar[str] = "Andersen, The Analysis and Design of Pneumatic Systems, Wiley 1967"
     amplitude: ClassVar[str] = "tau"
 
     def parameters(self, scale: Scale) -> ParameterSet:
