@@ -125,7 +125,7 @@ def print_description(effect: Effect, variants: list[str]) -> None:
         print_text(f"  richer or other forms: {', '.join(variants)}")
     click.echo()
     print_text(effect.meaning)
-    print_text(f"In the residual: {effect.signature}")
+    print_text(f"Signature: {effect.signature}")
     print_text(f"Shown by: {effect.shown_by}")
     if effect.neighbours:
         print_text(f"Easily confused with: {', '.join(effect.neighbours)}")

@@ -11,12 +11,12 @@ from softid.models.muscle import Muscle
 SCALE = Scale(
     u_low=0.0,
     u_high=150.0,
-    x_low=0.0,
-    x_high=1.2,
+    x_low=0.3,
+    x_high=1.8,
     v_max=5.0,
     force=3.0,
-    y_low=0.0,
-    y_high=1.2,
+    y_low=0.3,
+    y_high=1.8,
     period_s=0.01,
     duration_s=12.0,
     motion_s=0.2,
@@ -27,7 +27,7 @@ SCALE = Scale(
 CORNERS_S = (0.0, 0.5, 0.52, 3.0, 3.02, 5.0, 8.0, 8.5, 10.0, 12.0)
 LEVELS_KPA = (0.0, 0.0, 140.0, 140.0, 60.0, 60.0, 120.0, 10.0, 10.0, 80.0)
 THETA = np.array([0.02, 0.5, 2.8, 2.5, 0.1, 1.8, 0.7])
-"""A muscle with a time constant of about 0.2 s and a motion of about 1 rad."""
+"""A muscle with a time constant of about 0.2 s and a motion from 0.3 to 1.8 rad."""
 
 
 def pressure(time_s: np.ndarray) -> np.ndarray:

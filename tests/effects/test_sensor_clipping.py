@@ -45,8 +45,8 @@ def test_the_starts_reach_into_the_range() -> None:
     for effect in (SensorClipping(), LowerSensorClipping(), BothSensorClipping()):
         assert effect.amplitude is None
         for start in effect.starts(SCALE):
-            assert start.get("upper", 0.5) < SCALE.y_high
-            assert start.get("lower", 0.5) > SCALE.y_low
+            assert SCALE.y_low < start.get("upper", 1.0) < SCALE.y_high
+            assert SCALE.y_low < start.get("lower", 1.0) < SCALE.y_high
 
 
 @pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])

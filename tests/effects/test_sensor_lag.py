@@ -21,13 +21,14 @@ def test_a_ramp_from_rest(sampling: str) -> None:
 
 
 def test_behind_a_lag_order_does_not_matter() -> None:
-    """A lag of the sensor is one before a linear actuator: a slow, small motion, within 1e-3.
+    """A lag of the sensor is one before a linear actuator, within 2e-3 of the range.
 
-    The muscle is nearly linear in 2 kPa, and the sensor's input is straight between samples.
+    The muscle is nearly linear in 2 kPa; what is left, 1.1e-3, is the rest of its bend and the
+    motion that counts as straight between samples.
     """
     s = replace(segment(), input=100.0 + segment().input / 70.0)
     before, after = response(*extended("pneumatic_lag"), s), response(*extended("sensor_lag"), s)
-    np.testing.assert_allclose(after, before, rtol=0.0, atol=1e-2 * np.ptp(before))
+    np.testing.assert_allclose(after, before, rtol=0.0, atol=2e-3 * np.ptp(before))
 
 
 def test_sensor_lag_of_zero_is_none() -> None:
