@@ -28,6 +28,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "simulate": ("softid_cli.simulate", "Predict the response to a log's pressure, as CSV."),
     "synthesize": ("softid_cli.synthesize", "Make logs whose true parameters are known."),
     "models": ("softid_cli.models", "List the models: equation, parameters, what shows them."),
+    "effects": (
+        "softid_cli.effects",
+        "List the physical effects: law, meaning, signature, remedy.",
+    ),
     "demo": ("softid_cli.demo", "Fit a bundled log, to see what comes out."),
 }
 """Command → module that holds the click command of that name, and its line in the help."""

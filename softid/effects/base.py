@@ -38,7 +38,7 @@ class Scale:
     force
         Span of the elastic force over the range of positions.
     y_low, y_high
-        Range of the first output.
+        Range of the first output as it is simulated, without a sensor zero.
     period_s, duration_s
         Median sampling interval, and the length of the longest log.
     motion_s

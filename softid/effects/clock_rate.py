@@ -88,6 +88,5 @@ class ClockRate(OutputEffect):
 
 
 def _rates(scale: Scale) -> tuple[float, ...]:
-    return tuple(
-        min(shift * scale.motion_s / scale.duration_s, 0.5 * LARGEST) for shift in START_SHIFTS
-    )
+    slowest_s = max(scale.motion_s, scale.period_s)
+    return tuple(min(shift * slowest_s / scale.duration_s, 0.5 * LARGEST) for shift in START_SHIFTS)

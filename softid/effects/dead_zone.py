@@ -45,7 +45,8 @@ class DeadZone(InputEffect):
     remedy: ClassVar[str] = "start from a pressure above the threshold, or preload the sleeve"
     shown_by: ClassVar[str] = "a fine staircase near zero input"
     source: ClassVar[str] = (
-        "Tao and Kokotović, Adaptive Control of Systems with Nonlinearities 1996"
+        "Tao and Kokotović, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, "
+        "Wiley 1996"
     )
     amplitude: ClassVar[str] = "p0"
 

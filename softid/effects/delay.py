@@ -42,7 +42,7 @@ class Delay(InputEffect):
     remedy: ClassVar[str] = (
         "stamp all channels with one clock; record the pressure at the actuator, not the command"
     )
-    shown_by: ClassVar[str] = "fast steps, or a chirp, sampled ten times within the delay"
+    shown_by: ClassVar[str] = "fast steps, or a chirp"
     source: ClassVar[str] = "Ljung, System Identification, 2nd ed. 1999, §4.2"
     amplitude: ClassVar[str] = "tau"
 

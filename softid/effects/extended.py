@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from softid.effects.arrival import arriving_input
 from softid.effects.base import (
     STAGES,
     Effect,
@@ -18,7 +19,7 @@ from softid.effects.base import (
     Scale,
     StateEffect,
 )
-from softid.effects.motion import divided, rest, simulate_motion, stage_times
+from softid.effects.motion import divided, rest, simulate_motion
 from softid.log import Segment
 from softid.models.base import Model, Response
 from softid.models.second_order import MAX_PHASE_PER_STEP, MAX_SUBSTEPS, Division, divide
@@ -123,7 +124,9 @@ class ExtendedModel(Model):
         first = outputs[0]
 
         def moved(theta: Array, *, derivatives: bool) -> Response:
-            arriving = self._arriving(theta, segment, fixed_plan)
+            first_input, stage_input = arriving_input(
+                self._on_input(theta), segment, fixed_plan, self.scale
+            )
             return simulate_motion(
                 self.model,
                 self._state_effects,
@@ -132,8 +135,8 @@ class ExtendedModel(Model):
                 theta[self._split[1] : self._split[2]],
                 segment,
                 outputs,
-                first_input=float(arriving[0]),
-                stage_input=arriving[1:].reshape(-1, 3),
+                first_input=first_input,
+                stage_input=stage_input,
                 plan=fixed_plan,
                 start=start,
                 relative=relative,
@@ -194,14 +197,9 @@ class ExtendedModel(Model):
             yield effect, theta[at : at + count]
             at += count
 
-    def _arriving(self, theta: Array, segment: Segment, plan: Division) -> Array:
-        """The input that arrives at the first sample and at all stages, shape (1 + 3 L,)."""
-        time_s = np.concatenate((segment.time_s[:1], stage_times(segment.time_s, plan).ravel()))
-        u = np.concatenate((segment.input[:1], plan.stage_input.ravel()))
-        for effect, eta in self._own(theta):
-            if isinstance(effect, InputEffect):
-                u = effect.apply(eta, time_s, u, self.scale)
-        return u
+    def _on_input(self, theta: Array) -> list[tuple[InputEffect, Array]]:
+        """The input effects with their parameters."""
+        return [(e, eta) for e, eta in self._own(theta) if isinstance(e, InputEffect)]
 
     def _recorded(self, theta: Array, segment: Segment, y: Array) -> Array:
         """What the sensor makes of the first output."""
@@ -240,9 +238,8 @@ class ExtendedModel(Model):
         base = theta[: self._split[0]]
         law = self.model.motion_law(base)
         u = segment.input
-        for effect, eta in self._own(theta):
-            if isinstance(effect, InputEffect):
-                u = effect.apply(eta, segment.time_s, u, self.scale)
+        for effect, eta in self._on_input(theta):
+            u = effect.apply(eta, segment.time_s, u, self.scale)
         counts = np.ones(max(u.size - 1, 0), np.intp)
         if law is not None:
             for values in (segment.input, u):
@@ -265,9 +262,8 @@ class ExtendedModel(Model):
         base = theta[: self._split[0]]
         eta = theta[self._split[1] : self._split[2]]
         u = np.asarray(input_values, np.float64)
-        for effect, own in self._own(theta):
-            if isinstance(effect, InputEffect):
-                u = np.array([self._settled(effect, own, float(level)) for level in u])
+        for effect, own in self._on_input(theta):
+            u = np.array([self._settled(effect, own, float(level)) for level in u])
         if not self._state_effects:
             return self.model.static_output(base, u, output)
         x = [rest(self.model, self._state_effects, self.scale, base, eta, float(v)) for v in u]

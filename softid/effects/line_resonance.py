@@ -46,7 +46,7 @@ class LineResonance(InputEffect):
         "shorten the tube, put a restrictor at the actuator, or record the pressure there"
     )
     shown_by: ClassVar[str] = "fast steps, or a chirp beyond the ringing frequency"
-    source: ClassVar[str] = "Richards et al., J. Dyn. Sys. Meas. Control 108 (1986) 342"
+    source: ClassVar[str] = "Bergh and Tijdeman, NLR-TR F.238, 1965"
     amplitude: ClassVar[str] = "period"
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -39,7 +39,7 @@ class PneumaticLag(InputEffect):
         "record the pressure inside the actuator, shorten or widen the tube, use a larger valve"
     )
     shown_by: ClassVar[str] = "a chirp up to the bandwidth of the actuator"
-    source: ClassVar[str] = "first-order lag of a chamber behind a restriction"
+    source: ClassVar[str] = "Andersen, The Analysis and Design of Pneumatic Systems, Wiley 1967"
     amplitude: ClassVar[str] = "tau"
 
     def parameters(self, scale: Scale) -> ParameterSet:
@@ -91,7 +91,7 @@ class SeparatePneumaticLag(PneumaticLag):
         "The residual is a pulse after every change of the input that dies out in one time on the "
         "way up and in another on the way down."
     )
-    neighbours: ClassVar[tuple[str, ...]] = ("valve_flow", "asymmetric_damping")
+    neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "valve_flow", "asymmetric_damping")
     remedy: ClassVar[str] = (
         "record the pressure inside the actuator, or vent through a wider way than the filling one"
     )
@@ -100,16 +100,7 @@ class SeparatePneumaticLag(PneumaticLag):
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time constant of filling, and that of venting as a multiple of it."""
         (tau,) = super().parameters(scale).values()
-        filling = Parameter(
-            tau.name,
-            tau.value,
-            tau.unit,
-            tau.lower,
-            tau.upper,
-            tau.scale,
-            meaning="time constant of filling",
-            source=self.source,
-        )
+        filling = replace(tau, meaning="time constant of filling")
         ratio = Parameter(
             "ratio",
             RATIOS[1],

@@ -1,0 +1,43 @@
+"""Resonance of the supply line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from io_rig import SCALE, extended, fine_times, jacobian_error, segment, vanishes
+
+from softid.effects.line_resonance import LineResonance
+
+
+def test_ringing_period_and_decrement() -> None:
+    """After a step: extremes every T/(2√(1 − ζ²)), each e^{−πζ/√(1 − ζ²)} of the one before."""
+    time_s = np.arange(0.0, 5.0, 5e-4)
+    u = np.where(time_s > 1.0, 1.0, 0.0)
+    period, zeta = 0.4, 0.1
+    found = LineResonance().apply(np.array([period, zeta]), time_s, u, SCALE) - 1.0
+    ringing = np.sqrt(1.0 - zeta**2)
+    ups = np.diff(np.sign(np.diff(found)))
+    extremes = np.flatnonzero(ups[2001:])[:8] + 2002
+    np.testing.assert_allclose(np.diff(time_s[extremes]), period / 2.0 / ringing, atol=1.1e-3)
+    decrement = np.exp(-np.pi * zeta / ringing)
+    np.testing.assert_allclose(found[extremes[1:]] / found[extremes[:-1]], -decrement, rtol=1e-3)
+
+
+@pytest.mark.parametrize("zeta", [0.02, 1.0, 3.0])
+def test_a_ramp_is_followed_late(zeta: float) -> None:
+    """In the long run by 2ζ/ω; after 12 s of light damping the ringing is below 1e-3."""
+    time_s = fine_times()
+    found = LineResonance().apply(np.array([0.2, zeta]), time_s, time_s, SCALE)
+    late_s = 2.0 * zeta * 0.2 / (2.0 * np.pi)
+    assert time_s[-1] - found[-1] == pytest.approx(late_s, abs=1e-3 * 0.2)
+
+
+def test_line_resonance_of_zero_is_none() -> None:
+    """The base response, within 1e-9 of its range; at moderate size it differs."""
+    vanishes("line_resonance")
+
+
+@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
+def test_line_resonance_derivatives(sampling: str) -> None:
+    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
+    assert jacobian_error(*extended("line_resonance"), segment(sampling)) < 1e-4

@@ -1,0 +1,81 @@
+"""Lag of the pneumatics, with one time constant and with two."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from io_rig import (
+    SCALE,
+    extended,
+    fine_times,
+    jacobian_error,
+    pressure,
+    response,
+    segment,
+    vanishes,
+)
+
+from softid.effects.pneumatic_lag import PneumaticLag, SeparatePneumaticLag
+
+
+def test_a_step_and_a_ramp() -> None:
+    """1 − e^{−t/τ}, and t − τ (1 − e^{−t/τ}), at irregular times, to 1e-9."""
+    time_s = np.concatenate(([-1.0, -1e-12], fine_times()))
+    since_s = np.maximum(time_s, 0.0)
+    eta = np.array([0.3])
+    step = PneumaticLag().apply(eta, time_s, np.where(time_s < 0.0, 0.0, 1.0), SCALE)
+    np.testing.assert_allclose(step[2:], -np.expm1(-since_s[2:] / 0.3), rtol=0.0, atol=1e-9)
+    ramp = PneumaticLag().apply(eta, time_s, since_s, SCALE)
+    expected = since_s + 0.3 * np.expm1(-since_s / 0.3)
+    np.testing.assert_allclose(ramp, expected, rtol=0.0, atol=1e-9)
+
+
+def test_filling_and_venting_differ() -> None:
+    """Half of a step is passed after τ ln 2 of its own direction, to a time of 2 ms."""
+    time_s = fine_times()
+    u = np.where((time_s > 1.0) & (time_s < 7.0), 100.0, 0.0)
+    found = SeparatePneumaticLag().apply(np.array([0.4, 2.0]), time_s, u, SCALE)
+    up_s = time_s[np.flatnonzero(found > 50.0)[0]] - 1.0
+    down_s = time_s[np.flatnonzero((time_s > 7.0) & (found < 50.0))[0]] - 7.0
+    assert up_s == pytest.approx(0.4 * np.log(2.0), abs=0.004)
+    assert down_s == pytest.approx(0.8 * np.log(2.0), abs=0.004)
+
+
+def test_a_ratio_of_one_is_the_plain_lag() -> None:
+    """The richer law holds the plain one, to rounding."""
+    time_s = fine_times()
+    u = pressure(time_s)
+    plain = PneumaticLag().apply(np.array([0.1]), time_s, u, SCALE)
+    found = SeparatePneumaticLag().apply(np.array([0.1, 1.0]), time_s, u, SCALE)
+    np.testing.assert_allclose(found, plain, rtol=0.0, atol=1e-10)
+
+
+def test_two_input_effects_follow_each_other() -> None:
+    """Delay and lag commute: lagging the delayed input is delaying the lagged one."""
+    model, theta = extended("delay", "pneumatic_lag")
+    other, by_other = extended("pneumatic_lag", "delay")
+    assert list(other.parameters())[-2:] == ["pneumatic_lag_tau", "delay_tau"]
+    assert list(model.parameters())[-2:] == ["delay_tau", "pneumatic_lag_tau"]
+    s = segment("irregular")
+    found = response(model, theta, s)
+    np.testing.assert_allclose(
+        found, response(other, by_other, s), rtol=0.0, atol=2e-4 * np.ptp(found)
+    )
+    assert jacobian_error(model, theta, segment()) < 1e-4
+
+
+def test_pneumatic_lag_of_zero_is_none() -> None:
+    """The base response, within 1e-9 of its range; at moderate size it differs."""
+    vanishes("pneumatic_lag")
+
+
+def test_pneumatic_lag_separate_of_zero_is_none() -> None:
+    """The base response, within 1e-9 of its range; at moderate size it differs."""
+    vanishes("pneumatic_lag.separate")
+
+
+@pytest.mark.parametrize("key", ["pneumatic_lag", "pneumatic_lag.separate"])
+@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
+def test_pneumatic_lag_derivatives(sampling: str, key: str) -> None:
+    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
+    assert jacobian_error(*extended(key), segment(sampling)) < 1e-4

@@ -1,0 +1,98 @@
+"""Flow through a valve against quadrature and an independent integrator."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+from softid.kernels.valve import pressure_rate, valve_flow
+
+
+def behind(time_s: np.ndarray, supply: np.ndarray, tau_s: float, b: float) -> np.ndarray:
+    values = np.array(supply)
+    valve_flow(np.diff(time_s), values, tau_s, b, 1e-9 * np.ptp(supply))
+    return values
+
+
+def psi(ratio: float, b: float) -> float:
+    """The flow function of the standard, without its laminar part."""
+    return 1.0 if ratio <= b else float(np.sqrt(1.0 - ((ratio - b) / (1.0 - b)) ** 2))
+
+
+@pytest.mark.parametrize("b", [0.2, 0.5])
+def test_filling_time_by_quadrature(b: float) -> None:
+    """From p1 to p the filling takes ∫ τ dp/(ps ψ(p/ps)) at a constant supply ps.
+
+    The first part is choked; the last is compared up to the laminar range. Tolerance 1e-6 of τ.
+    """
+    low, high, tau = 100.0, 700.0, 0.3
+    time_s = np.concatenate(([0.0, 1.0, 1.0 + 1e-9], np.linspace(1.01, 1.6, 60)))
+    found = behind(time_s, np.where(time_s > 1.0, high, low), tau, b)
+    for t, p in zip(time_s[3:], found[3:], strict=True):
+        if p / high > 0.998:
+            break
+        points = [b * high] if low < b * high < p else None
+        needed, _ = quad(lambda a: tau / (high * psi(a / high, b)), low, p, points=points)
+        assert needed == pytest.approx(t - 1.0, abs=1e-6 * tau)
+    assert p / high > 0.998
+
+
+def test_choked_venting_is_exponential() -> None:
+    """ṗa = −pa/τ until the ratio reaches b: 900 kPa into 100 kPa, b = 0.4, until 250 kPa."""
+    time_s = np.concatenate(([0.0, 1.0, 1.0 + 1e-9], np.linspace(1.05, 1.3, 26)))
+    found = behind(time_s, np.where(time_s > 1.0, 100.0, 900.0), 0.2, 0.4)
+    expected = 900.0 * np.exp(-(time_s - 1.0) / 0.2)
+    choked = (time_s > 1.0) & (expected > 255.0)
+    assert choked.sum() > 20
+    np.testing.assert_allclose(found[choked], expected[choked], rtol=0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("tau_s", [0.01, 0.1, 1.0, 10.0])
+def test_any_profile_against_lsoda(tau_s: float) -> None:
+    """Steps and ramps both ways, within 1e-6 of the span (1e-5 is asked for)."""
+    corners_s = np.array([0.0, 0.2, 0.21, 1.0, 1.02, 2.0, 3.0])
+    time_s = np.linspace(0.0, 3.0, 901)
+    supply = np.interp(time_s, corners_s, [101.0, 101.0, 300.0, 300.0, 150.0, 150.0, 260.0])
+    found = behind(time_s, supply, tau_s, 0.3)
+    expected, reached = np.full(time_s.size, 101.0), 101.0
+    for begin, end in pairwise(corners_s):
+        inside = (time_s > begin + 1e-9) & (time_s <= end + 1e-9)
+        solved = solve_ivp(
+            lambda t, a: pressure_rate(np.interp(t, time_s, supply), a[0], tau_s, 0.3),
+            (begin, end), [reached], method="LSODA", rtol=1e-10, atol=1e-9, max_step=0.01,
+            t_eval=np.minimum(time_s[inside], end),
+        )  # fmt: skip
+        expected[inside] = solved.y[0]
+        reached = solved.y[0, -1]
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6 * 199.0)
+
+
+@pytest.mark.parametrize("tau_s", [1e-9, 1e-6])
+def test_a_wide_valve_is_none(tau_s: float) -> None:
+    """The laminar lag is τ/53: what is left is the slope of the supply times it."""
+    time_s = np.linspace(0.0, 3.0, 301)
+    supply = 200.0 + 90.0 * np.sin(9.0 * time_s) + np.random.default_rng(2).normal(0, 0.3, 301)
+    steepest = np.max(np.abs(np.diff(supply))) / 0.01
+    off = np.max(np.abs(behind(time_s, supply, tau_s, 0.3) - supply))
+    assert off < steepest * tau_s / 40.0 + 1e-9
+
+
+def test_it_is_smooth_in_its_parameter() -> None:
+    """Forward and central differences agree though the steps are adaptive, within 1e-3.
+
+    Noise in the supply lets the flow turn laminar and turbulent hundreds of times.
+    """
+    rng = np.random.default_rng(4)
+    time_s = np.linspace(0.0, 5.0, 4001)
+    held = np.interp(time_s, [0.0, 0.5, 0.51, 2.5, 2.52, 5.0], [101.0, 101.0, 300, 300, 150, 240])
+    samples = rng.normal(0.0, 0.3, 501)
+    supply = held + np.interp(time_s, np.linspace(0.0, 5.0, 501), samples)
+    forward = (
+        behind(time_s, supply, 0.1 * (1 + 1e-6), 0.3) - behind(time_s, supply, 0.1, 0.3)
+    ) / 1e-6
+    ends = [behind(time_s, supply, 0.1 * (1.0 + sign * 1e-4), 0.3) for sign in (1.0, -1.0)]
+    central = (ends[0] - ends[1]) / 2e-4
+    np.testing.assert_allclose(forward, central, rtol=0.0, atol=2e-3 * np.max(np.abs(central)))
