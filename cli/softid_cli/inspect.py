@@ -27,6 +27,7 @@ MOST_OTHERS = 6
 NO_JITTER = 1e-6
 UNLIKE_RATES = 0.02
 LARGE_HZ = 1e4
+LARGE_S = 1e3
 
 
 @click.command()
@@ -218,7 +219,8 @@ def _held_text(s: Stretch) -> str:
     if s.hold_s is None or s.shortest_hold_s is None or s.longest_hold_s is None:
         return "never held"
     shortest, median, longest = (
-        f"{h:.3g}" for h in (s.shortest_hold_s, s.hold_s, s.longest_hold_s)
+        f"{h:.3g}" if h < LARGE_S else f"{h:.0f}"
+        for h in (s.shortest_hold_s, s.hold_s, s.longest_hold_s)
     )
     if shortest == longest:
         return f"held {median} s"

@@ -129,6 +129,8 @@ def other_inputs(log: Log, output: str) -> tuple[str, ...]:
         A channel to leave out.
     """
     given = log.channels[log.input]
+    if given.unit == "1":
+        return ()  # raw counts and duty cycles share it with sensors
     known = [given, *(log.channels[n] for n in ("pressure_command",) if n in log.channels)]
     least = OTHER_INPUT_OF_RANGE * float(np.ptp(given.values))
     found = []

@@ -21,7 +21,7 @@ from softid.excitation import (
 )
 from softid.log import Log
 from softid.quality.abilities import LEVEL_SPACING, Evidence, judge_abilities
-from softid.quality.faults import Trace, find_dropouts, find_frozen, find_saturation
+from softid.quality.faults import Runs, Trace, find_dropouts, find_frozen, find_saturation
 from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role, StepResponse
 from softid.quality.holding import describe_holds, other_inputs
 from softid.quality.hum import find_hum
@@ -31,6 +31,9 @@ from softid.quality.sampling import describe_sampling
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+
+MIN_CHANGES = 20
+LEAST_CHANGING = 0.02
 
 LEAST_REST_SAMPLES = 100
 
@@ -193,10 +196,14 @@ def _trace(log: Log, channel: Channel, rest: BoolArray | None) -> Trace:
 
 
 def _noise_bound(trace: Trace) -> float | None:
-    """What the noise stays below where the quantisation hides it, and samples are not few."""
+    """What the noise stays below where the quantisation hides it.
+
+    A channel that hardly ever changes, such as a command, has levels rather than a grid.
+    """
     hidden = trace.noise_std is None and trace.quantisation is not None
-    enough = int(np.isfinite(trace.values).sum()) >= LEAST_REST_SAMPLES
-    return UNRESOLVED_STEPS * trace.step if hidden and enough else None
+    changes = Runs.of(trace.values).start.size
+    alive = changes >= max(MIN_CHANGES, LEAST_CHANGING * trace.values.size)
+    return UNRESOLVED_STEPS * trace.step if hidden and alive else None
 
 
 def _kind(log: Log, name: str) -> Literal["command", "input", "output"]:

@@ -132,7 +132,7 @@ def _clock_step(log: Log, period: float) -> float | None:
     Samples at regular intervals say nothing of the clock that stamped them.
     """
     since = log.time_s - log.time_s[0]
-    if _are_multiples(since, period):
+    if _are_multiples(since, float(since[-1]) / max(round(float(since[-1]) / period), 1)):
         return None
     decade = floor(log10(period))
     steps = [m * 10.0**e for e in range(decade, decade - 3, -1) for m in (5.0, 2.0, 1.0)]

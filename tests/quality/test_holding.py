@@ -113,6 +113,17 @@ def test_only_pressures_tell_nothing_of_the_actuator() -> None:
     assert told == {"motion": "no", "sensor drift": "no", "pneumatic lag": "yes"}
 
 
+def test_channels_without_unit_are_no_second_input() -> None:
+    """A duty cycle drives; a converter's counts that follow it are no input, though both are
+    pure numbers."""
+    time_s = np.arange(3000) * 0.01
+    duty = np.where((time_s // 5.0) % 2 == 0, 0.0, 100.0)
+    counts = np.round(500.0 + follow(time_s, duty, 0.3))
+    channels = {"pwm": duty, "adc": counts, "angle": follow(time_s, 0.004 * duty, 0.3)}
+    log = Log.from_arrays(time_s, channels, input="pwm", outputs=["angle"])
+    assert "other-inputs" not in codes(inspect(log))
+
+
 @pytest.mark.parametrize("name", ["apr5_1", "feb21"])
 def test_arm_whose_other_chambers_move(measured: Path, name: str) -> None:
     """In apr5_1 chambers 2 and 3 go 110 → 10 kPa three times while chamber 1 stays at 104 kPa; in
