@@ -45,7 +45,7 @@ class Evidence:
     span
         Range of the input.
     output_name
-        The first output.
+        The output that is judged: the first that is no pressure.
     stretches, windows
         Excitation and settled windows of the input.
     holds

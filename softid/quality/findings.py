@@ -281,7 +281,7 @@ class Inspection:
     signs
         One check per output.
     holds
-        Where the input is held, and what the first output does meanwhile.
+        Where the input is held, and what the first output that is no pressure does meanwhile.
     responses
         One entry per output with timed transitions.
     abilities

@@ -22,7 +22,7 @@ from softid.excitation import (
 from softid.log import Log
 from softid.quality.abilities import LEVEL_SPACING, Evidence, judge_abilities
 from softid.quality.faults import Runs, Trace, find_dropouts, find_frozen, find_saturation
-from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role, StepResponse
+from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role
 from softid.quality.holding import describe_holds, other_inputs
 from softid.quality.hum import find_hum
 from softid.quality.issues import list_issues
@@ -66,6 +66,7 @@ def inspect(log: Log) -> Inspection:
         _report(log, log.channels[name], role, rest, windows) for name, role in _roles(log)
     )
     noise = {report.name: report.noise_std for report in channels}
+    judged = next((name for name in log.outputs if name != "pressure"), log.outputs[0])
     stuck = next(c.frozen for c in channels if c.role == "input")
     holds = {name: describe_holds(log, name, windows, noise[name]) for name in log.outputs}
     responses = [
@@ -82,11 +83,11 @@ def inspect(log: Log) -> Inspection:
         shown.display_unit,
         shown.display_factor,
         float(np.ptp(driving)),
-        log.outputs[0],
+        judged,
         stretches,
         windows,
-        holds[log.outputs[0]],
-        _of_first_output(log, found),
+        holds[judged],
+        next((r for r in found if r.output == judged), None),
         bool(stuck),
         sampling,
         _why_no_lag(log, lag),
@@ -103,7 +104,7 @@ def inspect(log: Log) -> Inspection:
         command_excitation=_command_excitation(log, lag),
         command_lag=lag,
         signs=signs,
-        holds=holds[log.outputs[0]],
+        holds=holds[judged],
         responses=found,
         abilities=judge_abilities(evidence),
         issues=list_issues(
@@ -112,7 +113,7 @@ def inspect(log: Log) -> Inspection:
             signs,
             stretches,
             holds=holds,
-            other_inputs=other_inputs(log, log.outputs[0]),
+            other_inputs=other_inputs(log, judged),
             from_reader=log.issues,
         ),
     )
@@ -253,10 +254,6 @@ def _report(
         frozen=find_frozen(trace, driving) if measured else (),
         saturation=find_saturation(trace) if measured else (),
     )
-
-
-def _of_first_output(log: Log, found: tuple[StepResponse, ...]) -> StepResponse | None:
-    return next((r for r in found if r.output == log.outputs[0]), None)
 
 
 def _command_excitation(log: Log, lag: CommandLag | None) -> tuple[Stretch, ...] | None:

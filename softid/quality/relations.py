@@ -53,6 +53,8 @@ def check_sign(log: Log, output: str) -> SignCheck | None:
     best = int(np.abs(correlations).argmax())
     correlation = float(correlations[best])
     sign = -1.0 if output in FALLS_WITH_PRESSURE else 0.0 if output in UNSIGNED else 1.0
+    if log.channels[output].unit == "1":
+        sign = 0.0  # raw counts may fall as the quantity rises
     return SignCheck(output, correlation, best * step_s, sign * correlation <= CLEARLY_INVERTED)
 
 

@@ -124,6 +124,20 @@ def test_channels_without_unit_are_no_second_input() -> None:
     assert "other-inputs" not in codes(inspect(log))
 
 
+def test_a_motion_beside_a_pressure_is_judged() -> None:
+    """With a pressure as first output and falling counts as second, the counts are the motion;
+    they may fall, as raw counts have no sign to be wrong."""
+    time_s = np.arange(3000) * 0.01
+    duty = np.where((time_s // 5.0) % 2 == 0, 0.0, 100.0)
+    pressure = follow(time_s, duty, 0.3)
+    channels = {"pwm": duty, "pressure": pressure, "adc": np.round(600.0 - 2.0 * pressure)}
+    log = Log.from_arrays(time_s, channels, input="pwm", outputs=["pressure", "adc"])
+    found = inspect(log)
+    assert "motion" not in {a.name for a in found.abilities}
+    assert found.ability("static curve").possible == "partly"
+    assert "inverted-sign" not in codes(found)
+
+
 @pytest.mark.parametrize("name", ["apr5_1", "feb21"])
 def test_arm_whose_other_chambers_move(measured: Path, name: str) -> None:
     """In apr5_1 chambers 2 and 3 go 110 → 10 kPa three times while chamber 1 stays at 104 kPa; in
