@@ -20,12 +20,15 @@ if TYPE_CHECKING:
 
     from softid.errors import Issue
     from softid.excitation import Stretch
-    from softid.quality import ChannelReport, Inspection
+    from softid.quality import ChannelReport, Gap, Inspection
 
 SCHEMA = "softid.inspection/1"
 MOST_STRETCHES = 12
 MOST_OTHERS = 6
 NO_JITTER = 1e-6
+UNLIKE_RATES = 0.02
+LARGE_HZ = 1e4
+LARGE_S = 1e3
 
 
 @click.command()
@@ -92,16 +95,33 @@ def render(inspection: Inspection, *, width: int = WIDTH) -> str:
 
 
 def _sampling_text(inspection: Inspection) -> str:
+    from softid.quality.issues import seconds
+
     s = inspection.sampling
-    text = (
-        f"{s.n} samples in {s.duration_s:.2f} s, every {1e3 * s.period_s:.4g} ms "
-        f"({s.rate_hz:.4g} Hz), "
-    )
+    text = f"{s.n} samples in {s.duration_s:.2f} s, every {seconds(s.period_s)} ({_rate(s.rate_hz)}"
+    if abs(s.mean_rate_hz / s.rate_hz - 1.0) > UNLIKE_RATES:
+        text += f" by the median, {_rate(s.mean_rate_hz)} on average"
+    text += "), "
     text += f"jitter {100 * s.jitter:.2g} %" if s.jitter > NO_JITTER else "no jitter"
     if s.clock_step_s is not None:
-        text += f", clock in steps of {1e3 * s.clock_step_s:.3g} ms"
-    longest = f", the longest {s.longest_s:.2f} s" if s.gaps or s.stalls else ""
-    return f"{text}; {_counted(len(s.gaps), 'gap')}, {_counted(len(s.stalls), 'stall')}{longest}"
+        text += f", clock in steps of {seconds(s.clock_step_s)}"
+    if not s.gaps and not s.stalls:
+        return f"{text}; no gaps, no stalls"
+    return f"{text}; {_lengths(s.gaps, 'gap')}; {_lengths(s.stalls, 'stall')}"
+
+
+def _rate(rate_hz: float) -> str:
+    return f"{rate_hz:.4g} Hz" if rate_hz < LARGE_HZ else f"{1e-3 * rate_hz:.4g} kHz"
+
+
+def _lengths(gaps: Sequence[Gap], noun: str) -> str:
+    text = _counted(len(gaps), noun)
+    if not gaps:
+        return text
+    longest_s = max(g.length_s for g in gaps)
+    return (
+        f"{text} of {longest_s:.2f} s" if len(gaps) == 1 else f"{text} of up to {longest_s:.2f} s"
+    )
 
 
 def _counted(count: int, noun: str) -> str:
@@ -129,10 +149,13 @@ def _channel_row(c: ChannelReport) -> tuple[str, ...]:
     if c.low is None or c.high is None:
         reach = "empty"
     else:
-        reach = f"{c.low * c.display_factor:.3g} … {c.high * c.display_factor:.3g}"
+        low, high = (v * c.display_factor + 0.0 for v in (c.low, c.high))
+        reach = f"{low:.3g} … {high:.3g}"
         reach += "" if c.display_unit == "1" else f" {c.display_unit}"
     step = f"{c.quantisation.step * c.display_factor:.3g}" if c.quantisation else "–"
     noise = "–" if c.noise_std is None else f"{c.noise_std * c.display_factor:.2g}"
+    if c.noise_below is not None:
+        noise = f"< {c.noise_below * c.display_factor:.2g}"
     column = "" if c.column is None or c.column == c.name else c.column
     return (c.name, c.role, column, reach, step, noise)
 
@@ -161,7 +184,9 @@ def _excitation(inspection: Inspection) -> list[str | Table]:
         blocks += ["", "Excitation of pressure_command"]
         blocks.append(_stretch_table(command, inspection.channel("pressure_command")))
     if lag is not None:
-        blocks += ["", f"pressure lags behind pressure_command by roughly {lag.lag_s:.2g} s"]
+        period_s = inspection.sampling.period_s
+        much = f"roughly {lag.lag_s:.2g} s" if lag.lag_s >= period_s else "less than a sample"
+        blocks += ["", f"pressure lags behind pressure_command by {much}"]
     return blocks
 
 
@@ -187,7 +212,7 @@ def _stretch_text(s: Stretch, channel: ChannelReport) -> str:
         changes = f"{s.transitions} changes" if s.transitions != 1 else "1 change"
         levels = ", ".join(f"{level * factor:.4g}" for level in s.levels[:6])
         more = ", …" if len(s.levels) > 6 else ""
-        return f"{changes}, levels {levels}{more}{unit}, held {s.hold_s:.3g} s"
+        return f"{changes}, levels {levels}{more}{unit}, {_held_text(s)}"
     if s.shape == "chirp":
         return f"{s.frequency_hz:.3g} to {s.frequency_end_hz:.3g} Hz, {reach}"
     if s.frequency_hz is not None and s.amplitude is not None and s.offset is not None:
@@ -196,6 +221,18 @@ def _stretch_text(s: Stretch, channel: ChannelReport) -> str:
     if s.rate is not None:
         return f"{reach} at {s.rate * factor:.3g}{unit}/s"
     return reach
+
+
+def _held_text(s: Stretch) -> str:
+    if s.hold_s is None or s.shortest_hold_s is None or s.longest_hold_s is None:
+        return "never held"
+    shortest, median, longest = (
+        f"{h:.3g}" if h < LARGE_S else f"{h:.0f}"
+        for h in (s.shortest_hold_s, s.hold_s, s.longest_hold_s)
+    )
+    if shortest == longest:
+        return f"held {median} s"
+    return f"held {shortest} to {longest} s, median {median} s"
 
 
 def _wanted_lines(inspection: Inspection, width: int) -> list[str]:

@@ -1,7 +1,7 @@
 """How an input excites: stretches of one kind each, and the windows in which it stands still."""
 
 from softid.excitation.holds import SettledWindow, distinct_levels, median_of_five
-from softid.excitation.noise import noise_std
+from softid.excitation.noise import UNRESOLVED_STEPS, noise_std
 from softid.excitation.segmentation import (
     Kind,
     Stretch,
@@ -19,6 +19,7 @@ from softid.excitation.texture import (
 )
 
 __all__ = [
+    "UNRESOLVED_STEPS",
     "Kind",
     "Quantisation",
     "SampleHold",

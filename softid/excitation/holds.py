@@ -22,6 +22,7 @@ NOISE_STEPS = 0.5
 MIN_HOLD_SAMPLES = 8
 EVEN = 0.12
 UNEVEN = 0.23
+RAMPING = 0.5
 SHORTEST_UNEVEN_HOLD = 1.0
 SHORTEST_HOLD = 0.3
 SHORTEST_HOLD_AT_TURN = 0.5
@@ -166,8 +167,8 @@ def find_holds(motion: Motion, *, strict: bool = False) -> list[tuple[int, int]]
     even = [s for s in motion.tubes if _unevenness(motion, s, strict=strict) <= UNEVEN]
     candidates = _merged(motion, even)
     long = [span for span in candidates if _long_enough(motion, candidates, span)]
-    holds = _without_pauses(motion, _merged(motion, long))
-    return [_trimmed(motion, span) for span in _merged(motion, holds)]
+    holds = _merged(motion, _without_pauses(motion, _merged(motion, long)))
+    return [_trimmed(motion, s) for s in holds if _unevenness(motion, s, strict=False) <= RAMPING]
 
 
 def windows_of(

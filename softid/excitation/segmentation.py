@@ -32,7 +32,7 @@ KIND_OF_SHAPE: dict[Shape, Kind] = {
 SLOW_TRANSITION = 0.5
 LONGEST_TRANSITION = 1.5
 SAME_LEVEL = 2.0
-BRIEF_LEVEL = 0.1
+BRIEF_LEVEL = 0.2
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,9 @@ class Stretch:
         Of steps and staircases: the distinct levels, rising.
     transitions
         Of steps and staircases: the number of changes of level.
-    hold_s
-        Of steps, staircases and rests: median time for which a level is held.
+    hold_s, shortest_hold_s, longest_hold_s
+        Of steps, staircases and rests: median, smallest and largest time for which a level is
+        held.
     frequency_hz, frequency_end_hz
         Of sines, triangles and chirps; the latter is a chirp's last frequency.
     amplitude, offset
@@ -79,6 +80,8 @@ class Stretch:
     levels: tuple[float, ...] = ()
     transitions: int | None = None
     hold_s: float | None = None
+    shortest_hold_s: float | None = None
+    longest_hold_s: float | None = None
     frequency_hz: float | None = None
     frequency_end_hz: float | None = None
     amplitude: float | None = None
@@ -186,11 +189,15 @@ def dominant_kind(stretches: Sequence[Stretch]) -> Kind:
 def _lasting_levels(
     windows: Sequence[SettledWindow], held_s: Sequence[float], margin: float
 ) -> tuple[float, ...]:
-    """Distinct levels, without those of which the log has next to nothing."""
+    """Distinct levels, without those of which the log has next to nothing.
+
+    The lower median of the holds is the measure, so that a long hold cannot belittle a second one.
+    """
     levels = np.array(distinct_levels([w.level for w in windows], margin))
     nearest = [int(np.abs(levels - w.level).argmin()) for w in windows]
     lasting = np.bincount(nearest, weights=held_s, minlength=levels.size)
-    return tuple(levels[lasting >= BRIEF_LEVEL * np.median(lasting)].tolist())
+    usual = sorted(held_s)[(len(held_s) - 1) // 2]
+    return tuple(levels[lasting >= BRIEF_LEVEL * usual].tolist())
 
 
 class _Assembly:
@@ -269,14 +276,16 @@ class _Assembly:
         if not group:
             return []
         windows = windows_of(self.motion, group, self.input)
-        visited = [w.level for w in windows]
+        margin = SAME_LEVEL * self.motion.tolerance
+        held = [float(self.time_s[w.stop - 1] - self.time_s[w.start]) for w in windows]
+        levels = _lasting_levels(windows, held, margin)
+        lasting = [min(abs(w.level - level) for level in levels) <= margin for w in windows]
+        held = [h for h, kept in zip(held, lasting, strict=True) if kept]
+        visited = [w.level for w, kept in zip(windows, lasting, strict=True) if kept]
         if entry < group[0][0]:
             visited.insert(0, float(self.motion.values[entry]))
         if leave > group[-1][1]:
             visited.append(float(self.motion.values[leave - 1]))
-        margin = SAME_LEVEL * self.motion.tolerance
-        held = [float(self.time_s[w.stop - 1] - self.time_s[w.start]) for w in windows]
-        levels = _lasting_levels(windows, held, margin)
         changes = int(np.count_nonzero(np.abs(np.diff(visited)) > margin))
         kind: Kind = "staircase" if len(levels) > 2 else "step" if changes else "rest"
         base = self._stretch(kind, int(self.edges[entry]), int(self.edges[leave]))
@@ -286,6 +295,8 @@ class _Assembly:
                 levels=levels,
                 transitions=None if kind == "rest" else changes,
                 hold_s=float(np.median(held)),
+                shortest_hold_s=min(held),
+                longest_hold_s=max(held),
             )
         ]
 

@@ -6,15 +6,15 @@ from softid.quality.findings import (
     CommandLag,
     Dropout,
     Frozen,
-    Gap,
     Hum,
     Inspection,
-    Sampling,
     Saturation,
     SignCheck,
     StepResponse,
 )
+from softid.quality.holding import Hold
 from softid.quality.inspection import dropout_mask, inspect
+from softid.quality.sampling import Gap, Sampling
 
 __all__ = [
     "Ability",
@@ -23,6 +23,7 @@ __all__ = [
     "Dropout",
     "Frozen",
     "Gap",
+    "Hold",
     "Hum",
     "Inspection",
     "Sampling",

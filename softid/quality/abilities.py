@@ -10,7 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.excitation import SettledWindow, Stretch, distinct_levels
-from softid.quality.findings import Ability, Sampling, StepResponse
+from softid.quality.findings import Ability, StepResponse
+from softid.quality.holding import Hold
+from softid.quality.sampling import Sampling
 
 Array = npt.NDArray[np.float64]
 
@@ -25,6 +27,7 @@ OVERSHOOT = 0.05
 SHARP_INPUT = 0.3
 FINE_SAMPLING = 0.05
 SPEEDS_APART = 2.0
+SETTLED_HOLDS = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,14 +44,20 @@ class Evidence:
         Factor from the input's values to that unit.
     span
         Range of the input.
+    output_name
+        The output that is judged: the first that is no pressure.
     stretches, windows
         Excitation and settled windows of the input.
+    holds
+        What the first output does on each of the windows.
     response
         Step response of the first output, or None.
+    input_stuck
+        Whether the input repeats a stale value somewhere.
     sampling
         Of the log.
-    has_command
-        Whether commanded and measured pressure are both there and move.
+    no_lag
+        Why the lag of the pressure behind its command is unknown; None when it is known.
     """
 
     time_s: Array
@@ -56,11 +65,14 @@ class Evidence:
     input_unit: str
     shown: float
     span: float
+    output_name: str
     stretches: tuple[Stretch, ...]
     windows: tuple[SettledWindow, ...]
+    holds: tuple[Hold, ...]
     response: StepResponse | None
+    input_stuck: bool
     sampling: Sampling
-    has_command: bool
+    no_lag: str | None
 
     @property
     def moves(self) -> bool:
@@ -69,18 +81,29 @@ class Evidence:
 
     @property
     def levels(self) -> tuple[float, ...]:
-        """Distinct settled levels, at least 5 % of the range apart."""
-        return distinct_levels([w.level for w in self.windows], LEVEL_SPACING * self.span)
+        """Distinct levels of steps, staircases and rests, at least 5 % of the range apart."""
+        held = [level for s in self.stretches for level in s.levels]
+        return distinct_levels(held, LEVEL_SPACING * self.span)
+
+    @property
+    def settled_levels(self) -> tuple[float, ...]:
+        """The levels at which the output comes to rest in half of the holds or more."""
+        kept = []
+        for level in self.levels:
+            near = [h for h in self.holds if abs(h.level - level) <= LEVEL_SPACING * self.span]
+            settled = sum(h.settled is not False and h.unexplained is None for h in near)
+            if near and settled >= SETTLED_HOLDS * len(near):
+                kept.append(level)
+        return tuple(kept)
 
     def of_kind(self, *kinds: str) -> list[Stretch]:
         """The stretches of some kinds."""
         return [s for s in self.stretches if s.kind in kinds]
 
-    @property
-    def longest_hold_s(self) -> float:
-        """Longest settled window."""
-        lasting = [float(self.time_s[w.stop - 1] - self.time_s[w.start]) for w in self.windows]
-        return max(lasting, default=0.0)
+    def longest_hold(self, *, after_change: bool) -> Hold | None:
+        """The longest hold of all, or of those that follow a change of the input."""
+        asked = [h for h in self.holds if h.after_change or not after_change]
+        return max(asked, key=lambda h: h.length_s, default=None)
 
 
 def judge_abilities(evidence: Evidence) -> tuple[Ability, ...]:
@@ -91,26 +114,32 @@ def judge_abilities(evidence: Evidence) -> tuple[Ability, ...]:
     evidence
         What was found in the log.
     """
-    judges: tuple[Callable[[Evidence], Ability], ...] = (
-        _static_curve,
-        _damping,
-        _damping_by_pressure,
-        _inertia,
-        _hysteresis,
-        _creep,
-        _drift,
-        _pneumatics,
-    )
+    if evidence.output_name == "pressure":
+        return (_motion(evidence), _drift(evidence), _pneumatics(evidence))
+    judges: list[Callable[[Evidence], Ability]] = [_static_curve, _damping]
+    pneumatic = evidence.input_name.startswith("pressure")
+    judges += [_damping_by_pressure] if pneumatic else []
+    judges += [_inertia, _hysteresis, _creep, _drift]
+    judges += [_pneumatics] if pneumatic else []
     return tuple(judge(evidence) for judge in judges)
+
+
+def _motion(e: Evidence) -> Ability:
+    serves = "static curve, damping, inertia, hysteresis and creep of the actuator"
+    reason = "only pressures are chosen: they show valve and line, not the actuator"
+    wanted = "a log with an angle, a position, a length or a force"
+    return Ability("motion", serves, "no", reason, wanted)
 
 
 def _static_curve(e: Evidence) -> Ability:
     name, serves = "static curve", "polynomial p1–p5; muscle a1, b1, c1; oscillator Q"
     wanted = "a staircase of six levels or more over the whole range, each held until it settles"
-    count = len(e.levels)
+    held, settled = len(e.levels), e.settled_levels
+    count = len(settled)
+    restless = "" if count == held else f" ({e.output_name} does not settle at {held - count} more)"
     if count >= LEVELS_FOR_CURVE:
-        reach = f"{e.levels[0] * e.shown:.4g} to {e.levels[-1] * e.shown:.4g} {e.input_unit}"
-        return Ability(name, serves, "yes", f"{count} settled levels from {reach}", None)
+        reach = f"{settled[0] * e.shown:.4g} to {settled[-1] * e.shown:.4g} {e.input_unit}"
+        return Ability(name, serves, "yes", f"{count} settled levels from {reach}{restless}", None)
     passing = e.of_kind("sine", "sweep")
     if any(s.high - s.low >= WIDE_SWEEP * e.span for s in passing):
         low, high = min(s.low for s in passing), max(s.high for s in passing)
@@ -123,10 +152,20 @@ def _static_curve(e: Evidence) -> Ability:
             wanted,
         )
     if count >= 2:
-        reason = f"only {count} settled levels: too few for the shape of the curve"
+        reason = f"only {count} settled levels{restless}: too few for the shape of the curve"
         return Ability(name, serves, "partly", reason, wanted)
-    reason = "the input does not move" if not e.moves else "the input never settles"
-    return Ability(name, serves, "no", reason, wanted)
+    return Ability(name, serves, "no", _why_no_curve(e, held, count), wanted)
+
+
+def _why_no_curve(e: Evidence, held: int, settled: int) -> str:
+    if not e.moves:
+        return "the input does not move"
+    if held == 0:
+        return "the input is never held"
+    if held == 1:
+        return "the input is held at one level only"
+    where = "none" if settled == 0 else "only one"
+    return f"the input is held at {held} levels, but {e.output_name} settles at {where} of them"
 
 
 def _damping(e: Evidence) -> Ability:
@@ -134,18 +173,22 @@ def _damping(e: Evidence) -> Ability:
     wanted = "steps between settled levels, sampled at least ten times per rise"
     if e.response is not None:
         delay_s = e.response.output_t63_s - e.response.input_t63_s
-        times = f"63 % after {e.response.output_t63_s:.3g} s, the input's after "
+        times = f"makes 63 % of its way in {e.response.output_t63_s:.3g} s, the input in "
         times += f"{e.response.input_t63_s:.3g} s"
         if e.response.output_t63_s < LEAST_SAMPLES_OF_RISE * e.sampling.period_s:
             reason = f"the output answers within {LEAST_SAMPLES_OF_RISE:g} samples"
             return Ability(name, serves, "no", reason, "a higher sampling rate")
         if delay_s < e.sampling.period_s:
-            reason = f"the output follows without visible lag ({times}): an upper bound only"
+            reason = f"the output {times}: no visible lag, so an upper bound only"
             return Ability(name, serves, "partly", reason, "steps with a quicker valve")
-        reason = f"over {_transitions_text(e.response.transitions)} the output makes {times}"
+        reason = f"over {_transitions_text(e.response.transitions)} the output {times}"
+        if e.response.settled < SETTLED_HOLDS:
+            reason += ", but it is still moving when a hold ends"
+            return Ability(name, serves, "partly", reason, "holds until the output settles")
         return Ability(name, serves, "yes", reason, None)
     if e.of_kind("sweep", "step", "staircase", "free"):
-        reason = "the input moves at several speeds, but no transition is settled at both ends"
+        reason = "the input changes, but no change between two holds could be timed"
+        reason += ", as the input is stuck before it" if e.input_stuck else ""
         return Ability(name, serves, "partly", reason, wanted)
     if e.of_kind("sine"):
         reason = "one frequency gives one phase, which lag, damping and inertia share"
@@ -162,7 +205,7 @@ def _damping_by_pressure(e: Evidence) -> Ability:
         return Ability(name, serves, "yes", f"transitions about {count} mean pressures", None)
     broad = e.of_kind("sine", "sweep", "step", "staircase")
     if broad:
-        reason = "each transition crosses the range once, so damping is averaged over it"
+        reason = "each stroke crosses the same range, so damping is averaged over it"
         return Ability(name, serves, "partly", reason, wanted)
     reason = "the input does not move" if not e.moves else "the excitation has no clear shape"
     return Ability(name, serves, "no", reason, wanted)
@@ -181,14 +224,21 @@ def _inertia(e: Evidence) -> Ability:
             )
             return Ability(name, serves, "partly", reason, None)
         reason = "nothing fast enough is in the input" if e.moves else "the input does not move"
+        if _transitions(e):
+            reason = "no change between two holds could be timed"
         return Ability(name, serves, "no", reason, wanted)
     own = (r.overshoot or 0.0) - (r.input_overshoot or 0.0)
     if own >= OVERSHOOT and r.output_t63_s > LEAST_SAMPLES_OF_RISE * e.sampling.period_s:
         reason = f"the output overshoots by {100 * own:.0f} % of the step more than the input"
+        if r.settled < SETTLED_HOLDS:
+            reason += ", but it is still moving when a hold ends"
+            return Ability(name, serves, "partly", reason, wanted)
         return Ability(name, serves, "yes", reason, None)
     sharp = r.input_t63_s <= SHARP_INPUT * r.output_t63_s
     if sharp and e.sampling.period_s <= FINE_SAMPLING * r.output_t63_s:
-        ending = "never settles" if r.overshoot is None else "does not overshoot"
+        ending = "does not overshoot"
+        if r.overshoot is None:
+            ending = "is still moving when a hold ends"
         reason = (
             f"the input rises in {r.input_t63_s:.3g} s, quickly against {r.output_t63_s:.3g} s of "
             f"the output, which {ending}: an upper bound at least"
@@ -218,33 +268,44 @@ def _hysteresis(e: Evidence) -> Ability:
 
 def _creep(e: Evidence) -> Ability:
     name, serves = "creep", "slow part of the response to a step"
-    longest = e.longest_hold_s
-    if longest >= CREEP_HOLD_S and e.moves:
-        return Ability(name, serves, "yes", f"a hold of {longest:.0f} s", None)
-    reason = f"the longest hold is {longest:.1f} s" if longest else "the input is never held"
-    reason = reason if e.moves else "the input does not move"
     wanted = f"a step held for {CREEP_HOLD_S:.0f} s or more, then rest as long"
-    return Ability(name, serves, "no", reason, wanted)
+    if not e.moves:
+        return Ability(name, serves, "no", "the input does not move", wanted)
+    longest = e.longest_hold(after_change=True)
+    if longest is None:
+        return Ability(name, serves, "no", "the input is never held after a change", wanted)
+    if longest.length_s < CREEP_HOLD_S:
+        reason = f"the longest hold after a change is {longest.length_s:.1f} s"
+        return Ability(name, serves, "no", reason, wanted)
+    reason = f"a hold of {longest.length_s:.0f} s"
+    if longest.unexplained is not None:
+        reason += f", but {e.output_name} moves by itself there"
+        return Ability(name, serves, "no", reason, wanted)
+    return Ability(name, serves, "yes", reason, None)
 
 
 def _drift(e: Evidence) -> Ability:
     name, serves = "sensor drift", "slow change of the zero"
-    longest = e.longest_hold_s
-    if longest >= DRIFT_REST_S:
-        return Ability(name, serves, "yes", f"{longest:.0f} s at one level", None)
+    wanted = f"{DRIFT_REST_S:.0f} s of rest before and after"
+    longest = e.longest_hold(after_change=False)
+    if longest is not None and longest.length_s >= DRIFT_REST_S:
+        reason = f"{longest.length_s:.0f} s at one level"
+        if longest.unexplained is None or not e.moves:
+            return Ability(name, serves, "yes", reason, None)
+        reason += f", but {e.output_name} moves by itself there"
+        return Ability(name, serves, "no", reason, wanted)
     if e.sampling.duration_s >= LONG_RECORD_S:
         reason = f"a record of {e.sampling.duration_s:.0f} s, but no long rest: mixed with creep"
-        return Ability(name, serves, "partly", reason, "30 s of rest before and after")
+        return Ability(name, serves, "partly", reason, wanted)
     reason = f"neither {DRIFT_REST_S:.0f} s of rest nor {LONG_RECORD_S:.0f} s of record"
-    return Ability(name, serves, "no", reason, "30 s of rest before and after")
+    return Ability(name, serves, "no", reason, wanted)
 
 
 def _pneumatics(e: Evidence) -> Ability:
     name, serves = "pneumatic lag", "valve and line, command to pressure"
-    if e.has_command:
+    if e.no_lag is None:
         return Ability(name, serves, "yes", "commanded and measured pressure are both there", None)
-    reason = "commanded and measured pressure are not both there and moving"
-    return Ability(name, serves, "no", reason, "a log with both pressures")
+    return Ability(name, serves, "no", e.no_lag, "a log in which both pressures move")
 
 
 def _transitions_text(count: int) -> str:
@@ -252,17 +313,19 @@ def _transitions_text(count: int) -> str:
 
 
 def _transitions(e: Evidence) -> list[tuple[SettledWindow, SettledWindow]]:
-    return [
-        (a, b) for a, b in pairwise(e.windows) if abs(b.level - a.level) > LEVEL_SPACING * e.span
-    ]
+    least = LEVEL_SPACING * e.span
+    lasting = [w for w in e.windows if any(abs(w.level - level) <= least for level in e.levels)]
+    return [(a, b) for a, b in pairwise(lasting) if abs(b.level - a.level) > least]
 
 
 def _levels_by_direction(e: Evidence) -> tuple[set[int], set[int]]:
-    """Indices of the distinct levels that are reached from below, and from above."""
-    levels = np.array(e.levels)
+    """Indices of the settled levels that are reached from below, and from above."""
+    levels = np.array(e.settled_levels)
     up: set[int] = set()
     down: set[int] = set()
     for before, after in _transitions(e):
+        if not levels.size or np.abs(levels - after.level).min() > LEVEL_SPACING * e.span:
+            continue
         nearest = int(np.abs(levels - after.level).argmin())
         (up if after.level > before.level else down).add(nearest)
     return up, down

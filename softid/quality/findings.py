@@ -11,78 +11,12 @@ from typing import Literal
 
 from softid.errors import Issue
 from softid.excitation import Quantisation, SampleHold, Stretch
+from softid.quality.holding import Hold
+from softid.quality.sampling import Sampling
 
 Role = Literal["input", "output", "command", "other"]
 Possible = Literal["yes", "partly", "no"]
 DropoutCause = Literal["missing", "sentinel", "lost digit", "spike"]
-
-
-@dataclass(frozen=True)
-class Gap:
-    """An interval between two samples that is much longer than usual.
-
-    Attributes
-    ----------
-    index
-        Sample before it.
-    start_s
-        Time of that sample.
-    length_s
-        Time to the next sample.
-    """
-
-    index: int
-    start_s: float
-    length_s: float
-
-
-@dataclass(frozen=True)
-class Sampling:
-    """When the samples were taken.
-
-    Attributes
-    ----------
-    n
-        Number of samples.
-    start_s, duration_s
-        First time, and time from there to the last sample.
-    period_s, rate_hz
-        Median interval and its inverse.
-    mean_rate_hz
-        Number of intervals over the duration.
-    jitter
-        Robust standard deviation of the intervals over the median interval.
-    shortest_s, longest_s
-        Extreme intervals.
-    close_share
-        Share of intervals shorter than a fifth of the median.
-    clock_step_s
-        Resolution of the time stamps when it is coarse, 2 % of the period or more.
-    stall_limit_s
-        Length above which a gap is a stall and splits the log into segments.
-    gaps
-        Intervals above three medians and clearly above the jitter that are no stalls.
-    stalls
-        Intervals above the limit.
-    segments
-        Number of segments between stalls.
-    """
-
-    n: int
-    start_s: float
-    duration_s: float
-    period_s: float
-    rate_hz: float
-    mean_rate_hz: float
-    jitter: float
-    shortest_s: float
-    longest_s: float
-    close_share: float
-    clock_step_s: float | None
-    stall_limit_s: float
-    gaps: tuple[Gap, ...]
-    stalls: tuple[Gap, ...]
-    segments: int
 
 
 @dataclass(frozen=True)
@@ -204,6 +138,8 @@ class ChannelReport:
         Size of the jumps of a channel that moves only when enough has changed, or None.
     noise_std
         Standard deviation of the white noise; None where the quantisation hides it.
+    noise_below
+        Its bound where the quantisation hides it; None elsewhere.
     hum
         A line in the noise, or None.
     dropouts, frozen, saturation
@@ -224,6 +160,7 @@ class ChannelReport:
     hold: SampleHold | None
     dead_band: float | None
     noise_std: float | None
+    noise_below: float | None
     hum: Hum | None
     dropouts: tuple[Dropout, ...]
     frozen: tuple[Frozen, ...]
@@ -280,6 +217,8 @@ class StepResponse:
         Number of transitions between settled windows that could be timed.
     input_t63_s, output_t63_s
         Time from the end of one hold to 63 % of the way to the next.
+    settled
+        Share of these transitions before and after which the output settles.
     input_overshoot, overshoot
         Overshoot of input and output beyond their next levels, over the step; None where they
         never settle.
@@ -289,6 +228,7 @@ class StepResponse:
     transitions: int
     input_t63_s: float
     output_t63_s: float
+    settled: float
     input_overshoot: float | None
     overshoot: float | None
 
@@ -340,6 +280,8 @@ class Inspection:
         Lag of the measured behind the commanded pressure, where both are there and move.
     signs
         One check per output.
+    holds
+        Where the input is held, and what the first output that is no pressure does meanwhile.
     responses
         One entry per output with timed transitions.
     abilities
@@ -359,6 +301,7 @@ class Inspection:
     command_excitation: tuple[Stretch, ...] | None
     command_lag: CommandLag | None
     signs: tuple[SignCheck, ...]
+    holds: tuple[Hold, ...]
     responses: tuple[StepResponse, ...]
     abilities: tuple[Ability, ...]
     issues: tuple[Issue, ...]

@@ -70,10 +70,27 @@ def find_hum(
     if power[k] <= floor * (log(usable.size) - log(ODDS_OF_CHANCE)):
         return None
     skirts = power[[max(k - LINE_WIDTH, 0), min(k + LINE_WIDTH, power.size - 1)]]
-    amplitude = 2.0 * float(np.sqrt(power[k])) / float(window.sum())
+    shift, gain = _between_bins(power, k)
+    amplitude = 2.0 * gain * float(np.sqrt(power[k])) / float(window.sum())
+    line_hz = float(frequency[k]) + shift * float(frequency[1])
     if float(skirts.max()) > MOST_SKIRT * power[k] or amplitude < LEAST_AMPLITUDE * noise_std:
         return None
-    return Hum(float(frequency[k]), amplitude, _mains(float(frequency[k]), period_s, n))
+    return Hum(line_hz, amplitude, _mains(line_hz, period_s, n))
+
+
+def _between_bins(power: Array, k: int) -> tuple[float, float]:
+    """Place of a line between the bins of a Hann window, in bins, and what the top bin lacks.
+
+    The bin beside the top one has the share r = (1 + d)/(2 − d) of its height at a shift d, so
+    d = (2r − 1)/(r + 1); the height falls as sinc(d)/(1 − d²).
+    """
+    if not 0 < k < power.size - 1:
+        return 0.0, 1.0
+    left, right = float(power[k - 1]), float(power[k + 1])
+    ratio = float(np.sqrt(max(left, right) / power[k]))
+    d = min(max((2.0 * ratio - 1.0) / (ratio + 1.0), 0.0), 0.5)
+    gain = (1.0 - d * d) / float(np.sinc(d))
+    return (d if right >= left else -d), gain
 
 
 def _mains(frequency_hz: float, period_s: float, n: int) -> float | None:

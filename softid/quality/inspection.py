@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from softid.channels import Channel
 from softid.excitation import (
+    UNRESOLVED_STEPS,
     SettledWindow,
     Stretch,
     excitation_and_holds,
@@ -19,9 +20,10 @@ from softid.excitation import (
     segment_excitation,
 )
 from softid.log import Log
-from softid.quality.abilities import Evidence, judge_abilities
-from softid.quality.faults import Trace, find_dropouts, find_frozen, find_saturation
-from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role, StepResponse
+from softid.quality.abilities import LEVEL_SPACING, Evidence, judge_abilities
+from softid.quality.faults import Runs, Trace, find_dropouts, find_frozen, find_saturation
+from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role
+from softid.quality.holding import describe_holds, other_inputs
 from softid.quality.hum import find_hum
 from softid.quality.issues import list_issues
 from softid.quality.relations import check_sign, command_lag, step_response
@@ -30,8 +32,10 @@ from softid.quality.sampling import describe_sampling
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
+MIN_CHANGES = 20
+LEAST_CHANGING = 0.02
+
 LEAST_REST_SAMPLES = 100
-BRIEF = 0.2
 
 
 def inspect(log: Log) -> Inspection:
@@ -55,13 +59,20 @@ def inspect(log: Log) -> Inspection:
     """
     driving = log.channels[log.input].values
     stretches, windows = excitation_and_holds(log.time_s, driving)
+    windows = _at_levels(windows, stretches, LEVEL_SPACING * float(np.ptp(driving)))
     rest = _at_rest(windows, len(log))
     sampling = describe_sampling(log)
     channels = tuple(
         _report(log, log.channels[name], role, rest, windows) for name, role in _roles(log)
     )
     noise = {report.name: report.noise_std for report in channels}
-    responses = [step_response(log, name, windows, noise) for name in log.outputs]
+    judged = next((name for name in log.outputs if name != "pressure"), log.outputs[0])
+    stuck = next(c.frozen for c in channels if c.role == "input")
+    holds = {name: describe_holds(log, name, windows, noise[name]) for name in log.outputs}
+    responses = [
+        step_response(log, name, windows, noise, holds=holds[name], stuck=stuck)
+        for name in log.outputs
+    ]
     found = tuple(r for r in responses if r is not None)
     signs = tuple(s for s in (check_sign(log, name) for name in log.outputs) if s is not None)
     lag = command_lag(log)
@@ -72,11 +83,14 @@ def inspect(log: Log) -> Inspection:
         shown.display_unit,
         shown.display_factor,
         float(np.ptp(driving)),
+        judged,
         stretches,
-        _lasting(windows, log.time_s),
-        _of_first_output(log, found),
+        windows,
+        holds[judged],
+        next((r for r in found if r.output == judged), None),
+        bool(stuck),
         sampling,
-        lag is not None,
+        _why_no_lag(log, lag),
     )
     return Inspection(
         log=log.name,
@@ -90,9 +104,18 @@ def inspect(log: Log) -> Inspection:
         command_excitation=_command_excitation(log, lag),
         command_lag=lag,
         signs=signs,
+        holds=holds[judged],
         responses=found,
         abilities=judge_abilities(evidence),
-        issues=list_issues(sampling, channels, signs, stretches, from_reader=log.issues),
+        issues=list_issues(
+            sampling,
+            channels,
+            signs,
+            stretches,
+            holds=holds,
+            other_inputs=other_inputs(log, judged),
+            from_reader=log.issues,
+        ),
     )
 
 
@@ -128,13 +151,30 @@ def _at_rest(windows: tuple[SettledWindow, ...], n: int) -> BoolArray | None:
     return rest if int(rest.sum()) >= LEAST_REST_SAMPLES else None
 
 
-def _lasting(windows: tuple[SettledWindow, ...], time_s: Array) -> tuple[SettledWindow, ...]:
-    """The windows that are not brief against the usual one."""
-    held_s = np.array([time_s[w.stop - 1] - time_s[w.start] for w in windows])
-    if not held_s.size:
-        return ()
-    least_s = BRIEF * float(np.median(held_s))
-    return tuple(w for w, held in zip(windows, held_s, strict=True) if held >= least_s)
+def _at_levels(
+    windows: tuple[SettledWindow, ...], stretches: tuple[Stretch, ...], near: float
+) -> tuple[SettledWindow, ...]:
+    """The windows at a level of their stretch, without brief stops on the way to the next one."""
+    return tuple(
+        w
+        for w in windows
+        if any(
+            s.start <= w.start < s.stop and any(abs(w.level - v) <= near for v in s.levels)
+            for s in stretches
+        )
+    )
+
+
+def _why_no_lag(log: Log, lag: CommandLag | None) -> str | None:
+    if lag is not None:
+        return None
+    for name, called in (("pressure_command", "commanded"), ("pressure", "measured")):
+        if name not in log.channels:
+            return f"there is no {called} pressure in the log"
+        values = log.channels[name].values
+        if float(np.nanmax(values) - np.nanmin(values)) == 0.0:
+            return f"the {called} pressure does not move"
+    return "the measured pressure does not follow the commanded one"
 
 
 def _trace(log: Log, channel: Channel, rest: BoolArray | None) -> Trace:
@@ -154,6 +194,17 @@ def _trace(log: Log, channel: Channel, rest: BoolArray | None) -> Trace:
         channel.display_factor,
         _kind(log, channel.name),
     )
+
+
+def _noise_bound(trace: Trace) -> float | None:
+    """What the noise stays below where the quantisation hides it.
+
+    A channel that hardly ever changes, such as a command, has levels rather than a grid.
+    """
+    hidden = trace.noise_std is None and trace.quantisation is not None
+    changes = Runs.of(trace.values).start.size
+    alive = changes >= max(MIN_CHANGES, LEAST_CHANGING * trace.values.size)
+    return UNRESOLVED_STEPS * trace.step if hidden and alive else None
 
 
 def _kind(log: Log, name: str) -> Literal["command", "input", "output"]:
@@ -177,6 +228,9 @@ def _report(
     driving = log.channels[log.input].values if role == "output" else None
     measured = watched and role != "command"
     whole = bool(finite.all())
+    dead_band = None
+    if watched and values.size > 1:
+        dead_band = find_dead_band(log.time_s[finite], values, trace.step or None)
     return ChannelReport(
         name=channel.name,
         role=role,
@@ -190,10 +244,9 @@ def _report(
         dead=dead,
         quantisation=trace.quantisation,
         hold=trace.hold,
-        dead_band=find_dead_band(log.time_s[finite], values, trace.step or None)
-        if watched and values.size > 1
-        else None,
+        dead_band=dead_band,
         noise_std=trace.noise_std,
+        noise_below=_noise_bound(trace) if dead_band is None else None,
         hum=find_hum(log.time_s, values, windows, trace.noise_std)
         if measured and whole and trace.hold is None
         else None,
@@ -201,10 +254,6 @@ def _report(
         frozen=find_frozen(trace, driving) if measured else (),
         saturation=find_saturation(trace) if measured else (),
     )
-
-
-def _of_first_output(log: Log, found: tuple[StepResponse, ...]) -> StepResponse | None:
-    return next((r for r in found if r.output == log.outputs[0]), None)
 
 
 def _command_excitation(log: Log, lag: CommandLag | None) -> tuple[Stretch, ...] | None:

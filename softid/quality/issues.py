@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from softid.errors import Issue, Severity
 from softid.excitation import Stretch
-from softid.quality.findings import ChannelReport, Gap, Role, Sampling, SignCheck
+from softid.quality.findings import ChannelReport, Dropout, Role, SignCheck
+from softid.quality.holding import Hold
+from softid.quality.sampling import Gap, Sampling
 
 ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}
 MUCH_JITTER = 0.2
@@ -17,6 +19,7 @@ VERY_FEW_BITS = 4.0
 LITTLE_SIGNAL = 20.0
 NAMED = 4
 INTERMITTENT = 3
+TOLD_HERE = ("missing-output",)
 WATCHED: tuple[Role, ...] = ("input", "output", "command")
 
 
@@ -26,6 +29,8 @@ def list_issues(
     signs: Sequence[SignCheck],
     excitation: Sequence[Stretch],
     *,
+    holds: Mapping[str, Sequence[Hold]] | None = None,
+    other_inputs: Sequence[str] = (),
     from_reader: Sequence[Issue] = (),
 ) -> tuple[Issue, ...]:
     """All issues of a log, most severe first.
@@ -34,11 +39,20 @@ def list_issues(
     ----------
     sampling, channels, signs, excitation
         Findings.
+    holds
+        Output → what it does while the input is held.
+    other_inputs
+        Channels that move like a second input.
     from_reader
-        Issues that the log already carries; they are kept.
+        Issues that the log already carries; kept but for missing samples, which are told here.
     """
     at_rest = list(_of_input(channels, excitation))
-    found = [*from_reader, *at_rest, *_of_sampling(sampling)]
+    read = [issue for issue in from_reader if issue.code not in TOLD_HERE]
+    found = [*read, *at_rest, *_of_sampling(sampling)]
+    if not at_rest:
+        found += _of_other_inputs(other_inputs)
+        for name, held in (holds or {}).items():
+            found += _of_holds(next(c for c in channels if c.name == name), held)
     for channel in channels:
         if channel.role in WATCHED:
             found += _of_channel(channel)
@@ -64,14 +78,15 @@ def _of_sampling(sampling: Sampling) -> Iterator[Issue]:
             "stalls",
             "warning",
             f"{_count(sampling.stalls, 'stall')} longer than {sampling.stall_limit_s:.3g} s "
-            f"({_places(sampling.stalls)}) split the log into {sampling.segments} segments",
+            f"({_places(sampling.stalls)}) split the log into {sampling.segments} segments"
+            + _left_alone(sampling),
             "each segment gets its own initial state; find out what blocks the logger",
         )
     if sampling.gaps:
         yield Issue(
             "gaps",
             "info",
-            f"{_count(sampling.gaps, 'gap')} of more than three sampling intervals "
+            f"{_count(sampling.gaps, 'gap')} longer than {1e3 * sampling.gap_limit_s:.3g} ms "
             f"({_places(sampling.gaps)})",
             None,
         )
@@ -80,7 +95,7 @@ def _of_sampling(sampling: Sampling) -> Iterator[Issue]:
             "irregular-sampling",
             "info",
             f"the sampling interval varies by {100 * sampling.jitter:.0f} % about "
-            f"{1e3 * sampling.period_s:.3g} ms",
+            f"{seconds(sampling.period_s)}",
             "nothing to do: the log's own times are used",
         )
     if sampling.close_share > MANY_CLOSE:
@@ -91,6 +106,11 @@ def _of_sampling(sampling: Sampling) -> Iterator[Issue]:
             "fifth of the usual interval",
             "check whether two messages are logged as two samples",
         )
+
+
+def _left_alone(sampling: Sampling) -> str:
+    alone = len(sampling.stalls) + 1 - sampling.segments
+    return f" ({_count(range(alone), 'single sample')} between stalls left out)" if alone else ""
 
 
 def _of_channel(channel: ChannelReport) -> Iterator[Issue]:
@@ -109,34 +129,96 @@ def _of_channel(channel: ChannelReport) -> Iterator[Issue]:
 
 
 def _of_dropouts(channel: ChannelReport) -> Iterator[Issue]:
-    if not channel.dropouts:
+    missing = [d for d in channel.dropouts if d.cause == "missing"]
+    if missing:
+        yield Issue(
+            "missing-samples",
+            "warning",
+            f"{channel.name} is missing in {_count(range(channel.missing), 'sample')} at "
+            f"{_count(missing, 'place')}: {_drops(channel, missing)}",
+            "nothing: these samples are left out of the residuals",
+        )
+    wrong = [d for d in channel.dropouts if d.cause != "missing"]
+    if not wrong:
         return
-    causes = Counter(d.cause for d in channel.dropouts)
-    kinds = ", ".join(f"{count} × {cause}" for cause, count in causes.items())
-    places = ", ".join(
-        f"{d.start_s:.2f} s" + ("" if d.value is None else f": {_shown(channel, d.value)}")
-        for d in channel.dropouts[:NAMED]
-    )
-    more = ", …" if len(channel.dropouts) > NAMED else ""
     if channel.role == "command":
         yield Issue(
             "command-flicker",
             "info",
             f"{channel.name} flickers for a few samples at "
-            f"{_count(channel.dropouts, 'place')}: {places}{more}",
+            f"{_count(wrong, 'place')}: {_drops(channel, wrong)}",
             "fit with the measured pressure as input",
         )
         return
+    causes = Counter(d.cause for d in wrong)
+    kinds = ", ".join(f"{count} × {cause}" for cause, count in causes.items())
     remedy = "leave these samples out of the fit"
     if "lost digit" in causes:
         remedy += "; the first digit got lost on the way, so check the serial line"
-    count = _count(channel.dropouts, "place")
     yield Issue(
         "drop-outs",
         "warning",
-        f"{channel.name} drops out at {count} ({kinds}): {places}{more}",
+        f"{channel.name} drops out at {_count(wrong, 'place')} ({kinds}): {_drops(channel, wrong)}",
         remedy,
     )
+
+
+def _drops(channel: ChannelReport, dropouts: Sequence[Dropout]) -> str:
+    places = ", ".join(
+        f"{d.start_s:.2f} s" + ("" if d.value is None else f": {_shown(channel, d.value)}")
+        for d in dropouts[:NAMED]
+    )
+    return places + (", …" if len(dropouts) > NAMED else "")
+
+
+def _of_holds(channel: ChannelReport, holds: Sequence[Hold]) -> Iterator[Issue]:
+    for first in (h for h in holds if h.at_start is not None and h.unexplained is None):
+        yield Issue(
+            "moving-at-start",
+            "info",
+            f"{channel.name} moves by {_shown(channel, first.at_start)} before the input does "
+            f"({first.start_s:.2f} to {first.stop_s:.2f} s)",
+            "it does not start at rest; if that is not left over from before, something else "
+            "drives it",
+        )
+    moving = [h for h in holds if h.unexplained is not None]
+    if not moving:
+        return
+    most = max(h.unexplained or 0.0 for h in moving)
+    places = ", ".join(f"{h.start_s:.2f} to {h.stop_s:.2f} s" for h in moving[:NAMED])
+    more = ", …" if len(moving) > NAMED else ""
+    others = list(dict.fromkeys(name for h in moving for name in h.moving))
+    if others:
+        remedy = f"{_listed(others)} move meanwhile, and a model of one input cannot know that"
+    elif channel.name == "pressure":
+        remedy = "hold longer, so that it settles"
+    else:
+        remedy = (
+            "hold longer if it is still on its way; or find what else drives it: a controller, "
+            "a second chamber, a load, or a drive without a spring"
+        )
+    yield Issue(
+        "moves-by-itself",
+        "warning",
+        f"{channel.name} moves by up to {_shown(channel, most)} while the input is held "
+        f"({places}{more})",
+        remedy,
+    )
+
+
+def _of_other_inputs(names: Sequence[str]) -> Iterator[Issue]:
+    if names:
+        yield Issue(
+            "other-inputs",
+            "info",
+            f"{_count(names, 'other channel')} of the input's unit, {_listed(names)}, "
+            f"move{'s' if len(names) == 1 else ''} at least a quarter as far as the input",
+            "if they drive the actuator too, fit only logs in which they move alike",
+        )
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:NAMED]) + (", …" if len(names) > NAMED else "")
 
 
 def _of_faults(channel: ChannelReport) -> Iterator[Issue]:
@@ -243,6 +325,19 @@ def _shown(channel: ChannelReport, value: float | None) -> str:
         return "no value"
     unit = "" if channel.display_unit == "1" else f" {channel.display_unit}"
     return f"{value * channel.display_factor:.4g}{unit}"
+
+
+def seconds(time_s: float) -> str:
+    """A time in the unit that suits it.
+
+    Examples
+    --------
+    >>> seconds(0.0119), seconds(20.0), seconds(1e-4)
+    ('11.9 ms', '20 s', '0.1 ms')
+    """
+    if time_s < 1.0:
+        return f"{1e3 * time_s:.4g} ms"
+    return f"{time_s:.4g} s" if time_s < 1e4 else f"{time_s:.0f} s"
 
 
 def _count(things: Sequence[object], noun: str) -> str:

@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from softid.excitation import SettledWindow, median_of_five
 from softid.log import Log
-from softid.quality.findings import CommandLag, SignCheck, StepResponse
+from softid.quality.findings import CommandLag, Frozen, SignCheck, StepResponse
+from softid.quality.holding import Hold
 
 Array = npt.NDArray[np.float64]
 
@@ -52,6 +53,8 @@ def check_sign(log: Log, output: str) -> SignCheck | None:
     best = int(np.abs(correlations).argmax())
     correlation = float(correlations[best])
     sign = -1.0 if output in FALLS_WITH_PRESSURE else 0.0 if output in UNSIGNED else 1.0
+    if log.channels[output].unit == "1":
+        sign = 0.0  # raw counts may fall as the quantity rises
     return SignCheck(output, correlation, best * step_s, sign * correlation <= CLEARLY_INVERTED)
 
 
@@ -119,7 +122,13 @@ def _lagged_correlations(given: Array, answered: Array, lags: int) -> Array:
 
 
 def step_response(
-    log: Log, output: str, windows: Sequence[SettledWindow], noise: Mapping[str, float | None]
+    log: Log,
+    output: str,
+    windows: Sequence[SettledWindow],
+    noise: Mapping[str, float | None],
+    *,
+    holds: Sequence[Hold] = (),
+    stuck: Sequence[Frozen] = (),
 ) -> StepResponse | None:
     """Time how input and output pass from one settled window of the input to the next.
 
@@ -133,12 +142,19 @@ def step_response(
         Settled windows of the input, in order.
     noise
         Channel → standard deviation of its noise, in its unit.
+    holds
+        What the output does on each of the windows; none says that it settles.
+    stuck
+        Where the input repeats a stale value; a change right after it is not timed.
     """
     given, answered = log.channels[log.input].values, log.channels[output].values
     span = float(np.ptp(given))
     given_noise, answered_noise = (noise.get(name) or 0.0 for name in (log.input, output))
     timed = []
-    for before, after in pairwise(windows):
+    settled = [h.settled is not False for h in holds] or [True] * len(windows)
+    for (before, after), (rested, rests) in zip(pairwise(windows), pairwise(settled), strict=True):
+        if any(_until(before, f) for f in stuck):
+            continue
         if abs(after.level - before.level) < LEAST_STEP * span:
             continue
         part = slice(before.stop - 1, after.stop)
@@ -158,7 +174,7 @@ def step_response(
             _overshoot(given[part], before.level, after.level, given_noise),
             _overshoot(answered[part], ends[0], ends[1], answered_noise),
         )
-        timed.append((input_s, output_s, *overshoots))
+        timed.append((input_s, output_s, *overshoots, float(rested and rests)))
     if not timed:
         return None
     table = np.array(timed)
@@ -168,9 +184,16 @@ def step_response(
         len(timed),
         float(np.median(table[:, 0])),
         float(np.median(table[:, 1])),
+        float(np.mean(table[:, 4])),
         float(np.median(input_over)) if input_over.size else None,
         float(np.median(output_over)) if output_over.size else None,
     )
+
+
+def _until(window: SettledWindow, frozen: Frozen) -> bool:
+    """Whether a stuck stretch reaches into the last fifth of a window."""
+    last_fifth = window.stop - (window.stop - window.start) // 5
+    return frozen.start < window.stop and frozen.stop > last_fifth
 
 
 def _rest_values(values: Array, window: SettledWindow) -> float | None:

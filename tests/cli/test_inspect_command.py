@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from desk import Desk, Outcome
 from drawn_logs import staircase_log, with_fault
 
+from softid.errors import Issue
 from softid.log import Log
 from softid.quality import inspect
+from softid.records import dump_json
 from softid_cli.inspect import render
 
 Cli = Callable[..., Outcome]
@@ -46,6 +50,70 @@ def test_sections_in_order() -> None:
     assert "4400 samples in 43.99 s, every 10 ms (100 Hz), no jitter; no gaps, no stalls" in (
         " ".join(text.split())
     )
+
+
+def drawn_steps(period_s: float, hold_s: float) -> Log:
+    """Steps between 0 and 60 kPa with a little noise, the last hold twice as long."""
+    rng = np.random.default_rng(0)
+    n = round(hold_s / period_s)
+    pressure = np.repeat([0.0, 60.0, 0.0, 60.0, 60.0], n)
+    pressure = pressure + 0.1 * rng.standard_normal(pressure.size)
+    channels = {"pressure": pressure, "angle": 0.4 * pressure}
+    return Log.from_arrays(np.arange(pressure.size) * period_s, channels, name="steps")
+
+
+@pytest.mark.parametrize(
+    ("period_s", "hold_s", "clock", "held"),
+    [
+        (20.0, 2000.0, "every 20 s (0.05 Hz)", "held 1980 to 3980 s, median 1980 s"),
+        (1e-4, 0.1, "every 0.1 ms (10 kHz)", "held 0.0999 to 0.2 s, median 0.0999 s"),
+    ],
+)
+def test_slow_and_quick_clocks(period_s: float, hold_s: float, clock: str, held: str) -> None:
+    """Times and rates are written without powers of ten, and a hold says what it measures."""
+    text = " ".join(render(inspect(drawn_steps(period_s, hold_s))).split())
+    assert clock in text
+    assert held in text
+    assert "e+0" not in text
+
+
+def test_gaps_and_stalls_are_told_apart() -> None:
+    """Each kind has its own longest; a mean rate is told where it differs from the median one."""
+    time_s = np.arange(1000) * 0.01
+    time_s[300:] += 0.2
+    time_s[700:] += 2.0
+    log = Log.from_arrays(time_s, {"pressure": np.sin(time_s), "angle": np.sin(time_s)})
+    text = " ".join(render(inspect(log)).split())
+    assert "1 gap of 0.21 s; 1 stall of 2.01 s" in text
+    assert "(100 Hz by the median, 81.95 Hz on average)" in text
+
+
+def test_missing_samples_are_told_once() -> None:
+    """What the reader counted and what the channel lacks is one finding."""
+    log = with_fault(staircase_log(), "angle", lambda v: np.where(v > 35.0, np.nan, v))
+    told = Issue("missing-output", "info", "angle: samples missing")
+    codes = [i.code for i in inspect(replace(log, issues=(told,))).issues]
+    assert codes.count("missing-samples") == 1
+    assert "missing-output" not in codes
+    assert "drop-outs" not in codes
+
+
+def test_json_has_no_nan_and_one_shape() -> None:
+    """Three samples, a channel of gaps and a whole staircase have the same fields."""
+    steps = staircase_log()
+    short = Log.from_arrays(np.arange(3) * 0.1, {"pressure": np.arange(3.0), "angle": np.ones(3)})
+    gappy = with_fault(steps, "angle", lambda v: np.where(np.arange(v.size) % 2, v, np.nan))
+
+    def refuse(constant: str) -> None:
+        raise AssertionError(constant)
+
+    documents = [
+        json.loads(dump_json(inspect(log)), parse_constant=refuse) for log in (steps, short, gappy)
+    ]
+    assert len({tuple(sorted(d)) for d in documents}) == 1
+    assert len({tuple(sorted(c)) for d in documents for c in d["channels"]}) == 1
+    assert documents[0]["holds"][0]["after_change"] is False
+    assert documents[1]["channels"][0]["noise_std"] is None
 
 
 @pytest.mark.parametrize("width", [80, 120])

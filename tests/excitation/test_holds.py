@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from drawn_logs import follow, quantised
 
-from softid.excitation import distinct_levels, settled_windows
+from softid.excitation import distinct_levels, segment_excitation, settled_windows
 from softid.excitation.holds import median_of_five, turning_points
 
 RUNGS = (0.0, 20.0, 40.0, 60.0, 40.0, 20.0, 0.0)
@@ -103,3 +103,15 @@ def test_the_median_keeps_edges() -> None:
     spiked[4] = 50.0
     assert np.array_equal(median_of_five(values), values)
     assert np.array_equal(median_of_five(spiked), values)
+
+
+def test_brief_stops_count_neither_as_levels_nor_as_changes() -> None:
+    """A coarse grid makes stops on the way between two levels of 3 s: 4 changes, 2 levels."""
+    time_s = np.arange(1500) * 0.01
+    wanted = np.where((time_s // 3.0) % 2 == 0, 0.0, 20.0)
+    given = np.round(follow(time_s, wanted, 0.2) / 2.0) * 2.0
+    (stretch,) = segment_excitation(time_s, given)
+    assert stretch.transitions == 4
+    assert len(stretch.levels) == 2
+    assert stretch.shortest_hold_s is not None
+    assert stretch.shortest_hold_s > 2.0

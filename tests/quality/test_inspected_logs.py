@@ -185,6 +185,23 @@ def test_every_measured_log_can_be_inspected(measured: Path) -> None:
         if path.name.startswith("0706"):
             continue
         found = inspected(path)
-        assert len(found.abilities) == 8
+        assert len(found.abilities) == (6 if found.input == "force" else 8)
         assert np.isfinite(found.sampling.rate_hz)
         assert "inverted-sign" not in codes(found), path.name
+
+
+def test_a_slow_fall_is_no_hold(measured: Path) -> None:
+    """0730_step_1 falls from 34 to 27 kPa in 1.1 s, then faster: six pulses between two levels, by
+    the command as by the measured pressure, and no level of 27 kPa between them."""
+    found = inspected(measured / "three-chamber-arm" / "0730_step_1.csv")
+    assert found.command_excitation is not None
+    for (stretch,) in (found.excitation, found.command_excitation):
+        assert (stretch.kind, stretch.transitions, len(stretch.levels)) == ("step", 12, 2)
+
+
+@pytest.mark.parametrize("name", ["KDN_1bar", "KDN_3bar"])
+def test_no_more_changes_are_timed_than_counted(measured: Path, name: str) -> None:
+    """Table and judgement rest on the same holds, so both tell the same number of changes."""
+    found = inspected(measured / "printed-cylinder" / f"{name}.csv")
+    (stretch,) = found.excitation
+    assert found.responses[0].transitions == stretch.transitions

@@ -20,6 +20,7 @@ TRUE_OF_THE_DRAW = {
     "input-at-rest",
     "little-signal",
     "close-samples",
+    "moving-at-start",
 }
 """Properties that drawn logs do have."""
 

@@ -63,3 +63,29 @@ def test_close_samples() -> None:
     time_s = np.sort(np.concatenate([np.arange(900) * 0.02, np.arange(0, 900, 10) * 0.02 + 0.001]))
     found = describe_sampling(log_at(time_s))
     assert found.close_share == pytest.approx(90 / 989, rel=0.02)
+
+
+def test_a_regular_clock_far_from_zero() -> None:
+    """Seconds since 1970 resolve 0.24 µs, so the median interval is off by a little; the sampling
+    stays regular and is no coarse clock."""
+    time_s = 1.7e9 + np.arange(2700) * 0.01
+    channels = {"pressure": np.sin(0.01 * np.arange(2700)), "angle": np.arange(2700.0)}
+    found = describe_sampling(Log.from_arrays(time_s, channels))
+    assert found.clock_step_s is None
+
+
+def test_the_limit_of_a_gap_is_told() -> None:
+    """With a jitter of 50 % a gap is an interval far above three periods; the sentence says how
+    long, and two single samples between stalls are told apart from segments."""
+    rng = np.random.default_rng(0)
+    intervals = 0.01 * rng.choice([0.5, 1.0, 1.5], 2000)
+    intervals[700] = 0.3
+    intervals[[1000, 1001]] = 3.0
+    time_s = np.concatenate([[0.0], np.cumsum(intervals)])
+    channels = {"pressure": np.sin(time_s), "angle": np.sin(time_s)}
+    found = inspect(Log.from_arrays(time_s, channels))
+    messages = {i.code: i.message for i in found.issues}
+    assert found.sampling.gap_limit_s > 0.03
+    assert f"1 gap longer than {1e3 * found.sampling.gap_limit_s:.3g} ms" in messages["gaps"]
+    assert (len(found.sampling.stalls), found.sampling.segments) == (2, 2)
+    assert "(1 single sample between stalls left out)" in messages["stalls"]
