@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullLocator
 
 from softid.plots.canvas import (
     BOTTOM,
@@ -56,6 +57,7 @@ def draw_series(
     y: Display,
     title: str,
     log_y: bool = False,
+    from_zero: bool = False,
     vertical: Sequence[float] = (),
 ) -> Figure:
     """Draw curves and points, each in a style of its own.
@@ -70,6 +72,8 @@ def draw_series(
         Heading.
     log_y
         Whether the y axis is logarithmic.
+    from_zero
+        Whether the y axis starts at zero.
     vertical
         Places of thin vertical lines, in the unit of the arrays.
 
@@ -85,6 +89,8 @@ def draw_series(
     )
     if log_y:
         axes.set_yscale("log")
+        axes.yaxis.set_minor_locator(NullLocator())
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     handles = []
     counts = {True: 0, False: 0}
     for one in series:
@@ -111,5 +117,7 @@ def draw_series(
     limits = padded_limits(*(np.asarray(s.x, float) * x.factor for s in series), margin=0.03)
     if limits:
         axes.set_xlim(*limits)
+    if from_zero:
+        axes.set_ylim(bottom=0.0)
     finish(figure, title, handles, rows=rows)
     return figure

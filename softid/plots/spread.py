@@ -32,7 +32,6 @@ Array = npt.NDArray[np.float64]
 _LEFT = 0.17
 _HALF_BOX = 0.13
 _CLOUD = 0.2
-_ROW_IN, _MARGIN_IN = 1.9, 1.7
 
 
 def draw_spread(
@@ -60,11 +59,10 @@ def draw_spread(
     Figure
     """
     rows = len(estimates)
-    figure = new_figure(height_in=_MARGIN_IN + _ROW_IN * rows)
-    scale = figure.get_size_inches()[1] / 8.0
+    figure = new_figure()
     axes = add_panel(
         figure,
-        (_LEFT, BOTTOM / scale, RIGHT, TOP - 0.03 / scale),
+        (_LEFT, BOTTOM, RIGHT, TOP),
         x_label=quantity.label,
         y_label="",
         x_ticks=9,
@@ -105,7 +103,7 @@ def _summary(values: Array, truth: float, unit: str) -> str:
     spread = float(values.std(ddof=1))
     tail = "" if unit in ("", "1") else f" {unit}"
     parts = [
-        f"bias {values.mean() - truth:+.2g} ± {spread / np.sqrt(values.size):.1g}{tail}",
+        f"bias {values.mean() - truth:+.2g} ± {spread / np.sqrt(values.size):.2g}{tail}",
         f"sd {spread:.2g}{tail}",
     ]
     if np.any(values <= 0.0) and truth > 0.0:
