@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -18,8 +17,6 @@ from softid.log import Log
 from softid.models.muscle import Muscle
 
 Array = npt.NDArray[np.float64]
-
-_LEAST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +96,8 @@ def inertia_draws(
 ) -> InertiaDraws:
     """Add noise to two noise-free logs again and again, and estimate M by both ways each time.
 
-    Both ways take the output as contraction with a known zero. The simultaneous fit starts where
-    the stages ended, so both know the same. Every draw has a generator of its own, so the result
+    Both ways take the output as contraction with a known zero. The simultaneous fit starts from
+    the noisy data, as every fit does. Every draw has a generator of its own, so the result
     does not depend on the number of workers.
 
     Parameters
@@ -133,7 +130,7 @@ def inertia_draws(
     def one(rng: np.random.Generator) -> tuple[float, float, bool]:
         noisy = [_with_noise(log, noise_output, noise_kpa, rng) for log in (steps, sine)]
         by_stages = sequential(noisy[0], noisy[1])
-        at_once, reached = _simultaneous(noisy, by_stages.values, rng)
+        at_once, reached = _simultaneous(noisy, rng)
         return by_stages.values["M"], at_once, reached
 
     generators = np.random.default_rng(seed).spawn(draws)
@@ -158,18 +155,15 @@ def _with_noise(log: Log, noise_output: float, noise_kpa: float, rng: np.random.
     return Log.from_arrays(log.time_s, channels, outputs=(output,), name=log.name)
 
 
-def _simultaneous(
-    logs: list[Log], stages: Mapping[str, float], rng: np.random.Generator
-) -> tuple[float, bool]:
+def _simultaneous(logs: list[Log], rng: np.random.Generator) -> tuple[float, bool]:
     """M by output error on all logs at once, and whether the optimum was reached.
 
-    It starts from what the stages found, so that both see the same data and nothing else.
+    The starts are those of every fit, from the data. The stages' own result is no safe start: they
+    may put c2 at zero, a flat place on a logarithmic scale that the optimiser never leaves.
     """
     model = Muscle()
-    declared = model.parameters()
-    problem = Problem(model, declared, logs, zeros=False)
-    # An inertia or damping of nothing has no logarithm; its size is as good a start.
-    start = {name: max(abs(value), _LEAST) for name, value in stages.items()}
-    found = output_error(problem, [start], rng=rng, rounds=0)
+    problem = Problem(model, model.parameters(), logs, zeros=False)
+    starts = [guess.values_dict() for guess in model.guess(problem.segments, problem.outputs[0])]
+    found = output_error(problem, starts, rng=rng, rounds=0)
     mass = problem.theta(found.unknowns)[problem.parameters.names.index("M")]
     return float(mass), found.status.success
