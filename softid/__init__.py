@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     )
     from softid.identification import fit, profile_parameter
     from softid.log import Log, LogSet
-    from softid.models import MODELS, Model, Muscle, Oscillator, Polynomial
+    from softid.models import MODELS, Model, Muscle, Oscillator, Polynomial, Yeoh
     from softid.parameters import Parameter, ParameterSet
     from softid.quality import inspect
     from softid.readers import load
@@ -44,6 +44,7 @@ _HOME = {
     "Muscle": "softid.models",
     "Oscillator": "softid.models",
     "Polynomial": "softid.models",
+    "Yeoh": "softid.models",
     "Parameter": "softid.parameters",
     "ParameterSet": "softid.parameters",
     "inspect": "softid.quality",
@@ -85,6 +86,7 @@ __all__ = [
     "SoftidError",
     "UsageError",
     "Validation",
+    "Yeoh",
     "fit",
     "inspect",
     "load",

@@ -37,6 +37,7 @@ TYPES = (
     "SavedModel",
     "Simulation",
     "Validation",
+    "Yeoh",
 )
 ERRORS = (
     "IdentificationError",

@@ -2,21 +2,26 @@
 
 from softid.plots.branches import draw_branches
 from softid.plots.canvas import Display, new_figure, png_bytes
+from softid.plots.curves_and_points import Series, draw_series
 from softid.plots.damping import draw_damping
 from softid.plots.gallery import draw_all, figures
 from softid.plots.loops import Loop, draw_loops
 from softid.plots.parameter_correlation import draw_parameter_correlation
+from softid.plots.picture import Picture
 from softid.plots.profile import draw_profile
 from softid.plots.residual_correlation import draw_residual_correlation
 from softid.plots.residual_scatter import ResidualPoints, draw_residual_scatter
 from softid.plots.response import draw_response
+from softid.plots.spread import draw_spread
 from softid.plots.static_curve import Levels, draw_static_curve
 
 __all__ = [
     "Display",
     "Levels",
     "Loop",
+    "Picture",
     "ResidualPoints",
+    "Series",
     "draw_all",
     "draw_branches",
     "draw_damping",
@@ -26,6 +31,8 @@ __all__ = [
     "draw_residual_correlation",
     "draw_residual_scatter",
     "draw_response",
+    "draw_series",
+    "draw_spread",
     "draw_static_curve",
     "figures",
     "new_figure",
