@@ -192,7 +192,9 @@ def named_values(effect: Effect, values: Mapping[str, float]) -> dict[str, float
     return {extended_name(effect, name): value for name, value in values.items()}
 
 
-def prior_about(problem: Problem, centre: Array, known: Sequence[str], variance: float) -> Prior:
+def prior_about(
+    problem: Problem, centre: Array, known: Sequence[str], variance: float
+) -> TemperedPrior:
     """The prior of a refit.
 
     Parameters
