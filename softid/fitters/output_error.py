@@ -25,7 +25,7 @@ from softid.fitters.levenberg_marquardt import (
     movable,
 )
 from softid.fitters.problem import Problem
-from softid.models.second_order import Division
+from softid.models.division import Division
 from softid.results import FitStatus
 
 Array = npt.NDArray[np.float64]
@@ -332,6 +332,8 @@ def _challenge(
             points.append(point)
         rivals = _scout(objective, points)
         margin = min(BETTER, BETTER_SAMPLES / max(best.normal.n, 1))
+        if best.normal.cost <= 0.5 * best.normal.n * RESIDUAL_FLOOR**2:
+            return best, True  # what is left is rounding, and a rival's is as likely to be less
         if not rivals or rivals[0][0].normal.cost > best.normal.cost * (1 - margin):
             return best, True
         best = objective.solve(rivals[0][0].point, POLISH_EVALUATIONS)

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from softid.log import Log, Segment
 from softid.models.base import Model
-from softid.models.second_order import Division
+from softid.models.division import Division
 from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]

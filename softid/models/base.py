@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from softid.errors import UsageError
 from softid.log import Segment
-from softid.models.second_order import Division
+from softid.models.division import Division
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 

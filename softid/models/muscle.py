@@ -10,16 +10,17 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import UsageError
+from softid.kernels.lanes import MUSCLE
 from softid.kernels.muscle import coefficient_derivatives, coefficients
 from softid.log import Segment
 from softid.models.base import Model, Response, require_choice
+from softid.models.division import Division, divide
 from softid.models.geometry import ArcGeometry
 from softid.models.second_order import (
     ORDERS,
-    Division,
+    AffineForm,
     Law,
     Order,
-    divide,
     faded,
     simulate_law,
     speeds,
@@ -51,6 +52,11 @@ class MuscleLaw(Law):
         """Derivatives of N, Q and P by the seven parameters, each of shape (L, 7)."""
         found: tuple[Array, Array, Array] = coefficient_derivatives(u / _KPA_PER_BAR, self._theta)
         return found
+
+    def affine(self) -> AffineForm:
+        """The same law with exponents per kPa."""
+        per_kpa = np.array([1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0])
+        return AffineForm(MUSCLE, np.append(self._theta * per_kpa, 1.0), np.diag(per_kpa))
 
     def exponent_rate(self) -> float:
         """The larger of b1 and b2, per kPa."""
