@@ -215,7 +215,8 @@ def sum_products(
     state: Array,
     tangent: Array,
     kept: Array,
-) -> Array:
+    gram: Array,
+) -> None:
     """All products of two columns summed over the used samples, without keeping the columns.
 
     Parameters
@@ -229,23 +230,19 @@ def sum_products(
     kept
         Receives ∂x by the parameters and the initial state, 1 and the residual at every sample,
         shape (11, n), zero where it does not count; of shape (11, 0) to keep nothing.
-
-    Returns
-    -------
-    numpy.ndarray
-        Σ cᵢcⱼ for the columns of ``kept``, shape (11, 11).
+    gram
+        Receives Σ cᵢcⱼ for the columns of ``kept`` in its first 11 rows, shape (12, 12).
     """
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
     at = np.zeros(2, np.int64)
     now, now_by = state.copy(), tangent.copy()
-    gram = np.zeros((N_PADDED, N_PADDED))
     first = np.zeros(N_PADDED)
     if used[0]:
         first[: N_PARAMETERS + N_STATES] = tangent[0]
         first[N_COLUMNS - 2] = 1.0
         first[N_COLUMNS - 1] = y[0] - level - gain * state[0]
-    gram += np.outer(first, first)
+    gram[:] = np.outer(first, first)
     if kept.shape[1]:
         kept[:, 0] = first[:N_COLUMNS]
     while at[0] < time_s.size - 1:
@@ -264,7 +261,6 @@ def sum_products(
     for a in range(N_COLUMNS):
         for b in range(a):
             gram[b, a] = gram[a, b]
-    return gram[:N_COLUMNS, :N_COLUMNS].copy()
 
 
 for _kernel in (move, move_with_derivatives, sum_products):

@@ -11,6 +11,10 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from softid.kernels import exponential
+from softid.kernels.exponential import EXACT
+from softid.kernels.sources import follow_sources
+
 Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.int16]
 
@@ -19,12 +23,13 @@ MAX_PHASE_PER_STEP = 0.8
 
 RINGING = 0.15
 """Damping ratio below which oscillations last so long that phase errors add up to more; the Radau
-rule's steps are then shorter by (ζ/0.15)^(1/5)."""
+rule's steps are then shorter by (ζ/0.15)^(1/4), down to half."""
+
+MOST_RINGING = 2.0
 
 STIFF_RATIO = 2000.0
-STIFF_EXPONENT = 0.28
-"""An overdamped fast mode is resolved with a step of 0.8·(fast/slow)^0.28 of its time constant up
-to fast/slow = 2000: from the error of the rule's R(z) against exp(z), the fast mode's share of the
+"""An overdamped fast mode is resolved with a step of 0.8·(fast/slow)^¼ of its time constant up to
+fast/slow = 2000: from the error of the rule's R(z) against exp(z), the fast mode's share of the
 error then stays below 1e-4 of the motion."""
 
 RK4_MAX_PHASE = 0.3
@@ -43,46 +48,56 @@ RK4_MAX_EXPONENT = 0.5
 """Largest change of an exponent of the coefficients within one step of either rule."""
 
 MAX_SUBSTEPS = 64
+_HUGE = 1e300
 
 
-@njit(nogil=True, error_model="numpy")
-def radau_rate(mass: float, damping: float, stiffness: float) -> float:
-    """Speed of the motion that a step of the Radau rule must resolve; 0 where it is not finite.
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+def _radau_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
+    """Steps per second of the Radau rule.
 
-    |λ| when the law oscillates. When it is overdamped a jump of the force excites the fast mode to
-    slow/fast of the whole motion only, so a stiff mode may be stepped over the more boldly the
-    stiffer it is, and beyond `STIFF_RATIO` entirely: the rule damps it as nature does.
+    They resolve |λ| when the law oscillates. When it is overdamped a jump of the force excites the
+    fast mode to slow/fast of the whole motion only, so a stiff mode may be stepped over the more
+    boldly the stiffer it is, and beyond `STIFF_RATIO` entirely: the rule damps it as nature does.
     """
     discriminant = damping * damping - 4.0 * mass * stiffness
-    if mass > 0.0 and discriminant < 0.0:
-        omega = np.sqrt(stiffness / mass)
-        ratio = max(0.5 * damping / (mass * omega), LEAST_RATIO)
-        rate = omega if ratio >= RINGING else omega * (RINGING / ratio) ** 0.2
-    else:
-        slow = 2.0 * stiffness / (damping + np.sqrt(max(discriminant, 0.0)))
-        stiff = stiffness / mass / (slow * slow) if mass > 0.0 else np.inf
-        rate = slow * stiff ** (1.0 - STIFF_EXPONENT) if stiff < STIFF_RATIO else slow
-    return rate if np.isfinite(rate) else 0.0
+    omega = np.sqrt(stiffness / mass)
+    longer = max(RINGING * 2.0 * mass * omega / max(damping, 1e-300), 1.0)
+    oscillating = omega * min(np.sqrt(np.sqrt(longer)), MOST_RINGING)
+    slow = 2.0 * stiffness / (damping + np.sqrt(max(discriminant, 0.0)))
+    fast = omega / slow * (omega / slow)
+    bold = slow * (np.sqrt(fast) * np.sqrt(np.sqrt(fast)) if fast < STIFF_RATIO else 1.0)
+    return (oscillating if discriminant < 0.0 else bold) / MAX_PHASE_PER_STEP
 
 
-@njit(nogil=True, error_model="numpy")
-def rk4_rate(mass: float, damping: float, stiffness: float) -> float:
-    """Steps per second of the explicit rule; infinite where it must not be used."""
-    if not (mass > 0.0 and stiffness >= 0.0 and damping >= 0.0):
-        return np.inf
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+def _rk4_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
+    """Steps per second of the explicit rule; not finite where it must not be used."""
     omega, decay = np.sqrt(stiffness / mass), damping / mass
-    ratio = max(0.5 * decay / omega, LEAST_RATIO) if omega > 0.0 else np.inf
-    rate = max(omega / RK4_MAX_PHASE, decay / RK4_MAX_DECAY, np.sqrt(omega * decay / RK4_SHARE))
-    rate = max(rate, omega * np.sqrt(np.sqrt(RK4_RINGING / ratio)))
-    return rate if np.isfinite(rate) else np.inf
+    ringing = RK4_RINGING * 2.0 * omega / max(decay, LEAST_RATIO * omega)
+    rate = max(omega / RK4_MAX_PHASE, decay / RK4_MAX_DECAY)
+    rate = max(rate, np.sqrt(omega * decay / RK4_SHARE))
+    return max(rate, omega * np.sqrt(np.sqrt(ringing)))
 
 
-@njit(nogil=True, error_model="numpy")
-def _count(wanted: float, bend: float) -> int:
-    most = max(wanted, bend)
-    if not np.isfinite(most):
-        return 1
-    return int(min(max(np.ceil(most), 1.0), MAX_SUBSTEPS))
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _rates(mass: float, damping: Array, stiffness: Array, radau: Array, rk4: Array) -> None:
+    for i in range(radau.size):
+        radau[i] = _radau_rate(mass, damping[i], stiffness[i])
+        rk4[i] = _rk4_rate(mass, damping[i], stiffness[i])
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _counts(rate: Array, time_s: Array, bend: Array, limit: float, counts: Counts) -> float:
+    """Counts from 1 to MAX_SUBSTEPS; what is not finite asks for one step. Returns the most."""
+    most = 0.0
+    for i in range(counts.size):
+        a = rate[i] if rate[i] < _HUGE else 0.0
+        b = rate[i + 1] if rate[i + 1] < _HUGE else 0.0
+        turn = bend[i] if bend[i] < _HUGE else 0.0
+        wanted = max(max(a, b) * (time_s[i + 1] - time_s[i]), turn / limit)
+        most = max(most, wanted)
+        counts[i] = np.int16(min(max(np.ceil(wanted), 1.0), MAX_SUBSTEPS))
+    return most
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -115,18 +130,18 @@ def count_steps(
     radau, rk4
         Sums of the counts; the second is infinite where the explicit rule must not be used.
     """
-    total, explicit = 0.0, 0.0
-    rate = radau_rate(mass, damping[0], stiffness[0])
-    bold = rk4_rate(mass, damping[0], stiffness[0])
+    implicit, explicit = np.empty(damping.size), np.empty(damping.size)
+    _rates(mass, damping, stiffness, implicit, explicit)
+    _counts(implicit, time_s, bend, MAX_EXPONENT_PER_STEP, radau)
+    safe = bool(_counts(explicit, time_s, bend, RK4_MAX_EXPONENT, rk4) <= MAX_SUBSTEPS)
+    for rate in explicit:
+        if not rate < _HUGE:
+            safe = False
+    total, total_explicit = 0, 0
     for i in range(radau.size):
-        next_rate = radau_rate(mass, damping[i + 1], stiffness[i + 1])
-        next_bold = rk4_rate(mass, damping[i + 1], stiffness[i + 1])
-        duration = time_s[i + 1] - time_s[i]
-        phase = duration * max(rate, next_rate) / MAX_PHASE_PER_STEP
-        radau[i] = _count(phase, bend[i] / MAX_EXPONENT_PER_STEP)
         total += radau[i]
-        wanted = max(duration * max(bold, next_bold), bend[i] / RK4_MAX_EXPONENT)
-        rk4[i] = _count(wanted, 1.0)
-        explicit += rk4[i] if wanted <= MAX_SUBSTEPS else np.inf
-        rate, bold = next_rate, next_bold
-    return total, explicit
+        total_explicit += rk4[i]
+    return float(total), float(total_explicit) if safe else np.inf
+
+
+follow_sources(count_steps, (exponential,))

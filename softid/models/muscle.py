@@ -16,6 +16,7 @@ from softid.log import Segment
 from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide
 from softid.models.geometry import ArcGeometry
+from softid.models.products import Products
 from softid.models.second_order import (
     ORDERS,
     AffineForm,
@@ -24,6 +25,7 @@ from softid.models.second_order import (
     faded,
     simulate_law,
     speeds,
+    sum_law,
 )
 from softid.models.starts import hammerstein_starts
 from softid.parameters import Parameter, ParameterSet
@@ -246,6 +248,34 @@ class Muscle(Model):
             by_parameter if derivatives else None,
             by_state if derivatives else None,
             np.array([motion.x[0], motion.v[0]]),
+        )
+
+    def products(
+        self,
+        theta: Array,
+        segment: Segment,
+        channel: str,
+        *,
+        start: Array | None,
+        relative: bool,
+        plan: Division | None,
+        zero: float,
+        keep: bool,
+    ) -> Products | None:
+        """Summed unless the output is a distance, no line in x; see `Model.products`."""
+        if channel == "distance" and self.geometry is not None:
+            return None
+        (level,), (gain,) = self._output(channel, np.zeros(1))
+        return sum_law(
+            MuscleLaw(theta),
+            segment,
+            channel,
+            start,
+            relative=relative,
+            plan=plan,
+            gain=float(gain),
+            level=float(level) + zero,
+            keep=keep,
         )
 
     def _output(self, name: str, x: Array) -> tuple[Array, Array]:

@@ -14,6 +14,7 @@ from softid.kernels.lanes import OSCILLATOR
 from softid.log import Segment
 from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide
+from softid.models.products import Products
 from softid.models.second_order import (
     ORDERS,
     AffineForm,
@@ -22,6 +23,7 @@ from softid.models.second_order import (
     faded,
     simulate_law,
     speeds,
+    sum_law,
 )
 from softid.models.weak_form import weak_form_coefficients
 from softid.parameters import Parameter, ParameterSet
@@ -231,6 +233,31 @@ class Oscillator(Model):
             dict.fromkeys(outputs, motion.by_parameter),
             dict.fromkeys(outputs, motion.by_state[:, : len(self.start_states)]),
             first,
+        )
+
+    def products(
+        self,
+        theta: Array,
+        segment: Segment,
+        channel: str,
+        *,
+        start: Array | None,
+        relative: bool,
+        plan: Division | None,
+        zero: float,
+        keep: bool,
+    ) -> Products | None:
+        """Summed: every output is x itself; see `Model.products`."""
+        return sum_law(
+            OscillatorLaw(theta),
+            segment,
+            channel,
+            start,
+            relative=relative,
+            plan=plan,
+            gain=1.0,
+            level=zero,
+            keep=keep,
         )
 
     def plan(self, theta: Array, segment: Segment) -> Division:

@@ -9,10 +9,12 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.affine import move, move_with_derivatives
-from softid.kernels.lanes import MUSCLE, N_PARAMETERS, N_STATES, RADAU, RK4
+from softid.kernels.affine import move, move_with_derivatives, sum_products
+from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PADDED, N_PARAMETERS, N_STATES, RADAU, RK4
 from softid.kernels.radau import propagate, propagate_with_sensitivities
-from softid.models.division import Division, divide
+from softid.log import Segment
+from softid.models.division import Division, divide, held
+from softid.models.products import Products
 
 Array = npt.NDArray[np.float64]
 
@@ -196,6 +198,51 @@ def affine_run(form: AffineForm, plan: Division, state: Array, *, from_rest: boo
     return AffineRun(
         (form.kind, rule, form.theta, plan.time_s, plan.u, plan.counts, state), tangent
     )
+
+
+def sum_law(
+    law: Law,
+    segment: Segment,
+    channel: str,
+    start: Array | None,
+    *,
+    relative: bool,
+    plan: Division | None,
+    gain: float,
+    level: float,
+    keep: bool,
+) -> Products | None:
+    """Summed products for an output gain·x + level; None for a law that the kernels do not know.
+
+    Parameters
+    ----------
+    law
+        The coefficients.
+    segment, channel
+        Times, input and measured output.
+    start, relative, plan
+        As in `simulate_law`.
+    gain, level
+        Output per position, and output at x = 0 with its sensor zero.
+    keep
+        Whether to keep the columns at every sample.
+    """
+    form = law.affine()
+    if form is None:
+        return None
+    if plan is None:
+        plan = divide(law, segment.time_s, segment.input)
+    state, by_start = initial_state(law, float(segment.input[0]), start, relative=relative)
+    run = affine_run(form, plan, state, from_rest=by_start is not None)
+    y, used = held(segment.outputs[channel]), held(segment.used[channel])
+    columns = np.empty((N_COLUMNS, segment.time_s.size if keep else 0))
+    gram = np.empty((N_PADDED, N_PADDED))
+    sum_products(
+        *run.arguments[:6], y, used, gain, level, run.arguments[6], run.tangent, columns, gram
+    )
+    gram = gram[:N_COLUMNS, :N_COLUMNS]
+    by_state = gain * np.eye(N_STATES)
+    return Products(gram, gain * form.by_theta, by_state, columns if keep else None)
 
 
 def _simulate_affine(form: AffineForm, run: AffineRun, *, derivatives: bool) -> Motion:
