@@ -34,6 +34,8 @@ Array = npt.NDArray[np.float64]
 
 NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
 _KPA_PER_BAR = 100.0
+_PER_KPA = np.array([1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0])
+_BY_THETA = np.diag(_PER_KPA)
 _RU = "Ru et al. 2019"
 
 
@@ -57,8 +59,9 @@ class MuscleLaw(Law):
 
     def affine(self) -> AffineForm:
         """The same law with exponents per kPa."""
-        per_kpa = np.array([1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0])
-        return AffineForm(MUSCLE, np.append(self._theta * per_kpa, 1.0), np.diag(per_kpa))
+        theta = np.ones(self._theta.size + 1)
+        np.multiply(self._theta, _PER_KPA, out=theta[:-1])
+        return AffineForm(MUSCLE, theta, _BY_THETA)
 
     def exponent_rate(self) -> float:
         """The larger of b1 and b2, per kPa."""

@@ -131,23 +131,21 @@ def simulate_law(
     """
     if plan is None:
         plan = divide(law, time_s, u)
-    state, by_start = initial_state(law, float(u[0]), start, relative=relative)
+    state = initial_state(law, float(u[0]), start, relative=relative)
+    from_rest = start is None or relative
     form = law.affine()
     if form is not None:
-        run = affine_run(form, plan, state, from_rest=by_start is not None)
+        run = affine_run(form, plan, state, from_rest=from_rest)
         return _simulate_affine(form, run, derivatives=derivatives)
-    return _simulate_any(law, plan, state, by_start, derivatives=derivatives)
+    return _simulate_any(law, plan, state, from_rest=from_rest, derivatives=derivatives)
 
 
-def initial_state(
-    law: Law, u: float, start: Array | None, *, relative: bool
-) -> tuple[Array, Array | None]:
-    """(x₀, v₀), shape (2,), and ∂x₀/∂θ, shape (K,), or None where the parameters do not move it."""
+def initial_state(law: Law, u: float, start: Array | None, *, relative: bool) -> Array:
+    """(x₀, v₀) that `simulate_law` starts from, shape (2,)."""
     if start is not None and not relative:
-        return np.array(start, dtype=np.float64), None
-    moved = np.zeros(2) if start is None else start
-    state = np.array([law.equilibrium(u) + moved[0], moved[1]], dtype=np.float64)
-    return state, law.equilibrium_by(u)
+        return np.array(start, dtype=np.float64)
+    moved = (0.0, 0.0) if start is None else start
+    return np.array([law.equilibrium(u) + moved[0], moved[1]], dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,8 +230,8 @@ def sum_law(
         return None
     if plan is None:
         plan = divide(law, segment.time_s, segment.input)
-    state, by_start = initial_state(law, float(segment.input[0]), start, relative=relative)
-    run = affine_run(form, plan, state, from_rest=by_start is not None)
+    state = initial_state(law, float(segment.input[0]), start, relative=relative)
+    run = affine_run(form, plan, state, from_rest=start is None or relative)
     y, used = held(segment.outputs[channel]), held(segment.used[channel])
     columns = np.empty((N_COLUMNS, segment.time_s.size if keep else 0))
     gram = np.empty((N_PADDED, N_PADDED))
@@ -257,7 +255,7 @@ def _simulate_affine(form: AffineForm, run: AffineRun, *, derivatives: bool) -> 
 
 
 def _simulate_any(
-    law: Law, plan: Division, state: Array, by_start: Array | None, *, derivatives: bool
+    law: Law, plan: Division, state: Array, *, from_rest: bool, derivatives: bool
 ) -> Motion:
     steps_s, stage_u, ends = plan.step_s, plan.stage_input, plan.ends
     n, n_parameters = plan.time_s.size, law.mass_by.size
@@ -267,8 +265,8 @@ def _simulate_any(
     by = np.empty((n, n_parameters + 2)) if derivatives else None
     if by is not None:
         tangent[0, n_parameters] = tangent[1, n_parameters + 1] = 1.0
-        if by_start is not None:
-            tangent[0, :n_parameters] = by_start
+        if from_rest:
+            tangent[0, :n_parameters] = law.equilibrium_by(float(plan.u[0]))
         by[0] = tangent[0]
     sample = 1
     for first in range(0, steps_s.size, _BLOCK):
