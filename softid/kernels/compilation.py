@@ -6,7 +6,7 @@ from typing import Any
 
 from softid.kernels.affine import move, move_with_derivatives, sum_products
 from softid.kernels.division import count_steps
-from softid.kernels.muscle import coefficient_derivatives, coefficients
+from softid.kernels.muscle import coefficients
 
 KERNELS: tuple[Any, ...] = (
     move,
@@ -14,7 +14,6 @@ KERNELS: tuple[Any, ...] = (
     sum_products,
     count_steps,
     coefficients,
-    coefficient_derivatives,
 )
 """What a fit of the muscle model needs."""
 
