@@ -31,7 +31,7 @@ def _float_of_bits(typing_context: Any, bits: Any) -> Any:
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
 def exponential(x: float) -> float:
-    """exp(x) within two units of the last place; x is held within ±708, where no float overflows.
+    """exp(x) within two units of the last place; infinite above 708 and for NaN, e⁻⁷⁰⁸ below −708.
 
     x = k·ln 2 + r with |r| ≤ ½ ln 2, the Taylor polynomial of degree 13 in r (its remainder is
     4e-18), and 2ᵏ written into the exponent's bits. A call of the system's exp would break up the
@@ -54,4 +54,5 @@ def exponential(x: float) -> float:
     p = p * r + _C2
     p = p * r * r + r + 1.0
     bits = (np.int64(k) + 1023) << 52
-    return float(p * _float_of_bits(bits))  # type: ignore[call-arg]
+    found = p * _float_of_bits(bits)  # type: ignore[call-arg]
+    return float(found if x <= _LARGEST else np.inf)
