@@ -29,6 +29,9 @@ def _float_of_bits(typing_context: Any, bits: Any) -> Any:
     return types.float64(types.int64), generate
 
 
+_FLOAT_OF_BITS: Any = _float_of_bits
+
+
 @njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
 def exponential(x: float) -> float:
     """exp(x) within two units of the last place; infinite above 708 and for NaN, e⁻⁷⁰⁸ below −708.
@@ -54,5 +57,5 @@ def exponential(x: float) -> float:
     p = p * r + _C2
     p = p * r * r + r + 1.0
     bits = (np.int64(k) + 1023) << 52
-    found = p * _float_of_bits(bits)  # type: ignore[call-arg]
+    found = p * _FLOAT_OF_BITS(bits)
     return float(found if x <= _LARGEST else np.inf)
