@@ -29,7 +29,8 @@ lint: $(LINT_STAMP)
 	$(BIN)/python -m pytest -q tests/test_layers.py
 
 bench: $(STAMP)
-	for script in tests/benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	$(BIN)/python -m pytest -q -s --benchmark-only --benchmark-columns=median,iqr,rounds tests/benchmarks
+	for script in tests/benchmarks/*_of_*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
 
 clean:
 	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -16,7 +16,7 @@ from softid.effects.motion import divided
 from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
 from softid.fitters.output_error import Objective, Prior
 from softid.fitters.problem import Problem
-from softid.models.second_order import Division
+from softid.models.division import Division
 
 Array = npt.NDArray[np.float64]
 

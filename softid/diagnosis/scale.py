@@ -67,7 +67,7 @@ def _path(problem: Problem, unknowns: Array, k: int) -> tuple[Array, Array]:
         problem.theta(unknowns),
         segment,
         problem.outputs[:1],
-        start=problem.start_of(unknowns, k),
+        start=problem.start(unknowns, k),
         derivatives=False,
         relative=problem.has_equilibrium,
     )

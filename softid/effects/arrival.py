@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
 from softid.log import Segment
-from softid.models.second_order import Division
+from softid.models.division import Division
 
 Array = npt.NDArray[np.float64]
 

@@ -20,9 +20,10 @@ from softid.effects.base import (
     StateEffect,
 )
 from softid.effects.motion import divided, rest, simulate_motion
+from softid.kernels.division import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
 from softid.log import Segment
 from softid.models.base import Model, Response
-from softid.models.second_order import MAX_PHASE_PER_STEP, MAX_SUBSTEPS, Division, divide
+from softid.models.division import Division, divide
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 
@@ -243,7 +244,8 @@ class ExtendedModel(Model):
         counts = np.ones(max(u.size - 1, 0), np.intp)
         if law is not None:
             for values in (segment.input, u):
-                counts = np.maximum(counts, divide(law, segment.time_s, values).counts)
+                found = divide(law, segment.time_s, values, implicit_only=True)
+                counts = np.maximum(counts, found.counts)
         wanted = np.ceil(np.diff(segment.time_s) * self._rate(theta) / MAX_PHASE_PER_STEP)
         counts = np.maximum(counts, np.clip(wanted, 1, MAX_SUBSTEPS).astype(np.intp))
         return divided(segment.time_s, segment.input, counts)

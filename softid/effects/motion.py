@@ -12,7 +12,7 @@ import numpy.typing as npt
 from softid.effects.base import Scale, StateEffect
 from softid.log import Segment
 from softid.models.base import Model, Response
-from softid.models.second_order import Division
+from softid.models.division import Division, held
 
 if TYPE_CHECKING:
     from softid.kernels.equation import Equation
@@ -325,13 +325,4 @@ def divided(time_s: Array, u: Array, counts: npt.NDArray[np.intp]) -> Division:
     counts
         Steps per interval, shape (n − 1,).
     """
-    from softid.kernels.radau import STAGES as NODES
-
-    owner = np.repeat(np.arange(counts.size), counts)
-    last = np.cumsum(counts)
-    within = np.arange(owner.size) - (last - counts)[owner]
-    fraction = (within[:, None] + NODES[None, :]) / counts[owner][:, None]
-    ends = np.zeros(owner.size, bool)
-    ends[last - 1] = True
-    stage_input = u[:-1][owner][:, None] + np.diff(u)[owner][:, None] * fraction
-    return Division(counts, (np.diff(time_s) / counts)[owner], stage_input, ends)
+    return Division(held(time_s), held(u), counts.astype(np.int16), "radau")

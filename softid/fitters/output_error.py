@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -24,8 +24,9 @@ from softid.fitters.levenberg_marquardt import (
     minimise,
     movable,
 )
+from softid.fitters.normal_equations import Linearised, bend, linearise
 from softid.fitters.problem import Problem
-from softid.models.second_order import Division
+from softid.models.division import Division
 from softid.results import FitStatus
 
 Array = npt.NDArray[np.float64]
@@ -131,34 +132,16 @@ class Objective:
     def __call__(self, z: Array) -> Normal:
         """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
         self.evaluations += 1
-        size = self.problem.size
-        cost, n = 0.0, 0
-        gradient, matrix = np.zeros(size), np.zeros((size, size))
-        kept: list[tuple[Array, Array]] = []
-        keep = self.problem.n_samples * size <= KEPT_ENTRIES
-        with np.errstate(all="ignore"):
-            found = list(self.problem.blocks(z, derivatives=True, plans=self.plans))
-            z, found = self.problem.with_best_zeros(z, found)
-            for block in found:
-                assert block.jacobian is not None
-                r = block.residual / self.sigma[block.channel]
-                jacobian = block.jacobian / self.sigma[block.channel]
-                cost += 0.5 * float(r @ r)
-                gradient += jacobian.T @ r
-                matrix += jacobian.T @ jacobian
-                n += r.size
-                if keep:
-                    kept.append((r, jacobian))
-        if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
-            return Normal(z, np.inf, np.zeros(size), np.eye(size), n)
-        if self.prior is not None:
-            cost += self.prior.cost(z)
-            gradient -= self.prior.weight * (z - self.prior.centre)
-            matrix += np.diag(self.prior.weight)
-        if not kept:
-            return Normal(z, cost, gradient, matrix, n)
-        stacked = np.concatenate([r for r, _ in kept]), np.concatenate([j for _, j in kept])
-        return Normal(z, cost, gradient, matrix, n, *stacked)
+        keep = self.problem.n_samples * self.problem.size <= KEPT_ENTRIES
+        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
+        if self.prior is None or not np.isfinite(found.cost):
+            return found
+        return replace(
+            found,
+            cost=found.cost + self.prior.cost(found.point),
+            gradient=found.gradient - self.prior.weight * (found.point - self.prior.centre),
+            matrix=found.matrix + np.diag(self.prior.weight),
+        )
 
     def set_prior(self, centre: Array, at: Minimum) -> None:
         """Hold unseen directions near ``centre``, with the residual variance found at ``at``."""
@@ -169,15 +152,10 @@ class Objective:
 
     def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
         """Jᵀ∂²ŷ/∂v² along ``step``, or None where the Jacobian was too large to keep."""
-        if normal.residual is None or normal.jacobian is None:
+        if not isinstance(normal, Linearised) or any(p.columns is None for p in normal.pieces):
             return None
         self.evaluations += 1
-        with np.errstate(all="ignore"):
-            blocks = self.problem.blocks(z + BEND_STEP * step, derivatives=False, plans=self.plans)
-            there = np.concatenate([b.residual / self.sigma[b.channel] for b in blocks])
-            moved = (normal.residual - there) / BEND_STEP
-            second = 2.0 / BEND_STEP * (moved - normal.jacobian @ step)
-        return normal.jacobian.T @ second if np.isfinite(second).all() else None
+        return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
 
     def solve(self, start: Array, evaluations: int) -> Minimum:
         """Minimise from a start, planning the substeps anew until the plan stays."""
@@ -332,6 +310,8 @@ def _challenge(
             points.append(point)
         rivals = _scout(objective, points)
         margin = min(BETTER, BETTER_SAMPLES / max(best.normal.n, 1))
+        if best.normal.cost <= 0.5 * best.normal.n * RESIDUAL_FLOOR**2:
+            return best, True  # what is left is rounding, and a rival's is as likely to be less
         if not rivals or rivals[0][0].normal.cost > best.normal.cost * (1 - margin):
             return best, True
         best = objective.solve(rivals[0][0].point, POLISH_EVALUATIONS)

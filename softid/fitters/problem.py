@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from softid.log import Log, Segment
 from softid.models.base import Model
-from softid.models.second_order import Division
+from softid.models.division import Division
 from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -204,8 +204,8 @@ class Problem:
         """Where the sensor zero of one log and channel stands among the unknowns."""
         return self._zero_from + log * len(self.outputs) + self.outputs.index(channel)
 
-    def start_of(self, z: Array, segment: int) -> Array | None:
-        """Initial state of one segment as `Model.response` takes it; None for a start at rest."""
+    def start(self, z: Array, segment: int) -> Array | None:
+        """Initial state of one segment for `Model.response`, shape (S,); None at rest."""
         at = self._start_from[segment]
         if at is None:
             return None
@@ -214,13 +214,18 @@ class Problem:
         state[:count] = z[at : at + count]
         return state
 
+    def state_positions(self, segment: int) -> range:
+        """Where the initial state of one segment stands among the unknowns; empty at rest."""
+        at = self._start_from[segment]
+        return range(0) if at is None else range(at, at + len(self.model.start_states))
+
     def start_state(self, z: Array, segment: int) -> tuple[float, ...]:
         """Initial state used for one segment."""
         response = self.model.response(
             self.theta(z),
             self.segments[segment],
             self.outputs[:1],
-            start=self.start_of(z, segment),
+            start=self.start(z, segment),
             derivatives=False,
             relative=self.has_equilibrium,
         )
@@ -234,7 +239,7 @@ class Problem:
         values[self._free_index] = free
         return values if self._tied is None else self._tied(values)
 
-    def _chain(self, z: Array) -> Array:
+    def chain(self, z: Array) -> Array:
         """∂θ/∂(free unknowns), shape (K, F)."""
         theta = self.theta(z)
         chain = np.zeros((theta.size, len(self.free)))
@@ -252,7 +257,12 @@ class Problem:
         return chain
 
     def blocks(
-        self, z: Array, *, derivatives: bool, plans: Sequence[Division | None] | None = None
+        self,
+        z: Array,
+        *,
+        derivatives: bool,
+        plans: Sequence[Division | None] | None = None,
+        only: int | None = None,
     ) -> Iterator[Block]:
         """Residuals, and Jacobians if asked, per segment and channel.
 
@@ -264,16 +274,20 @@ class Problem:
             Whether to compute Jacobians.
         plans
             From `plans`, to hold the discretisation still; None plans anew.
+        only
+            Index of the only segment wanted; None for all.
         """
         theta = self.theta(z)
-        chain = self._chain(z) if derivatives else None
+        chain = self.chain(z) if derivatives else None
         for k, segment in enumerate(self.segments):
+            if only is not None and k != only:
+                continue
             with np.errstate(all="ignore"):
                 response = self.model.response(
                     theta,
                     segment,
                     self.outputs,
-                    start=self.start_of(z, k),
+                    start=self.start(z, k),
                     derivatives=derivatives,
                     relative=self.has_equilibrium,
                     plan=plans[k] if plans is not None else None,

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from softid.kernels.muscle import coefficient_derivatives, coefficients
-from softid.kernels.radau import propagate, propagate_with_sensitivities
+from softid.kernels.affine import move, move_with_derivatives, sum_products
+from softid.kernels.division import count_steps
+from softid.kernels.muscle import coefficients
 
 KERNELS: tuple[Any, ...] = (
-    propagate,
-    propagate_with_sensitivities,
+    move,
+    move_with_derivatives,
+    sum_products,
+    count_steps,
     coefficients,
-    coefficient_derivatives,
 )
+"""What a fit of the muscle model needs."""
 
 
 def needs_compiling() -> bool:

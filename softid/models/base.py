@@ -12,7 +12,9 @@ import numpy.typing as npt
 
 from softid.errors import UsageError
 from softid.log import Segment
-from softid.models.second_order import Division, Law
+from softid.models.division import Division
+from softid.models.products import Products
+from softid.models.second_order import Law
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 
@@ -174,6 +176,34 @@ class Model(ABC):
         plan
             Division of the sampling intervals from `plan`; None makes one.
         """
+
+    def products(
+        self,
+        theta: Array,
+        segment: Segment,
+        channel: str,
+        *,
+        start: Array | None,
+        relative: bool,
+        plan: Division | None,
+        zero: float,
+        keep: bool,
+    ) -> Products | None:
+        """Summed products of residual and derivatives, without a Jacobian; None if it needs one.
+
+        Parameters
+        ----------
+        theta, segment, start, relative, plan
+            As in `response`.
+        channel
+            Output channel whose measured values the segment holds.
+        zero
+            Its sensor zero.
+        keep
+            Whether to keep the columns at every sample.
+        """
+        del theta, segment, channel, start, relative, plan, zero, keep
+        return None
 
     def plan(self, theta: Array, segment: Segment) -> Division | None:
         """Division of the sampling intervals that accuracy calls for; None for a static model.

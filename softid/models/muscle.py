@@ -10,19 +10,22 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import UsageError
+from softid.kernels.lanes import MUSCLE
 from softid.kernels.muscle import coefficient_derivatives, coefficients
 from softid.log import Segment
 from softid.models.base import Model, Response, require_choice
+from softid.models.division import Division, divide
 from softid.models.geometry import ArcGeometry
+from softid.models.products import Products
 from softid.models.second_order import (
     ORDERS,
-    Division,
+    AffineForm,
     Law,
     Order,
-    divide,
     faded,
     simulate_law,
     speeds,
+    sum_law,
 )
 from softid.models.starts import hammerstein_starts
 from softid.parameters import Parameter, ParameterSet
@@ -31,6 +34,8 @@ Array = npt.NDArray[np.float64]
 
 NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
 _KPA_PER_BAR = 100.0
+_PER_KPA = np.array([1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0])
+_BY_THETA = np.diag(_PER_KPA)
 _RU = "Ru et al. 2019"
 
 CHANGING_RATE, CHANGING_SHARE = 2.0, 0.3
@@ -54,6 +59,12 @@ class MuscleLaw(Law):
         """Derivatives of N, Q and P by the seven parameters, each of shape (L, 7)."""
         found: tuple[Array, Array, Array] = coefficient_derivatives(u / _KPA_PER_BAR, self._theta)
         return found
+
+    def affine(self) -> AffineForm:
+        """The same law with exponents per kPa."""
+        theta = np.ones(self._theta.size + 1)
+        np.multiply(self._theta, _PER_KPA, out=theta[:-1])
+        return AffineForm(MUSCLE, theta, _BY_THETA)
 
     def exponent_rate(self) -> float:
         """The larger of b1 and b2, per kPa."""
@@ -250,6 +261,34 @@ class Muscle(Model):
     def motion_law(self, theta: Array) -> MuscleLaw:
         """Ru's coefficients at these parameters."""
         return MuscleLaw(theta)
+
+    def products(
+        self,
+        theta: Array,
+        segment: Segment,
+        channel: str,
+        *,
+        start: Array | None,
+        relative: bool,
+        plan: Division | None,
+        zero: float,
+        keep: bool,
+    ) -> Products | None:
+        """Summed unless the output is a distance, no line in x; see `Model.products`."""
+        if channel == "distance" and self.geometry is not None:
+            return None
+        (level,), (gain,) = self.observed(np.zeros(1), channel)
+        return sum_law(
+            MuscleLaw(theta),
+            segment,
+            channel,
+            start,
+            relative=relative,
+            plan=plan,
+            gain=float(gain),
+            level=float(level) + zero,
+            keep=keep,
+        )
 
     def observed(self, x: Array, output: str) -> tuple[Array, Array]:
         """Output and its slope dy/dx; Ru Eq 1 to 3."""

@@ -10,17 +10,20 @@ from typing import ClassVar, Literal
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels.lanes import OSCILLATOR
 from softid.log import Segment
 from softid.models.base import Model, Response, require_choice
+from softid.models.division import Division, divide
+from softid.models.products import Products
 from softid.models.second_order import (
     ORDERS,
-    Division,
+    AffineForm,
     Law,
     Order,
-    divide,
     faded,
     simulate_law,
     speeds,
+    sum_law,
 )
 from softid.models.weak_form import weak_form_coefficients
 from softid.parameters import Parameter, ParameterSet
@@ -57,6 +60,21 @@ class OscillatorLaw(Law):
         force_by[:, 3] = u - self._theta[4]
         force_by[:, 4] = -self._theta[3]
         return damping_by, stiffness_by, force_by
+
+    def affine(self) -> AffineForm | None:
+        """Constant coefficients; the gain's derivative follows from those by M, N and Q.
+
+        Multiplying M, N, Q and G by one number changes nothing, so G·∂x/∂G is minus the sum of
+        M·∂x/∂M, N·∂x/∂N and Q·∂x/∂Q. Without a gain nothing moves and nothing follows.
+        """
+        mass, damping, stiffness, gain, offset = self._theta
+        if gain == 0.0:
+            return None
+        by_theta = np.zeros((7, len(NAMES)))
+        by_theta[0, 0] = by_theta[6, 1] = by_theta[3, 2] = by_theta[2, 4] = 1.0
+        by_theta[[0, 6, 3], 3] = -mass / gain, -damping / gain, -stiffness / gain
+        theta = np.array([mass, 0.0, offset, stiffness, 0.0, 0.0, damping, gain])
+        return AffineForm(OSCILLATOR, theta, by_theta)
 
     def exponent_rate(self) -> float:
         """Nothing bends: the coefficients do not depend on the input."""
@@ -222,6 +240,31 @@ class Oscillator(Model):
     def motion_law(self, theta: Array) -> OscillatorLaw:
         """The constant coefficients."""
         return OscillatorLaw(theta)
+
+    def products(
+        self,
+        theta: Array,
+        segment: Segment,
+        channel: str,
+        *,
+        start: Array | None,
+        relative: bool,
+        plan: Division | None,
+        zero: float,
+        keep: bool,
+    ) -> Products | None:
+        """Summed: every output is x itself; see `Model.products`."""
+        return sum_law(
+            OscillatorLaw(theta),
+            segment,
+            channel,
+            start,
+            relative=relative,
+            plan=plan,
+            gain=1.0,
+            level=zero,
+            keep=keep,
+        )
 
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals; see `Model.plan`."""

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from softid.errors import IdentificationError, UsageError
 from softid.log import Segment
 from softid.models.base import Model, Response
-from softid.models.second_order import Division
+from softid.models.division import Division
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]

@@ -1,8 +1,4 @@
-"""Simulation of any law M·ẍ + N(u)·ẋ + Q(u)·x = F(u) on a log's own times.
-
-Between samples the input is taken as straight. A sampling interval is divided where the input
-changes so much that the coefficients bend within it, or where the motion is fast for the interval.
-"""
+"""Simulation of any law M·ẍ + N(u)·ẋ + Q(u)·x = F(u) on a log's own times."""
 
 from __future__ import annotations
 
@@ -13,23 +9,15 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.radau import STAGES, propagate, propagate_with_sensitivities
+from softid.kernels.affine import move, move_with_derivatives, sum_products
+from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PADDED, N_PARAMETERS, N_STATES, RADAU, RK4
+from softid.kernels.radau import propagate, propagate_with_sensitivities
+from softid.log import Segment
+from softid.models.division import Division, divide, held
+from softid.models.products import Products
 
 Array = npt.NDArray[np.float64]
 
-MAX_PHASE_PER_STEP = 0.8
-"""Largest product of step and rate of motion; Radau IIA then errs by less than 1e-5 a step."""
-
-MAX_EXPONENT_PER_STEP = 0.8
-"""Largest change of an exponent of the coefficients within one step."""
-
-STIFF_RATIO = 2000.0
-STIFF_EXPONENT = 0.28
-"""An overdamped fast mode is resolved with a step of 0.8·(fast/slow)^0.28 of its time constant up
-to fast/slow = 2000: from the error of the rule's R(z) against exp(z), the fast mode's share of the
-error then stays below 1e-4 of the motion."""
-
-MAX_SUBSTEPS = 64
 UNSEEN_PERIODS = 0.1
 """A mode that dies out within a tenth of the sampling interval cannot be seen in the samples."""
 
@@ -39,29 +27,22 @@ _BLOCK = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class Division:
-    """Sampling intervals divided into steps.
+class AffineForm:
+    """A law as the kernels for laws affine in their state know it; see `softid.kernels.lanes`.
 
     Attributes
     ----------
-    counts
-        Steps per sampling interval, shape (n − 1,).
-    step_s
-        Length of every step, shape (L,).
-    stage_input
-        Input at the stages of every step, shape (L, 3).
-    ends
-        Which steps end on a sample, shape (L,).
+    kind
+        MUSCLE or OSCILLATOR.
+    theta
+        The kernels' seven parameters and gain, shape (8,).
+    by_theta
+        ∂(the seven)/∂θ, shape (7, K).
     """
 
-    counts: npt.NDArray[np.intp]
-    step_s: Array
-    stage_input: Array
-    ends: npt.NDArray[np.bool_]
-
-    def same_as(self, other: Division) -> bool:
-        """Whether both divide every interval alike."""
-        return bool(np.array_equal(self.counts, other.counts))
+    kind: int
+    theta: Array
+    by_theta: Array
 
 
 class Law(ABC):
@@ -81,6 +62,10 @@ class Law(ABC):
     @abstractmethod
     def exponent_rate(self) -> float:
         """Largest |d log coefficient/du|: how fast the coefficients bend with the input."""
+
+    def affine(self) -> AffineForm | None:
+        """The form that the fastest kernels take; None for a law that they do not know."""
+        return None
 
     def equilibrium(self, u: float) -> float:
         """Position x = F/Q at constant input."""
@@ -146,22 +131,142 @@ def simulate_law(
     """
     if plan is None:
         plan = divide(law, time_s, u)
-    steps_s, stage_u, ends = plan.step_s, plan.stage_input, plan.ends
-    n, n_parameters = time_s.size, law.mass_by.size
+    state = initial_state(law, float(u[0]), start, relative=relative)
     from_rest = start is None or relative
-    x0 = law.equilibrium(float(u[0])) if from_rest else 0.0
-    v0 = 0.0
-    if start is not None:
-        x0, v0 = x0 + float(start[0]), float(start[1])
-    state = np.array([x0, v0])
+    form = law.affine()
+    if form is not None:
+        run = affine_run(form, plan, state, from_rest=from_rest)
+        return _simulate_affine(form, run, derivatives=derivatives)
+    return _simulate_any(law, plan, state, from_rest=from_rest, derivatives=derivatives)
+
+
+def initial_state(law: Law, u: float, start: Array | None, *, relative: bool) -> Array:
+    """(x₀, v₀) that `simulate_law` starts from, shape (2,)."""
+    if start is not None and not relative:
+        return np.array(start, dtype=np.float64)
+    moved = (0.0, 0.0) if start is None else start
+    return np.array([law.equilibrium(u) + moved[0], moved[1]], dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class AffineRun:
+    """All arguments of the kernels for laws affine in their state.
+
+    Attributes
+    ----------
+    arguments
+        Kind, rule, parameters, times, input, counts and initial state.
+    tangent
+        Derivative of the state at the first sample, shape (2, 9).
+    """
+
+    arguments: tuple[int, int, Array, Array, Array, npt.NDArray[np.int16], Array]
+    tangent: Array
+
+
+def affine_run(form: AffineForm, plan: Division, state: Array, *, from_rest: bool) -> AffineRun:
+    """Arguments for a run that starts at ``state``.
+
+    Parameters
+    ----------
+    form
+        The law.
+    plan
+        Its steps.
+    state
+        (x₀, v₀), shape (2,).
+    from_rest
+        Whether that start follows the equilibrium when the parameters change.
+    """
+    tangent = np.zeros((2, N_PARAMETERS + N_STATES))
+    tangent[0, N_PARAMETERS] = tangent[1, N_PARAMETERS + 1] = 1.0
+    if from_rest:
+        _, a1, b1, c1, _, _, _, gain = form.theta
+        u = plan.u[0]
+        if form.kind == MUSCLE:
+            force = np.exp(b1 * u)
+            force_by = u * force
+        else:
+            force, force_by = gain * (u - b1), -gain
+        stiffness = a1 * force + c1
+        rest = force / stiffness
+        tangent[0, 1:4] = -rest * force, force_by * (1.0 - a1 * rest), -rest
+        tangent[0, 1:4] /= stiffness
+    rule = RK4 if plan.rule == "rk4" else RADAU
+    return AffineRun(
+        (form.kind, rule, form.theta, plan.time_s, plan.u, plan.counts, state), tangent
+    )
+
+
+def sum_law(
+    law: Law,
+    segment: Segment,
+    channel: str,
+    start: Array | None,
+    *,
+    relative: bool,
+    plan: Division | None,
+    gain: float,
+    level: float,
+    keep: bool,
+) -> Products | None:
+    """Summed products for an output gain·x + level; None for a law that the kernels do not know.
+
+    Parameters
+    ----------
+    law
+        The coefficients.
+    segment, channel
+        Times, input and measured output.
+    start, relative, plan
+        As in `simulate_law`.
+    gain, level
+        Output per position, and output at x = 0 with its sensor zero.
+    keep
+        Whether to keep the columns at every sample.
+    """
+    form = law.affine()
+    if form is None:
+        return None
+    if plan is None:
+        plan = divide(law, segment.time_s, segment.input)
+    state = initial_state(law, float(segment.input[0]), start, relative=relative)
+    run = affine_run(form, plan, state, from_rest=start is None or relative)
+    y, used = held(segment.outputs[channel]), held(segment.used[channel])
+    columns = np.empty((N_COLUMNS, segment.time_s.size if keep else 0))
+    gram = np.empty((N_PADDED, N_PADDED))
+    sum_products(
+        *run.arguments[:6], y, used, gain, level, run.arguments[6], run.tangent, columns, gram
+    )
+    gram = gram[:N_COLUMNS, :N_COLUMNS]
+    by_state = gain * np.eye(N_STATES)
+    return Products(gram, gain * form.by_theta, by_state, columns if keep else None)
+
+
+def _simulate_affine(form: AffineForm, run: AffineRun, *, derivatives: bool) -> Motion:
+    n = run.arguments[3].size
     x, v = np.empty(n), np.empty(n)
-    x[0], v[0] = x0, v0
+    if not derivatives:
+        move(*run.arguments, x, v)
+        return Motion(x, v, None, None)
+    by = np.empty((N_PARAMETERS + N_STATES, n))
+    move_with_derivatives(*run.arguments, run.tangent, x, v, by)
+    return Motion(x, v, by[:N_PARAMETERS].T @ form.by_theta, by[N_PARAMETERS:].T)
+
+
+def _simulate_any(
+    law: Law, plan: Division, state: Array, *, from_rest: bool, derivatives: bool
+) -> Motion:
+    steps_s, stage_u, ends = plan.step_s, plan.stage_input, plan.ends
+    n, n_parameters = plan.time_s.size, law.mass_by.size
+    x, v = np.empty(n), np.empty(n)
+    x[0], v[0] = state
     tangent = np.zeros((2, n_parameters + 2))
     by = np.empty((n, n_parameters + 2)) if derivatives else None
     if by is not None:
         tangent[0, n_parameters] = tangent[1, n_parameters + 1] = 1.0
         if from_rest:
-            tangent[0, :n_parameters] = law.equilibrium_by(float(u[0]))
+            tangent[0, :n_parameters] = law.equilibrium_by(float(plan.u[0]))
         by[0] = tangent[0]
     sample = 1
     for first in range(0, steps_s.size, _BLOCK):
@@ -206,60 +311,6 @@ def _run_block(
         tangents,
     )
     return states, tangents
-
-
-def divide(law: Law, time_s: Array, u: Array) -> Division:
-    """Divide the sampling intervals so that the error stays below 1e-4 of the motion.
-
-    Parameters
-    ----------
-    law
-        The coefficients, whose rates decide.
-    time_s, u
-        Sample times and input, each of shape (n,).
-    """
-    damping, stiffness, _ = law.coefficients(u)
-    rate = _rate(law.mass, damping, stiffness)
-    duration_s, rise = np.diff(time_s), np.diff(u)
-    with np.errstate(invalid="ignore", over="ignore"):
-        wanted = np.maximum(
-            duration_s * np.maximum(rate[:-1], rate[1:]) / MAX_PHASE_PER_STEP,
-            np.abs(rise) * law.exponent_rate() / MAX_EXPONENT_PER_STEP,
-        )
-    finite = np.where(np.isfinite(wanted), wanted, 1.0)
-    counts = np.clip(np.ceil(finite), 1, MAX_SUBSTEPS).astype(np.intp)
-    if counts.max(initial=1) == 1:
-        whole = u[:-1, None] + rise[:, None] * STAGES
-        return Division(counts, duration_s, whole, np.ones(counts.size, bool))
-    owner = np.repeat(np.arange(counts.size), counts)
-    last = np.cumsum(counts) - 1
-    within = np.arange(owner.size) - np.repeat(last - counts + 1, counts)
-    fraction = (within[:, None] + STAGES[None, :]) / counts[owner][:, None]
-    ends = np.zeros(owner.size, bool)
-    ends[last] = True
-    return Division(
-        counts,
-        (duration_s / counts)[owner],
-        u[:-1][owner][:, None] + rise[owner][:, None] * fraction,
-        ends,
-    )
-
-
-def _rate(mass: float, damping: Array, stiffness: Array) -> Array:
-    """Speed of the motion that a step must resolve.
-
-    |λ| when the law oscillates. When it is overdamped a jump of the force excites the fast mode to
-    slow/fast of the whole motion only, so a stiff mode may be stepped over the more boldly the
-    stiffer it is, and beyond `STIFF_RATIO` entirely: the rule damps it as nature does.
-    """
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        discriminant = damping**2 - 4.0 * mass * stiffness
-        slow = 2.0 * stiffness / (damping + np.sqrt(np.maximum(discriminant, 0.0)))
-        oscillating = np.sqrt(stiffness / mass) if mass > 0 else np.zeros_like(stiffness)
-        stiff = oscillating**2 / slow**2
-        bold = np.where(stiff < STIFF_RATIO, slow * stiff ** (1.0 - STIFF_EXPONENT), slow)
-        rate: Array = np.where(discriminant < 0, oscillating, bold)
-    return np.where(np.isfinite(rate), rate, 0.0)
 
 
 def speeds(law: Law, u: float, u_unit: str | None = None) -> dict[str, tuple[float, str]]:

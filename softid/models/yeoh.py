@@ -18,7 +18,7 @@ from softid.models.bulge import (
     pressure_terms,
     tabulated_terms,
 )
-from softid.models.second_order import Division
+from softid.models.division import Division
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]

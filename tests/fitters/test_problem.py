@@ -114,7 +114,7 @@ def test_tie_slope_at_zero_and_on_a_bound() -> None:
         parameters = tied.replacing(replace(tied["b2"], value=0.0, upper=upper))
         problem = arc(parameters)
         z = problem.unknowns(TRUTH | {"b2": value})
-        chain = problem._chain(z)
+        chain = problem.chain(z)
         column = problem.free.index("b2")
         assert chain[6, column] == pytest.approx(0.1, rel=1e-6)
         assert chain[5, column] == pytest.approx(1.0, rel=1e-6)

@@ -8,11 +8,13 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from softid.kernels.division import MAX_SUBSTEPS
 from softid.log import Log, Segment
 from softid.models.base import Model
+from softid.models.division import divide
 from softid.models.muscle import Muscle, MuscleLaw
 from softid.models.oscillator import Oscillator, OscillatorLaw
-from softid.models.second_order import MAX_SUBSTEPS, divide, faded, simulate_law, speeds
+from softid.models.second_order import faded, simulate_law, speeds
 
 Array = npt.NDArray[np.float64]
 MUSCLE = np.array([2e-3, 1 / 70, 2.8, 1.0, 0.02, 1.6, 0.25])
@@ -229,3 +231,58 @@ def test_a_plan_held_still_makes_the_output_smooth() -> None:
     second = np.abs(np.diff(y, n=2, axis=0)).max()
     assert second < 1e-9
     assert replace(plan, counts=plan.counts + 1).same_as(plan) is False
+
+
+class Hidden(MuscleLaw):
+    """The muscle's law as one that the affine kernels do not know."""
+
+    def affine(self) -> None:
+        return None
+
+
+@pytest.mark.parametrize(("start", "relative"), MODES)
+def test_any_other_law_runs_step_by_step(start: Array | None, relative: bool) -> None:
+    """The general kernel and the affine one take the same Radau steps: equal to 1e-10."""
+    s = segment()
+    plan = divide(Hidden(MUSCLE), s.time_s, s.input)
+    assert plan.rule == "radau"
+    how = {"derivatives": True, "relative": relative, "plan": plan}
+    general = simulate_law(Hidden(MUSCLE), s.time_s, s.input, start, **how)
+    affine = simulate_law(MuscleLaw(MUSCLE), s.time_s, s.input, start, **how)
+    np.testing.assert_allclose(general.x, affine.x, rtol=1e-10)
+    np.testing.assert_allclose(general.v, affine.v, atol=1e-10 * np.abs(general.v).max())
+    for one, two in (
+        (general.by_parameter, affine.by_parameter),
+        (general.by_state, affine.by_state),
+    ):
+        assert one is not None
+        assert two is not None
+        assert np.all(np.abs(one - two) <= 1e-9 * np.abs(one).max(axis=0))
+
+
+@pytest.mark.parametrize(
+    ("factor", "period_s", "rule"),
+    [(100.0, 0.001, "rk4"), (1.0, 0.001, "rk4"), (1.0, 0.02, "radau"), (1e-5, 0.005, "radau"),
+     (0.0, 0.005, "radau")],
+)  # fmt: skip
+def test_the_rule_follows_the_stiffness(factor: float, period_s: float, rule: str) -> None:
+    """Explicit steps only with h·ω ≤ 0.3 and h·d ≤ 1.5, and either rule errs by less than 1e-4.
+
+    The reference takes 64 times as many steps of the Radau rule, which itself stands on an adaptive
+    solver in tests/kernels/test_radau.py.
+    """
+    theta = MUSCLE * np.array([factor, 1, 1, 1, 1, 1, 1])
+    law = MuscleLaw(theta)
+    u = np.repeat([0.0, 240.0, 60.0, 300.0], round(0.4 / period_s))
+    time_s = period_s * np.arange(u.size)
+    plan = divide(law, time_s, u)
+    assert plan.rule == rule
+    if rule == "rk4":
+        damping, stiffness, _ = law.coefficients(u)
+        steps = np.diff(time_s) / plan.counts
+        assert np.all(steps * np.sqrt(stiffness / law.mass)[1:] <= 0.3 + 1e-12)
+        assert np.all(steps * damping[1:] / law.mass <= 1.5 + 1e-12)
+    fine = replace(plan, counts=(64 * plan.counts).astype(np.int16), rule="radau")
+    x = simulate_law(law, time_s, u, None, derivatives=False, plan=plan).x
+    exact = simulate_law(law, time_s, u, None, derivatives=False, plan=fine).x
+    assert np.abs(x - exact).max() <= 1e-4 * np.ptp(exact)

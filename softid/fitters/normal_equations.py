@@ -1,0 +1,243 @@
+"""Cost and normal equations of an output-error problem, summed without a Jacobian where possible.
+
+Every output channel of every segment contributes a piece: columns C (derivatives, one, residual)
+that are seldom seen, their products G = C Cᵀ, and the weights T with which they make up the
+Jacobian, J = Cᵀ T. Then JᵀJ = Tᵀ G T and Jᵀr = Tᵀ G t, t making up the residual. A sensor zero
+moves to its optimum by changing t, no sample being visited again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.fitters.levenberg_marquardt import Normal
+from softid.fitters.problem import Block, Problem
+from softid.models.division import Division
+from softid.models.products import Products
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One output channel over one segment.
+
+    Attributes
+    ----------
+    channel, segment
+        Output channel, and index in `Problem.segments`.
+    gram
+        Products of the columns, the last two being one and the residual, shape (C, C).
+    jacobian
+        Weights with which the columns make up ∂(simulated)/∂(unknowns), shape (C, U).
+    residual
+        Weights with which they make up the residual, shape (C,).
+    columns
+        The columns at every sample, zero where it is not used, shape (C, n), or None.
+    """
+
+    channel: str
+    segment: int
+    gram: Array
+    jacobian: Array
+    residual: Array
+    columns: Array | None
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised(Normal):
+    """Normal equations with the pieces that they were summed from.
+
+    Attributes
+    ----------
+    pieces
+        One per segment and channel, in the order of `Problem.blocks`.
+    """
+
+    pieces: tuple[Piece, ...] = field(default=())
+
+
+def linearise(
+    problem: Problem,
+    z: Array,
+    sigma: Mapping[str, float],
+    *,
+    plans: Sequence[Division | None] | None,
+    keep: bool,
+) -> Linearised:
+    """Cost ½Σ(r/σ)² and its normal equations with every sensor zero moved to its optimum.
+
+    Parameters
+    ----------
+    problem
+        What to fit.
+    z
+        Unknowns, shape (U,).
+    sigma
+        Output channel → σ.
+    plans
+        Steps per segment, held still by an optimiser; None plans anew.
+    keep
+        Whether to keep the columns at every sample.
+    """
+    with np.errstate(all="ignore"):
+        pieces = _pieces(problem, z, plans, keep=keep)
+        moved, pieces = _with_best_zeros(problem, z, pieces)
+        return _summed(problem, moved, pieces, sigma)
+
+
+def _summed(
+    problem: Problem, moved: Array, pieces: Sequence[Piece], sigma: Mapping[str, float]
+) -> Linearised:
+    cost, n = 0.0, 0
+    gradient, matrix = np.zeros(problem.size), np.zeros((problem.size, problem.size))
+    for piece in pieces:
+        weight = 1.0 / sigma[piece.channel] ** 2
+        pushed = piece.gram @ piece.residual
+        cost += 0.5 * weight * max(float(piece.residual @ pushed), 0.0)
+        gradient += weight * (piece.jacobian.T @ pushed)
+        matrix += weight * (piece.jacobian.T @ piece.gram @ piece.jacobian)
+        n += round(float(piece.gram[-2, -2])) if np.isfinite(piece.gram[-2, -2]) else 0
+    if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
+        cost, gradient, matrix = np.inf, np.zeros(problem.size), np.eye(problem.size)
+    return Linearised(moved, cost, gradient, matrix, n, pieces=tuple(pieces))
+
+
+def bend(
+    problem: Problem,
+    at: Linearised,
+    z: Array,
+    step: Array,
+    sigma: Mapping[str, float],
+    *,
+    plans: Sequence[Division | None] | None,
+    fraction: float,
+) -> Array | None:
+    """Jᵀ∂²ŷ/∂v² for v = ``step``, or None where the columns were not kept or it is not finite.
+
+    Parameters
+    ----------
+    problem, z, sigma, plans
+        As in `linearise`.
+    at
+        The normal equations at ``z``.
+    step
+        Direction and length v, shape (U,).
+    fraction
+        Share of the step over which the second derivative is measured.
+    """
+    with np.errstate(all="ignore"):
+        return _bend(problem, at, z, step, sigma, plans=plans, fraction=fraction)
+
+
+def _bend(
+    problem: Problem,
+    at: Linearised,
+    z: Array,
+    step: Array,
+    sigma: Mapping[str, float],
+    *,
+    plans: Sequence[Division | None] | None,
+    fraction: float,
+) -> Array | None:
+    total = np.zeros(problem.size)
+    blocks = problem.blocks(z + fraction * step, derivatives=False, plans=plans)
+    for piece, there in zip(at.pieces, blocks, strict=True):
+        if piece.columns is None:
+            return None
+        used = problem.segments[there.segment].used[there.channel]
+        straight = (piece.residual - fraction * (piece.jacobian @ step)) @ piece.columns
+        straight[used] -= there.residual
+        pulled = piece.jacobian.T @ (piece.columns @ straight)
+        total += 2.0 / (fraction * sigma[piece.channel]) ** 2 * pulled
+    return total if np.isfinite(total).all() else None
+
+
+def _pieces(
+    problem: Problem, z: Array, plans: Sequence[Division | None] | None, *, keep: bool
+) -> list[Piece]:
+    found: list[Piece] = []
+    chain = problem.chain(z)
+    for k in range(len(problem.segments)):
+        plan = plans[k] if plans is not None else None
+        summed = [_products(problem, z, k, name, plan, keep=keep) for name in problem.outputs]
+        if any(products is None for products in summed):
+            blocks = problem.blocks(z, derivatives=True, plans=plans, only=k)
+            found.extend(_from_block(problem, block, keep=keep) for block in blocks)
+            continue
+        for name, products in zip(problem.outputs, summed, strict=True):
+            assert products is not None
+            found.append(_from_products(problem, chain, k, name, products))
+    return found
+
+
+def _products(
+    problem: Problem, z: Array, segment: int, channel: str, plan: Division | None, *, keep: bool
+) -> Products | None:
+    place = problem.zero_position(problem.owner[segment], channel)
+    return problem.model.products(
+        problem.theta(z),
+        problem.segments[segment],
+        channel,
+        start=problem.start(z, segment),
+        relative=problem.has_equilibrium,
+        plan=plan,
+        zero=float(z[place]) if problem.zeros else 0.0,
+        keep=keep,
+    )
+
+
+def _from_products(
+    problem: Problem, chain: Array, segment: int, channel: str, products: Products
+) -> Piece:
+    jacobian = np.zeros((products.gram.shape[0], problem.size))
+    inner = products.by_theta.shape[0]
+    jacobian[:inner, : len(problem.free)] = products.by_theta @ chain
+    if problem.zeros:
+        jacobian[-2, problem.zero_position(problem.owner[segment], channel)] = 1.0
+    states = problem.state_positions(segment)
+    jacobian[inner:-2, states] = products.by_state[:, : len(states)]
+    residual = np.zeros(products.gram.shape[0])
+    residual[-1] = 1.0
+    return Piece(channel, segment, products.gram, jacobian, residual, products.columns)
+
+
+def _from_block(problem: Problem, block: Block, *, keep: bool) -> Piece:
+    assert block.jacobian is not None
+    used = problem.segments[block.segment].used[block.channel]
+    columns = np.vstack([block.jacobian.T, np.ones(block.residual.size), block.residual])
+    jacobian = np.eye(columns.shape[0], problem.size)
+    residual = np.zeros(columns.shape[0])
+    residual[-1] = 1.0
+    whole = None
+    if keep:
+        whole = np.zeros((columns.shape[0], used.size))
+        whole[:, used] = columns
+    gram = columns @ columns.T
+    return Piece(block.channel, block.segment, gram, jacobian, residual, whole)
+
+
+def _with_best_zeros(
+    problem: Problem, z: Array, pieces: Sequence[Piece]
+) -> tuple[Array, list[Piece]]:
+    """Move every zero to its optimum, the mean residual of its log and channel."""
+    if not problem.zeros:
+        return z, list(pieces)
+    sums: dict[int, tuple[float, float]] = {}
+    places = [problem.zero_position(problem.owner[p.segment], p.channel) for p in pieces]
+    for place, piece in zip(places, pieces, strict=True):
+        total, count = sums.get(place, (0.0, 0.0))
+        sums[place] = total + float(piece.gram[-2, -1]), count + float(piece.gram[-2, -2])
+    moved = z.copy()
+    shifted = []
+    for place, (total, count) in sums.items():
+        if count > 0.0 and np.isfinite(total):
+            moved[place] += total / count
+    for place, piece in zip(places, pieces, strict=True):
+        piece.residual[-2] -= moved[place] - z[place]
+        shifted.append(piece)
+    return moved, shifted

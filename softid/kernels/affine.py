@@ -1,0 +1,267 @@
+"""Motion, derivatives and normal equations of a law that is affine in its state, in one pass.
+
+See `softid.kernels.lanes` for the law and for how a block of steps is laid out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from softid.kernels import affine_steps, exponential, lanes
+from softid.kernels.lanes import (
+    BY,
+    INPUT,
+    LANES,
+    N_COLUMNS,
+    N_PADDED,
+    N_PARAMETERS,
+    N_STATES,
+    ONE,
+    POINTS,
+    RESIDUAL,
+    RK4,
+    ROWS,
+    SIZE,
+    STEP,
+    STEPS,
+    V,
+    X,
+    add_gram,
+    differentiate_radau,
+    differentiate_rk4,
+    fill_coefficients,
+    join_derivatives,
+    join_states,
+    reset,
+    run_radau,
+    run_rk4,
+    select_ends,
+)
+from softid.kernels.sources import follow_sources
+
+Array = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.int16]
+Ends = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+@njit(nogil=True, error_model="numpy")
+def _load(w: Array, ends: Ends, time_s: Array, u: Array, counts: Counts, at: Ends) -> None:
+    """The next steps of a log; ``at`` is the interval and the step within it, and moves on.
+
+    ``ends`` receives the sample that every step ends on, −1 for none. Behind the last sample the
+    input stays and no step ends on a sample.
+    """
+    interval, within = at[0], at[1]
+    last = time_s.size - 1
+    h = 1.0
+    p = u[last]
+    for lane in range(LANES):
+        for j in range(ROWS):
+            i = j * LANES + lane
+            ends[i + LANES] = -1
+            if interval < last:
+                count = counts[interval]
+                h = time_s[interval + 1] - time_s[interval]
+                p = u[interval]
+                if count > 1:
+                    p += (u[interval + 1] - p) * (within / count)
+                    h /= count
+                within += 1
+                if within == count:
+                    within = 0
+                    interval += 1
+                    ends[i + LANES] = interval
+            else:
+                p = u[last]
+            w[STEP + i] = h
+            w[INPUT + i] = p
+    for lane in range(LANES - 1):
+        w[INPUT + STEPS + lane] = w[INPUT + lane + 1]
+    p = u[interval]
+    if within:
+        p += (u[interval + 1] - p) * (within / counts[interval])
+    w[INPUT + POINTS - 1] = p
+    at[0], at[1] = interval, within
+
+
+@njit(nogil=True, error_model="numpy")
+def _run(w: Array, law: int, rule: int, theta: Array, state: Array) -> None:
+    fill_coefficients(w, law, rule, theta)
+    reset(w)
+    if rule == RK4:
+        run_rk4(w, theta)
+    else:
+        run_radau(w, theta)
+    join_states(w, state)
+
+
+@njit(nogil=True, error_model="numpy")
+def _differentiate(w: Array, rule: int, theta: Array, tangent: Array) -> None:
+    if rule == RK4:
+        differentiate_rk4(w, theta)
+    else:
+        differentiate_radau(w, theta)
+    join_derivatives(w, tangent)
+
+
+@njit(nogil=True, error_model="numpy")
+def _store(w: Array, ends: Ends, columns: Array) -> None:
+    for p in range(columns.shape[0]):
+        for i in range(LANES, POINTS):
+            if ends[i] >= 0:
+                columns[p, ends[i]] = w[BY + p * POINTS + i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def move(
+    law: int,
+    rule: int,
+    theta: Array,
+    time_s: Array,
+    u: Array,
+    counts: Counts,
+    state: Array,
+    x: Array,
+    v: Array,
+) -> None:
+    """Motion at the samples.
+
+    Parameters
+    ----------
+    law, rule
+        MUSCLE or OSCILLATOR; RK4 or RADAU.
+    theta
+        m, a1, b1, c1, a2, b2, c2 and the oscillator's gain, shape (8,).
+    time_s, u
+        Sample times and input, each of shape (n,).
+    counts
+        Steps per sampling interval, shape (n − 1,).
+    state
+        (x, v) at the first sample, shape (2,).
+    x, v
+        Receive position and velocity, each of shape (n,).
+    """
+    w = np.zeros(SIZE)
+    ends = np.empty(POINTS, np.int64)
+    at = np.zeros(2, np.int64)
+    now = state.copy()
+    x[0], v[0] = state[0], state[1]
+    while at[0] < time_s.size - 1:
+        _load(w, ends, time_s, u, counts, at)
+        _run(w, law, rule, theta, now)
+        for i in range(LANES, POINTS):
+            if ends[i] >= 0:
+                x[ends[i]] = w[X + i]
+                v[ends[i]] = w[V + i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def move_with_derivatives(
+    law: int,
+    rule: int,
+    theta: Array,
+    time_s: Array,
+    u: Array,
+    counts: Counts,
+    state: Array,
+    tangent: Array,
+    x: Array,
+    v: Array,
+    by: Array,
+) -> None:
+    """Motion and its derivatives at the samples.
+
+    Parameters
+    ----------
+    law, rule, theta, time_s, u, counts, state, x, v
+        As in `move`.
+    tangent
+        ∂(x, v)/∂(m, a1, b1, c1, a2, b2, c2, x₀, v₀) at the first sample, shape (2, 9).
+    by
+        Receives ∂x by the same, shape (9, n).
+    """
+    w = np.zeros(SIZE)
+    ends = np.empty(POINTS, np.int64)
+    at = np.zeros(2, np.int64)
+    now, now_by = state.copy(), tangent.copy()
+    x[0], v[0] = state[0], state[1]
+    by[:, 0] = tangent[0]
+    while at[0] < time_s.size - 1:
+        _load(w, ends, time_s, u, counts, at)
+        _run(w, law, rule, theta, now)
+        _differentiate(w, rule, theta, now_by)
+        for i in range(LANES, POINTS):
+            if ends[i] >= 0:
+                x[ends[i]] = w[X + i]
+                v[ends[i]] = w[V + i]
+        _store(w, ends, by)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sum_products(
+    law: int,
+    rule: int,
+    theta: Array,
+    time_s: Array,
+    u: Array,
+    counts: Counts,
+    y: Array,
+    used: BoolArray,
+    gain: float,
+    level: float,
+    state: Array,
+    tangent: Array,
+    kept: Array,
+    gram: Array,
+) -> None:
+    """All products of two columns summed over the used samples, without keeping the columns.
+
+    Parameters
+    ----------
+    law, rule, theta, time_s, u, counts, state, tangent
+        As in `move_with_derivatives`.
+    y, used
+        Measured output and whether it counts, each of shape (n,).
+    gain, level
+        The simulated output is gain·x + level.
+    kept
+        Receives ∂x by the parameters and the initial state, 1 and the residual at every sample,
+        shape (11, n), zero where it does not count; of shape (11, 0) to keep nothing.
+    gram
+        Receives Σ cᵢcⱼ for the columns of ``kept`` in its first 11 rows, shape (12, 12).
+    """
+    w = np.zeros(SIZE)
+    ends = np.empty(POINTS, np.int64)
+    at = np.zeros(2, np.int64)
+    now, now_by = state.copy(), tangent.copy()
+    first = np.zeros(N_PADDED)
+    if used[0]:
+        first[: N_PARAMETERS + N_STATES] = tangent[0]
+        first[N_COLUMNS - 2] = 1.0
+        first[N_COLUMNS - 1] = y[0] - level - gain * state[0]
+    gram[:] = np.outer(first, first)
+    if kept.shape[1]:
+        kept[:, 0] = first[:N_COLUMNS]
+    while at[0] < time_s.size - 1:
+        _load(w, ends, time_s, u, counts, at)
+        _run(w, law, rule, theta, now)
+        _differentiate(w, rule, theta, now_by)
+        for i in range(LANES, POINTS):
+            k = ends[i]
+            counted = k >= 0 and used[k]
+            w[ONE + i] = 1.0 if counted else 0.0
+            w[RESIDUAL + i] = y[k] if counted else 0.0
+        select_ends(w, gain, level)
+        add_gram(w, gram)
+        if kept.shape[1]:
+            _store(w, ends, kept)
+    for a in range(N_COLUMNS):
+        for b in range(a):
+            gram[b, a] = gram[a, b]
+
+
+for _kernel in (move, move_with_derivatives, sum_products):
+    follow_sources(_kernel, (affine_steps, exponential, lanes))

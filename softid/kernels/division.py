@@ -1,0 +1,147 @@
+r"""How many steps each sampling interval needs for an error of 1e-4 of the motion, by either rule.
+
+The limits were found on m·ẍ + n·ẋ + q·x = f with f jumping within one interval, over damping ratios
+ζ = n/2√(mq) from 0.02 to 100, against the same law in 64 times as many steps; ω² = q/m, d = n/m.
+Beside the rate of the motion, the coefficients must not bend too much within a step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from softid.kernels import exponential
+from softid.kernels.exponential import EXACT
+from softid.kernels.sources import follow_sources
+
+Array = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.int16]
+
+MAX_PHASE_PER_STEP = 0.8
+"""Largest product of step and rate of motion for the Radau rule."""
+
+RINGING = 0.15
+"""Damping ratio below which oscillations last so long that phase errors add up to more; the Radau
+rule's steps are then shorter by (ζ/0.15)^(1/4), down to half."""
+
+MOST_RINGING = 2.0
+
+STIFF_RATIO = 200.0
+"""An overdamped fast mode is resolved with a step of 0.8·(fast/slow)^¼ of its time constant up to
+fast/slow = 200. Beyond, it carries so little of the motion after an input that is straight over the
+step that stepping over it errs by less than 5e-5."""
+
+RK4_MAX_PHASE = 0.3
+RK4_MAX_DECAY = 1.5
+"""Largest h·ω and h·d at which the explicit rule is used at all."""
+
+RK4_SHARE = 0.0845
+"""Largest h²·ω·d of the explicit rule: its error in a jump is 0.007·(h²·ω·d)² of the motion."""
+
+RK4_RINGING = 30.0
+"""Largest (hω)⁴/ζ of the explicit rule, inverse: oscillations err by 0.0015·(hω)⁴/ζ."""
+
+LEAST_RATIO = 0.01
+MAX_EXPONENT_PER_STEP = 0.8
+RK4_MAX_EXPONENT = 0.5
+"""Largest change of an exponent of the coefficients within one step of either rule."""
+
+MAX_SUBSTEPS = 64
+_HUGE = 1e300
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+def _radau_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
+    """Steps per second of the Radau rule.
+
+    They resolve |λ| when the law oscillates. When it is overdamped a jump of the force excites the
+    fast mode to slow/fast of the whole motion only, so a stiff mode may be stepped over the more
+    boldly the stiffer it is, and beyond `STIFF_RATIO` entirely: the rule damps it as nature does.
+    """
+    discriminant = damping * damping - 4.0 * mass * stiffness
+    omega = np.sqrt(stiffness / mass)
+    longer = max(RINGING * 2.0 * mass * omega / max(damping, 1e-300), 1.0)
+    oscillating = omega * min(np.sqrt(np.sqrt(longer)), MOST_RINGING)
+    slow = 2.0 * stiffness / (damping + np.sqrt(max(discriminant, 0.0)))
+    fast = omega / slow * (omega / slow)
+    bold = slow * (np.sqrt(fast) * np.sqrt(np.sqrt(fast)) if fast < STIFF_RATIO else 1.0)
+    return (oscillating if discriminant < 0.0 else bold) / MAX_PHASE_PER_STEP
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+def _rk4_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
+    """Steps per second of the explicit rule; not finite where it must not be used."""
+    omega, decay = np.sqrt(stiffness / mass), damping / mass
+    ringing = RK4_RINGING * 2.0 * omega / max(decay, LEAST_RATIO * omega)
+    rate = max(omega / RK4_MAX_PHASE, decay / RK4_MAX_DECAY)
+    rate = max(rate, np.sqrt(omega * decay / RK4_SHARE))
+    return max(rate, omega * np.sqrt(np.sqrt(ringing)))
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _rates(mass: float, damping: Array, stiffness: Array, radau: Array, rk4: Array) -> None:
+    for i in range(radau.size):
+        radau[i] = _radau_rate(mass, damping[i], stiffness[i])
+        rk4[i] = _rk4_rate(mass, damping[i], stiffness[i])
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _counts(rate: Array, time_s: Array, bend: Array, limit: float, counts: Counts) -> float:
+    """Counts from 1 to MAX_SUBSTEPS; what is not finite asks for one step. Returns the most."""
+    most = 0.0
+    for i in range(counts.size):
+        a = rate[i] if rate[i] < _HUGE else 0.0
+        b = rate[i + 1] if rate[i + 1] < _HUGE else 0.0
+        turn = bend[i] if bend[i] < _HUGE else 0.0
+        wanted = max(max(a, b) * (time_s[i + 1] - time_s[i]), turn / limit)
+        most = max(most, wanted)
+        counts[i] = np.int16(min(max(np.ceil(wanted), 1.0), MAX_SUBSTEPS))
+    return most
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def count_steps(
+    mass: float,
+    damping: Array,
+    stiffness: Array,
+    time_s: Array,
+    bend: Array,
+    radau: Counts,
+    rk4: Counts,
+) -> tuple[float, float]:
+    """Steps of every sampling interval for both rules.
+
+    Parameters
+    ----------
+    mass
+        m ≥ 0.
+    damping, stiffness
+        n and q at the samples, each of shape (n,).
+    time_s
+        Sample times, shape (n,).
+    bend
+        Change of the coefficients' exponents over every interval, shape (n − 1,).
+    radau, rk4
+        Receive the counts, each of shape (n − 1,).
+
+    Returns
+    -------
+    radau, rk4
+        Sums of the counts; the second is infinite where the explicit rule must not be used.
+    """
+    implicit, explicit = np.empty(damping.size), np.empty(damping.size)
+    _rates(mass, damping, stiffness, implicit, explicit)
+    _counts(implicit, time_s, bend, MAX_EXPONENT_PER_STEP, radau)
+    safe = bool(_counts(explicit, time_s, bend, RK4_MAX_EXPONENT, rk4) <= MAX_SUBSTEPS)
+    for rate in explicit:
+        if not rate < _HUGE:
+            safe = False
+    total, total_explicit = 0, 0
+    for i in range(radau.size):
+        total += radau[i]
+        total_explicit += rk4[i]
+    return float(total), float(total_explicit) if safe else np.inf
+
+
+follow_sources(count_steps, (exponential,))

@@ -1,0 +1,380 @@
+"""A block of steps laid out for vector instructions, and what runs over it.
+
+A block holds LANES stretches of ROWS steps that follow each other in time; row j holds step j of
+every stretch, so that one vector instruction advances all stretches by a step. Every stretch first
+runs from zero along with its propagator; its true start then follows from the end of the one
+before it, since the law is affine in its state. All arrays of a block lie in one flat workspace at
+constant places: the compiler then sees that they do not overlap.
+
+The law is m·ẍ + (a2·E₂ + c2)·ẋ + (a1·E₁ + c1)·x = E₁, where E₁ and E₂ depend on the input alone:
+for the muscle they are exp(b1·p) and exp(b2·p); the oscillator has E₁ = G·(u − offset) and a1 = a2
+= 0. Parameters are m, a1, b1, c1, a2, b2, c2, b1 standing for whatever E₁ depends on.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from softid.kernels.affine_steps import (
+    FIRST_STAGE,
+    SECOND_STAGE,
+    radau_inverse,
+    radau_map,
+    radau_sums,
+    rk4_end,
+    rk4_map,
+    rk4_sums,
+)
+from softid.kernels.exponential import EXACT, exponential
+
+Array = npt.NDArray[np.float64]
+
+LANES = 8
+ROWS = 16
+STEPS = ROWS * LANES
+POINTS = STEPS + LANES
+"""Starts of all steps and, in the last row, the ends of the stretches."""
+
+MUSCLE, OSCILLATOR = 0, 1
+RK4, RADAU = 0, 1
+N_PARAMETERS = 7
+N_STATES = 2
+
+INPUT, STEP = 0 * POINTS, 1 * POINTS
+_START, _INNER, _OUTER = 2 * POINTS, 6 * POINTS, 10 * POINTS
+_E1, _D1, _E2, _D2 = 0 * POINTS, 1 * POINTS, 2 * POINTS, 3 * POINTS
+"""E₁, ∂E₁/∂b1, E₂ and ∂E₂/∂b2 at starts and at the one or two inner places of every step."""
+
+_XX, _XV, _VX, _VV = 14 * POINTS, 15 * POINTS, 16 * POINTS, 17 * POINTS
+_PXX, _PXV, _PVX, _PVV = 18 * POINTS, 19 * POINTS, 20 * POINTS, 21 * POINTS
+"""Φ of every step, and the propagator from the start of its stretch."""
+
+X, V = 22 * POINTS, 23 * POINTS
+BY = 24 * POINTS
+"""∂x by the parameters and the initial state at the ends of the steps."""
+
+ONE = BY + (N_PARAMETERS + N_STATES) * POINTS
+RESIDUAL = ONE + POINTS
+"""Share of every step's end in the cost, 0 or 1, and y and then the residual there; both follow on
+`BY`."""
+
+_ZERO = RESIDUAL + POINTS
+_BY_V = _ZERO + POINTS
+_STARTS_X = _BY_V + N_PARAMETERS * LANES
+_STARTS_V = _STARTS_X + (N_PARAMETERS + N_STATES) * LANES
+"""Derivatives by the parameters at the running row, and what every stretch starts from."""
+
+_ROW_X = _STARTS_V + (N_PARAMETERS + N_STATES) * LANES
+_ROW_V = _ROW_X + POINTS
+SIZE = _ROW_V + POINTS
+N_COLUMNS = N_PARAMETERS + N_STATES + 2
+N_PADDED = N_COLUMNS + 1
+"""Columns from `BY` on that are summed, and with a last one of zeros that makes them even."""
+
+SUMMING = {"contract", "arcp", "nsz", "reassoc"}
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def fill_coefficients(w: Array, law: int, rule: int, theta: Array) -> None:
+    """E₁, E₂ and their slopes at all places of a block's steps."""
+    if law == OSCILLATOR:
+        _fill_oscillator(w, rule, theta)
+        return
+    b1, b2 = theta[2], theta[5]
+    _fill_starts(w, b1, b2)
+    if rule == RK4:
+        _fill_middles(w, b1, b2)
+    else:
+        _fill_stages(w, b1, b2)
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _fill_starts(w: Array, b1: float, b2: float) -> None:
+    for i in range(POINTS):
+        u = w[INPUT + i]
+        e1, e2 = exponential(b1 * u), exponential(b2 * u)
+        w[_START + _E1 + i], w[_START + _D1 + i] = e1, u * e1
+        w[_START + _E2 + i], w[_START + _D2 + i] = e2, u * e2
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _fill_middles(w: Array, b1: float, b2: float) -> None:
+    for i in range(STEPS):
+        u = 0.5 * (w[INPUT + i] + w[INPUT + i + LANES])
+        e1, e2 = exponential(b1 * u), exponential(b2 * u)
+        w[_INNER + _E1 + i], w[_INNER + _D1 + i] = e1, u * e1
+        w[_INNER + _E2 + i], w[_INNER + _D2 + i] = e2, u * e2
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _fill_stages(w: Array, b1: float, b2: float) -> None:
+    for i in range(STEPS):
+        u = w[INPUT + i] + FIRST_STAGE * (w[INPUT + i + LANES] - w[INPUT + i])
+        e1, e2 = exponential(b1 * u), exponential(b2 * u)
+        w[_INNER + _E1 + i], w[_INNER + _D1 + i] = e1, u * e1
+        w[_INNER + _E2 + i], w[_INNER + _D2 + i] = e2, u * e2
+    for i in range(STEPS):
+        u = w[INPUT + i] + SECOND_STAGE * (w[INPUT + i + LANES] - w[INPUT + i])
+        e1, e2 = exponential(b1 * u), exponential(b2 * u)
+        w[_OUTER + _E1 + i], w[_OUTER + _D1 + i] = e1, u * e1
+        w[_OUTER + _E2 + i], w[_OUTER + _D2 + i] = e2, u * e2
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _fill_oscillator(w: Array, rule: int, theta: Array) -> None:
+    offset, gain = theta[2], theta[7]
+    inner = 0.5 if rule == RK4 else FIRST_STAGE
+    for i in range(POINTS):
+        w[_START + _E1 + i] = gain * (w[INPUT + i] - offset)
+        w[_START + _D1 + i] = w[_INNER + _D1 + i] = w[_OUTER + _D1 + i] = -gain
+        w[_START + _E2 + i] = w[_INNER + _E2 + i] = w[_OUTER + _E2 + i] = 0.0
+        w[_START + _D2 + i] = w[_INNER + _D2 + i] = w[_OUTER + _D2 + i] = 0.0
+    for i in range(STEPS):
+        start = w[_START + _E1 + i]
+        rise = w[_START + _E1 + i + LANES] - start
+        w[_INNER + _E1 + i] = start + inner * rise
+        w[_OUTER + _E1 + i] = start + SECOND_STAGE * rise
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def run_rk4(w: Array, theta: Array) -> None:
+    """Every stretch from zero, with its propagator, by the Runge–Kutta rule."""
+    over = 1.0 / theta[0]
+    a1, c1, a2, c2 = theta[1] * over, theta[3] * over, theta[4] * over, theta[6] * over
+    for j in range(ROWS):
+        for lane in range(LANES):
+            i = j * LANES + lane
+            k = i + LANES
+            h = w[STEP + i]
+            e0, e1, e2 = w[_START + _E1 + i], w[_INNER + _E1 + i], w[_START + _E1 + k]
+            n0 = a2 * w[_START + _E2 + i] + c2
+            n1 = a2 * w[_INNER + _E2 + i] + c2
+            n2 = a2 * w[_START + _E2 + k] + c2
+            q0, q1, q2 = a1 * e0 + c1, a1 * e1 + c1, a1 * e2 + c1
+            xx, xv, vx, vv = rk4_map(h, n0, q0, n1, q1, n2, q2)
+            x, v = rk4_end(
+                h, n0, q0, e0 * over, n1, q1, e1 * over, n2, q2, e2 * over, w[X + i], w[V + i]
+            )
+            w[X + k], w[V + k] = x, v
+            w[_XX + i], w[_XV + i], w[_VX + i], w[_VV + i] = xx, xv, vx, vv
+            pxx, pxv, pvx, pvv = w[_PXX + i], w[_PXV + i], w[_PVX + i], w[_PVV + i]
+            w[_PXX + k] = xx * pxx + xv * pvx
+            w[_PXV + k] = xx * pxv + xv * pvv
+            w[_PVX + k] = vx * pxx + vv * pvx
+            w[_PVV + k] = vx * pxv + vv * pvv
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def run_radau(w: Array, theta: Array) -> None:
+    """Every stretch from zero, with its propagator, by the Radau rule."""
+    m, a1, c1, a2, c2 = theta[0], theta[1], theta[3], theta[4], theta[6]
+    for j in range(ROWS):
+        for lane in range(LANES):
+            i = j * LANES + lane
+            k = i + LANES
+            h = w[STEP + i]
+            e0, e1, e2 = w[_INNER + _E1 + i], w[_OUTER + _E1 + i], w[_START + _E1 + k]
+            n0 = a2 * w[_INNER + _E2 + i] + c2
+            n1 = a2 * w[_OUTER + _E2 + i] + c2
+            n2 = a2 * w[_START + _E2 + k] + c2
+            q0, q1, q2 = a1 * e0 + c1, a1 * e1 + c1, a1 * e2 + c1
+            g = radau_inverse(h, m, n0, q0, n1, q1, n2, q2)
+            xx, xv, vx, vv, x0, x1, x2 = radau_map(h, m, q0, q1, q2, g)
+            x, v = w[X + i], w[V + i]
+            w[X + k] = xx * x + xv * v + x0 * e0 + x1 * e1 + x2 * e2
+            w[V + k] = vx * x + vv * v + g[6] * e0 + g[7] * e1 + g[8] * e2
+            w[_XX + i], w[_XV + i], w[_VX + i], w[_VV + i] = xx, xv, vx, vv
+            pxx, pxv, pvx, pvv = w[_PXX + i], w[_PXV + i], w[_PVX + i], w[_PVV + i]
+            w[_PXX + k] = xx * pxx + xv * pvx
+            w[_PXV + k] = xx * pxv + xv * pvv
+            w[_PVX + k] = vx * pxx + vv * pvx
+            w[_PVV + k] = vx * pxv + vv * pvv
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def reset(w: Array) -> None:
+    """Zero state and unit propagator at the start of every stretch."""
+    for lane in range(LANES):
+        w[X + lane], w[V + lane] = 0.0, 0.0
+        w[_PXX + lane], w[_PXV + lane], w[_PVX + lane], w[_PVV + lane] = 1.0, 0.0, 0.0, 1.0
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def join_states(w: Array, state: Array) -> None:
+    """Move every stretch to its true start; ``state`` goes on to the end of the block."""
+    x, v = state[0], state[1]
+    for lane in range(LANES):
+        w[_ROW_X + lane], w[_ROW_V + lane] = x, v
+        k = STEPS + lane
+        x, v = (
+            w[X + k] + w[_PXX + k] * x + w[_PXV + k] * v,
+            w[V + k] + w[_PVX + k] * x + w[_PVV + k] * v,
+        )
+    state[0], state[1] = x, v
+    for i in range(STEPS):  # the start of a stretch, written beside every row
+        w[_ROW_X + LANES + i], w[_ROW_V + LANES + i] = w[_ROW_X + i], w[_ROW_V + i]
+    for i in range(POINTS):
+        w[X + i] += w[_PXX + i] * w[_ROW_X + i] + w[_PXV + i] * w[_ROW_V + i]
+        w[V + i] += w[_PVX + i] * w[_ROW_X + i] + w[_PVV + i] * w[_ROW_V + i]
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+def _pushes(s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
+    """What a change of each parameter pushes, from the ten sums of one component of the state."""
+    b0, b1, b2, x0, x1, x2, v0, v1, v2, a = s
+    return (
+        -a,
+        -(e[0] * x0 + e[1] * x1 + e[2] * x2),
+        d[0] * (b0 - a1 * x0) + d[1] * (b1 - a1 * x1) + d[2] * (b2 - a1 * x2),
+        -(x0 + x1 + x2),
+        -(f[0] * v0 + f[1] * v1 + f[2] * v2),
+        -a2 * (g[0] * v0 + g[1] * v1 + g[2] * v2),
+        -(v0 + v1 + v2),
+    )
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+def _advance(w, p, i, lane, xx, xv, vx, vv, push_x, push_v):  # type: ignore[no-untyped-def]
+    sx, sv = w[BY + p * POINTS + i], w[_BY_V + p * LANES + lane]
+    w[BY + p * POINTS + i + LANES] = xx * sx + xv * sv + push_x
+    w[_BY_V + p * LANES + lane] = vx * sx + vv * sv + push_v
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+def _advance_all(w, i, lane, s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
+    xx, xv, vx, vv = w[_XX + i], w[_XV + i], w[_VX + i], w[_VV + i]
+    px = _pushes(s[:10], e, d, f, g, a1, a2)
+    pv = _pushes(s[10:], e, d, f, g, a1, a2)
+    _advance(w, 0, i, lane, xx, xv, vx, vv, px[0], pv[0])
+    _advance(w, 1, i, lane, xx, xv, vx, vv, px[1], pv[1])
+    _advance(w, 2, i, lane, xx, xv, vx, vv, px[2], pv[2])
+    _advance(w, 3, i, lane, xx, xv, vx, vv, px[3], pv[3])
+    _advance(w, 4, i, lane, xx, xv, vx, vv, px[4], pv[4])
+    _advance(w, 5, i, lane, xx, xv, vx, vv, px[5], pv[5])
+    _advance(w, 6, i, lane, xx, xv, vx, vv, px[6], pv[6])
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def differentiate_rk4(w: Array, theta: Array) -> None:
+    """Derivatives by the parameters over every stretch from zero, by the Runge–Kutta rule."""
+    _clear_derivatives(w)
+    over, a1, c1, a2, c2 = 1.0 / theta[0], theta[1], theta[3], theta[4], theta[6]
+    a1m, c1m, a2m, c2m = a1 * over, c1 * over, a2 * over, c2 * over
+    for j in range(ROWS):
+        for lane in range(LANES):
+            i = j * LANES + lane
+            k = i + LANES
+            h = w[STEP + i]
+            e = w[_START + _E1 + i], w[_INNER + _E1 + i], w[_START + _E1 + k]
+            d = w[_START + _D1 + i], w[_INNER + _D1 + i], w[_START + _D1 + k]
+            f = w[_START + _E2 + i], w[_INNER + _E2 + i], w[_START + _E2 + k]
+            g = w[_START + _D2 + i], w[_INNER + _D2 + i], w[_START + _D2 + k]
+            s = rk4_sums(
+                h, over,
+                a2m * f[0] + c2m, a1m * e[0] + c1m, e[0] * over,
+                a2m * f[1] + c2m, a1m * e[1] + c1m, e[1] * over,
+                a2m * f[2] + c2m, a1m * e[2] + c1m, e[2] * over,
+                w[X + i], w[V + i],
+            )  # fmt: skip
+            _advance_all(w, i, lane, s, e, d, f, g, a1, a2)
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def differentiate_radau(w: Array, theta: Array) -> None:
+    """Derivatives by the parameters over every stretch from zero, by the Radau rule."""
+    _clear_derivatives(w)
+    m, a1, c1, a2, c2 = theta[0], theta[1], theta[3], theta[4], theta[6]
+    for j in range(ROWS):
+        for lane in range(LANES):
+            i = j * LANES + lane
+            k = i + LANES
+            h = w[STEP + i]
+            e = w[_INNER + _E1 + i], w[_OUTER + _E1 + i], w[_START + _E1 + k]
+            d = w[_INNER + _D1 + i], w[_OUTER + _D1 + i], w[_START + _D1 + k]
+            f = w[_INNER + _E2 + i], w[_OUTER + _E2 + i], w[_START + _E2 + k]
+            g = w[_INNER + _D2 + i], w[_OUTER + _D2 + i], w[_START + _D2 + k]
+            q0, q1, q2 = a1 * e[0] + c1, a1 * e[1] + c1, a1 * e[2] + c1
+            inverse = radau_inverse(
+                h, m, a2 * f[0] + c2, q0, a2 * f[1] + c2, q1, a2 * f[2] + c2, q2
+            )
+            found = radau_map(h, m, q0, q1, q2, inverse)
+            s = radau_sums(
+                h, m, q0, e[0], q1, e[1], q2, e[2], inverse, found[4:], w[X + i], w[V + i]
+            )
+            _advance_all(w, i, lane, s, e, d, f, g, a1, a2)
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _clear_derivatives(w: Array) -> None:
+    for p in range(N_PARAMETERS):
+        for lane in range(LANES):
+            w[BY + p * POINTS + lane] = 0.0
+            w[_BY_V + p * LANES + lane] = 0.0
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def join_derivatives(w: Array, tangent: Array) -> None:
+    """Move every stretch's derivatives to their true start; ``tangent`` goes on to the block's end.
+
+    ``tangent`` is ∂(x, v)/∂(parameters, x₀, v₀), shape (2, 9).
+    """
+    for p in range(N_PARAMETERS + N_STATES):
+        x, v = tangent[0, p], tangent[1, p]
+        for lane in range(LANES):
+            w[_STARTS_X + p * LANES + lane], w[_STARTS_V + p * LANES + lane] = x, v
+            k = STEPS + lane
+            x, v = w[_PXX + k] * x + w[_PXV + k] * v, w[_PVX + k] * x + w[_PVV + k] * v
+            if p < N_PARAMETERS:
+                x += w[BY + p * POINTS + k]
+                v += w[_BY_V + p * LANES + lane]
+        tangent[0, p], tangent[1, p] = x, v
+    for j in range(ROWS):
+        for lane in range(LANES):
+            i = (j + 1) * LANES + lane
+            xx, xv = w[_PXX + i], w[_PXV + i]
+            _join(w, 0, i, lane, xx, xv, w[BY + i])
+            _join(w, 1, i, lane, xx, xv, w[BY + 1 * POINTS + i])
+            _join(w, 2, i, lane, xx, xv, w[BY + 2 * POINTS + i])
+            _join(w, 3, i, lane, xx, xv, w[BY + 3 * POINTS + i])
+            _join(w, 4, i, lane, xx, xv, w[BY + 4 * POINTS + i])
+            _join(w, 5, i, lane, xx, xv, w[BY + 5 * POINTS + i])
+            _join(w, 6, i, lane, xx, xv, w[BY + 6 * POINTS + i])
+            _join(w, 7, i, lane, xx, xv, 0.0)
+            _join(w, 8, i, lane, xx, xv, 0.0)
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+def _join(w, p, i, lane, xx, xv, own):  # type: ignore[no-untyped-def]
+    x, v = w[_STARTS_X + p * LANES + lane], w[_STARTS_V + p * LANES + lane]
+    w[BY + p * POINTS + i] = own + xx * x + xv * v
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def select_ends(w: Array, gain: float, level: float) -> None:
+    """Residual y − (gain·x + level) at the ends of the steps, and zero rows where none counts."""
+    for i in range(LANES, POINTS):
+        w[RESIDUAL + i] = w[ONE + i] * (w[RESIDUAL + i] - level - gain * w[X + i])
+    for p in range(N_PARAMETERS + N_STATES):
+        for i in range(LANES, POINTS):
+            w[BY + p * POINTS + i] *= w[ONE + i]
+
+
+@njit(nogil=True, error_model="numpy", fastmath=SUMMING)
+def add_gram(w: Array, gram: Array) -> None:
+    """Add all products of two columns, shape (12, 12), blocks on and below the diagonal."""
+    for a in range(0, N_PADDED, 2):
+        for b in range(0, a + 1, 2):
+            t00, t01, t10, t11 = 0.0, 0.0, 0.0, 0.0
+            for i in range(LANES, POINTS):
+                a0, a1 = w[BY + a * POINTS + i], w[BY + (a + 1) * POINTS + i]
+                b0, b1 = w[BY + b * POINTS + i], w[BY + (b + 1) * POINTS + i]
+                t00 += a0 * b0
+                t01 += a0 * b1
+                t10 += a1 * b0
+                t11 += a1 * b1
+            gram[a, b] += t00
+            gram[a, b + 1] += t01
+            gram[a + 1, b] += t10
+            gram[a + 1, b + 1] += t11

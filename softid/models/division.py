@@ -1,0 +1,127 @@
+"""Sampling intervals divided into steps, and the rule that takes them.
+
+Between samples the input is taken as straight. A sampling interval is divided where the input
+changes so much that the coefficients bend within it, or where the motion is fast for the interval.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.kernels.division import count_steps
+from softid.kernels.radau import STAGES
+
+if TYPE_CHECKING:
+    from softid.models.second_order import Law
+
+Array = npt.NDArray[np.float64]
+
+Rule = Literal["rk4", "radau"]
+
+RADAU_COST = 1.35
+"""Cost of a Radau step in Runge–Kutta steps, with seven sensitivities and the normal matrix."""
+
+_CHUNK = 1 << 16
+
+
+@dataclass(frozen=True, eq=False)
+class Division:
+    """Sampling intervals divided into steps.
+
+    Attributes
+    ----------
+    time_s, u
+        Sample times and input, each of shape (n,).
+    counts
+        Steps per sampling interval, shape (n − 1,).
+    rule
+        ``"rk4"``, the explicit classical Runge–Kutta rule, or ``"radau"``, the implicit three-stage
+        Radau IIA rule, which is stable for any stiffness.
+    """
+
+    time_s: Array
+    u: Array
+    counts: npt.NDArray[np.int16]
+    rule: Rule
+
+    def same_as(self, other: Division) -> bool:
+        """Whether both divide every interval alike and step by the same rule."""
+        return self.rule == other.rule and bool(np.array_equal(self.counts, other.counts))
+
+    @property
+    def step_s(self) -> Array:
+        """Length of every step, shape (L,)."""
+        lengths: Array = np.repeat(np.diff(self.time_s) / self.counts, self.counts)
+        return lengths
+
+    @property
+    def ends(self) -> npt.NDArray[np.bool_]:
+        """Which steps end on a sample, shape (L,)."""
+        ends = np.zeros(int(self.counts.sum()), bool)
+        ends[np.cumsum(self.counts) - 1] = True
+        return ends
+
+    @property
+    def stage_input(self) -> Array:
+        """Input at the stages of every Radau step, shape (L, 3)."""
+        counts = self.counts
+        last = np.cumsum(counts) - 1
+        within = np.arange(last[-1] + 1 if last.size else 0) - np.repeat(last - counts + 1, counts)
+        share = (within[:, None] + STAGES) / np.repeat(counts, counts)[:, None]
+        start, rise = np.repeat(self.u[:-1], counts), np.repeat(np.diff(self.u), counts)
+        found: Array = start[:, None] + rise[:, None] * share
+        return found
+
+
+def undivided(time_s: Array, u: Array) -> Division:
+    """One implicit step per sampling interval: stable for any stiffness, and good for a rough look.
+
+    Parameters
+    ----------
+    time_s, u
+        Sample times and input, each of shape (n,).
+    """
+    return Division(held(time_s), held(u), np.ones(time_s.size - 1, np.int16), "radau")
+
+
+def held(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """A read-only contiguous view, which is one type for the compiler whatever came in."""
+    view = np.ascontiguousarray(values).view()
+    view.flags.writeable = False
+    return view
+
+
+def divide(law: Law, time_s: Array, u: Array, *, implicit_only: bool = False) -> Division:
+    """Divide the sampling intervals so that the error stays below 1e-4 of the motion.
+
+    The explicit rule is taken where it is cheaper, which is never the case for a stiff law, nor for
+    one without inertia.
+
+    Parameters
+    ----------
+    law
+        The coefficients, whose rates decide.
+    time_s, u
+        Sample times and input, each of shape (n,).
+    implicit_only
+        Whether to take the implicit rule in any case.
+    """
+    time_s, u = held(time_s), held(u)
+    radau, rk4 = np.empty(time_s.size - 1, np.int16), np.empty(time_s.size - 1, np.int16)
+    implicit = explicit = 0.0
+    for first in range(0, radau.size, _CHUNK):
+        chunk = slice(first, first + _CHUNK)
+        points = slice(first, first + _CHUNK + 1)
+        damping, stiffness, _ = law.coefficients(u[points])
+        bend = np.abs(np.diff(u[points])) * law.exponent_rate()
+        found = count_steps(
+            law.mass, damping, stiffness, time_s[points], bend, radau[chunk], rk4[chunk]
+        )
+        implicit, explicit = implicit + found[0], explicit + found[1]
+    if not implicit_only and law.affine() is not None and explicit <= RADAU_COST * implicit:
+        return Division(time_s, u, rk4, "rk4")
+    return Division(time_s, u, radau, "radau")

@@ -1,0 +1,113 @@
+"""Summed normal equations against those of the Jacobian, sample by sample."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from softid.fitters.normal_equations import bend, linearise
+from softid.fitters.problem import Problem
+from softid.log import Log
+from softid.models.muscle import Muscle
+from softid.models.oscillator import Oscillator
+from softid.simulation import simulate
+
+Array = npt.NDArray[np.float64]
+TRUTH = {"M": 2e-3, "a1": 1 / 70, "b1": 2.8, "c1": 1.0, "a2": 0.02, "b2": 1.6, "c2": 0.25}
+DRIVE = {"M": 0.3, "N": 1.1, "Q": 20.0, "G": 1.0, "offset": 0.0}
+
+
+def problem(outputs: tuple[str, ...], *, zeros: bool, linear: bool = False) -> Problem:
+    """Two noisy logs, one moving at its start and with a stall, with samples left out."""
+    model = (
+        Oscillator() if linear else Muscle(fixed_length_mm=150.0, diameter_mm=20.0, inverted=True)
+    )
+    rng = np.random.default_rng(3)
+    logs = []
+    for moving in (False, True):
+        time_s = np.cumsum(rng.uniform(0.008, 0.012, 300))
+        u = 100.0 + (80.0 * np.sin(9 * time_s) if moving else np.where(time_s < 0.6, 0, 90.0))
+        if moving:
+            time_s = np.where(time_s > 1.6, time_s + 3.0, time_s)
+        blank = Log.from_arrays(
+            time_s, {"pressure": u, **dict.fromkeys(outputs, time_s)}, outputs=outputs
+        )
+        found = simulate(model, DRIVE if linear else TRUTH, blank).outputs
+        noisy = {k: y + 0.3 + rng.normal(0.0, 0.01 * np.ptp(y), y.size) for k, y in found.items()}
+        name = "moving" if moving else "still"
+        log = Log.from_arrays(time_s, {"pressure": u, **noisy}, outputs=outputs, name=name)
+        out = rng.random(300) < 0.1
+        out[:60] = False
+        logs.append(log.with_masked(out))
+    return Problem(model, model.parameters(), logs, zeros=zeros)
+
+
+def by_samples(p: Problem, z: Array, sigma: dict[str, float]) -> tuple[Array, ...]:
+    """Moved z, cost, gradient, matrix, r and J from residual and Jacobian at every sample."""
+    plans = p.plans(z)
+    found = list(p.blocks(z, derivatives=True, plans=plans))
+    moved, found = p.with_best_zeros(z, found)
+    r = np.concatenate([b.residual / sigma[b.channel] for b in found])
+    j = np.concatenate([b.jacobian / sigma[b.channel] for b in found if b.jacobian is not None])
+    return moved, 0.5 * r @ r, j.T @ r, j.T @ j, r, j
+
+
+def case(name: str) -> tuple[Problem, Array]:
+    outputs = {
+        "x": ("contraction",),
+        "scaled": ("angle", "length"),
+        "geometry": ("distance", "angle"),
+        "drive": ("position",),
+        "no zeros": ("angle",),
+    }[name]
+    p = problem(outputs, zeros=name != "no zeros", linear=name == "drive")
+    z = p.unknowns(DRIVE if name == "drive" else TRUTH)
+    return p, z + 0.03 * np.random.default_rng(8).normal(size=z.size)
+
+
+@pytest.mark.parametrize("name", ["x", "scaled", "geometry", "drive", "no zeros"])
+@pytest.mark.parametrize("keep", [False, True])
+def test_sums_equal_the_jacobian(name: str, keep: bool) -> None:
+    """Cost, Jᵀr, JᵀJ, n and moved zeros, from sums and from samples: to rounding, 1e-11."""
+    p, z = case(name)
+    sigma = {channel: 0.5 + k for k, channel in enumerate(p.outputs)}
+    found = linearise(p, z, sigma, plans=p.plans(z), keep=keep)
+    moved, cost, gradient, matrix, r, _ = by_samples(p, z, sigma)
+    np.testing.assert_allclose(found.point, moved, rtol=1e-11)
+    assert found.cost == pytest.approx(cost, rel=1e-11)
+    assert found.n == r.size == p.n_samples
+    scale = np.sqrt(np.diag(matrix))
+    assert np.all(np.abs(found.matrix - matrix) <= 1e-11 * np.outer(scale, scale))
+    assert np.all(np.abs(found.gradient - gradient) <= 1e-11 * scale * np.linalg.norm(r))
+
+
+@pytest.mark.parametrize("name", ["x", "geometry", "drive"])
+def test_bend_is_the_second_derivative_seen_from_the_parameters(name: str) -> None:
+    """Jᵀ·2(ŷ(z + hv) − ŷ(z) − hJv)/h² from samples, to 1e-6: rounding over h² with h = 0.1."""
+    p, z = case(name)
+    sigma = dict.fromkeys(p.outputs, 0.7)
+    plans = p.plans(z)
+    at = linearise(p, z, sigma, plans=plans, keep=True)
+    step = 0.02 * np.random.default_rng(2).normal(size=z.size)
+    moved, _, _, _, r, j = by_samples(p, z, sigma)
+    there = p.blocks(moved + 0.1 * step, derivatives=False, plans=plans)
+    residual = np.concatenate([b.residual / sigma[b.channel] for b in there])
+    expected = j.T @ (2.0 / 0.01 * (r - residual - 0.1 * j @ step))
+    found = bend(p, at, at.point, step, sigma, plans=plans, fraction=0.1)
+    assert found is not None
+    np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+    summed = linearise(p, z, sigma, plans=plans, keep=False)
+    assert bend(p, summed, summed.point, step, sigma, plans=plans, fraction=0.1) is None
+
+
+def test_a_point_without_a_finite_response_costs_infinitely() -> None:
+    """b1 = e⁵⁰ per bar overflows: an infinite cost and a regular matrix, not an error."""
+    p, z = case("x")
+    z[p.free.index("b1")] = 50.0
+    found = linearise(p, z, {"contraction": 1.0}, plans=None, keep=True)
+    assert found.cost == np.inf
+    assert np.isfinite(found.matrix).all()
+    assert replace(found, cost=1.0).pieces == found.pieces
