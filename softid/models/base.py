@@ -138,6 +138,30 @@ class Model(ABC):
             The output channel to start from.
         """
 
+    def ringing(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
+        """Start values of a lightly damped motion, for a fit that left structure behind.
+
+        Parameters
+        ----------
+        segments
+            All segments of all fitted logs.
+        output
+            The output channel to start from.
+        """
+        del segments, output
+        return ()
+
+    def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
+        """Start values that explain about as much as ``values`` with a term of another form.
+
+        Parameters
+        ----------
+        values
+            Parameter name → value, all of them.
+        """
+        del values
+        return ()
+
     @abstractmethod
     def response(
         self,

@@ -14,6 +14,7 @@ from softid.kernels.muscle import coefficient_derivatives, coefficients
 from softid.log import Segment
 from softid.models.base import Model, Response, require_choice
 from softid.models.geometry import ArcGeometry
+from softid.models.ringing import ringing_starts
 from softid.models.second_order import (
     ORDERS,
     Division,
@@ -24,7 +25,7 @@ from softid.models.second_order import (
     simulate_law,
     speeds,
 )
-from softid.models.starts import hammerstein_starts
+from softid.models.starts import as_values, damping_shapes, hammerstein_starts
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -185,7 +186,33 @@ class Muscle(Model):
 
     def guess(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
         """Starts by a search over steepness, midpoint and speed, with the gain solved linearly."""
-        declared = self.parameters()
+        motions = self._motions(segments, output)
+        starts = hammerstein_starts(
+            segments, motions, output, MuscleLaw, static=self.order == "static"
+        )
+        return self._usable(starts)
+
+    def ringing(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
+        """Starts by weak-form regression where it finds a damping ratio below one."""
+        if self.order != "second":
+            return ()
+        motions = self._motions(segments, output)
+        return self._usable(ringing_starts(segments, motions, output, MuscleLaw))
+
+    def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
+        """The same static curve with damping that grows or falls with the pressure."""
+        if self.order == "static" or self.damping == "constant":
+            return ()
+        b1, b2 = values["b1"], values["b2"]
+        mass, c1, a2, c2 = (values[name] / values["a1"] for name in ("M", "c1", "a2", "c2"))
+        damping = a2 * float(np.exp(b2 * np.log(c1) / b1)) + c2
+        if not np.isfinite(damping) or damping <= 0.0:
+            return ()
+        shapes = damping_shapes(np.array([mass, 1.0, b1, c1, 0.0, 0.0, damping]))
+        return self._usable([as_values(shape, 1.0 / values["a1"]) for shape in shapes])
+
+    def _motions(self, segments: Sequence[Segment], output: str) -> list[Array]:
+        """Measured x up to a zero."""
         geometry = self.geometry
         sign = -1.0 if self.inverted or output == "length" else 1.0
         motions = []
@@ -196,14 +223,14 @@ class Muscle(Model):
             elif geometry is not None and output == "angle":
                 y = y * geometry.diameter_mm
             motions.append(sign * y)
-        starts = hammerstein_starts(
-            segments, motions, output, MuscleLaw, static=self.order == "static"
+        return motions
+
+    def _usable(self, starts: Sequence[Mapping[str, float]]) -> tuple[ParameterSet, ...]:
+        declared = self.parameters()
+        return tuple(
+            declared.with_values({k: v for k, v in start.items() if not declared[k].fixed})
+            for start in starts
         )
-        usable = []
-        for start in starts:
-            values = {k: v for k, v in start.items() if not declared[k].fixed}
-            usable.append(declared.with_values(values))
-        return tuple(usable)
 
     def response(
         self,
