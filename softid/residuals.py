@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import chdtrc
 
 from softid.errors import InputError, UsageError
 from softid.results import FitStatistics
@@ -250,6 +249,8 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     n = int(used.sum())
     if n < 2:
         raise InputError("fewer than two residuals are used", value=n, remedy="mask fewer samples")
+    from scipy.special import chdtrc  # 0.2 s to import
+
     freedom = lags - fitted_parameters
     if float(np.ptp(residual[used])) == 0.0:
         return WhitenessTest(0.0, 1.0, freedom)
