@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from softid.chi_square import chi_square_tail
 from softid.errors import InputError, UsageError
 from softid.results import FitStatistics
 
@@ -249,8 +250,6 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     n = int(used.sum())
     if n < 2:
         raise InputError("fewer than two residuals are used", value=n, remedy="mask fewer samples")
-    from scipy.special import chdtrc  # 0.2 s to import
-
     freedom = lags - fitted_parameters
     if float(np.ptp(residual[used])) == 0.0:
         return WhitenessTest(0.0, 1.0, freedom)
@@ -259,7 +258,7 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     pairs = np.rint(_lagged_sums(used.astype(float), used.astype(float), lags))
     there = pairs[1:] > 0
     q = float(n * (n + 2.0) * np.sum((sums[1:][there] / sums[0]) ** 2 / pairs[1:][there]))
-    return WhitenessTest(q, float(chdtrc(freedom, q)), freedom)
+    return WhitenessTest(q, chi_square_tail(q, freedom), freedom)
 
 
 def rmse(measured: Array, simulated: Array) -> float:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, isnan, lgamma, log, log1p, nan, pi
-from statistics import NormalDist
+from math import erfc, exp, isnan, lgamma, log, log1p, nan, pi, sqrt
 
 MANY = 1e3
 """Degrees of freedom beyond which four terms of the expansion in 1/ν are exact to 1e-12; Abramowitz
@@ -41,7 +40,7 @@ def student_quantile(freedom: float, probability: float) -> float:
     >>> round(student_quantile(1.0, 0.975), 6)
     12.706205
     """
-    t = z = NormalDist().inv_cdf(probability)
+    t = z = _normal_quantile(probability)
     if isnan(freedom):
         return nan
     if freedom > MANY:
@@ -57,6 +56,18 @@ def student_quantile(freedom: float, probability: float) -> float:
         if abs(step) <= _PRECISION * abs(t) * 10.0:
             break
     return t
+
+
+def _normal_quantile(probability: float) -> float:
+    """Newton's method from zero, which likewise comes from one side."""
+    z = 0.0
+    for _ in range(_MOST_STEPS):
+        tail = 0.5 * erfc(z / sqrt(2.0)) - (1.0 - probability)
+        step = tail * sqrt(2.0 * pi) * exp(0.5 * z * z)
+        z += step
+        if abs(step) <= _PRECISION * 10.0 * abs(z):
+            break
+    return z
 
 
 def _upper_tail(t: float, freedom: float) -> float:
