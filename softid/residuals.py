@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import chdtrc
 
+from softid.chi_square import chi_square_tail
 from softid.errors import InputError, UsageError
 from softid.results import FitStatistics
 
@@ -258,7 +258,7 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     pairs = np.rint(_lagged_sums(used.astype(float), used.astype(float), lags))
     there = pairs[1:] > 0
     q = float(n * (n + 2.0) * np.sum((sums[1:][there] / sums[0]) ** 2 / pairs[1:][there]))
-    return WhitenessTest(q, float(chdtrc(freedom, q)), freedom)
+    return WhitenessTest(q, chi_square_tail(q, freedom), freedom)
 
 
 def rmse(measured: Array, simulated: Array) -> float:

@@ -20,7 +20,7 @@ SOURCES = {"softid": ROOT / "softid", "softid_cli": ROOT / "cli" / "softid_cli"}
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "units", "kernels"),
-    ("channels",),
+    ("channels", "chi_square"),
     ("log", "parameters", "results"),
     (
         "readers",

@@ -14,7 +14,7 @@ from softid.effects.base import Effect, Scale
 from softid.effects.extended import ExtendedModel, extended_name
 from softid.effects.motion import divided
 from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
-from softid.fitters.output_error import Objective, Prior
+from softid.fitters.objective import Objective, Prior
 from softid.fitters.problem import Problem
 from softid.models.division import Division
 
@@ -265,18 +265,17 @@ def _tempered(candidate: Candidate) -> Candidate:
     return replace(candidate, prior=replace(prior, weight=prior.weight * factor, variance=variance))
 
 
-def in_other_basins(candidate: Candidate, scale: Scale) -> list[Candidate]:
-    """The candidate at places from which a search finds what is hidden from where it stands."""
+def alternatives(candidate: Candidate) -> list[Candidate]:
+    """The candidate with terms of the base in another form, which a search would not reach."""
     moved = []
     problem = candidate.problem
-    changes = problem.model.other_basins(candidate.parameters, (scale.u_low, scale.u_high))
-    for change in changes:
+    for change in problem.model.alternatives(candidate.parameters):
         z = candidate.minimum.point.copy()
-        for name, value in change.items():
-            if name in problem.free:
-                p = problem.parameters[name]
+        for k, name in enumerate(problem.free):
+            if name in change and not change[name].fixed:
+                p, value = problem.parameters[name], change[name].value
                 inside = float(np.clip(value, p.lower, p.upper))
-                z[problem.free.index(name)] = np.log(inside) if p.scale == "log" else inside
+                z[k] = np.log(inside) if p.scale == "log" else inside
         moved.append(replace(candidate, minimum=replace(candidate.minimum, point=z)))
     return moved
 

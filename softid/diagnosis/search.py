@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from softid.diagnosis.candidates import COARSE, Candidate, advance, in_other_basins
+from softid.diagnosis.candidates import COARSE, Candidate, advance, alternatives
 from softid.diagnosis.parallel import in_parallel
 from softid.diagnosis.screening import Signature, candidate_from, screen
 from softid.diagnosis.whitening import Whitener, whitener_of
@@ -88,7 +88,7 @@ def race(
         leader = kept[0].squares
         limit = leader + CLEAR_LEAD * max(fitted.squares - leader, 0.0)
         kept = [c for c in kept if c.squares <= limit] or kept[:1]
-    kept += [there for candidate in kept for there in in_other_basins(candidate, scale)]
+    kept += [there for candidate in kept for there in alternatives(candidate)]
     last = in_parallel(lambda c: advance(c, sigma, LAST_LAP, substeps=COARSE), kept)
     report(1.0)
     return _best_of_each(last)

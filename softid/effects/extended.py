@@ -276,11 +276,9 @@ class ExtendedModel(Model):
         time_s = np.linspace(0.0, 100.0 * max(self.scale.motion_s, self.scale.period_s), 50)
         return float(effect.apply(eta, time_s, np.full(time_s.size, level), self.scale)[-1])
 
-    def other_basins(
-        self, values: Mapping[str, float], input_range: tuple[float, float]
-    ) -> tuple[Mapping[str, float], ...]:
+    def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
         """Those of the model without its effects."""
-        return self.model.other_basins(values, input_range)
+        return self.model.alternatives(values)
 
     def derived(
         self, values: Mapping[str, float], input_range: tuple[float, float]

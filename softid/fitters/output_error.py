@@ -11,31 +11,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.levenberg_marquardt import (
-    BEND_STEP,
-    Minimum,
-    Normal,
-    attainable_offset,
-    minimise,
-    movable,
-)
-from softid.fitters.normal_equations import Linearised, bend, linearise
+from softid.fitters.levenberg_marquardt import Minimum, attainable_offset, movable
+from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
-from softid.models.division import Division
+from softid.fitters.rivals import best_rival
 from softid.results import FitStatus
 
 Array = npt.NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
-SCOUT_EVALUATIONS = 30
 POLISH_EVALUATIONS = 400
 DRAFT_EVALUATIONS = 60
-TOLERANCE = 1e-3
 OFFSET_TOLERANCE = 5e-2
 """Largest `attainable_offset` at which the optimum counts as reached: the estimate is then within a
 twentieth of its own white-noise standard error of it. The optimiser itself aims at a thousandth;
@@ -44,20 +35,16 @@ where the parameters make up for each other almost exactly, rounding stops it in
 RESTARTS = 3
 RESTART_SPREAD = 0.3
 MAX_ROUNDS = 4
-MAX_PLANS = 6
-PRIOR_REACHES = 4.0
-"""Standard deviation of the prior in units of each unknown's plausible move: a factor of e⁸ = 3000
-for a parameter on a logarithmic scale."""
-
 BETTER = 1e-3
 BETTER_SAMPLES = 4.0
 """A rival counts as better when its cost is lower by a thousandth, or by what four samples of white
 noise weigh, whichever is less."""
 
-RESIDUAL_FLOOR = 1e-9
-KEPT_ENTRIES = 8_000_000
-"""Largest Jacobian that is kept whole for the acceleration (64 MB); a larger one is only summed."""
+RELEASE_EVALUATIONS = 60
+RELEASE_REACHES = 3.0
+"""Farthest move without the prior, in units of what is plausible; farther, the prior was needed."""
 
+RESIDUAL_FLOOR = 1e-9
 _REWEIGHTS = 4
 
 
@@ -93,95 +80,6 @@ class Optimum:
     evaluations: int
     at_bound: npt.NDArray[np.bool_]
     start: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Prior:
-    """A weak normal prior on the free parameters, ½Σ w (z − centre)².
-
-    It holds a direction that the data cannot see near its start; a parameter that the data know to
-    a relative standard error e moves by (e/8)² of its distance from the centre.
-
-    Attributes
-    ----------
-    centre
-        Unknowns at the start, shape (U,).
-    weight
-        s²/sd² of every unknown, zero for zeros and states, shape (U,); s² is the variance of the
-        weighted residual.
-    """
-
-    centre: Array
-    weight: Array
-
-    def cost(self, z: Array) -> float:
-        """The prior's part of the cost."""
-        return float(0.5 * np.sum(self.weight * (z - self.centre) ** 2))
-
-
-class Objective:
-    """Weighted cost and normal equations, with the discretisation held still."""
-
-    def __init__(self, problem: Problem, sigma: Mapping[str, float]) -> None:
-        self.problem = problem
-        self.sigma = dict(sigma)
-        self.evaluations = 0
-        self.plans: list[Division | None] | None = None
-        self.prior: Prior | None = None
-
-    def __call__(self, z: Array) -> Normal:
-        """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
-        self.evaluations += 1
-        keep = self.problem.n_samples * self.problem.size <= KEPT_ENTRIES
-        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
-        if self.prior is None or not np.isfinite(found.cost):
-            return found
-        return replace(
-            found,
-            cost=found.cost + self.prior.cost(found.point),
-            gradient=found.gradient - self.prior.weight * (found.point - self.prior.centre),
-            matrix=found.matrix + np.diag(self.prior.weight),
-        )
-
-    def set_prior(self, centre: Array, at: Minimum) -> None:
-        """Hold unseen directions near ``centre``, with the residual variance found at ``at``."""
-        variance = 2.0 * at.normal.cost / max(at.normal.n - self.problem.size, 1)
-        weight = variance / (PRIOR_REACHES * self.problem.reach()) ** 2
-        weight[len(self.problem.free) :] = 0.0
-        self.prior = Prior(centre, weight)
-
-    def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
-        """Jᵀ∂²ŷ/∂v² along ``step``, or None where the Jacobian was too large to keep."""
-        if not isinstance(normal, Linearised) or any(p.columns is None for p in normal.pieces):
-            return None
-        self.evaluations += 1
-        return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
-
-    def solve(self, start: Array, evaluations: int) -> Minimum:
-        """Minimise from a start, planning the substeps anew until the plan stays."""
-        lower, upper = self.problem.bounds()
-        reach = self.problem.reach()
-        point = np.clip(start, lower, upper)
-        for _ in range(MAX_PLANS):
-            plans = self.problem.plans(point)
-            if self.plans is not None and _same(plans, self.plans):
-                break
-            self.plans = plans
-            found = minimise(
-                self,
-                point,
-                lower,
-                upper,
-                reach,
-                evaluations=evaluations,
-                tolerance=TOLERANCE,
-                bend=self.bend,
-            )
-            point = found.point
-            if evaluations <= SCOUT_EVALUATIONS:
-                break
-        self.plans = None
-        return found
 
 
 def output_error(
@@ -233,7 +131,16 @@ def output_error(
     best = _reweighted(objective, best)
     report("looking for a better optimum", 0.6)
     best, stable = _challenge(objective, best, start, rng, rounds)
+    if rounds:
+        point, used = best_rival(problem, objective.sigma, best)
+        objective.evaluations += used
+        if point is not best.point:
+            start = point
+            objective.set_prior(start, best)
+            best, stable = _challenge(objective, objective.solve(point, limit), start, rng, rounds)
     report("checking the optimum", 0.9)
+    if rounds:
+        best = _released(objective, best)
     return _judge(objective, best, start, stable=stable)
 
 
@@ -242,13 +149,6 @@ def refit_nuisance(problem: Problem) -> Optimum:
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
     start = problem.unknowns({})
     return _judge(objective, objective.solve(start, POLISH_EVALUATIONS), start, stable=True)
-
-
-def _same(a: Sequence[Division | None], b: Sequence[Division | None]) -> bool:
-    return all(
-        (p is None and q is None) or (p is not None and q is not None and p.same_as(q))
-        for p, q in zip(a, b, strict=True)
-    )
 
 
 def _span(problem: Problem, name: str) -> float:
@@ -316,6 +216,20 @@ def _challenge(
             return best, True
         best = objective.solve(rivals[0][0].point, POLISH_EVALUATIONS)
     return best, False
+
+
+def _released(objective: Objective, best: Minimum) -> Minimum:
+    """The optimum without the prior, if the data hold every parameter near where it is."""
+    if best.reach > OFFSET_TOLERANCE:
+        return best
+    prior, objective.prior = objective.prior, None
+    free = objective.solve(best.point, RELEASE_EVALUATIONS)
+    moved = np.abs(free.point - best.point) / objective.problem.reach()
+    far = np.max(moved[: len(objective.problem.free)], initial=0.0)
+    if np.isfinite(free.normal.cost) and free.reach <= OFFSET_TOLERANCE and far <= RELEASE_REACHES:
+        return free
+    objective.prior = prior
+    return best
 
 
 def _judge(objective: Objective, best: Minimum, start: Array, *, stable: bool) -> Optimum:

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from softid.errors import IdentificationError, UsageError
-from softid.fitters.output_error import Objective, output_error
+from softid.fitters.objective import Objective
+from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.errors_of_fit import errors_of
 from softid.identification.preparation import as_log_set

@@ -144,6 +144,30 @@ class Model(ABC):
             The output channel to start from.
         """
 
+    def ringing(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
+        """Start values of a lightly damped motion, for a fit that left structure behind.
+
+        Parameters
+        ----------
+        segments
+            All segments of all fitted logs.
+        output
+            The output channel to start from.
+        """
+        del segments, output
+        return ()
+
+    def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
+        """Start values that explain about as much as ``values`` with a term of another form.
+
+        Parameters
+        ----------
+        values
+            Parameter name → value, all of them.
+        """
+        del values
+        return ()
+
     @abstractmethod
     def response(
         self,
@@ -227,21 +251,6 @@ class Model(ABC):
         """An output, and its slope by the position, at positions of shape (n,)."""
         del output
         return x, np.ones_like(x)
-
-    def other_basins(
-        self, values: Mapping[str, float], input_range: tuple[float, float]
-    ) -> tuple[Mapping[str, float], ...]:
-        """Changed values from which a search finds optima that are hidden from these values.
-
-        Parameters
-        ----------
-        values
-            Parameter name → value.
-        input_range
-            Smallest and largest input that was fitted.
-        """
-        del values, input_range
-        return ()
 
     def derived(
         self, values: Mapping[str, float], input_range: tuple[float, float]

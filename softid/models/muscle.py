@@ -17,6 +17,7 @@ from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide
 from softid.models.geometry import ArcGeometry
 from softid.models.products import Products
+from softid.models.ringing import ringing_starts
 from softid.models.second_order import (
     ORDERS,
     AffineForm,
@@ -27,7 +28,7 @@ from softid.models.second_order import (
     speeds,
     sum_law,
 )
-from softid.models.starts import hammerstein_starts
+from softid.models.starts import as_values, damping_shapes, hammerstein_starts
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -37,9 +38,6 @@ _KPA_PER_BAR = 100.0
 _PER_KPA = np.array([1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0])
 _BY_THETA = np.diag(_PER_KPA)
 _RU = "Ru et al. 2019"
-
-CHANGING_RATE, CHANGING_SHARE = 2.0, 0.3
-"""A damping that changes: b2 per bar, and its changing share at the end where it is larger."""
 
 
 class MuscleLaw(Law):
@@ -199,7 +197,33 @@ class Muscle(Model):
 
     def guess(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
         """Starts by a search over steepness, midpoint and speed, with the gain solved linearly."""
-        declared = self.parameters()
+        motions = self._motions(segments, output)
+        starts = hammerstein_starts(
+            segments, motions, output, MuscleLaw, static=self.order == "static"
+        )
+        return self._usable(starts)
+
+    def ringing(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
+        """Starts by weak-form regression where it finds a damping ratio below one."""
+        if self.order != "second":
+            return ()
+        motions = self._motions(segments, output)
+        return self._usable(ringing_starts(segments, motions, output, MuscleLaw))
+
+    def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
+        """The same static curve with damping that grows or falls with the pressure."""
+        if self.order == "static" or self.damping == "constant":
+            return ()
+        b1, b2 = values["b1"], values["b2"]
+        mass, c1, a2, c2 = (values[name] / values["a1"] for name in ("M", "c1", "a2", "c2"))
+        damping = a2 * float(np.exp(b2 * np.log(c1) / b1)) + c2
+        if not np.isfinite(damping) or damping <= 0.0:
+            return ()
+        shapes = damping_shapes(np.array([mass, 1.0, b1, c1, 0.0, 0.0, damping]))
+        return self._usable([as_values(shape, 1.0 / values["a1"]) for shape in shapes])
+
+    def _motions(self, segments: Sequence[Segment], output: str) -> list[Array]:
+        """Measured x up to a zero."""
         geometry = self.geometry
         sign = -1.0 if self.inverted or output == "length" else 1.0
         motions = []
@@ -210,14 +234,14 @@ class Muscle(Model):
             elif geometry is not None and output == "angle":
                 y = y * geometry.diameter_mm
             motions.append(sign * y)
-        starts = hammerstein_starts(
-            segments, motions, output, MuscleLaw, static=self.order == "static"
+        return motions
+
+    def _usable(self, starts: Sequence[Mapping[str, float]]) -> tuple[ParameterSet, ...]:
+        declared = self.parameters()
+        return tuple(
+            declared.with_values({k: v for k, v in start.items() if not declared[k].fixed})
+            for start in starts
         )
-        usable = []
-        for start in starts:
-            values = {k: v for k, v in start.items() if not declared[k].fixed}
-            usable.append(declared.with_values(values))
-        return tuple(usable)
 
     def response(
         self,
@@ -314,24 +338,6 @@ class Muscle(Model):
     def damping_curve(self, theta: Array, pressure_kpa: Array) -> Array:
         """N(p) at pressures of shape (m,), in s per unit of x; Ru Eq 6."""
         return MuscleLaw(theta).coefficients(pressure_kpa)[0]
-
-    def other_basins(
-        self, values: Mapping[str, float], input_range: tuple[float, float]
-    ) -> tuple[Mapping[str, float], ...]:
-        """Damping that falls with the pressure where it grew, and grows where it fell.
-
-        Between the two lies constant damping, where nothing shows b2: a search does not cross it.
-        """
-        if self.damping == "constant" or self.order == "static":
-            return ()
-        low, high = (edge / _KPA_PER_BAR for edge in input_range)
-        middle = 0.5 * (low + high)
-        level = values["a2"] * float(np.exp(values["b2"] * middle)) + values["c2"]
-        b2 = -CHANGING_RATE if values["b2"] > 0.0 else CHANGING_RATE
-        end = high if b2 > 0.0 else low
-        at_end = CHANGING_SHARE * level
-        shrunk = at_end * float(np.exp(b2 * (middle - end)))
-        return ({"a2": at_end * float(np.exp(-b2 * end)), "b2": b2, "c2": level - shrunk},)
 
     def derived(
         self, values: Mapping[str, float], input_range: tuple[float, float]

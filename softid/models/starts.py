@@ -56,7 +56,9 @@ _MOST_DECAY_LENGTHS = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretch:
+class Stretch:
+    """One segment, thinned: times, input and motion of shape (n,), and which samples count."""
+
     time_s: Array
     input: Array
     motion: Array
@@ -91,7 +93,7 @@ def hammerstein_starts(
     list of dict
         Empty when the pressure never changes.
     """
-    stretches = _thinned(segments, motions, output)
+    stretches = thinned(segments, motions, output)
     low = min(float(s.input.min()) for s in stretches) / 100.0
     span = max(float(s.input.max()) for s in stretches) / 100.0 - low
     if span <= 0.0:
@@ -104,16 +106,16 @@ def hammerstein_starts(
     coarse = _ranked(stretches, law, grid)
     if static:
         return [
-            _as_values(theta, gain) for _, gain, theta in _diverse(coarse, N_STARTS, _static_kind)
+            as_values(theta, gain) for _, gain, theta in diverse(coarse, N_STARTS, _static_kind)
         ]
-    bases = [row[2] for row in _diverse(coarse, N_BASES, _static_kind)]
+    bases = [row[2] for row in diverse(coarse, N_BASES, _static_kind)]
     frequencies = np.geomspace(0.3 / speeds[-1], 1.0 / speeds[0], N_FREQUENCIES)
     ranked = _ranked(stretches, law, [*bases, *_moving(bases, frequencies, low, span)])
-    medium = _diverse(ranked, N_MOTIONS, _motion_kind)
+    medium = diverse(ranked, N_MOTIONS, motion_kind)
     medium = [_refined(stretches, law, row) for row in medium]
-    shaped = [variant for _, _, theta in medium for variant in _shapes(theta)]
-    fine = _diverse(_ranked(stretches, law, shaped), N_STARTS, _motion_kind)
-    return [_as_values(theta, gain) for _, gain, theta in fine]
+    shaped = [variant for _, _, theta in medium for variant in damping_shapes(theta)]
+    fine = diverse(_ranked(stretches, law, shaped), N_STARTS, motion_kind)
+    return [as_values(theta, gain) for _, gain, theta in fine]
 
 
 def _moving(bases: Sequence[Array], frequencies: Array, low: float, span: float) -> list[Array]:
@@ -134,15 +136,15 @@ def _moving(bases: Sequence[Array], frequencies: Array, low: float, span: float)
 
 
 def _ranked(
-    stretches: Sequence[_Stretch], law: Callable[[Array], Law], grid: Sequence[Array]
+    stretches: Sequence[Stretch], law: Callable[[Array], Law], grid: Sequence[Array]
 ) -> list[tuple[float, float, Array]]:
     """Residual sum of squares, gain and theta of every grid point, best first."""
-    scored = [(*_score(stretches, law, theta), theta) for theta in grid]
+    scored = [(*score(stretches, law, theta), theta) for theta in grid]
     return sorted(scored, key=lambda row: row[0])
 
 
 def _refined(
-    stretches: Sequence[_Stretch], law: Callable[[Array], Law], row: tuple[float, float, Array]
+    stretches: Sequence[Stretch], law: Callable[[Array], Law], row: tuple[float, float, Array]
 ) -> tuple[float, float, Array]:
     """Move a lightly damped grid point in steepness, level, frequency and damping ratio.
 
@@ -163,9 +165,9 @@ def _refined(
                 trial[k] += sign * size[k]
                 steep, level, fast, damped = np.exp(trial).tolist()
                 theta = _ringing(steep, float(np.log(level)) / steep, fast, damped)
-                score = _score(stretches, law, theta)
-                if score[0] < best[0]:
-                    best, at, moved = (*score, theta), trial, True
+                cost = score(stretches, law, theta)
+                if cost[0] < best[0]:
+                    best, at, moved = (*cost, theta), trial, True
                     break
         if not moved:
             size /= 2.0
@@ -193,7 +195,7 @@ def _ringing(b1: float, p50: float, omega: float, ratio: float) -> Array:
     return _theta(b1, p50, 2.0 * ratio / omega, inertia=0.5 / (ratio * omega))
 
 
-def _shapes(theta: Array) -> list[Array]:
+def damping_shapes(theta: Array) -> list[Array]:
     """The same static curve and speed with damping that is constant, grows or falls."""
     mass, _, b1, c1, _, _, damping = theta.tolist()
     p50, tau, inertia = np.log(c1) / b1, damping / (2.0 * c1), max(mass / damping, 0.0)
@@ -203,7 +205,7 @@ def _shapes(theta: Array) -> list[Array]:
     ]
 
 
-def _diverse(
+def diverse(
     ranked: Sequence[tuple[float, float, Array]],
     count: int,
     kind: Callable[[Array], tuple[int, ...]],
@@ -221,7 +223,7 @@ def _static_kind(theta: Array) -> tuple[int, ...]:
     return round(2 * float(np.log(b1))), round(float(log_c1))
 
 
-def _motion_kind(theta: Array) -> tuple[int, ...]:
+def motion_kind(theta: Array) -> tuple[int, ...]:
     """Steepness, natural frequency, damping ratio and shape of the damping, in coarse steps."""
     mass, stiffness = max(theta[0], 1e-300), theta[1] + theta[3]
     damping = max(theta[4] * np.exp(theta[5] * np.log(theta[3]) / theta[2]) + theta[6], 1e-300)
@@ -234,7 +236,7 @@ def _motion_kind(theta: Array) -> tuple[int, ...]:
     )
 
 
-def _as_values(theta: Array, gain: float) -> dict[str, float]:
+def as_values(theta: Array, gain: float) -> dict[str, float]:
     """Back to parameters with a gain; what is zero starts small, so that it can still grow."""
     mass, a1, b1, c1, a2, b2, c2 = theta.tolist()
     small = SMALL_INERTIA * c2**2 / (2.0 * c1)
@@ -249,8 +251,8 @@ def _as_values(theta: Array, gain: float) -> dict[str, float]:
     }
 
 
-def _score(
-    stretches: Sequence[_Stretch], law: Callable[[Array], Law], theta: Array
+def score(
+    stretches: Sequence[Stretch], law: Callable[[Array], Law], theta: Array
 ) -> tuple[float, float]:
     """Residual sum of squares and the gain X that reaches it, zeros projected out."""
     cross = power = total = 0.0
@@ -268,13 +270,13 @@ def _score(
     return total - cross**2 / power, cross / power
 
 
-def _speeds(stretches: Sequence[_Stretch]) -> Array:
+def _speeds(stretches: Sequence[Stretch]) -> Array:
     shortest = min(float(np.median(np.diff(s.time_s))) for s in stretches)
     longest = max(float(s.time_s[-1] - s.time_s[0]) for s in stretches)
     return np.geomspace(0.3 * shortest, _MOST_DECAY_LENGTHS * longest, N_SPEEDS)
 
 
-def _thinned(segments: Sequence[Segment], motions: Sequence[Array], output: str) -> list[_Stretch]:
+def thinned(segments: Sequence[Segment], motions: Sequence[Array], output: str) -> list[Stretch]:
     """Block averages, at most MAX_SAMPLES in total: enough to find the basin."""
     total = sum(s.time_s.size for s in segments)
     k = max(1, int(np.ceil(total / MAX_SAMPLES)))
@@ -290,5 +292,5 @@ def _thinned(segments: Sequence[Segment], motions: Sequence[Array], output: str)
             averaged: Array = a[: n * k].reshape(n, k).mean(axis=1)
             return averaged
 
-        out.append(_Stretch(mean(segment.time_s), mean(segment.input), mean(filled), used))
+        out.append(Stretch(mean(segment.time_s), mean(segment.input), mean(filled), used))
     return out

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import stdtrit
 
 from softid.errors import IdentificationError, InputError, UsageError
 from softid.uncertainty.autoregression import AutoRegression, autocovariance, fit_ar
+from softid.uncertainty.student import student_quantile
 
 Array = npt.NDArray[np.float64]
 
@@ -265,7 +265,7 @@ def block_bootstrap_mean_ci(
         )
     means = np.array([x[circular_blocks(x.size, length, rng)].mean() for _ in range(draws)])
     low, high = np.quantile(means - mean, [0.025, 0.975])
-    stretch = np.sqrt(count / (count - 1.0)) * float(stdtrit(count - 1.0, 0.975)) / NORMAL_95
+    stretch = np.sqrt(count / (count - 1.0)) * student_quantile(count - 1.0, 0.975) / NORMAL_95
     stretch *= np.sqrt(max(1.0, _mean_variance(ar, x.size) / _mean_variance(ar, length)))
     return MeanInterval(
         mean, (float(mean - stretch * high), float(mean - stretch * low)), length, float(count)

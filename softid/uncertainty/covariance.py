@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import stdtrit
 
 from softid.errors import IdentificationError, UsageError
 from softid.parameters import Scale
@@ -35,6 +34,7 @@ from softid.uncertainty.restricted import (
     gather_moments,
     restricted_ar,
 )
+from softid.uncertainty.student import student_quantile
 
 Array = npt.NDArray[np.float64]
 
@@ -346,7 +346,8 @@ def _assemble(
 
 
 def _quantile(freedom: Array, level: float) -> Array:
-    return np.asarray(stdtrit(np.maximum(freedom, MIN_FREEDOM), 0.5 + level / 2.0), np.float64)
+    each = np.vectorize(student_quantile, otypes=[np.float64])
+    return np.asarray(each(np.maximum(freedom, MIN_FREEDOM), 0.5 + level / 2.0), np.float64)
 
 
 def _check(blocks: Sequence[ResidualBlock], names: Sequence[str]) -> None:

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import stdtrit
 
 from softid.errors import IdentificationError, UsageError
 from softid.parameters import Scale
+from softid.uncertainty.student import student_quantile
 
 CI_METHOD = "profile"
 """Name of this method in results."""
@@ -136,7 +136,7 @@ def profile(
     _check(value, sd, cost_per_variance, scale, lower, upper)
     quantile = NORMAL_95
     if np.isfinite(degrees_of_freedom):
-        quantile = float(stdtrit(degrees_of_freedom, 0.975))
+        quantile = student_quantile(degrees_of_freedom, 0.975)
     search = _Search(refit, scale, optimum_cost, cost_per_variance, quantile, value)
     limits = [
         search.limit(sd, -1.0, search.internal(lower)),

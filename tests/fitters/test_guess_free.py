@@ -7,7 +7,8 @@ from math import exp, log, pi
 import numpy as np
 import pytest
 
-from softid.fitters.output_error import Objective, output_error
+from softid.fitters.objective import Objective
+from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.base import Model

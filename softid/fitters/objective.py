@@ -1,0 +1,122 @@
+"""What an output-error fit minimises: weighted squares of the residual, with a weak prior."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.fitters.levenberg_marquardt import BEND_STEP, Minimum, Normal, minimise
+from softid.fitters.normal_equations import Linearised, bend, linearise
+from softid.fitters.problem import Problem
+from softid.models.division import Division
+
+Array = npt.NDArray[np.float64]
+
+SCOUT_EVALUATIONS = 30
+TOLERANCE = 1e-3
+MAX_PLANS = 6
+PRIOR_REACHES = 4.0
+"""Standard deviation of the prior in units of each unknown's plausible move: a factor of e⁸ = 3000
+for a parameter on a logarithmic scale."""
+
+KEPT_ENTRIES = 8_000_000
+"""Largest Jacobian that is kept whole for the acceleration (64 MB); a larger one is only summed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prior:
+    """A weak normal prior on the free parameters, ½Σ w (z − centre)².
+
+    It holds a direction that the data cannot see near its start; a parameter that the data know to
+    a relative standard error e moves by (e/8)² of its distance from the centre.
+
+    Attributes
+    ----------
+    centre
+        Unknowns at the start, shape (U,).
+    weight
+        s²/sd² of every unknown, zero for zeros and states, shape (U,); s² is the variance of the
+        weighted residual.
+    """
+
+    centre: Array
+    weight: Array
+
+    def cost(self, z: Array) -> float:
+        """The prior's part of the cost."""
+        return float(0.5 * np.sum(self.weight * (z - self.centre) ** 2))
+
+
+class Objective:
+    """Weighted cost and normal equations, with the discretisation held still."""
+
+    def __init__(self, problem: Problem, sigma: Mapping[str, float]) -> None:
+        self.problem = problem
+        self.sigma = dict(sigma)
+        self.evaluations = 0
+        self.plans: list[Division | None] | None = None
+        self.prior: Prior | None = None
+
+    def __call__(self, z: Array) -> Normal:
+        """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
+        self.evaluations += 1
+        keep = self.problem.n_samples * self.problem.size <= KEPT_ENTRIES
+        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
+        if self.prior is None or not np.isfinite(found.cost):
+            return found
+        return replace(
+            found,
+            cost=found.cost + self.prior.cost(found.point),
+            gradient=found.gradient - self.prior.weight * (found.point - self.prior.centre),
+            matrix=found.matrix + np.diag(self.prior.weight),
+        )
+
+    def set_prior(self, centre: Array, at: Minimum) -> None:
+        """Hold unseen directions near ``centre``, with the residual variance found at ``at``."""
+        variance = 2.0 * at.normal.cost / max(at.normal.n - self.problem.size, 1)
+        weight = variance / (PRIOR_REACHES * self.problem.reach()) ** 2
+        weight[len(self.problem.free) :] = 0.0
+        self.prior = Prior(centre, weight)
+
+    def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
+        """Jᵀ∂²ŷ/∂v² along ``step``, or None where the Jacobian was too large to keep."""
+        if not isinstance(normal, Linearised) or any(p.columns is None for p in normal.pieces):
+            return None
+        self.evaluations += 1
+        return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
+
+    def solve(self, start: Array, evaluations: int) -> Minimum:
+        """Minimise from a start, planning the substeps anew until the plan stays."""
+        lower, upper = self.problem.bounds()
+        reach = self.problem.reach()
+        point = np.clip(start, lower, upper)
+        for _ in range(MAX_PLANS):
+            plans = self.problem.plans(point)
+            if self.plans is not None and _same(plans, self.plans):
+                break
+            self.plans = plans
+            found = minimise(
+                self,
+                point,
+                lower,
+                upper,
+                reach,
+                evaluations=evaluations,
+                tolerance=TOLERANCE,
+                bend=self.bend,
+            )
+            point = found.point
+            if evaluations <= SCOUT_EVALUATIONS:
+                break
+        self.plans = None
+        return found
+
+
+def _same(a: Sequence[Division | None], b: Sequence[Division | None]) -> bool:
+    return all(
+        (p is None and q is None) or (p is not None and q is not None and p.same_as(q))
+        for p, q in zip(a, b, strict=True)
+    )

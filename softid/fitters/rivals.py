@@ -1,0 +1,146 @@
+"""Rivals of an optimum that leaves structure behind: other forms of damping, and ringing motions.
+
+A perturbed restart explores the basin of an optimum and its neighbours. A motion that rings at
+another frequency lies far away, behind many false minima, and is looked for by regression on the
+data and by multiple shooting.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.fitters.levenberg_marquardt import Minimum
+from softid.fitters.multiple_shooting import PiecewiseProblem
+from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
+from softid.fitters.problem import Problem
+
+Array = npt.NDArray[np.float64]
+
+PIECES = (60, 15, 4)
+"""Pieces into which all segments are cut together, in turn."""
+
+WORTH_PURSUING = 1.02
+"""A rival is dropped when over the shortest pieces, where no simulation falls out of step, it costs
+this many times what the optimum costs there."""
+
+BETTER = 0.999
+MOST_PURSUED = 6
+MAX_LAG = 20
+LEAST_COLOUR = 0.05
+"""Sum of the squared autocorrelations over the first lags from which a residual has structure: an
+autocorrelation of 0.22 at one lag, or half of it at four."""
+
+SIGNIFICANT = 6.0
+
+
+def best_rival(problem: Problem, sigma: Mapping[str, float], best: Minimum) -> tuple[Array, int]:
+    """Look for a better basin where the residual of an optimum has structure.
+
+    Parameters
+    ----------
+    problem, sigma
+        What was fitted, and the weights of the channels.
+    best
+        The optimum.
+
+    Returns
+    -------
+    unknowns, evaluations
+        The unknowns of a rival with a cost below 99.9 %, or else those of the optimum, shape (U,),
+        and the simulations of all logs that it took.
+    """
+    if not problem.free or not problem.model.start_states or not has_structure(problem, best.point):
+        return best.point, 0
+    search = Objective(problem, sigma)
+    names = problem.parameters.names
+    found = search(best.point)
+    values = dict(zip(names, problem.theta(found.point).tolist(), strict=True))
+    point, cost = best.point, BETTER * found.cost
+    for other in problem.model.alternatives(values):
+        ended = search.solve(problem.unknowns(other.values_dict()), SCOUT_EVALUATIONS)
+        if ended.normal.cost < cost:
+            point, cost = ended.point, ended.normal.cost
+    if has_structure(problem, point):
+        rungs = _Ladder(problem, sigma)
+        point = rungs.climbed(point, cost)
+        return point, search.evaluations + rungs.evaluations
+    return point, search.evaluations
+
+
+class _Ladder:
+    """Starts that ring, led through pieces that grow longer."""
+
+    def __init__(self, problem: Problem, sigma: Mapping[str, float]) -> None:
+        self.problem = problem
+        self.sigma = sigma
+        self.evaluations = 0
+
+    def climbed(self, point: Array, cost: float) -> Array:
+        """The first rival that costs less than ``cost`` and leaves no structure, or the cheapest.
+
+        Only starts that explain the shortest pieces better than ``point`` go on, the best first.
+        """
+        problem = self.problem
+        rings = problem.model.ringing(problem.segments, problem.outputs[0])
+        if not rings:
+            return point
+        names = problem.parameters.names
+        incumbent = dict(zip(names, problem.theta(point).tolist(), strict=True))
+        cut, *longer = (PiecewiseProblem(problem, count) for count in PIECES)
+        limit = WORTH_PURSUING * self._led(cut, incumbent)[0]
+        ranked = sorted((self._led(cut, s.values_dict()) for s in rings), key=lambda row: row[0])
+        for short, values in ranked[:MOST_PURSUED]:
+            if short >= limit:
+                break
+            for pieces in longer:
+                values = self._led(pieces, values)[1]
+            ended = self._solved(problem, problem.unknowns(values))
+            if ended.normal.cost < cost:
+                point, cost = ended.point, ended.normal.cost
+                if not has_structure(problem, point):
+                    break
+        return point
+
+    def _led(
+        self, pieces: PiecewiseProblem, values: Mapping[str, float]
+    ) -> tuple[float, Mapping[str, float]]:
+        ended = self._solved(pieces, pieces.started(values))
+        theta = pieces.theta(ended.point).tolist()
+        return ended.normal.cost, dict(zip(pieces.parameters.names, theta, strict=True))
+
+    def _solved(self, problem: Problem, z: Array) -> Minimum:
+        search = Objective(problem, self.sigma)
+        ended = search.solve(z, SCOUT_EVALUATIONS)
+        self.evaluations += search.evaluations
+        return ended
+
+
+def has_structure(problem: Problem, z: Array) -> bool:
+    """Whether the residual is clearly not white, by its squared autocorrelations summed over lags.
+
+    Box and Pierce (J. Am. Stat. Assoc. 65, 1970): n times the sum is χ² with as many degrees of
+    freedom as lags when the residual is white.
+
+    Parameters
+    ----------
+    problem
+        What was fitted.
+    z
+        Unknowns, shape (U,).
+    """
+    for name in problem.outputs:
+        blocks = problem.blocks(z, derivatives=False)
+        residuals = [
+            b.residual - b.residual.mean() for b in blocks if b.channel == name and b.residual.size
+        ]
+        n, power = sum(r.size for r in residuals), sum(float(r @ r) for r in residuals)
+        if power <= 0.0 or n <= MAX_LAG:
+            continue
+        shifted = (sum(float(r[k:] @ r[:-k]) for r in residuals) for k in range(1, MAX_LAG + 1))
+        colour = sum((product / power) ** 2 for product in shifted)
+        if colour > max(LEAST_COLOUR, (MAX_LAG + SIGNIFICANT * np.sqrt(2.0 * MAX_LAG)) / n):
+            return True
+    return False

@@ -1,0 +1,71 @@
+"""Rivals of an optimum: found where the residual has structure, not sought in white noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import softid.fitters.output_error as fitter
+from softid.fitters.objective import Objective
+from softid.fitters.output_error import Optimum, output_error
+from softid.fitters.problem import Problem
+from softid.fitters.rivals import best_rival, has_structure
+from softid.log import Log
+from softid.models.muscle import Muscle
+from softid.synthesis import muscle_log
+from softid.synthesis.waveforms import Sine, Steps
+
+LEVELS = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0, 210.0, 150.0, 90.0, 30.0, 0.0)
+RINGING = {
+    "M": 0.008,
+    "a1": 0.0047,
+    "b1": 3.58,
+    "c1": 0.022,
+    "a2": 1.5e-5,
+    "b2": 2.9,
+    "c2": 0.018,
+}
+"""Natural frequency 0.26 Hz without pressure and 25 Hz at 300 kPa, damping ratio 0.69 and 0.01."""
+
+
+def problem() -> Problem:
+    logs: list[Log] = []
+    for k, excitation in enumerate((Steps(LEVELS, 2.0), Sine(0.0, 240.0, 0.5, 4))):
+        made = muscle_log(RINGING, excitation, seed=k, name=f"log_{k}", noise_mm=1.0)
+        logs.append(made.to_log())
+    return Problem(Muscle(), Muscle().parameters(), logs)
+
+
+def searched(problem: Problem) -> tuple[Optimum, float]:
+    """The fit from data alone, and its cost over that of a start at the truth."""
+    guesses = problem.model.guess(problem.segments, "contraction")
+    found = output_error(problem, [g.values_dict() for g in guesses], rng=np.random.default_rng(0))
+    known = Objective(problem, found.sigma).solve(problem.unknowns(RINGING), 400)
+    return found, found.cost / known.normal.cost
+
+
+def test_a_ringing_muscle_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As good as a start at the truth; without rivals the cost is more than five times that."""
+    whole = problem()
+    found, ratio = searched(whole)
+    assert found.status.success
+    assert ratio == pytest.approx(1.0, abs=1e-4)
+    monkeypatch.setattr(fitter, "best_rival", lambda problem, sigma, best: (best.point, 0))
+    assert searched(whole)[1] > 5.0
+
+
+def test_no_rival_is_looked_for_in_white_noise() -> None:
+    """At the optimum only the sensor's noise is left: the point itself, and no simulation."""
+    whole = problem()
+    objective = Objective(whole, {"contraction": 1.0})
+    best = objective.solve(whole.unknowns(RINGING), 100)
+    point, used = best_rival(whole, objective.sigma, best)
+    assert point is best.point
+    assert used == 0
+
+
+def test_structure_is_told_from_noise() -> None:
+    """3.000 samples: white at the truth; with a tenth of the damping it rings on."""
+    whole = problem()
+    assert not has_structure(whole, whole.unknowns(RINGING))
+    assert has_structure(whole, whole.unknowns(RINGING | {"c2": 0.1 * RINGING["c2"]}))
