@@ -125,6 +125,16 @@ class ExtendedModel(Model):
         first = outputs[0]
 
         def moved(theta: Array, *, derivatives: bool) -> Response:
+            if self._split[2] == self._split[0]:  # the model's own kernels are faster
+                return self.model.response(
+                    theta[: self._split[0]],
+                    segment,
+                    outputs,
+                    start=start,
+                    derivatives=derivatives,
+                    relative=relative,
+                    plan=fixed_plan,
+                )
             first_input, stage_input = arriving_input(
                 self._on_input(theta), segment, fixed_plan, self.scale
             )

@@ -214,7 +214,7 @@ def _packed(model: Model, theta: Array, u: Array, derivatives: bool) -> tuple[Ar
     for k, values in enumerate(law.coefficients(flat)):
         packed[..., 1 + k] = values.reshape(u.shape)
     if not derivatives:
-        return packed, np.zeros((1, 3, 4, 0))
+        return packed, np.zeros((0, 3, 4, 0))
     by = np.empty((*u.shape, 4, theta.size))
     by[..., 0, :] = law.mass_by
     for k, columns in enumerate(law.derivatives(flat)):
@@ -224,13 +224,12 @@ def _packed(model: Model, theta: Array, u: Array, derivatives: bool) -> tuple[Ar
 
 def _unbalanced(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: float) -> float:
     """Force that is left at rest at a position."""
-    from softid.kernels.equation import Instant, unbalanced
+    from softid.kernels.extended import unbalanced_at_rest
 
     packed, _ = _packed(model, theta, np.array([[u]]), False)
     z = np.array([x if follows else 0.0 for follows in terms.follows])
-    found = Instant(np.empty(z.size), np.empty(5), np.empty(6))
     equation = terms.equation(theta)
-    return float(unbalanced(equation, packed[0, 0], x, 0.0, 0.0, z, u, t, found))
+    return float(unbalanced_at_rest(equation, packed[0, 0], x, z, u, t))
 
 
 def _rest_position(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> float:

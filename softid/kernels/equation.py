@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from softid.kernels.decorators import inlined
 from softid.kernels.terms import (
     DAMPING,
     FORCE,
@@ -54,79 +54,75 @@ class Equation(NamedTuple):
     own: Index
 
 
-class Instant(NamedTuple):
-    """Room for what is found at one instant.
+class Instants(NamedTuple):
+    """The stages of a step as instants, and room for what is found there.
+
+    Functions take the number of an instant and index these arrays: a view of a row would cost more
+    than the arithmetic.
 
     Attributes
     ----------
+    place
+        Time and input, shape (2, 3).
+    coefficients
+        m, n, q and f of an affine law, shape (3, 4); zeros when there is none.
+    points
+        x, v, own states and, last, the acceleration, shape (3, 3 + Z).
     rates
-        Rates of the own states, shape (Z,).
+        Rates of the own states, shape (3, Z).
     parts
-        1 + Δm, 1 + Δd, 1 + Δq, x − s and the inertia m, shape (5,).
+        1 + Δm, 1 + Δd, 1 + Δq, x − s and the inertia m, shape (3, 5).
     result
         Result of one term, shape (6,).
     """
 
+    place: Array
+    coefficients: Array
+    points: Array
     rates: Array
     parts: Array
     result: Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def unbalanced(
-    equation: Equation,
-    coefficients: Array,
-    x: float,
-    v: float,
-    a: float,
-    z: Array,
-    u: float,
-    t: float,
-    found: Instant,
-) -> float:
-    """Force that the equation of motion leaves unbalanced.
-
-    Parameters
-    ----------
-    equation
-        The terms.
-    coefficients
-        m, n, q and f of an affine law, shape (4,); zeros when there is none.
-    x, v, a, z, u, t
-        Position, velocity, acceleration, own states of shape (Z,), input and time.
-    found
-        Receives rates and parts.
-    """
-    result, parts = found.result, found.parts
+@inlined
+def unbalanced(equation: Equation, at: Instants, c: int) -> float:
+    """Force that the equation of motion leaves unbalanced at instant ``c``; fills its rates."""
+    points, result = at.points, at.result
+    last = points.shape[1] - 1
+    x, v, a = points[c, 0], points[c, 1], points[c, last]
+    t, u = at.place[0, c], at.place[1, c]
+    room = result.ctypes.data
     extra, more_m, more_d, more_q, shift = 0.0, 1.0, 1.0, 1.0, 0.0
     for e in range(equation.terms.size):
         for i in range(TERM_SIZE):
             result[i] = 0.0
         k = equation.own[e]
-        mine = z[k] if k >= 0 else 0.0
+        mine = points[c, 2 + k] if k >= 0 else 0.0
         eta = equation.eta.ctypes.data + 8 * equation.eta_from[e]
-        call_term(equation.terms[e], x, v, mine, u, t, eta, result.ctypes.data)
+        call_term(equation.terms[e], x, v, mine, u, t, eta, room)
         extra += result[FORCE]
         more_m += result[INERTIA]
         more_d += result[DAMPING]
         more_q += result[STIFFNESS]
         shift += result[SHIFT]
         if k >= 0:
-            found.rates[k] = result[RATE]
+            at.rates[c, k] = result[RATE]
     eased = x - shift
-    inertia = coefficients[0]
-    damping = coefficients[1] * v
-    elastic = coefficients[2] * eased
-    drive = coefficients[3]
+    inertia = at.coefficients[c, 0]
+    damping = at.coefficients[c, 1] * v
+    elastic = at.coefficients[c, 2] * eased
+    drive = at.coefficients[c, 3]
     if equation.law != 0:
         for i in range(TERM_SIZE):
             result[i] = 0.0
         theta = equation.theta.ctypes.data
-        call_term(equation.law, eased, v, 0.0, u, t, theta, result.ctypes.data)
+        call_term(equation.law, eased, v, 0.0, u, t, theta, room)
         inertia += result[LAW_INERTIA]
         damping += result[LAW_DAMPING]
         elastic += result[LAW_ELASTIC]
         drive += result[LAW_DRIVE]
-    parts[0], parts[1], parts[2], parts[3], parts[4] = more_m, more_d, more_q, eased, inertia
+    parts = at.parts
+    parts[c, 0], parts[c, 1], parts[c, 2] = more_m, more_d, more_q
+    parts[c, 3], parts[c, 4] = eased, inertia
     left: float = inertia * more_m * a + damping * more_d + elastic * more_q - drive + extra
     return left

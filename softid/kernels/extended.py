@@ -14,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from softid.kernels.equation import Equation, Instant
+from softid.kernels.decorators import inner
+from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import STAGES
 from softid.kernels.stages import Step, advance, solve_stages
 from softid.kernels.tangents import carry
@@ -46,7 +47,8 @@ class Course(NamedTuple):
     coefficients
         m, n, q and f of the affine law at the stages, shape (L, 3, 4).
     coefficients_by
-        Their derivatives, shape (L, 3, 4, K); of length 1 when none are wanted.
+        Their derivatives, shape (L, 3, 4, K); of length 1 and without effect when no derivatives
+        are wanted.
     scale
         Ranges of x, v and the own states, shape (2 + Z,).
     moves
@@ -65,68 +67,191 @@ class Course(NamedTuple):
 def _room(scale: Array) -> Step:
     n_own = scale.size - 2
     size = 3 + 3 * n_own
-    return Step(
+    at = Instants(
         np.empty((2, 3)),
         np.empty((3, 4)),
+        np.empty((3, 3 + n_own)),
+        np.empty((3, n_own)),
+        np.empty((3, 5)),
+        np.empty(TERM_SIZE),
+    )
+    return Step(
+        at,
         scale,
         np.zeros(size),
         np.empty(size),
         np.empty((size, size)),
         np.empty(size, np.int64),
-        np.empty((3, 3 + n_own)),
-        np.empty((3, 5)),
         np.zeros((3, 2 + n_own, 1 + n_own)),
-        Instant(np.empty(n_own), np.empty(5), np.empty(TERM_SIZE)),
-        Instant(np.empty(n_own), np.empty(5), np.empty(TERM_SIZE)),
+        np.empty(n_own + 5),
     )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _weights(piece: int, pieces: int) -> Array:
-    """How values at the stages of a piece of a step follow from those at the step's stages."""
-    found = np.ones((3, 3))
-    for c in range(3):
-        at = (piece + STAGES[c]) / pieces
-        for j in range(3):
-            for other in range(3):
-                if other != j:
-                    found[c, j] *= (at - STAGES[other]) / (STAGES[j] - STAGES[other])
+def unbalanced_at_rest(
+    equation: Equation, coefficients: Array, x: float, z: Array, u: float, t: float
+) -> float:
+    """Force that is left when nothing moves.
+
+    Parameters
+    ----------
+    equation
+        The terms.
+    coefficients
+        m, n, q and f of an affine law, shape (4,).
+    x, z, u, t
+        Position, own states of shape (Z,), input and time.
+    """
+    at = _room(np.empty(2 + z.size)).at
+    at.place[0, 0], at.place[1, 0] = t, u
+    at.coefficients[0] = coefficients
+    at.points[0] = 0.0
+    at.points[0, 0] = x
+    at.points[0, 2 : 2 + z.size] = z
+    left: float = unbalanced(equation, at, 0)
+    return left
+
+
+@inner
+def _weight(c: int, j: int, piece: int, pieces: int) -> float:
+    """What the value at stage ``j`` of a step adds to that at stage ``c`` of a piece of it."""
+    found = 1.0
+    for other in range(3):
+        if other != j:
+            at = (piece + STAGES[c]) / pieces
+            found *= (at - STAGES[other]) / (STAGES[j] - STAGES[other])
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _enter(course: Course, i: int, piece: int, pieces: int, step: Step, by: Array) -> None:
     """Take the data of a piece of step ``i`` into ``step`` and ``by``."""
-    wanted = by.shape[2] if course.coefficients_by.shape[0] > 1 else 0
-    if pieces == 1:
-        step.place[:, :] = course.places[i]
-        step.coefficients[:, :] = course.coefficients[i]
-        if wanted:
-            by[:, :, :] = course.coefficients_by[i]
-        return
-    weights = _weights(piece, pieces)
+    wanted = by.shape[2] if course.coefficients_by.shape[0] > 0 else 0
+    at = step.at
     for c in range(3):
-        step.place[0, c], step.place[1, c] = 0.0, 0.0
-        step.coefficients[c] = 0.0
-        by[c] = 0.0
+        at.place[0, c], at.place[1, c] = 0.0, 0.0
+        for q in range(4):
+            at.coefficients[c, q] = 0.0
+            for p in range(wanted):
+                by[c, q, p] = 0.0
         for j in range(3):
-            step.place[0, c] += weights[c, j] * course.places[i, 0, j]
-            step.place[1, c] += weights[c, j] * course.places[i, 1, j]
-            step.coefficients[c] += weights[c, j] * course.coefficients[i, j]
-            if wanted:
-                by[c] += weights[c, j] * course.coefficients_by[i, j]
+            weight = 1.0 if j == c else 0.0
+            if pieces > 1:
+                weight = _weight(c, j, piece, pieces)
+            elif j != c:
+                continue
+            at.place[0, c] += weight * course.places[i, 0, j]
+            at.place[1, c] += weight * course.places[i, 1, j]
+            for q in range(4):
+                at.coefficients[c, q] += weight * course.coefficients[i, j, q]
+                for p in range(wanted):
+                    by[c, q, p] += weight * course.coefficients_by[i, j, q, p]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _predict(step: Step, last: Array, state: Array, follows: bool) -> None:
     """Start values of the stage rates: the last step's polynomial, or no acceleration."""
     for r in range(step.w.size // 3):
         for c in range(3):
-            step.w[3 * r + c] = state[1] if r == 0 else 0.0
+            guess = state[1] if r == 0 else 0.0
             if follows:
-                step.w[3 * r + c] = 0.0
+                guess = 0.0
                 for j in range(3):
-                    step.w[3 * r + c] += EXTRAPOLATION[c, j] * last[3 * r + j]
+                    guess += EXTRAPOLATION[c, j] * last[3 * r + j]
+            step.w[3 * r + c] = guess
+
+
+class Room(NamedTuple):
+    """Arrays that a march works in.
+
+    Attributes
+    ----------
+    step
+        The step at hand.
+    coefficients_by
+        Derivatives of the affine law's coefficients at its stages, shape (3, 4, K).
+    by, rhs
+        As in `carry`.
+    last
+        Stage rates of the step before, shape (3 + 3 Z,).
+    state, tangent
+        What the step began with.
+    """
+
+    step: Step
+    coefficients_by: Array
+    by: Array
+    rhs: Array
+    last: Array
+    state: Array
+    tangent: Array
+
+
+@inner
+def _copy(source: Array, target: Array) -> None:
+    for i in range(source.size):
+        target[i] = source[i]
+
+
+@inner
+def _take(
+    equation: Equation,
+    course: Course,
+    i: int,
+    pieces: int,
+    follows: bool,
+    state: Array,
+    tangent: Array,
+    room: Room,
+) -> bool:
+    """Take step ``i`` in so many pieces; False when the stages of one cannot be found."""
+    step, h = room.step, course.step_s[i] / pieces
+    for piece in range(pieces):
+        _enter(course, i, piece, pieces, step, room.coefficients_by)
+        _predict(step, room.last, state, follows)
+        if not solve_stages(equation, step, state, h):
+            return False
+        if course.coefficients_by.shape[0] > 0:
+            carry(equation, step, room.coefficients_by, course.moves, room.by, room.rhs, tangent, h)
+        advance(step, state, h)
+    return True
+
+
+@inner
+def _march(
+    equation: Equation,
+    course: Course,
+    state: Array,
+    tangent: Array,
+    states: Array,
+    tangents: Array,
+    room: Room,
+) -> bool:
+    """All steps, in arrays that exist already: counting references would double the time."""
+    follows = False
+    for i in range(course.step_s.size):
+        _copy(state, room.state)
+        for k in range(tangent.shape[0]):
+            for p in range(tangent.shape[1]):
+                room.tangent[k, p] = tangent[k, p]
+        alike = i > 0 and abs(course.step_s[i] / course.step_s[i - 1] - 1.0) < ALIKE
+        solved, pieces = _take(equation, course, i, 1, follows and alike, state, tangent, room), 1
+        while not solved and pieces < 1 << MAX_HALVINGS:
+            pieces *= 2
+            _copy(room.state, state)
+            for k in range(tangent.shape[0]):
+                for p in range(tangent.shape[1]):
+                    tangent[k, p] = room.tangent[k, p]
+            solved = _take(equation, course, i, pieces, False, state, tangent, room)
+        if not solved:
+            return False
+        _copy(room.step.w, room.last)
+        follows = pieces == 1
+        states[i, 0], states[i, 1] = state[0], state[1]
+        if tangents.shape[0] > 0:
+            for p in range(tangent.shape[1]):
+                tangents[i, p] = tangent[0, p]
+    return True
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -156,41 +281,15 @@ def integrate(
         Receives ∂x/∂(θ, η, x₀, v₀) after each step, shape (L, K + H + 2); of length 0 when no
         derivatives are wanted.
     """
-    derivatives = tangents.shape[0] > 0
     step = _room(course.scale)
-    coefficients_by = np.zeros((3, 4, course.coefficients_by.shape[3]))
-    by = np.zeros((3, state.size - 1, course.moves.size))
-    rhs = np.zeros((step.w.size, tangent.shape[1]))
-    last = np.zeros(step.w.size)
-    before, tangent_before = state.copy(), tangent.copy()
-    follows = False
-    for i in range(course.step_s.size):
-        before[:] = state
-        tangent_before[:, :] = tangent
-        solved = False
-        for halvings in range(MAX_HALVINGS + 1):
-            pieces = 1 << halvings
-            h = course.step_s[i] / pieces
-            alike = i > 0 and abs(course.step_s[i] - course.step_s[i - 1]) < ALIKE * h
-            follows = follows and pieces == 1 and alike
-            for piece in range(pieces):
-                _enter(course, i, piece, pieces, step, coefficients_by)
-                _predict(step, last, state, follows)
-                solved = solve_stages(equation, step, state, h)
-                if not solved:
-                    break
-                if derivatives:
-                    carry(equation, step, coefficients_by, course.moves, by, rhs, tangent, h)
-                advance(step, state, h)
-            if solved:
-                break
-            state[:] = before
-            tangent[:, :] = tangent_before
-        if not solved:
-            return False
-        last[:] = step.w
-        follows = pieces == 1
-        states[i, 0], states[i, 1] = state[0], state[1]
-        if derivatives:
-            tangents[i] = tangent[0]
-    return True
+    room = Room(
+        step,
+        np.zeros((3, 4, course.coefficients_by.shape[3])),
+        np.zeros((3, state.size - 1, course.moves.size)),
+        np.zeros((step.w.size, tangent.shape[1])),
+        np.zeros(step.w.size),
+        state.copy(),
+        tangent.copy(),
+    )
+    solved: bool = _march(equation, course, state, tangent, states, tangents, room)
+    return solved

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from softid.kernels.decorators import inner
 
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def factorise(matrix: Array, order: Index) -> None:
     """LU factors with partial pivoting, in place.
 
@@ -37,7 +38,7 @@ def factorise(matrix: Array, order: Index) -> None:
                 matrix[r, c] -= matrix[r, i] * matrix[i, c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def solve(factors: Array, order: Index, b: Array) -> None:
     """Solve in place with what `factorise` left.
 
@@ -61,7 +62,7 @@ def solve(factors: Array, order: Index, b: Array) -> None:
         b[i] /= factors[i, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def solve_columns(factors: Array, order: Index, b: Array) -> None:
     """Solve for many right-hand sides in place; the loops along a row of ``b`` vectorise.
 

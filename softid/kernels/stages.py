@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from softid.kernels.equation import Equation, Instant, unbalanced
+from softid.kernels.decorators import inlined, inner
+from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import B1, A, B
 from softid.kernels.small_matrix import factorise, solve
 
@@ -29,10 +29,8 @@ class Step(NamedTuple):
 
     Attributes
     ----------
-    place
-        Time and input at the stages, shape (2, 3).
-    coefficients
-        m, n, q and f of the affine law at the stages, shape (3, 4).
+    at
+        The stages.
     scale
         Ranges of x, v and the own states, shape (2 + Z,).
     w
@@ -41,78 +39,79 @@ class Step(NamedTuple):
         What the stage equations leave, shape (3 + 3 Z,).
     matrix, order
         Their Jacobian or its factors, shapes (3 + 3 Z, 3 + 3 Z) and (3 + 3 Z,).
-    points
-        x, v, own states and, last, the acceleration at each stage, shape (3, 3 + Z).
-    parts
-        Those of `Instant` at each stage, shape (3, 5).
     slopes
         Derivatives by x, v and the own states of the unbalanced force and of the own rates at each
         stage, shape (3, 2 + Z, 1 + Z).
-    here, there
-        Room for single instants.
+    kept
+        Room for one stage's rates and parts, shape (Z + 5,).
     """
 
-    place: Array
-    coefficients: Array
+    at: Instants
     scale: Array
     w: Array
     residual: Array
     matrix: Array
     order: Index
-    points: Array
-    parts: Array
     slopes: Array
-    here: Instant
-    there: Instant
+    kept: Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inlined
 def _evaluate_stage(equation: Equation, step: Step, c: int) -> None:
     """Residual, parts and slopes at the point of one stage."""
-    point = step.points[c]
-    n_own = point.size - 3
-    z, a = point[2 : 2 + n_own], point[2 + n_own]
-    t, u, coefficients = step.place[0, c], step.place[1, c], step.coefficients[c]
-    here, there = step.here, step.there
-    left = unbalanced(equation, coefficients, point[0], point[1], a, z, u, t, here)
+    at, kept = step.at, step.kept
+    points, rates, parts = at.points, at.rates, at.parts
+    n_own = points.shape[1] - 3
+    left = unbalanced(equation, at, c)
     step.residual[c] = left
-    step.parts[c] = here.parts
     for k in range(n_own):
-        step.residual[3 * (k + 1) + c] = step.w[3 * (k + 1) + c] - here.rates[k]
+        kept[k] = rates[c, k]
+        step.residual[3 * (k + 1) + c] = step.w[3 * (k + 1) + c] - kept[k]
+    for i in range(5):
+        kept[n_own + i] = parts[c, i]
     for s in range(2 + n_own):
-        kept = point[s]
+        here = points[c, s]
         d = DIFFERENCE * step.scale[s]
-        point[s] = kept + d
-        moved = unbalanced(equation, coefficients, point[0], point[1], a, z, u, t, there)
-        point[s] = kept
+        points[c, s] = here + d
+        moved = unbalanced(equation, at, c)
+        points[c, s] = here
         step.slopes[c, s, 0] = (moved - left) / d
         for k in range(n_own):
-            step.slopes[c, s, 1 + k] = (there.rates[k] - here.rates[k]) / d
+            step.slopes[c, s, 1 + k] = (rates[c, k] - kept[k]) / d
+    for k in range(n_own):
+        rates[c, k] = kept[k]
+    for i in range(5):
+        parts[c, i] = kept[n_own + i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inlined
 def linearise(equation: Equation, step: Step, state: Array, h: float) -> None:
     """Residual and Jacobian of the stage equations at ``step.w``, from ``state`` over ``h``."""
     n_own = state.size - 2
-    points, slopes, matrix, w = step.points, step.slopes, step.matrix, step.w
-    matrix[:, :] = 0.0
+    points, slopes, matrix, w = step.at.points, step.slopes, step.matrix, step.w
+    size = w.size
+    for i in range(size):
+        for j in range(size):
+            matrix[i, j] = 0.0
     for c in range(3):
-        points[c, 0], points[c, 1], points[c, 2 + n_own] = state[0], w[c], -B1[c] * state[1] / h
+        x, a = state[0], -B1[c] * state[1] / h
         for j in range(3):
-            points[c, 0] += h * A[c, j] * w[j]
-            points[c, 2 + n_own] += B[c, j] * w[j] / h
+            x += h * A[c, j] * w[j]
+            a += B[c, j] * w[j] / h
+        points[c, 0], points[c, 1], points[c, 2 + n_own] = x, w[c], a
         for k in range(n_own):
-            points[c, 2 + k] = state[2 + k]
+            z = state[2 + k]
             for j in range(3):
-                points[c, 2 + k] += h * A[c, j] * w[3 * (k + 1) + j]
+                z += h * A[c, j] * w[3 * (k + 1) + j]
+            points[c, 2 + k] = z
         _evaluate_stage(equation, step, c)
-        heavy = step.parts[c, 4] * step.parts[c, 0] / h
-        matrix[c, c] = slopes[c, 1, 0]
+        heavy = step.at.parts[c, 4] * step.at.parts[c, 0] / h
         for j in range(3):
-            matrix[c, j] += heavy * B[c, j] + slopes[c, 0, 0] * h * A[c, j]
+            matrix[c, j] = heavy * B[c, j] + slopes[c, 0, 0] * h * A[c, j]
+        matrix[c, c] += slopes[c, 1, 0]
         for k in range(n_own):
             row, first = 3 * (k + 1) + c, 3 * (k + 1)
-            matrix[row, row] = 1.0
+            matrix[row, row] += 1.0
             matrix[row, c] -= slopes[c, 1, 1 + k]
             for j in range(3):
                 matrix[c, first + j] += slopes[c, 2 + k, 0] * h * A[c, j]
@@ -120,7 +119,7 @@ def linearise(equation: Equation, step: Step, state: Array, h: float) -> None:
                 matrix[row, first + j] -= slopes[c, 2 + k, 1 + k] * h * A[c, j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def solve_stages(equation: Equation, step: Step, state: Array, h: float) -> bool:
     """Find the stages by Newton's method from ``step.w``; False when it does not converge.
 
@@ -143,7 +142,7 @@ def solve_stages(equation: Equation, step: Step, state: Array, h: float) -> bool
     return False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def advance(step: Step, state: Array, h: float) -> None:
     """Move the state to the end of a solved step."""
     for j in range(3):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from softid.kernels.decorators import inlined, inner
 from softid.kernels.equation import Equation, unbalanced
 from softid.kernels.radau import B1, A
 from softid.kernels.small_matrix import solve_columns
@@ -14,7 +14,7 @@ from softid.kernels.stages import Step
 Array = npt.NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inlined
 def _by_parameters(
     equation: Equation, step: Step, coefficients_by: Array, moves: Array, by: Array
 ) -> None:
@@ -22,35 +22,37 @@ def _by_parameters(
 
     ``by`` has shape (3, 1 + Z, K + H).
     """
-    n_own = step.points.shape[1] - 3
+    at, kept = step.at, step.kept
+    n_own = at.points.shape[1] - 3
     n_theta = equation.theta.size
-    here, there = step.here, step.there
     for c in range(3):
-        point, parts = step.points[c], step.parts[c]
-        x, v, z, a = point[0], point[1], point[2 : 2 + n_own], point[2 + n_own]
-        t, u, coefficients = step.place[0, c], step.place[1, c], step.coefficients[c]
-        left = unbalanced(equation, coefficients, x, v, a, z, u, t, here)
-        for p in range(by.shape[2]):
-            if p < n_theta and equation.law == 0:
+        left = unbalanced(equation, at, c)
+        for k in range(n_own):
+            kept[k] = at.rates[c, k]
+        m, d = at.parts[c, 0] * at.points[c, 2 + n_own], at.parts[c, 1] * at.points[c, 1]
+        q = at.parts[c, 2] * at.parts[c, 3]
+        if equation.law == 0:
+            for p in range(n_theta):
                 by[c, 0, p] = (
-                    coefficients_by[c, 0, p] * parts[0] * a
-                    + coefficients_by[c, 1, p] * parts[1] * v
-                    + coefficients_by[c, 2, p] * parts[2] * parts[3]
+                    coefficients_by[c, 0, p] * m
+                    + coefficients_by[c, 1, p] * d
+                    + coefficients_by[c, 2, p] * q
                     - coefficients_by[c, 3, p]
                 )
-                continue
+        for p in range(0 if equation.law != 0 else n_theta, by.shape[2]):
             vector = equation.theta if p < n_theta else equation.eta
-            at = p if p < n_theta else p - n_theta
-            kept = vector[at]
-            vector[at] = kept + moves[p]
-            moved = unbalanced(equation, coefficients, x, v, a, z, u, t, there)
-            vector[at] = kept
+            place = p if p < n_theta else p - n_theta
+            here = vector[place]
+            vector[place] = here + moves[p]
+            moved = unbalanced(equation, at, c)
+            vector[place] = here
             by[c, 0, p] = (moved - left) / moves[p]
             for k in range(n_own):
-                by[c, 1 + k, p] = (there.rates[k] - here.rates[k]) / moves[p]
+                by[c, 1 + k, p] = (at.rates[c, k] - kept[k]) / moves[p]
+        unbalanced(equation, at, c)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def carry(
     equation: Equation,
     step: Step,
@@ -79,7 +81,7 @@ def carry(
     n_own = tangent.shape[0] - 2
     _by_parameters(equation, step, coefficients_by, moves, by)
     for c in range(3):
-        heavy = step.parts[c, 4] * step.parts[c, 0] / h * B1[c]
+        heavy = step.at.parts[c, 4] * step.at.parts[c, 0] / h * B1[c]
         slope = step.slopes[c, 0, 0]
         for p in range(tangent.shape[1]):
             rhs[c, p] = heavy * tangent[1, p] - slope * tangent[0, p]
