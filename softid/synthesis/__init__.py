@@ -11,6 +11,7 @@ from softid.synthesis.bundle import (
 )
 from softid.synthesis.hidden import HIDDEN, names_of
 from softid.synthesis.hidden_base import Hidden
+from softid.synthesis.hidden_files import truth_document, write_hidden_pair
 from softid.synthesis.hidden_log import HiddenLog, HiddenPair, hidden_log, hidden_pair
 from softid.synthesis.laws import Arc
 from softid.synthesis.manifest import KnownLog, read_manifest
@@ -54,5 +55,7 @@ __all__ = [
     "read_manifest",
     "synthesize",
     "to_csv_bytes",
+    "truth_document",
     "write_dataset",
+    "write_hidden_pair",
 ]

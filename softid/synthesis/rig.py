@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp
-from typing import Literal
+from typing import Annotated, Literal
 
 from softid.synthesis.sensors import Sampling, Sensor
-from softid.synthesis.tables import Checked, Fraction, NonNegative, Positive
+from softid.synthesis.tables import Checked, Fraction, NonNegative, Positive, Range
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,9 @@ class Rig(Checked):
         Unit of the output: ``"mm"``, or ``"deg"`` and ``"rad"`` for a bending angle.
     """
 
-    rate_hz: Positive = 100.0
+    rate_hz: Annotated[float, Range(above=0.0, upper=1e5)] = 100.0
     noise: NonNegative = 0.005
-    coloured_share: NonNegative = 0.0
+    coloured_share: Annotated[float, Range(lower=0.0, upper=1.0)] = 0.0
     correlation_s: Positive = 1.0
     pressure_noise_kpa: NonNegative = 0.3
     quantum: NonNegative = 0.0
@@ -53,7 +53,7 @@ class Rig(Checked):
     lost_fraction: Fraction = 0.0
     blank_fraction: Fraction = 0.0
     valve_s: Positive = 0.04
-    rest_s: NonNegative = 0.0
+    rest_s: Annotated[float, Range(lower=0.0, upper=3600.0)] = 0.0
     unit: Literal["mm", "deg", "rad"] = "mm"
 
     @property
@@ -73,7 +73,7 @@ class Rig(Checked):
     def output_sensor(self, span: float, zero: float) -> Sensor:
         """The sensor of an output with a range, both in the column's unit."""
         coloured = self.coloured_share > 0.0 and self.noise > 0.0
-        share = min(self.coloured_share, 1.0)
+        share = self.coloured_share
         period_s = 1.0 / self.rate_hz
         return Sensor(
             decimals=6,
