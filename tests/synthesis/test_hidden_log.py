@@ -235,7 +235,11 @@ def test_every_protocol_makes_logs(name: str) -> None:
 
 def test_what_broke_stays_broken() -> None:
     """A stiffness that jumps in the log has its new value throughout the hold-out."""
-    pair = hidden_pair(("stiffness_jump",), seed=1, model="oscillator", protocol="step", rig=QUIET)
+    pair = hidden_pair(
+        ("stiffness_jump",), seed=1, model="oscillator", protocol="step", rig=QUIET,
+        values={"stiffness_jump": {"at": 5.99}},
+    )  # fmt: skip
+    assert np.ptp(pair.hold_out.truth.position[-200:]) < 1e-3 * pair.sizes.x_span
     change = pair.hidden["stiffness_jump"]["change"]
     top = 0.6 * 200.0 / pair.actuator.values["Q"]
     assert pair.hold_out.truth.position[-1] == pytest.approx(top / (1.0 + change), rel=1e-3)

@@ -259,6 +259,13 @@ def test_a_clock_that_runs_ahead_reads_beyond_the_end() -> None:
     assert found.reading[-1] == pytest.approx(200.0, rel=1e-6)
 
 
+def test_play_remembers_what_lies_between_the_samples() -> None:
+    """A visit to 200 mm between two samples leaves the follower 3 mm above the place of return."""
+    visit = Sequence((Hold(0.0, 1.0), Hold(100.0, 1.0), Hold(20.0, 1.0)))
+    found = response("output_backlash", {"width": 3.0}, visit, np.array([0.0, 0.9, 2.9]))
+    assert found.reading[-1] == pytest.approx(43.0, abs=1e-3)
+
+
 def test_an_effect_beyond_reason_is_an_error() -> None:
     """A spring that goes negative has no finite response; the error says what to do."""
     with pytest.raises(InputError, match="hide a smaller effect"):
