@@ -29,6 +29,9 @@ KNOTS = 6
 CORNER = 0.01
 """Share of the range over which a contact closes."""
 
+SOFTEST = 0.12
+"""Largest share of cubic softening: above 4/27 no position balances the largest force."""
+
 LEVELLING = 0.1
 """Share of the pressures over which a static curve levels off beyond its range."""
 
@@ -195,7 +198,7 @@ def _draw_stiffening(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
     natural = s.force / s.x_span / max(abs(s.x_low), abs(s.x_high)) ** 2
     if rng.random() < 0.5:
         return {"k3": about(rng, 0.3 * size) * natural}
-    return {"k3": -min(about(rng, 0.12 * size), 0.28) * natural}
+    return {"k3": -min(about(rng, 0.1 * size), SOFTEST) * natural}
 
 
 def _draw_mass(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
