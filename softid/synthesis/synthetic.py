@@ -144,14 +144,27 @@ def to_csv_bytes(synthetic: SyntheticLog) -> bytes:
     machine's last binary digit does not show.
     """
     recipe = synthetic.recipe
-    decimals = [recipe.sampling.decimals, *(s.decimals for s in recipe.sensors.values())]
+    decimals = (recipe.sampling.decimals, *(s.decimals for s in recipe.sensors.values()))
+    return csv_bytes(synthetic.time_s, synthetic.columns, decimals)
+
+
+def csv_bytes(time_s: Array, columns: Mapping[str, Array], decimals: Sequence[int]) -> bytes:
+    """A CSV of times and columns; NaN becomes an empty cell.
+
+    Parameters
+    ----------
+    time_s
+        Times, shape (n,).
+    columns
+        Header → values, shape (n,).
+    decimals
+        Decimals of the time and of each column.
+    """
     written = [
         ["" if v != v else f"{v:.{places}f}" for v in values.tolist()]  # NaN differs from itself
-        for places, values in zip(
-            decimals, (synthetic.time_s, *synthetic.columns.values()), strict=True
-        )
+        for places, values in zip(decimals, (time_s, *columns.values()), strict=True)
     ]
-    lines = [",".join((TIME_COLUMN, *synthetic.columns))]
+    lines = [",".join((TIME_COLUMN, *columns))]
     lines += [",".join(row) for row in zip(*written, strict=True)]
     return ("\n".join(lines) + "\n").encode("ascii")
 
