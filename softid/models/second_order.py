@@ -228,13 +228,29 @@ def divide(law: Law, time_s: Array, u: Array) -> Division:
         )
     finite = np.where(np.isfinite(wanted), wanted, 1.0)
     counts = np.clip(np.ceil(finite), 1, MAX_SUBSTEPS).astype(np.intp)
+    return divided(time_s, u, counts, STAGES)
+
+
+def divided(time_s: Array, u: Array, counts: npt.NDArray[np.intp], stages: Array) -> Division:
+    """Divide every sampling interval into a given number of steps, the input straight within it.
+
+    Parameters
+    ----------
+    time_s, u
+        Sample times and input, each of shape (n,).
+    counts
+        Steps per interval, shape (n − 1,).
+    stages
+        Positions within a step at which the rule needs the input, shape (3,).
+    """
+    duration_s, rise = np.diff(time_s), np.diff(u)
     if counts.max(initial=1) == 1:
-        whole = u[:-1, None] + rise[:, None] * STAGES
+        whole = u[:-1, None] + rise[:, None] * stages
         return Division(counts, duration_s, whole, np.ones(counts.size, bool))
     owner = np.repeat(np.arange(counts.size), counts)
     last = np.cumsum(counts) - 1
     within = np.arange(owner.size) - np.repeat(last - counts + 1, counts)
-    fraction = (within[:, None] + STAGES[None, :]) / counts[owner][:, None]
+    fraction = (within[:, None] + stages[None, :]) / counts[owner][:, None]
     ends = np.zeros(owner.size, bool)
     ends[last] = True
     return Division(
