@@ -11,7 +11,7 @@ import click
 
 from softid.errors import IdentificationError, OutputError, UsageError
 from softid_cli.console import announce_compilation, progress
-from softid_cli.model_options import chosen_model, chosen_parameters
+from softid_cli.model_options import chosen_model, chosen_parameters, described_models
 from softid_cli.options import (
     FILE,
     GreedyCommand,
@@ -42,6 +42,7 @@ class FitRequest:
     damping: str | None = None
     fixed_length: float | None = None
     diameter: float | None = None
+    geometry: Path | None = None
     options: tuple[str, ...] = ()
     profile: tuple[str, ...] = ()
     fix: tuple[str, ...] = ()
@@ -94,6 +95,12 @@ class FitRequest:
 )
 @click.option("--diameter", type=float, metavar="MM", help="Diameter of the muscle's arc geometry.")
 @click.option(
+    "--geometry",
+    type=FILE,
+    metavar="FILE.toml",
+    help="Geometry and material of the equilibrium model; it is then tried first.",
+)
+@click.option(
     "--option",
     multiple=True,
     metavar="NAME=VALUE",
@@ -130,6 +137,7 @@ def fit(
     damping: str | None,
     fixed_length: float | None,
     diameter: float | None,
+    geometry: Path | None,
     option: tuple[str, ...],
     profile: tuple[str, ...],
     out: Path | None,
@@ -152,6 +160,7 @@ def fit(
             damping=damping,
             fixed_length=fixed_length,
             diameter=diameter,
+            geometry=geometry,
             options=option,
             profile=profile,
             fix=fix,
@@ -193,8 +202,10 @@ def identify(request: FitRequest) -> None:
         damping=request.damping,
         fixed_length_mm=request.fixed_length,
         diameter_mm=request.diameter,
+        geometry=request.geometry,
         other=request.options,
     )
+    preferred = () if model is not None else described_models(request.geometry)
     parameters = chosen_parameters(model, fix=request.fix, bound=request.bound, tie=request.tie)
     paths = (*request.logs, *request.hold_out)
     logs = load_logs(paths, request.channel, request.input, request.output)
@@ -207,6 +218,7 @@ def identify(request: FitRequest) -> None:
         result = fit_model(
             fitted,
             model=model,
+            preferred=preferred,
             hold_out=held_out,
             parameters=parameters,
             seed=request.seed,

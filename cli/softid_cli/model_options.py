@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Sequence
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING
+from dataclasses import asdict, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from softid.errors import UsageError
 from softid_cli.options import assignments
@@ -13,6 +14,9 @@ from softid_cli.options import assignments
 if TYPE_CHECKING:
     from softid.models.base import Model
     from softid.parameters import Parameter, ParameterSet
+
+GEOMETRY_MODEL = "equilibrium"
+"""The model that a geometry file describes."""
 
 _FLAGS = {
     "damping": "--damping",
@@ -27,6 +31,7 @@ def chosen_model(
     damping: str | None = None,
     fixed_length_mm: float | None = None,
     diameter_mm: float | None = None,
+    geometry: Path | None = None,
     other: Sequence[str] = (),
 ) -> Model | None:
     """The model that the options describe, or None when softid is to choose.
@@ -51,6 +56,9 @@ def chosen_model(
 
     from softid.models import MODELS
 
+    if geometry is not None:
+        given = described(geometry, name or GEOMETRY_MODEL) | given
+
     if name is None:
         owners = [k for k, m in MODELS.items() if given.keys() <= {f.name for f in fields(m)}]
         name = owners[0]
@@ -72,6 +80,39 @@ def chosen_model(
     options: dict[str, object] = dict(given)
     model: Model = MODELS[name](**options)
     return model
+
+
+def described(geometry: Path, name: str) -> dict[str, str | float]:
+    """Options of a model from a geometry file.
+
+    Raises
+    ------
+    InputError
+        The file is wrong.
+    UsageError
+        The model has no geometry of that kind.
+    """
+    from softid.models.actuator_geometry import load_actuator
+
+    if name != GEOMETRY_MODEL:
+        raise UsageError(
+            f"the {name} model takes no geometry file",
+            where="--geometry",
+            value=str(geometry),
+            remedy=f"leave it out, or name --model {GEOMETRY_MODEL}",
+        )
+    return asdict(load_actuator(geometry))
+
+
+def described_models(geometry: Path | None) -> tuple[Model, ...]:
+    """Models that a geometry file describes; none without a file."""
+    if geometry is None:
+        return ()
+
+    from softid.models import MODELS
+
+    options: dict[str, Any] = {**described(geometry, GEOMETRY_MODEL)}
+    return (MODELS[GEOMETRY_MODEL](**options),)
 
 
 def _plain(text: str) -> str | float:
