@@ -185,6 +185,8 @@ def _draft(model: Model, logs: LogSet, rng: np.random.Generator) -> _Draft:
     guesses = model.guess(problem.segments, logs.outputs[0])
     starts = [g.values_dict() for g in guesses] or [model.parameters().values_dict()]
     optimum = output_error(problem, starts, rng=rng, rounds=0)
+    if not np.isfinite(optimum.cost):
+        raise IdentificationError(optimum.status.value, remedy="choose another --model")
     values = dict(
         zip(problem.parameters.names, problem.theta(optimum.unknowns).tolist(), strict=True)
     )

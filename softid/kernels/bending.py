@@ -343,10 +343,15 @@ def rest_angle(pressure_kpa: float, theta: Array, body: Body) -> float:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def fastest_rates(angles: Array, theta: Array, body: Body) -> tuple[float, float]:
-    """Largest natural frequency √(s·K′/C_m·M) and damping rate C_d/(C_m·M) over angles, in 1/s."""
+    """Largest natural frequency √(s·K′/C_m·M) and damping rate C_d/(C_m·M) over angles, in 1/s.
+
+    Angles at which C_m is no mass do not count: the motion may never reach them.
+    """
     swing = fading = 0.0
     for angle in angles:
         c_m = compensation(angle, theta)
+        if np.isnan(c_m):
+            continue
         m, _, _, _ = inertia_parts(angle, body)
         _, slope = elastic_parts(angle, body)
         swing = max(swing, theta[4] * slope / (c_m * m))

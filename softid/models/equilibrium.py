@@ -42,7 +42,7 @@ MAX_FADING_PER_STEP = 1.5
 """Largest product of step and natural frequency, and of step and damping rate: the error stays
 below 1e-4 of the motion, and the rule is stable up to 2.8."""
 
-MAX_SUBSTEPS = 256
+MAX_SUBSTEPS = 64
 OVERSHOOT = 2.0
 MOST_STRETCH = 0.9
 """Where the pressed wall is a tenth of its length, its stiffness is no guide to a step."""
@@ -258,7 +258,11 @@ class Equilibrium(Actuator, Model):
         levels = np.where(np.isfinite(levels), levels, [np.sign(p) for p in ends])
         low, high = min(0.0, levels.min()), max(0.0, levels.max())
         widest = min(LARGEST_ANGLE_RAD, MOST_STRETCH / float(body.stretch.max()))
-        angles = np.clip(OVERSHOOT * np.linspace(low, high, N_ANGLES), -widest, widest)
+        angles = OVERSHOOT * np.linspace(low, high, N_ANGLES)
+        if theta[1] > 0.0:  # where C_m is smallest
+            lightest = -theta[2] / (2.0 * theta[1])
+            angles = np.append(angles, np.clip((-lightest, lightest), angles[0], angles[-1]))
+        angles = np.clip(angles, -widest, widest)
         swing, fading = fastest_rates(angles, theta, body)
         rate = max(swing / MAX_PHASE_PER_STEP, fading / MAX_FADING_PER_STEP)
         wanted = np.diff(segment.time_s) * (rate if np.isfinite(rate) else 0.0)
