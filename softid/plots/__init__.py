@@ -11,22 +11,26 @@ from softid.plots.residual_correlation import draw_residual_correlation
 from softid.plots.residual_scatter import ResidualPoints, draw_residual_scatter
 from softid.plots.response import draw_response
 from softid.plots.static_curve import Levels, draw_static_curve
+from softid.plots.trials import Trial, draw_phase_portrait, draw_trials
 
 __all__ = [
     "Display",
     "Levels",
     "Loop",
     "ResidualPoints",
+    "Trial",
     "draw_all",
     "draw_branches",
     "draw_damping",
     "draw_loops",
     "draw_parameter_correlation",
+    "draw_phase_portrait",
     "draw_profile",
     "draw_residual_correlation",
     "draw_residual_scatter",
     "draw_response",
     "draw_static_curve",
+    "draw_trials",
     "figures",
     "new_figure",
     "png_bytes",
