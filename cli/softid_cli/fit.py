@@ -98,7 +98,7 @@ class FitRequest:
     "--geometry",
     type=FILE,
     metavar="FILE.toml",
-    help="Geometry and material of the equilibrium model; it is then tried first.",
+    help="Geometry of the equilibrium model.",
 )
 @click.option(
     "--option",

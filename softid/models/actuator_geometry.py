@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -275,11 +276,8 @@ def _si(value: object, name: str, where: str) -> float | int:
             remedy=f'write it as "1.5 {unit}"',
         )
 
-    import pint  # 0.2 s, and only a geometry file needs it
-
-    registry: Any = pint.UnitRegistry()
     try:
-        size = registry.Quantity(float(match[1]), match[2].strip().replace("·", "*"))
+        size = _registry().Quantity(float(match[1]), match[2].strip().replace("·", "*"))
         return float(size.to(unit).magnitude)
     except Exception as error:
         # pint raises tokenizer, attribute, dimension and value errors alike.
@@ -289,6 +287,13 @@ def _si(value: object, name: str, where: str) -> float | int:
             value=value,
             remedy=f'write it as "1.5 {unit}"',
         ) from error
+
+
+@cache
+def _registry() -> Any:
+    import pint  # 0.2 s, and only a geometry file needs it
+
+    return pint.UnitRegistry()
 
 
 def _content(path: Path) -> str:

@@ -20,8 +20,8 @@ TOO_SMALL, OVERDAMPED = 0.25, 1.5
 """C_d as a share of the fitted one, and as a damping ratio."""
 
 FINE_POINTS = 6000
-SMOOTHED = 9
-"""Samples in the local parabola that gives the measured rate."""
+SMOOTHED, DEGREE = 13, 4
+"""Samples in the local polynomial that gives the measured rate, and its degree."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,12 +102,12 @@ def mass_trials(subject: Subject) -> tuple[Trial, ...]:
     a, b, c = (subject.values[name] for name in "abc")
     return (
         Trial("without compensation: C_m = 1", subject.simulated({"a": 0.0, "b": 0.0, "c": 1.0})),
-        Trial(f"with C_m = {a:.2g}·θ² {b:+.2g}·|θ| {c:+.3g}", subject.simulated({})),
+        Trial(f"with C_m = {a:.2g} θ² {_signed(b)} |θ| {_signed(c)}", subject.simulated({})),
     )
 
 
 def phase_curves(subject: Subject) -> tuple[Array, Array, Array, Array]:
-    """Simulated angle and rate on a fine grid, measured angle and rate by local parabolas."""
+    """Simulated angle and rate on a fine grid, measured angle and rate by local polynomials."""
     segment = subject.segment
     fine_s = np.linspace(segment.time_s[0], segment.time_s[-1], FINE_POINTS)
     held = {subject.output: np.zeros(FINE_POINTS)}
@@ -122,16 +122,22 @@ def phase_curves(subject: Subject) -> tuple[Array, Array, Array, Array]:
     )
     angle = replace(subject, segment=finer).simulated({})
     there = np.isfinite(subject.measured)
-    measured, rate = _parabolas(segment.time_s[there], subject.measured[there])
+    measured, rate = _smoothed(segment.time_s[there], subject.measured[there])
     return angle, np.gradient(angle, fine_s), measured, rate
 
 
-def _parabolas(time_s: Array, values: Array) -> tuple[Array, Array]:
-    """Value and slope of a parabola through the samples around each, shape (n,) each."""
+def _smoothed(time_s: Array, values: Array) -> tuple[Array, Array]:
+    """Value and slope of a polynomial through the samples around each, shape (n,) each."""
     count = min(SMOOTHED, time_s.size)
     first = np.clip(np.arange(time_s.size) - count // 2, 0, time_s.size - count)
     window = first[:, None] + np.arange(count)
     since = time_s[window] - time_s[:, None]
-    basis = since[:, :, None] ** np.arange(3)
+    reach_s = np.abs(since).max(axis=1, keepdims=True)
+    basis = (since / reach_s)[:, :, None] ** np.arange(min(DEGREE, count - 1) + 1)
     solved = np.linalg.pinv(basis) @ values[window][:, :, None]
-    return solved[:, 0, 0], solved[:, 1, 0]
+    return solved[:, 0, 0], solved[:, 1, 0] / reach_s[:, 0]
+
+
+def _signed(value: float) -> str:
+    """A number with its sign set apart: ``− 0.28``."""
+    return f"{'−' if value < 0 else '+'} {abs(value):.3g}"

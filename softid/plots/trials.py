@@ -20,6 +20,7 @@ from softid.plots.canvas import (
     RIGHT,
     SIMULATED,
     TOP,
+    TOP_BELOW_TWO,
     Display,
     add_note,
     add_panel,
@@ -160,9 +161,9 @@ def _legend(*, dots: bool = False) -> list[Artist]:
 def _place(row: int, column: int, shape: tuple[int, int]) -> tuple[float, float, float, float]:
     rows, columns = shape
     width = (RIGHT - LEFT - (columns - 1) * GAP_X) / columns
-    height = (TOP - BOTTOM - (rows - 1) * GAP_Y) / rows
+    height = (TOP_BELOW_TWO - BOTTOM - (rows - 1) * GAP_Y) / rows
     left = LEFT + column * (width + GAP_X)
-    top = TOP - row * (height + GAP_Y)
+    top = TOP_BELOW_TWO - row * (height + GAP_Y)
     return left, top - height, left + width, top
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from softid.errors import InputError
 from softid.models.actuator_geometry import VALUES, Actuator, load_actuator, read_actuator
+from softid.synthesis import bundled_datasets
 
 FILE = """
 title = "Actuator on the bench"
@@ -111,3 +112,12 @@ def test_assumed_names_are_checked() -> None:
     """params.json is edited by hand; a wrong name there is an error too."""
     with pytest.raises(InputError, match="no such value"):
         Actuator(assumed="wall")
+
+
+def test_the_file_in_the_readme_is_the_reference() -> None:
+    """What a reader copies gives the actuator behind the bundled logs, labels and all."""
+    text = (bundled_datasets() / "README.md").read_text(encoding="utf-8")
+    found = read_actuator(text.split("```toml\n")[1].split("```")[0], where="README.md")
+    for name in VALUES:
+        assert getattr(found, name) == pytest.approx(getattr(Actuator(), name), rel=1e-14), name
+    assert found.assumed == Actuator().assumed
