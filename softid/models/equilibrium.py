@@ -42,7 +42,10 @@ MAX_FADING_PER_STEP = 1.5
 """Largest product of step and natural frequency, and of step and damping rate: the error stays
 below 1e-4 of the motion, and the rule is stable up to 2.8."""
 
-MAX_SUBSTEPS = 64
+MAX_SUBSTEPS = 16
+"""A swing at half the sampling rate, the fastest that samples can show, takes π/0.2 steps. A motion
+that is stiffer than that ends in NaN, which a fit rejects."""
+
 OVERSHOOT = 2.0
 MOST_STRETCH = 0.9
 """Where the pressed wall is a tenth of its length, its stiffness is no guide to a step."""

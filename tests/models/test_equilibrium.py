@@ -122,9 +122,12 @@ def test_the_plan_follows_the_fastest_motion() -> None:
     ringing = model.plan(THETA, slow).counts.max()
     assert 3 <= ringing <= 6
     stiff = THETA.copy()
-    stiff[0] = 0.2
-    assert model.plan(stiff, slow).counts.max() > 5 * ringing
+    stiff[0] = 0.09
+    assert model.plan(stiff, slow).counts.max() > 2 * ringing
     assert np.isfinite(angle_of(model, stiff, slow)).all()
+    stiff[0] = 1.0
+    assert model.plan(stiff, slow).counts.max() == 16
+    assert np.isnan(angle_of(model, stiff, slow)[-1])
 
 
 def test_inertia_forms_differ_as_they_should() -> None:
