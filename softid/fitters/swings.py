@@ -50,7 +50,7 @@ def count_swings(time_s: Array, angle: Array, pressure: Array, *, least: float) 
     >>> y = 1.0 - np.exp(-0.5 * t) * np.cos(2 * np.pi * t)
     >>> found = count_swings(t, y, np.ones_like(t), least=0.05)
     >>> found.count, round(found.period_s, 2)
-    (6, 1.0)
+    (11, 1.0)
     """
     there = np.isfinite(angle)
     time, y = time_s[there], angle[there]

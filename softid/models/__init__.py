@@ -1,5 +1,6 @@
 """The models, by name. A new model is one file and one line in `MODELS`."""
 
+from softid.models.actuator_geometry import load_actuator
 from softid.models.base import Model, Response
 from softid.models.equilibrium import Equilibrium
 from softid.models.muscle import Muscle
@@ -13,4 +14,13 @@ MODELS: dict[str, type[Model]] = {
     Equilibrium.name: Equilibrium,
 }
 
-__all__ = ["MODELS", "Equilibrium", "Model", "Muscle", "Oscillator", "Polynomial", "Response"]
+__all__ = [
+    "MODELS",
+    "Equilibrium",
+    "Model",
+    "Muscle",
+    "Oscillator",
+    "Polynomial",
+    "Response",
+    "load_actuator",
+]
