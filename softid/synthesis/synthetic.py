@@ -12,6 +12,7 @@ import numpy.typing as npt
 from softid.channels import read_only
 from softid.errors import InputError
 from softid.log import Log
+from softid.synthesis.bending_law import equilibrium_motion
 from softid.synthesis.columns import Column
 from softid.synthesis.laws import (
     POLYNOMIAL_PARAMETERS,
@@ -174,6 +175,8 @@ def _motion(recipe: Recipe) -> Motion | None:
         return muscle_motion(recipe.parameters)
     if recipe.model == "oscillator":
         return oscillator_motion(recipe.parameters)
+    if recipe.actuator is not None:
+        return equilibrium_motion(recipe.parameters, recipe.actuator)
     return None
 
 
@@ -185,6 +188,9 @@ def _true_channel(recipe: Recipe, column: Column, truth: Truth) -> Array:
     if truth.position is None:
         coefficients = tuple(recipe.parameters[f"{channel}.{p}"] for p in POLYNOMIAL_PARAMETERS)
         return quartic(coefficients, truth.pressure_kpa)
+    if recipe.model == "equilibrium":
+        drifted_s = truth.time_s - recipe.sampling.skip_s
+        return truth.position + recipe.parameters["drift"] * drifted_s
     if recipe.geometry is not None and channel != "contraction":
         if channel == "distance":
             return recipe.geometry.distance_mm(truth.position)
