@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from softid.effects import register_effect
     from softid.errors import (
         IdentificationError,
         InputError,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from softid.validation import self_check, validate
 
 _HOME = {
+    "register_effect": "softid.effects",
     "IdentificationError": "softid.errors",
     "InputError": "softid.errors",
     "Issue": "softid.errors",
@@ -93,6 +95,7 @@ __all__ = [
     "load_params",
     "load_recipe",
     "profile_parameter",
+    "register_effect",
     "save_fit",
     "save_validation",
     "self_check",

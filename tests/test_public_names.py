@@ -17,6 +17,7 @@ VERBS = (
     "inspect",
     "load",
     "profile_parameter",
+    "register_effect",
     "self_check",
     "simulate",
     "synthesize",

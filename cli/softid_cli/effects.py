@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from softid.errors import UsageError
-from softid_cli.options import json_option
+from softid_cli.options import json_option, quiet_option
 
 if TYPE_CHECKING:
     from softid.effects import Effect, Scale
@@ -24,8 +24,10 @@ EXAMPLE = "a log of 60 s at 100 Hz, 0 to 200 kPa, 0 to 90 deg (0 to 1.5 rad)"
 @click.command()
 @click.argument("name", required=False)
 @json_option
-def effects(name: str | None, as_json: bool) -> None:
+@quiet_option
+def effects(name: str | None, as_json: bool, quiet: bool) -> None:
     """List the physical effects, or explain the one called NAME."""
+    del quiet  # there is nothing on stderr to silence
     from softid.effects import EFFECTS
     from softid.records import dump_json
 
@@ -52,24 +54,9 @@ def _no_such_effect(name: str, known: list[str]) -> UsageError:
 
 def example_scale() -> Scale:
     """Sizes of an ordinary log, for bounds that depend on them."""
-    from softid.effects import Scale
+    from softid.effects.registration import EXAMPLE as ORDINARY_LOG
 
-    return Scale(
-        u_low=0.0,
-        u_high=200.0,
-        x_low=0.0,
-        x_high=1.5,
-        v_max=3.0,
-        force=1.0,
-        y_low=0.0,
-        y_high=90.0,
-        period_s=0.01,
-        duration_s=60.0,
-        motion_s=0.5,
-        travel=50.0,
-        x_unit="rad",
-        y_unit="deg",
-    )
+    return ORDINARY_LOG
 
 
 def describe(effect: Effect) -> dict[str, Any]:
