@@ -18,7 +18,16 @@ if TYPE_CHECKING:
     )
     from softid.identification import fit, profile_parameter
     from softid.log import Log, LogSet
-    from softid.models import MODELS, Model, Muscle, Oscillator, Polynomial, Yeoh
+    from softid.models import (
+        MODELS,
+        Equilibrium,
+        Model,
+        Muscle,
+        Oscillator,
+        Polynomial,
+        Yeoh,
+        load_actuator,
+    )
     from softid.parameters import Parameter, ParameterSet
     from softid.quality import inspect
     from softid.readers import load
@@ -42,6 +51,8 @@ _HOME = {
     "Log": "softid.log",
     "LogSet": "softid.log",
     "MODELS": "softid.models",
+    "Equilibrium": "softid.models",
+    "load_actuator": "softid.models",
     "Model": "softid.models",
     "Muscle": "softid.models",
     "Oscillator": "softid.models",
@@ -68,6 +79,7 @@ _HOME = {
 
 __all__ = [
     "MODELS",
+    "Equilibrium",
     "FitResult",
     "FitStatus",
     "IdentificationError",
@@ -92,6 +104,7 @@ __all__ = [
     "fit",
     "inspect",
     "load",
+    "load_actuator",
     "load_params",
     "load_recipe",
     "profile_parameter",

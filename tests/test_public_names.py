@@ -23,8 +23,9 @@ VERBS = (
     "synthesize",
     "validate",
 )
-RECORDS = ("load_params", "load_recipe", "save_fit", "save_validation")
+RECORDS = ("load_actuator", "load_params", "load_recipe", "save_fit", "save_validation")
 TYPES = (
+    "Equilibrium",
     "FitResult",
     "FitStatus",
     "Log",

@@ -9,6 +9,10 @@ import sys
 
 INTERRUPTED = 130
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+"""Candidates and starts share the cores already. Threads of the linear algebra, which has small
+matrices here, would wait for each other: a fit took ten times as long on a busy machine."""
+
 
 def main() -> None:
     """Run `softid` with the arguments of the process, and exit."""

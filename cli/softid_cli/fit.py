@@ -11,7 +11,12 @@ import click
 
 from softid.errors import IdentificationError, OutputError, UsageError
 from softid_cli.console import announce_compilation, progress
-from softid_cli.model_options import chosen_model, chosen_parameters, require_parameters
+from softid_cli.model_options import (
+    chosen_model,
+    chosen_parameters,
+    described_models,
+    require_parameters,
+)
 from softid_cli.options import (
     FILE,
     GreedyCommand,
@@ -43,6 +48,7 @@ class FitRequest:
     damping: str | None = None
     fixed_length: float | None = None
     diameter: float | None = None
+    geometry: Path | None = None
     options: tuple[str, ...] = ()
     profile: tuple[str, ...] = ()
     fix: tuple[str, ...] = ()
@@ -100,6 +106,12 @@ class FitRequest:
     "--diameter", callback=length_mm, metavar="MM", help="Diameter of the muscle's arc geometry."
 )
 @click.option(
+    "--geometry",
+    type=FILE,
+    metavar="FILE.toml",
+    help="Geometry of the equilibrium model.",
+)
+@click.option(
     "--option",
     multiple=True,
     metavar="NAME=VALUE",
@@ -136,6 +148,7 @@ def fit(
     damping: str | None,
     fixed_length: float | None,
     diameter: float | None,
+    geometry: Path | None,
     option: tuple[str, ...],
     profile: tuple[str, ...],
     out: Path | None,
@@ -158,6 +171,7 @@ def fit(
             damping=damping,
             fixed_length=fixed_length,
             diameter=diameter,
+            geometry=geometry,
             options=option,
             profile=profile,
             fix=fix,
@@ -199,9 +213,11 @@ def identify(request: FitRequest) -> None:
         damping=request.damping,
         fixed_length_mm=request.fixed_length,
         diameter_mm=request.diameter,
+        geometry=request.geometry,
         other=request.options,
     )
     require_parameters(model, request.profile, option="--profile")
+    preferred = () if model is not None else described_models(request.geometry)
     parameters = chosen_parameters(model, fix=request.fix, bound=request.bound, tie=request.tie)
     paths = (*request.logs, *request.hold_out)
     logs = load_logs(paths, request.channel, request.input, request.output)
@@ -214,6 +230,7 @@ def identify(request: FitRequest) -> None:
         result = fit_model(
             fitted,
             model=model,
+            preferred=preferred,
             hold_out=held_out,
             parameters=parameters,
             seed=request.seed,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Sequence
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING
+from dataclasses import asdict, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from softid.errors import UsageError
 from softid_cli.options import assignments
@@ -13,6 +14,9 @@ from softid_cli.options import assignments
 if TYPE_CHECKING:
     from softid.models.base import Model
     from softid.parameters import Parameter, ParameterSet
+
+GEOMETRY_MODEL = "equilibrium"
+"""The model that a geometry file describes."""
 
 _FLAGS = {
     "damping": "--damping",
@@ -27,6 +31,7 @@ def chosen_model(
     damping: str | None = None,
     fixed_length_mm: float | None = None,
     diameter_mm: float | None = None,
+    geometry: Path | None = None,
     other: Sequence[str] = (),
 ) -> Model | None:
     """The model that the options describe, or None when softid is to choose.
@@ -36,29 +41,24 @@ def chosen_model(
     UsageError
         There is no such model, or it does not have an option that was given.
     """
-    if (fixed_length_mm is None) != (diameter_mm is None):
-        there, missing = ("--diameter", "--fixed-length")
-        if diameter_mm is None:
-            there, missing = missing, there
-        raise UsageError(
-            "the arc geometry needs both lengths",
-            where=there,
-            remedy=f"give {missing} too, or neither",
-        )
+    _require_both(fixed_length_mm, diameter_mm)
     given: dict[str, str | float] = {
         key: _plain(text)
         for key, text in assignments(other, option="--option", form="NAME=VALUE").items()
     }
-    if damping is not None:
-        given["damping"] = damping
-    if fixed_length_mm is not None:
-        given["fixed_length_mm"] = fixed_length_mm
-    if diameter_mm is not None:
-        given["diameter_mm"] = diameter_mm
+    named = {
+        "damping": damping,
+        "fixed_length_mm": fixed_length_mm,
+        "diameter_mm": diameter_mm,
+    }
+    given |= {key: value for key, value in named.items() if value is not None}
     if name is None and not given:
         return None
 
     from softid.models import MODELS
+
+    if geometry is not None:
+        given = described(geometry, name or GEOMETRY_MODEL) | given
 
     if name is None:
         owners = [k for k, m in MODELS.items() if given.keys() <= {f.name for f in fields(m)}]
@@ -91,6 +91,19 @@ def chosen_model(
     return model
 
 
+def _require_both(fixed_length_mm: float | None, diameter_mm: float | None) -> None:
+    if (fixed_length_mm is None) == (diameter_mm is None):
+        return
+    there, missing = ("--diameter", "--fixed-length")
+    if diameter_mm is None:
+        there, missing = missing, there
+    raise UsageError(
+        "the arc geometry needs both lengths",
+        where=there,
+        remedy=f"give {missing} too, or neither",
+    )
+
+
 def _follows_from_logs(option: str) -> bool:
     """Units and the sense of the motion are taken from the channels at every fit."""
     return option.endswith("_unit") or option == "inverted"
@@ -108,6 +121,39 @@ def require_parameters(model: Model | None, names: Sequence[str], *, option: str
         declared = model.parameters()
         for name in names:
             _known(declared, name, option=option)
+
+
+def described(geometry: Path, name: str) -> dict[str, str | float]:
+    """Options of a model from a geometry file.
+
+    Raises
+    ------
+    InputError
+        The file is wrong.
+    UsageError
+        The model has no geometry of that kind.
+    """
+    from softid.models.actuator_geometry import load_actuator
+
+    if name != GEOMETRY_MODEL:
+        raise UsageError(
+            f"the {name} model takes no geometry file",
+            where="--geometry",
+            value=str(geometry),
+            remedy=f"leave it out, or name --model {GEOMETRY_MODEL}",
+        )
+    return asdict(load_actuator(geometry))
+
+
+def described_models(geometry: Path | None) -> tuple[Model, ...]:
+    """Models that a geometry file describes; none without a file."""
+    if geometry is None:
+        return ()
+
+    from softid.models import MODELS
+
+    options: dict[str, Any] = {**described(geometry, GEOMETRY_MODEL)}
+    return (MODELS[GEOMETRY_MODEL](**options),)
 
 
 def _plain(text: str) -> str | float:

@@ -8,6 +8,7 @@ import click
 
 from softid.errors import UsageError
 from softid_cli.console import progress, say
+from softid_cli.hiding import HideRequest, hide_effects, split_names
 from softid_cli.options import FILE, json_option, out_options, quiet_option
 
 DEFAULT_OUT = Path("softid-out") / "synthetic"
@@ -16,6 +17,20 @@ DEFAULT_OUT = Path("softid-out") / "synthetic"
 @click.command()
 @click.argument("recipes", nargs=-1, type=FILE, metavar="[RECIPE]...")
 @click.option("--seed", type=click.IntRange(min=0), metavar="N", help="Use this seed in each.")
+@click.option(
+    "--hide",
+    metavar="NAME[,NAME...]",
+    help="Make a log and its hold-out of a random actuator in which these effects are hidden; "
+    "none hides nothing.",
+)
+@click.option("--size", type=float, metavar="S", help="Magnitude of the effects; 1 is moderate.")
+@click.option("--protocol", metavar="NAME", help="rich (default), paper, sine, step or slow.")
+@click.option("--model", metavar="NAME", help="muscle (default) or oscillator.")
+@click.option("--noise", type=float, metavar="SHARE", help="Output noise over its range; 0.005.")
+@click.option("--coloured", type=float, metavar="SHARE", help="Coloured part of its variance; 0.")
+@click.option("--rate", type=float, metavar="HZ", help="Sampling rate; 100.")
+@click.option("--rest", type=float, metavar="S", help="Seconds of rest added at the end.")
+@click.option("--unit", type=click.Choice(["mm", "deg"]), help="Unit of the output; mm.")
 @click.option(
     "--check",
     is_flag=True,
@@ -30,6 +45,15 @@ def synthesize(
     ctx: click.Context,
     recipes: tuple[Path, ...],
     seed: int | None,
+    hide: str | None,
+    size: float | None,
+    protocol: str | None,
+    model: str | None,
+    noise: float | None,
+    coloured: float | None,
+    rate: float | None,
+    rest: float | None,
+    unit: str | None,
     check: bool,
     out: Path | None,
     force: bool,
@@ -41,7 +65,45 @@ def synthesize(
     Without recipes all bundled logs are made again, byte for byte. DIR gets the folders recipes and
     data and a manifest.json with truth, noise, seed and fingerprint of every log. Without --out
     that is softid-out/synthetic.
+
+    With --hide, DIR gets train.csv, hold_out.csv and truth.json instead; without --out that is
+    softid-out/hidden. A name that is unknown gets the list of all.
     """
+    asked = {"size": size, "protocol": protocol, "model": model}
+    recorded = {
+        "noise": noise,
+        "coloured_share": coloured,
+        "rate_hz": rate,
+        "rest_s": rest,
+        "unit": unit,
+    }
+    given = any(value is not None for value in (*asked.values(), *recorded.values()))
+    if hide is not None:
+        if check or recipes:
+            raise UsageError(
+                "effects are hidden in new logs, not in recipes or checks",
+                where="--hide",
+                remedy="leave out the recipes and --check",
+            )
+        hide_effects(
+            HideRequest(
+                names=split_names(hide),
+                seed=seed or 0,
+                asked={k: v for k, v in asked.items() if v is not None},
+                recorded={k: v for k, v in recorded.items() if v is not None},
+                out=out,
+                force=force,
+                as_json=as_json,
+                quiet=quiet,
+            )
+        )
+        return
+    if given:
+        raise UsageError(
+            "--size, --protocol, --model, --noise, --coloured, --rate, --rest and --unit belong to "
+            "--hide; a recipe says all this itself",
+            remedy="add --hide NAME, or --hide none",
+        )
     if check and (seed is not None or force):
         raise UsageError(
             "a check takes the seeds from the manifest and writes nothing",

@@ -24,6 +24,7 @@ BASE_SD = 1.5
 """Standard deviation of the log-normal prior about the base fit: a flat direction cannot run away
 and make a wrong name look good."""
 
+TOLERANCE = 1e-2
 COARSE, FINE = 1, 4
 """Most steps in a sampling interval while candidates race, and while they are compared. Sharp laws
 ask for more to reach 1e-4 of the range; noise is far above what this costs."""
@@ -224,6 +225,7 @@ def advance(
     evaluations: int,
     *,
     substeps: int = FINE,
+    tolerance: float = TOLERANCE,
 ) -> Candidate:
     """Take a candidate nearer to its optimum.
 
@@ -237,6 +239,8 @@ def advance(
         At most so many simulations with derivatives.
     substeps
         At most so many steps in a sampling interval.
+    tolerance
+        Stop within this many standard errors of the optimum.
     """
     objective = WhitenedObjective(candidate.problem, sigma, candidate.whitener)
     candidate = _tempered(candidate)
@@ -251,7 +255,7 @@ def advance(
         upper,
         candidate.problem.reach(),
         evaluations=evaluations,
-        tolerance=1e-2,
+        tolerance=tolerance,
     )
     return replace(candidate, minimum=found)
 

@@ -29,8 +29,9 @@ NESTED = 6.0
 
 MAX_LINKS = 4
 UNWHITENING = 12
-PROMISE = 0.25
-"""No refit is tried when no signature promises this share of the fall that would count."""
+PROMISE = 6.0
+"""No refit is tried when no signature promises to lower n ln(S) by this much: the promise is made
+for white noise and for a guessed shape, and a fall that counts is many times larger."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,12 +133,15 @@ def find_chain(
 def next_link(
     now: Candidate, effects: Sequence[Effect], scale: Scale, sigma: Mapping[str, float]
 ) -> Link | None:
-    """One round; None when the catalogue is exhausted."""
+    """One round; None when nothing in the catalogue promises anything."""
     taken = {effect.name for effect in now.effects}
     left = [effect for effect in effects if effect.name not in taken]
     if not left:
         return None
     signatures = screen(now, left, scale, sigma)
+    share = max((s.drop for s in signatures), default=0.0) / max(now.squares, 1e-300)
+    if -now.problem.n_samples * np.log1p(-min(share, 0.999)) < PROMISE:
+        return None
     contenders = race(now, left, scale, sigma, signatures=signatures)
     ranked = rank([*contenders, now], sigma)
     before = next(r for r in ranked if r.candidate.keys == now.keys)

@@ -20,12 +20,19 @@ MAX_STARTS = 2
 FIRST_LAP, SECOND_LAP, LAST_LAP, WHITE_LAP = 4, 10, 25, 12
 """Evaluations of each lap."""
 
-SECOND_FIELD, LAST_FIELD = 8, 5
-"""Candidates that stay in the race for the second and the last lap."""
+RACING_TOLERANCE = 0.05
+"""A candidate in the race rests within a twentieth of a standard error of its optimum."""
+
+SECOND_FIELD, LAST_FIELD, FORMS_FIELD = 8, 5, 3
+"""Candidates that stay in the race for the second and the last lap, and those among them that also
+start with the base's terms in another form."""
 
 CLEAR_LEAD = 0.5
 """One whose sum of squares above the leader's is more than this share of the base's misfit above
 the leader's drops out before the last lap."""
+
+SMALLEST_GAIN = 4.0
+"""When nobody has lowered n ln(S) by this much after two laps, the race is over."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,21 +82,24 @@ def race(
     variance = fitted.squares / n
     entrants = [candidate_from(fitted, s, scale, variance) for s in _starts(found)]
     report(0.1)
-    first = in_parallel(lambda c: advance(c, sigma, FIRST_LAP, substeps=COARSE), entrants)
+
+    def run(candidates: Sequence[Candidate], evaluations: int) -> list[Candidate]:
+        return in_parallel(
+            lambda c: advance(c, sigma, evaluations, substeps=COARSE, tolerance=RACING_TOLERANCE),
+            candidates,
+        )
+
+    best = _best_of_each(run(entrants, FIRST_LAP))
     report(0.5)
-    best = _best_of_each(first)
-    second = in_parallel(
-        lambda c: advance(c, sigma, SECOND_LAP, substeps=COARSE), best[:SECOND_FIELD]
-    )
+    second = _by_squares(run(best[:SECOND_FIELD], SECOND_LAP))
     report(0.7)
-    second = _by_squares(second)
-    kept = second[:LAST_FIELD]
-    if kept:
-        leader = kept[0].squares
-        limit = leader + CLEAR_LEAD * max(fitted.squares - leader, 0.0)
-        kept = [c for c in kept if c.squares <= limit] or kept[:1]
-    kept += [there for candidate in kept for there in alternatives(candidate)]
-    last = in_parallel(lambda c: advance(c, sigma, LAST_LAP, substeps=COARSE), kept)
+    if not second or n * np.log(fitted.squares / second[0].squares) < SMALLEST_GAIN:
+        return second[:1]
+    leader = second[0].squares
+    limit = leader + CLEAR_LEAD * max(fitted.squares - leader, 0.0)
+    kept = [c for c in second[:LAST_FIELD] if c.squares <= limit]
+    kept += [form for candidate in kept[:FORMS_FIELD] for form in alternatives(candidate)]
+    last = run(kept, LAST_LAP)
     report(1.0)
     return _best_of_each(last)
 

@@ -205,6 +205,8 @@ def attainable_offset(
     count = int(moving.sum())
     if count == 0:
         return 0.0
+    if not np.isfinite(normal.cost):
+        return float("inf")
     variance = max(2.0 * normal.cost / max(normal.n - count, 1), floor**2, 1e-300)
     matrix = normal.matrix[np.ix_(moving, moving)] + np.diag(variance / reach[moving] ** 2)
     gradient = normal.gradient[moving]

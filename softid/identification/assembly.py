@@ -89,6 +89,7 @@ def assemble(
     ranges = fitted_range(logs)
     issues = [issue for log in (*logs, *held) for issue in log.issues]
     issues += issues_of(estimates, errors, found.unseen, ranges, held, statistics)
+    issues += model.cautions(values, names, covariance)
     if not optimum.status.success:
         issues.insert(0, Issue("not-converged", "error", optimum.status.value))
     return FitResult(

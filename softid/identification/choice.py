@@ -74,7 +74,13 @@ class _Draft:
         return float(np.sqrt(np.mean(held**2))) if held.size else float("inf")
 
 
-def choose_model(logs: LogSet, *, rng: np.random.Generator, inverted: bool = False) -> ModelChoice:
+def choose_model(
+    logs: LogSet,
+    *,
+    rng: np.random.Generator,
+    inverted: bool = False,
+    preferred: Sequence[Model] = (),
+) -> ModelChoice:
     """Fit every model that takes these channels and keep the one that predicts best.
 
     Every log is cut into 48 blocks. Three times, every fourth block is left out, the draft of a
@@ -89,6 +95,8 @@ def choose_model(logs: LogSet, *, rng: np.random.Generator, inverted: bool = Fal
         Draws the restarts.
     inverted
         Whether the output falls as the input rises.
+    preferred
+        Models that come first, whatever their number of parameters: the user described them.
 
     Raises
     ------
@@ -97,7 +105,7 @@ def choose_model(logs: LogSet, *, rng: np.random.Generator, inverted: bool = Fal
     IdentificationError
         No model could be fitted.
     """
-    candidates, refused = _candidates(logs, inverted=inverted)
+    candidates, refused = _candidates(logs, inverted=inverted, preferred=preferred)
     if not candidates:
         raise UsageError(
             f"no model explains {' and '.join(logs.outputs)} from {logs.input} as it stands",
@@ -117,11 +125,14 @@ def choose_model(logs: LogSet, *, rng: np.random.Generator, inverted: bool = Fal
     return _best(candidates, refused, logs, rng)
 
 
-def _candidates(logs: LogSet, *, inverted: bool) -> tuple[list[Model], list[str]]:
-    """Models that take the channels, fewest free parameters first, and what hinders others."""
+def _candidates(
+    logs: LogSet, *, inverted: bool, preferred: Sequence[Model]
+) -> tuple[list[Model], list[str]]:
+    """Models that take the channels, preferred and simple ones first, and what hinders others."""
     usable: list[Model] = []
     refused: list[str] = []
-    for variant in (v for name in MODELS for v in MODELS[name]().variants(logs.input)):
+    variants = [v for name in MODELS for v in MODELS[name]().variants(logs.input)]
+    for variant in (*preferred, *variants):
         try:
             require_channels(variant, logs)
         except UsageError:
@@ -130,7 +141,9 @@ def _candidates(logs: LogSet, *, inverted: bool) -> tuple[list[Model], list[str]
             usable.append(adapted_model(variant, logs, inverted=inverted))
         except UsageError as error:
             refused.append(f"{variant.label} was not tried: {error.what}")
-    return sorted(usable, key=lambda m: len(m.parameters().free)), refused
+    names = {model.name for model in preferred}
+    usable.sort(key=lambda m: (m.name not in names, len(m.parameters().free)))
+    return usable, refused
 
 
 def _best(
@@ -173,6 +186,8 @@ def _draft(model: Model, logs: LogSet, rng: np.random.Generator) -> _Draft:
     guesses = model.guess(problem.segments, logs.outputs[0])
     starts = [g.values_dict() for g in guesses] or [model.parameters().values_dict()]
     optimum = output_error(problem, starts, rng=rng, rounds=0)
+    if not np.isfinite(optimum.cost):
+        raise IdentificationError(optimum.status.value, remedy="choose another --model")
     values = dict(
         zip(problem.parameters.names, problem.theta(optimum.unknowns).tolist(), strict=True)
     )

@@ -41,6 +41,7 @@ def fit(
     logs: Log | Sequence[Log],
     *,
     model: Model | str | None = None,
+    preferred: Sequence[Model] = (),
     hold_out: Sequence[Log] = (),
     parameters: ParameterSet | lmfit.Parameters | None = None,
     seed: int = 0,
@@ -58,6 +59,9 @@ def fit(
         Logs to fit.
     model
         A model, its name, or None to let blocks that are left out of the fit decide.
+    preferred
+        Without a model: models to be compared first, such as one with the user's geometry; any
+        other must predict 5 % better.
     hold_out
         Logs that are scored and not fitted; only their zero and initial state are estimated.
     parameters
@@ -109,7 +113,8 @@ def fit(
     choice = starts = None
     if model is None:
         report("choosing the model", 0.0)
-        choice = choose_model(log_set, rng=rng, inverted=falls_with_input(log_set, rng=rng))
+        inverted = falls_with_input(log_set, rng=rng)
+        choice = choose_model(log_set, rng=rng, inverted=inverted, preferred=preferred)
         adapted, starts = choice.model, choice.starts or None
         wishes = Wishes.of(adapted.parameters(), None)
     else:

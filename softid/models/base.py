@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.errors import UsageError
+from softid.errors import Issue, UsageError
 from softid.log import Segment
 from softid.models.division import Division
 from softid.models.products import Products
@@ -283,6 +283,23 @@ class Model(ABC):
         """
         del theta, period_s, input_range
         return None
+
+    def cautions(
+        self, values: Mapping[str, float], known: Sequence[str], covariance: Array | None
+    ) -> tuple[Issue, ...]:
+        """What to know about a fit of this model beyond the verdict on each parameter.
+
+        Parameters
+        ----------
+        values
+            Parameter name → fitted value.
+        known
+            Names of the free parameters that have standard errors.
+        covariance
+            Their covariance, shape (K, K), or None.
+        """
+        del values, known, covariance
+        return ()
 
     def spec(self) -> ModelSpec:
         """Name and options, enough to build the model again."""

@@ -68,10 +68,20 @@ class Division:
     @property
     def stage_input(self) -> Array:
         """Input at the stages of every Radau step, shape (L, 3)."""
+        return self.input_at(STAGES)
+
+    def input_at(self, places: Array) -> Array:
+        """Input at places within every step, shape (L, m).
+
+        Parameters
+        ----------
+        places
+            From 0 at the begin of a step to 1 at its end, shape (m,).
+        """
         counts = self.counts
         last = np.cumsum(counts) - 1
         within = np.arange(last[-1] + 1 if last.size else 0) - np.repeat(last - counts + 1, counts)
-        share = (within[:, None] + STAGES) / np.repeat(counts, counts)[:, None]
+        share = (within[:, None] + places) / np.repeat(counts, counts)[:, None]
         start, rise = np.repeat(self.u[:-1], counts), np.repeat(np.diff(self.u), counts)
         found: Array = start[:, None] + rise[:, None] * share
         return found

@@ -14,6 +14,7 @@ from softid.plots.residual_scatter import ResidualPoints, draw_residual_scatter
 from softid.plots.response import draw_response
 from softid.plots.spread import draw_spread
 from softid.plots.static_curve import Levels, draw_static_curve
+from softid.plots.trials import Trial, draw_phase_portrait, draw_trials
 
 __all__ = [
     "Display",
@@ -22,11 +23,13 @@ __all__ = [
     "Picture",
     "ResidualPoints",
     "Series",
+    "Trial",
     "draw_all",
     "draw_branches",
     "draw_damping",
     "draw_loops",
     "draw_parameter_correlation",
+    "draw_phase_portrait",
     "draw_profile",
     "draw_residual_correlation",
     "draw_residual_scatter",
@@ -34,6 +37,7 @@ __all__ = [
     "draw_series",
     "draw_spread",
     "draw_static_curve",
+    "draw_trials",
     "figures",
     "new_figure",
     "png_bytes",

@@ -24,12 +24,20 @@ from softid.plots.curves import (
 )
 from softid.plots.cycles import find_cycles
 from softid.plots.damping import draw_damping
+from softid.plots.equilibrium_trials import Subject as TrialSubject
+from softid.plots.equilibrium_trials import (
+    damping_trials,
+    mass_trials,
+    phase_curves,
+    subject_of,
+)
 from softid.plots.loops import Loop, draw_loops
 from softid.plots.parameter_correlation import draw_parameter_correlation
 from softid.plots.residual_correlation import draw_residual_correlation, residual_correlation
 from softid.plots.residual_scatter import draw_residual_scatter, residual_points
 from softid.plots.response import draw_response
 from softid.plots.static_curve import draw_static_curve
+from softid.plots.trials import Trial, draw_phase_portrait, draw_trials
 from softid.results import FitResult, FitStatistics, Simulation, Validation
 
 Array = npt.NDArray[np.float64]
@@ -218,12 +226,54 @@ def residual_scatter_figure(subject: Subject) -> Figure | None:
     )
 
 
+def damping_trials_figure(subject: Subject) -> Figure | None:
+    """The first fitted log with no, too little, too much and the fitted damping."""
+    return _trials_figure(subject, damping_trials, "Damping compensation")
+
+
+def mass_trials_figure(subject: Subject) -> Figure | None:
+    """The first fitted log without and with the mass compensation."""
+    return _trials_figure(subject, mass_trials, "Mass compensation")
+
+
+def _trials_figure(
+    subject: Subject, make: Callable[[TrialSubject], tuple[Trial, ...]], what: str
+) -> Figure | None:
+    simulation = subject.fitted[0]
+    one = subject_of(subject.model, subject.result, simulation, subject.output)
+    if one is None:
+        return None
+    return draw_trials(
+        one.segment.time_s,
+        one.measured,
+        make(one),
+        output=subject.shown_output,
+        title=f"{what}, {subject.model.name} model: {simulation.log}",
+    )
+
+
+def phase_portrait_figure(subject: Subject) -> Figure | None:
+    """Velocity against angle of the first fitted log."""
+    simulation = subject.fitted[0]
+    one = subject_of(subject.model, subject.result, simulation, subject.output)
+    if one is None:
+        return None
+    return draw_phase_portrait(
+        *phase_curves(one),
+        output=subject.shown_output,
+        title=f"Phase portrait, {subject.model.name} model: {simulation.log}",
+    )
+
+
 PER_OUTPUT: dict[str, Callable[[Subject], Figure | None]] = {
     "static_curve": static_figure,
     "damping": damping_figure,
     "loops": loop_figure,
     "residual_correlation": residual_correlation_figure,
     "residual_scatter": residual_scatter_figure,
+    "damping_trials": damping_trials_figure,
+    "mass_trials": mass_trials_figure,
+    "phase_portrait": phase_portrait_figure,
 }
 """Plots of one output over all logs; None when a plot does not apply."""
 
@@ -257,7 +307,8 @@ def draw_all(result: FitResult | Validation) -> Iterator[tuple[str, Figure]]:
     tuple of str and Figure
         File name without suffix, and the plot: ``response_LOG`` for every log, then what applies
         of ``static_curve``, ``damping``, ``loops``, ``residual_correlation``,
-        ``residual_scatter`` and ``parameter_correlation``. With several outputs the channel
+        ``residual_scatter``, ``damping_trials``, ``mass_trials``, ``phase_portrait`` and
+        ``parameter_correlation``. With several outputs the channel
         follows the name.
     """
     fit = result if isinstance(result, FitResult) else None

@@ -35,6 +35,8 @@ class Motion:
     ----------
     inertia
         Pressure in kPa → M.
+    inertia_at
+        Position → factor on that M; 1 everywhere unless the mass moves with the position.
     terms
         Name → force term; the acceleration is their sum divided by the inertia.
     rest
@@ -44,6 +46,7 @@ class Motion:
     inertia: Callable[[float], float]
     terms: Mapping[str, Term]
     rest: Callable[[float], float]
+    inertia_at: Callable[[float], float] = lambda x: 1.0
 
 
 def muscle_motion(values: Mapping[str, float]) -> Motion:

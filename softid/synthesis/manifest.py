@@ -96,7 +96,7 @@ def manifest_entry(synthetic: SyntheticLog, *, recipe_file: str, csv: bytes) -> 
             name: {"value": value, "unit": "mm", "assumed": name in assumed}
             for name, value in asdict(recipe.geometry).items()
         }
-    return {
+    entry = {
         "name": synthetic.name,
         "title": recipe.title,
         "file": f"{DATA}/{synthetic.name}.csv",
@@ -125,6 +125,12 @@ def manifest_entry(synthetic: SyntheticLog, *, recipe_file: str, csv: bytes) -> 
         },
         "notes": list(recipe.notes),
     }
+    if recipe.actuator is not None:
+        entry["actuator"] = {
+            name: {"value": value, "assumed": name in assumed}
+            for name, value in asdict(recipe.actuator).items()
+        }
+    return entry
 
 
 def manifest_text(entries: Iterable[Mapping[str, Any]]) -> str:

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Annotated, Literal
 
 from softid.errors import InputError
+from softid.synthesis.bending_law import Bender, equilibrium_units
 from softid.synthesis.columns import Column, parse_column
 from softid.synthesis.laws import (
     Arc,
@@ -23,7 +24,7 @@ from softid.synthesis.truth import Valve
 from softid.synthesis.waveforms import Waveform, read_waveform
 
 PRESSURE_CHANNELS = ("pressure", "pressure_command")
-ZERO_OR_MORE = ("a2", "b2", "offset", "G")
+ZERO_OR_MORE = ("a2", "b2", "offset", "G", "a", "b", "rest_torque", "drift")
 """Parameters of dynamic laws that need not be positive."""
 
 LARGEST_RECIPE_BYTES = 1_000_000
@@ -38,7 +39,7 @@ class Recipe(Checked):
     name
         Stem of the CSV.
     model
-        ``"muscle"``, ``"oscillator"`` or ``"polynomial"``.
+        ``"muscle"``, ``"oscillator"``, ``"polynomial"`` or ``"equilibrium"``.
     parameters
         Name → true value; for the polynomial ``"angle.p1"``, channel and coefficient.
     excitation
@@ -55,6 +56,8 @@ class Recipe(Checked):
         Unit of x in the law of motion: ``"mm"`` or ``"rad"``.
     geometry
         Arc that links contraction, distance and angle, or None.
+    actuator
+        Section, length and material of the bending actuator; needed for ``"equilibrium"`` only.
     valve
         Valve between command and pressure, or None for an ideal one.
     assumed
@@ -71,7 +74,7 @@ class Recipe(Checked):
     """
 
     name: str
-    model: Literal["muscle", "oscillator", "polynomial"]
+    model: Literal["muscle", "oscillator", "polynomial", "equilibrium"]
     parameters: Mapping[str, float]
     excitation: Waveform
     sampling: Sampling
@@ -80,6 +83,7 @@ class Recipe(Checked):
     title: str = ""
     x_unit: Literal["mm", "rad"] = "mm"
     geometry: Arc | None = None
+    actuator: Bender | None = None
     valve: Valve | None = None
     assumed: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
@@ -98,7 +102,15 @@ class Recipe(Checked):
             )
         self._check_columns()
         self._check_parameters()
-        lengths = [f.name for f in fields(Arc)] if self.geometry is not None else []
+        if (self.model == "equilibrium") != (self.actuator is not None):
+            raise InputError(
+                "the table actuator belongs to the equilibrium model, which needs it",
+                where="actuator",
+                value=self.model,
+                remedy="add or remove [actuator]",
+            )
+        parts = [part for part in (self.geometry, self.actuator) if part is not None]
+        lengths = [f.name for part in parts for f in fields(part)]
         refuse_unknown(dict.fromkeys(self.assumed), [*self.parameters, *lengths], where="assumed")
 
     @property
@@ -115,6 +127,8 @@ class Recipe(Checked):
     @property
     def units(self) -> dict[str, str]:
         """Unit of each parameter."""
+        if self.model == "equilibrium":
+            return equilibrium_units()
         if self.model != "polynomial":
             return parameter_units(self.model, self.x_unit)
         canonical = {c.channel: c.canonical_unit for c in self.columns.values()}
@@ -172,7 +186,7 @@ class Recipe(Checked):
 def _possible_outputs(recipe: Recipe) -> tuple[str, ...]:
     if recipe.model == "polynomial":
         return ("angle", "torque", "force", "contraction", "distance", "position")
-    if recipe.x_unit == "rad":
+    if recipe.x_unit == "rad" or recipe.model == "equilibrium":
         return ("angle",)
     if recipe.model == "oscillator":
         return ("contraction", "position", "distance")
@@ -247,7 +261,7 @@ def parse_recipe(content: bytes, *, where: str) -> Recipe:
             f"this is no TOML: {error}", where=where, remedy="correct the line named"
         ) from error
     refuse_unknown(table, _KEYS, where=where)
-    known: dict[str, object] = {"geometry": None, "valve": None}
+    known: dict[str, object] = {"geometry": None, "actuator": None, "valve": None}
     for name, reader in _TABLES.items():
         if name in table:
             known[name] = reader(table.pop(name), f"{where}, [{name}]")
@@ -284,5 +298,6 @@ _TABLES: dict[str, Callable[[object, str], object]] = {
     "sampling": lambda table, where: read_record(Sampling, table, where=where),
     "sensors": _read_sensors,
     "geometry": lambda table, where: read_record(Arc, table, where=where),
+    "actuator": lambda table, where: read_record(Bender, table, where=where),
     "valve": lambda table, where: read_record(Valve, table, where=where),
 }

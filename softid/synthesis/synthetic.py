@@ -12,6 +12,7 @@ import numpy.typing as npt
 from softid.channels import read_only
 from softid.errors import InputError
 from softid.log import Log
+from softid.synthesis.bending_law import equilibrium_motion
 from softid.synthesis.columns import Column
 from softid.synthesis.laws import (
     POLYNOMIAL_PARAMETERS,
@@ -144,14 +145,27 @@ def to_csv_bytes(synthetic: SyntheticLog) -> bytes:
     machine's last binary digit does not show.
     """
     recipe = synthetic.recipe
-    decimals = [recipe.sampling.decimals, *(s.decimals for s in recipe.sensors.values())]
+    decimals = (recipe.sampling.decimals, *(s.decimals for s in recipe.sensors.values()))
+    return csv_bytes(synthetic.time_s, synthetic.columns, decimals)
+
+
+def csv_bytes(time_s: Array, columns: Mapping[str, Array], decimals: Sequence[int]) -> bytes:
+    """A CSV of times and columns; NaN becomes an empty cell.
+
+    Parameters
+    ----------
+    time_s
+        Times, shape (n,).
+    columns
+        Header → values, shape (n,).
+    decimals
+        Decimals of the time and of each column.
+    """
     written = [
         ["" if v != v else f"{v:.{places}f}" for v in values.tolist()]  # NaN differs from itself
-        for places, values in zip(
-            decimals, (synthetic.time_s, *synthetic.columns.values()), strict=True
-        )
+        for places, values in zip(decimals, (time_s, *columns.values()), strict=True)
     ]
-    lines = [",".join((TIME_COLUMN, *synthetic.columns))]
+    lines = [",".join((TIME_COLUMN, *columns))]
     lines += [",".join(row) for row in zip(*written, strict=True)]
     return ("\n".join(lines) + "\n").encode("ascii")
 
@@ -161,6 +175,8 @@ def _motion(recipe: Recipe) -> Motion | None:
         return muscle_motion(recipe.parameters)
     if recipe.model == "oscillator":
         return oscillator_motion(recipe.parameters)
+    if recipe.actuator is not None:
+        return equilibrium_motion(recipe.parameters, recipe.actuator)
     return None
 
 
@@ -172,6 +188,9 @@ def _true_channel(recipe: Recipe, column: Column, truth: Truth) -> Array:
     if truth.position is None:
         coefficients = tuple(recipe.parameters[f"{channel}.{p}"] for p in POLYNOMIAL_PARAMETERS)
         return quartic(coefficients, truth.pressure_kpa)
+    if recipe.model == "equilibrium":
+        drifted_s = truth.time_s - recipe.sampling.skip_s
+        return truth.position + recipe.parameters["drift"] * drifted_s
     if recipe.geometry is not None and channel != "contraction":
         if channel == "distance":
             return recipe.geometry.distance_mm(truth.position)

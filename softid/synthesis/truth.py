@@ -149,10 +149,11 @@ def derivative(
 ) -> Callable[[float, Array], list[float]]:
     """The right-hand side over the states: pressure behind a valve, then x and v of a motion.
 
-    ``ṗ`` comes from the valve, ``ẋ = v`` and ``v̇ = Σ terms / M(p)``.
+    ``ṗ`` comes from the valve, ``ẋ = v`` and ``v̇ = Σ terms / M``.
     """
     terms = tuple(motion.terms.values()) if motion is not None else ()
     inertia = motion.inertia if motion is not None else None
+    inertia_at = motion.inertia_at if motion is not None else None
 
     def rates(time_s: float, state: Array) -> list[float]:
         values = state.tolist()
@@ -162,12 +163,12 @@ def derivative(
         if valve is not None:
             pressure_kpa = values[0]
             found.append(valve.rate(pressure_kpa, command))
-        if inertia is not None:
+        if inertia is not None and inertia_at is not None:
             x, v = values[-2:]
             force = 0.0
             for term in terms:
                 force += term(time_s, pressure_kpa, x, v)
-            found += [v, force / inertia(pressure_kpa)]
+            found += [v, force / (inertia(pressure_kpa) * inertia_at(x))]
         return found
 
     return rates
@@ -193,7 +194,7 @@ def _fastest_rate(motion: Motion, pieces: Sequence[Piece]) -> float:
                 for v in (-_SMALL_VELOCITY, _SMALL_VELOCITY)
             )
             slope = abs(faster - slower) / (2.0 * _SMALL_VELOCITY)
-            found = max(found, slope / motion.inertia(pressure_kpa))
+            found = max(found, slope / (motion.inertia(pressure_kpa) * motion.inertia_at(x)))
     return found
 
 

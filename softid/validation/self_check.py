@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -113,6 +114,10 @@ def _model(known: KnownLog, output: str) -> Model | str:
     if needs_geometry and known.fixed_length_mm is not None and known.diameter_mm is not None:
         options = {"fixed_length_mm": known.fixed_length_mm, "diameter_mm": known.diameter_mm}
         return MODELS[known.model](**options)
+    if known.truth.get("drift"):
+        drifting: dict[str, Any] = {"drift": "linear"}
+        model: Model = MODELS[known.model](**drifting)
+        return model
     return known.model
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
 from softid.errors import InputError
 from softid.synthesis import Arc, bundled_recipes, load_recipe
+from softid.synthesis.bending_law import Bender
 from softid.synthesis.recipe import parse_recipe
 
 GOOD = """
@@ -127,11 +129,14 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 def test_bundled_recipes_label_what_no_paper_prints() -> None:
     """Ru prints no value at all: each muscle and oscillator parameter and length is assumed.
 
-    Zhao's coefficients are printed, so none of them is.
+    Zhao's coefficients are printed, so none of them is; of the bi-directional actuator only the
+    neutral layer's modulus is.
     """
     for path in bundled_recipes():
         recipe = load_recipe(path)
         lengths = ["fixed_length_mm", "diameter_mm"] if recipe.geometry else []
         wanted = [] if recipe.model == "polynomial" else [*recipe.parameters, *lengths]
+        if recipe.actuator is not None:
+            wanted += [f.name for f in fields(Bender) if f.name != "layer_modulus_gpa"]
         assert sorted(recipe.assumed) == sorted(wanted), path.name
         assert any("assum" in note for note in recipe.notes), path.name

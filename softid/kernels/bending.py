@@ -1,0 +1,359 @@
+r"""Equation of motion of a bending actuator and its integration with exact sensitivities.
+
+The law is C_m(θ)·[M(θ)·θ̈ + D(θ)·θ̇²] + C_d·θ̇ + s·K(θ) + τ0 − d·F(p) = 0 with the compensation
+C_m = a·θ² + b·|θ| + c. M is even and D odd in θ; both are power series in θ² whose coefficients
+are moments of the line density, so nothing cancels near θ = 0. The elastic torque is a sum over
+points of the wall, F is proportional to the pressure.
+
+The parts of the law are one small function, `torque_parts`, which the integrator itself calls; a
+further effect adds its own torque to those parts.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+Array = npt.NDArray[np.float64]
+
+LARGEST_ANGLE_RAD = 2.0 * np.pi
+"""A full circle: the series hold up to here, and beyond it the actuator would meet itself."""
+
+SMALLEST_COMPENSATION = 1e-3
+"""C_m at or below this is no mass; the response is then NaN."""
+
+MARCH_RAD = 0.05
+N_DYNAMIC = 7
+"""Parameters of the equation of motion, in order: C_d, a, b, c, stiffness s, drive d, τ0."""
+
+
+class Body(NamedTuple):
+    """What geometry and material contribute, as plain arrays.
+
+    Attributes
+    ----------
+    inertia
+        m_k of M(θ) = Σ m_k·θ^(2k) in kg·m², shape (T,).
+    velocity
+        d_k of D(θ) = θ·Σ d_k·θ^(2k) in kg·m², shape (T,).
+    stretch
+        Wall point → dλ/dθ in 1/rad, so that λ = 1 ± stretch·θ, shape (W,).
+    lever
+        Wall point → ∫ y dA in m³, shape (W,).
+    constants
+        2·C10 and 4·C20 in Pa, the neutral layer's torque per angle in N·m/rad, and F/p in N·m/kPa.
+    """
+
+    inertia: Array
+    velocity: Array
+    stretch: Array
+    lever: Array
+    constants: Array
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def inertia_parts(angle: float, body: Body) -> tuple[float, float, float, float]:
+    """M, dM/dθ, D and dD/dθ at an angle, in kg·m² and kg·m²/rad."""
+    q = angle * angle
+    m = dm = d = dd = 0.0
+    for k in range(body.inertia.size - 1, -1, -1):
+        dm = dm * q + m
+        m = m * q + body.inertia[k]
+        dd = dd * q + d
+        d = d * q + body.velocity[k]
+    return m, 2.0 * angle * dm, angle * d, d + 2.0 * q * dd
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def elastic_torque(angle: float, body: Body) -> float:
+    """K(θ) in N·m: plane-strain Yeoh walls on both sides, and the neutral layer; odd in θ."""
+    c1, c2 = body.constants[0], body.constants[1]
+    total = 0.0
+    for k in range(body.stretch.size):
+        z = body.stretch[k] * angle
+        up, down = 1.0 + z, 1.0 - z
+        over = 1.0 / (up * down)
+        by_up, by_down = down * over, up * over
+        one, two = up - by_up, down - by_down
+        total += body.lever[k] * (
+            (up - by_up * by_up * by_up) * (c1 + c2 * one * one)
+            - (down - by_down * by_down * by_down) * (c1 + c2 * two * two)
+        )
+    torque: float = total + body.constants[2] * angle
+    return torque
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def elastic_parts(angle: float, body: Body) -> tuple[float, float]:
+    """K(θ) in N·m and dK/dθ in N·m/rad."""
+    c1, c2 = body.constants[0], body.constants[1]
+    total = slope = 0.0
+    for k in range(body.stretch.size):
+        z = body.stretch[k] * angle
+        up, down = 1.0 + z, 1.0 - z
+        over = 1.0 / (up * down)
+        by_up, by_down = down * over, up * over
+        up3, down3 = by_up * by_up * by_up, by_down * by_down * by_down
+        one, two = up - by_up, down - by_down
+        stress_up, stress_down = c1 + c2 * one * one, c1 + c2 * two * two
+        total += body.lever[k] * ((up - up3) * stress_up - (down - down3) * stress_down)
+        slope += (
+            body.lever[k]
+            * body.stretch[k]
+            * (
+                (1.0 + 3.0 * up3 * by_up) * stress_up
+                + (up - up3) * 2.0 * c2 * one * (1.0 + by_up * by_up)
+                + (1.0 + 3.0 * down3 * by_down) * stress_down
+                + (down - down3) * 2.0 * c2 * two * (1.0 + by_down * by_down)
+            )
+        )
+    return total + body.constants[2] * angle, slope + body.constants[2]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def compensation(angle: float, theta: Array) -> float:
+    """C_m = a·θ² + b·|θ| + c; NaN where it is no mass."""
+    found = (theta[1] * abs(angle) + theta[2]) * abs(angle) + theta[3]
+    return found if found > SMALLEST_COMPENSATION else np.nan
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def torque_parts(
+    angle: float, velocity: float, pressure_kpa: float, theta: Array, body: Body
+) -> tuple[float, float, float, float, float]:
+    """The parts of the equation of motion: m·θ̈ + inertial + damping + elastic − driving = 0.
+
+    Parameters
+    ----------
+    angle, velocity
+        θ in rad and θ̇ in rad/s.
+    pressure_kpa
+        Pressure; negative drives the other chamber bank.
+    theta
+        C_d, a, b, c, s, d, τ0, shape (7,) or longer.
+    body
+        Geometry and material.
+
+    Returns
+    -------
+    tuple
+        m = C_m·M in kg·m²; inertial = C_m·D·θ̇², damping = C_d·θ̇, elastic = s·K + τ0 and
+        driving = d·F in N·m. NaN beyond a full circle or where C_m is no mass.
+    """
+    if not abs(angle) <= LARGEST_ANGLE_RAD:
+        return np.nan, np.nan, np.nan, np.nan, np.nan
+    q = angle * angle
+    m = d = 0.0
+    for k in range(body.inertia.size - 1, -1, -1):
+        m = m * q + body.inertia[k]
+        d = d * q + body.velocity[k]
+    c_m = compensation(angle, theta)
+    return (
+        c_m * m,
+        c_m * angle * d * velocity * velocity,
+        theta[0] * velocity,
+        theta[4] * elastic_torque(angle, body) + theta[6],
+        theta[5] * body.constants[3] * pressure_kpa,
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def acceleration(
+    angle: float, velocity: float, pressure_kpa: float, theta: Array, body: Body
+) -> float:
+    """θ̈ in rad/s² from `torque_parts`."""
+    m, inertial, damping, elastic, driving = torque_parts(
+        angle, velocity, pressure_kpa, theta, body
+    )
+    return (driving - elastic - damping - inertial) / m
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def acceleration_slopes(
+    angle: float, velocity: float, pressure_kpa: float, theta: Array, body: Body, slopes: Array
+) -> float:
+    """θ̈ and its derivatives.
+
+    Parameters
+    ----------
+    angle, velocity, pressure_kpa, theta, body
+        As in `torque_parts`.
+    slopes
+        Receives ∂θ̈ by C_d, a, b, c, s, d, τ0, then by θ and θ̇, shape (9,).
+    """
+    if not abs(angle) <= LARGEST_ANGLE_RAD:
+        slopes[:] = np.nan
+        return np.nan
+    m, m_by, d, d_by = inertia_parts(angle, body)
+    k, k_by = elastic_parts(angle, body)
+    size = abs(angle)
+    c_m = compensation(angle, theta)
+    bent = 2.0 * theta[1] * angle + theta[2] * (
+        1.0 if angle > 0.0 else -1.0 if angle < 0.0 else 0.0
+    )
+    drive = body.constants[3] * pressure_kpa
+    over = 1.0 / (c_m * m)
+    static = (theta[5] * drive - theta[4] * k - theta[6] - theta[0] * velocity) * over
+    ratio = d / m
+    by_c = -static / c_m
+    slopes[0] = -velocity * over
+    slopes[1] = by_c * size * size
+    slopes[2] = by_c * size
+    slopes[3] = by_c
+    slopes[4] = -k * over
+    slopes[5] = drive * over
+    slopes[6] = -over
+    slopes[7] = (
+        -theta[4] * k_by * over
+        - static * (bent / c_m + m_by / m)
+        - (d_by - ratio * m_by) / m * velocity * velocity
+    )
+    slopes[8] = -theta[0] * over - 2.0 * ratio * velocity
+    found: float = static - ratio * velocity * velocity
+    return found
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def propagate_bending(
+    step_s: Array, pressure_kpa: Array, theta: Array, body: Body, state: Array, states: Array
+) -> None:
+    """Integrate over all steps by the classical fourth-order Runge–Kutta rule.
+
+    Parameters
+    ----------
+    step_s
+        Step lengths, shape (L,).
+    pressure_kpa
+        Pressure at the start, middle and end of every step, shape (L, 3).
+    theta, body
+        As in `torque_parts`.
+    state
+        (θ, θ̇) at the start, shape (2,); overwritten by the state at the end.
+    states
+        Receives (θ, θ̇) after each step, shape (L, 2).
+    """
+    x, v = state[0], state[1]
+    for i in range(step_s.size):
+        h = step_s[i]
+        half = 0.5 * h
+        a1 = acceleration(x, v, pressure_kpa[i, 0], theta, body)
+        v2 = v + half * a1
+        a2 = acceleration(x + half * v, v2, pressure_kpa[i, 1], theta, body)
+        v3 = v + half * a2
+        a3 = acceleration(x + half * v2, v3, pressure_kpa[i, 1], theta, body)
+        v4 = v + h * a3
+        a4 = acceleration(x + h * v3, v4, pressure_kpa[i, 2], theta, body)
+        x += h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4)
+        v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+        states[i, 0] = x
+        states[i, 1] = v
+    state[0] = x
+    state[1] = v
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def propagate_bending_with_sensitivities(
+    step_s: Array,
+    pressure_kpa: Array,
+    theta: Array,
+    body: Body,
+    state: Array,
+    tangent: Array,
+    states: Array,
+    tangents: Array,
+) -> None:
+    """Integrate as `propagate_bending` and differentiate every step exactly.
+
+    Parameters
+    ----------
+    step_s, pressure_kpa, theta, body, state, states
+        As in `propagate_bending`.
+    tangent
+        ∂(θ, θ̇)/∂(seven parameters, θ₀, θ̇₀) at the start, shape (2, 9); overwritten at the end.
+    tangents
+        Receives ∂θ/∂(seven parameters, θ₀, θ̇₀) after each step, shape (L, 9).
+    """
+    n = N_DYNAMIC + 2
+    f = np.empty(n)
+    by_x, by_v = np.empty((4, n)), np.empty((4, n))
+    x, v = state[0], state[1]
+    for i in range(step_s.size):
+        h = step_s[i]
+        stage_x, stage_v, last_a = x, v, 0.0
+        move_x = move_v = 0.0
+        for stage in range(4):
+            reach = 0.0 if stage == 0 else h if stage == 3 else 0.5 * h
+            if stage > 0:
+                stage_x, stage_v = x + reach * stage_v, v + reach * last_a
+            u = pressure_kpa[i, (stage + 1) // 2]
+            last_a = acceleration_slopes(stage_x, stage_v, u, theta, body, f)
+            weight = h / 6.0 if stage in (0, 3) else h / 3.0
+            move_x += weight * stage_v
+            move_v += weight * last_a
+            for k in range(n):
+                tx, tv = tangent[0, k], tangent[1, k]
+                if stage > 0:
+                    tx += reach * by_x[stage - 1, k]
+                    tv += reach * by_v[stage - 1, k]
+                by_x[stage, k] = tv
+                by_v[stage, k] = f[7] * tx + f[8] * tv + (f[k] if k < N_DYNAMIC else 0.0)
+        for k in range(n):
+            inner = 2.0 * (by_x[1, k] + by_x[2, k])
+            tangent[0, k] += h / 6.0 * (by_x[0, k] + inner + by_x[3, k])
+            inner = 2.0 * (by_v[1, k] + by_v[2, k])
+            tangent[1, k] += h / 6.0 * (by_v[0, k] + inner + by_v[3, k])
+            tangents[i, k] = tangent[0, k]
+        x += move_x
+        v += move_v
+        states[i, 0] = x
+        states[i, 1] = v
+    state[0] = x
+    state[1] = v
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def rest_angle(pressure_kpa: float, theta: Array, body: Body) -> float:
+    """Smallest angle in rad at which s·K + τ0 = d·F(p); NaN when there is none.
+
+    Marches from zero in steps of 0.05 rad until the elastic torque exceeds the load, then bisects.
+    """
+    load = theta[5] * body.constants[3] * pressure_kpa - theta[6]
+    sign = 1.0 if load >= 0.0 else -1.0
+    load = abs(load)
+    low, high = 0.0, MARCH_RAD
+    while theta[4] * elastic_torque(high, body) < load:
+        low, high = high, high + MARCH_RAD
+        if high > LARGEST_ANGLE_RAD or high * np.max(body.stretch) >= 1.0:
+            return np.nan
+    for _ in range(6):
+        middle = 0.5 * (low + high)
+        if theta[4] * elastic_torque(middle, body) < load:
+            low = middle
+        else:
+            high = middle
+    angle = 0.5 * (low + high)
+    for _ in range(4):
+        torque, slope = elastic_parts(angle, body)
+        angle -= (theta[4] * torque - load) / (theta[4] * slope)
+    return sign * angle
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fastest_rates(angles: Array, theta: Array, body: Body) -> tuple[float, float]:
+    """Largest natural frequency √(s·K′/C_m·M) and damping rate C_d/(C_m·M) over angles, in 1/s.
+
+    Angles at which C_m is no mass do not count: the motion may never reach them.
+    """
+    swing = fading = 0.0
+    for angle in angles:
+        c_m = compensation(angle, theta)
+        if np.isnan(c_m):
+            continue
+        m, _, _, _ = inertia_parts(angle, body)
+        _, slope = elastic_parts(angle, body)
+        swing = max(swing, theta[4] * slope / (c_m * m))
+        fading = max(fading, theta[0] / (c_m * m))
+    return np.sqrt(swing), fading

@@ -1,0 +1,314 @@
+"""Geometry and material of the bi-directional actuator: section, static moments, TOML file."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import InputError
+from softid.kernels.bending import Body
+from softid.models.bending_inertia import Inertia, Kernels, Stretch, inertia_series
+
+Array = npt.NDArray[np.float64]
+
+PRINTED = ("layer_modulus_pa",)
+"""What the paper prints: the ABS layer's 2 GPa. Every other value below is an assumption."""
+
+WALL_POINTS = 10
+"""Gauss points over the height of a side wall; the torque then errs by less than 1e-9 up to 3.2."""
+
+PA_PER_KPA = 1e3
+LARGEST_FILE_BYTES = 100_000
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)")
+_UNIT = re.compile(r"[^\W\d]\w*(\^-?\d)?( ?[*/·. ] ?[^\W\d]\w*(\^-?\d)?)*")
+_SI = {"_m": "m", "_kg_m3": "kg/m^3", "_pa": "Pa"}
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """The bi-directional actuator of DEE 2022 in SI units; the values are softid's assumptions.
+
+    N chambers of length a lie between N + 1 ribs of thickness t_r, so l0 = N·a + (N + 1)·t_r. Both
+    sides of the neutral layer are alike.
+
+    Attributes
+    ----------
+    chamber_width_m, chamber_height_m
+        B and h0.
+    wall_m, layer_m, rib_m
+        t_w, t_n and t_r.
+    chamber_length_m, chambers
+        a and N.
+    rubber_density_kg_m3, layer_density_kg_m3
+        ρ and ρ_abs.
+    layer_modulus_pa
+        Young's modulus E of the neutral layer; the one value that the paper prints.
+    c10_pa, c20_pa
+        Yeoh coefficients of the walls.
+    assumed
+        Names of the values that were assumed, not measured or printed, joined by commas.
+
+    Source: DEE 2022, Figure 1 and Eq 2 to 11.
+    """
+
+    chamber_width_m: float = 0.020
+    chamber_height_m: float = 0.012
+    wall_m: float = 0.002
+    layer_m: float = 0.0005
+    rib_m: float = 0.003
+    chamber_length_m: float = 0.008
+    chambers: int = 10
+    rubber_density_kg_m3: float = 1070.0
+    layer_density_kg_m3: float = 1040.0
+    layer_modulus_pa: float = 2e9
+    c10_pa: float = 17e3
+    c20_pa: float = -200.0
+    assumed: str = (
+        "chamber_width_m, chamber_height_m, wall_m, layer_m, rib_m, chamber_length_m, chambers, "
+        "rubber_density_kg_m3, layer_density_kg_m3, c10_pa, c20_pa"
+    )
+
+    def __post_init__(self) -> None:
+        for field in fields(Actuator):
+            value = getattr(self, field.name)
+            if field.name in ("assumed", "c20_pa"):
+                continue
+            if isinstance(value, str) or not np.isfinite(value) or value <= 0:
+                raise InputError(
+                    f"{field.name} must be positive",
+                    where="geometry",
+                    value=value,
+                    remedy="correct it",
+                )
+        unknown = sorted(set(self.assumed_names) - set(VALUES))
+        if unknown:
+            raise InputError(
+                "there is no such value to be assumed",
+                where="geometry, assumed",
+                value=unknown[0],
+                remedy=f"choose from {', '.join(VALUES)}",
+            )
+
+    @property
+    def assumed_names(self) -> tuple[str, ...]:
+        """Names of the assumed values."""
+        return tuple(name.strip() for name in self.assumed.split(",") if name.strip())
+
+    @property
+    def length_m(self) -> float:
+        """l0 = N·a + (N + 1)·t_r."""
+        return self.chambers * self.chamber_length_m + (self.chambers + 1) * self.rib_m
+
+    @property
+    def outer_width_m(self) -> float:
+        """B + 2·t_w."""
+        return self.chamber_width_m + 2.0 * self.wall_m
+
+    @property
+    def line_densities_kg_m(self) -> tuple[float, float]:
+        """ρ_c at a chamber and ρ_r at a rib; DEE Eq 9."""
+        width, wall, height = self.outer_width_m, self.wall_m, self.chamber_height_m
+        rubber, layer = self.rubber_density_kg_m3, self.layer_density_kg_m3 * self.layer_m
+        around = self.chamber_width_m + 2.0 * height + 2.0 * wall
+        chamber = width * layer + 2.0 * wall * around * rubber
+        return chamber, width * (2.0 * rubber * (height + wall) + layer)
+
+    @property
+    def rotations_kg_m(self) -> tuple[float, float]:
+        """J_c at a chamber, J_r at a rib; DEE Eq 11 with B + 2·t_w for B and the missing plus."""
+        width, h, t, n = self.outer_width_m, self.chamber_height_m, self.wall_m, self.layer_m
+        rubber, layer = self.rubber_density_kg_m3, self.layer_density_kg_m3
+        top = 3.0 * n**2 + 6.0 * n * t + 4.0 * t**2
+        outer = 2.0 * width * rubber * t * (12.0 * h**2 + 12.0 * h * (n + t) + top)
+        sides = 4.0 * h * rubber * t * (4.0 * h**2 + 6.0 * h * n + 3.0 * n**2)
+        chamber = (outer + width * layer * n**3 + sides) / 12.0
+        whole = 8.0 * h**3 + 12.0 * h**2 * (n + 2.0 * t) + 6.0 * h * (n + 2.0 * t) ** 2
+        rib = width / 12.0 * (rubber * (whole + 2.0 * t * top) + layer * n**3)
+        return chamber, rib
+
+    @property
+    def stretches(self) -> tuple[Stretch, ...]:
+        """Ribs and chambers from the root to the end; ribs begin at i·(a + t_r)."""
+        (chamber, rib), (turn_c, turn_r) = self.line_densities_kg_m, self.rotations_kg_m
+        pitch, found = self.chamber_length_m + self.rib_m, []
+        for i in range(self.chambers + 1):
+            start = i * pitch
+            found.append(Stretch(start, start + self.rib_m, rib, turn_r))
+            if i < self.chambers:
+                found.append(Stretch(start + self.rib_m, start + pitch, chamber, turn_c))
+        return tuple(found)
+
+    def body(self, inertia: Inertia, kernels: Kernels) -> Body:
+        """Arrays for the compiled equation of motion.
+
+        The static moments close what the paper leaves to its references, by this project's rule:
+        only the chambers stretch, λ(y) = 1 ± y·θ/(N·a), the walls carry the plane-strain Yeoh
+        stress σ = (λ⁴ − 1)/λ³·(2·C10 + 4·C20·(λ − 1/λ)²), the top wall at y = h0 + t_w/2 and the
+        side walls over 0 … h0; the neutral layer adds E·I·θ/l0 and the pressure F = p·B·h0²/2.
+
+        Source: DEE 2022, Eq 2 to 6, with the stress of softid.
+        """
+        height, wall = self.chamber_height_m, self.wall_m
+        nodes, weights = np.polynomial.legendre.leggauss(WALL_POINTS)
+        y = 0.5 * height * (nodes + 1.0)
+        sides = 0.5 * height * weights * 2.0 * wall * y
+        top = height + 0.5 * wall
+        levers = np.append(sides, wall * self.outer_width_m * top)
+        stretch = np.append(y, top) / (self.chambers * self.chamber_length_m)
+        layer = self.layer_modulus_pa * self.outer_width_m * self.layer_m**3 / 12.0 / self.length_m
+        drive = PA_PER_KPA * self.chamber_width_m * height**2 / 2.0
+        mass, velocity = inertia_series(self.stretches, self.length_m, inertia, kernels)
+        constants = np.array([2.0 * self.c10_pa, 4.0 * self.c20_pa, layer, drive])
+        return Body(mass, velocity, stretch, levers, constants)
+
+
+VALUES = tuple(f.name for f in fields(Actuator) if f.name != "assumed")
+"""Names of the numbers of an `Actuator`."""
+
+_STEMS = {name: next((s for s in _SI if name.endswith(s)), "") for name in VALUES}
+KEYS = {name.removesuffix(stem): name for name, stem in _STEMS.items()}
+"""Key in a geometry file → name of the value."""
+
+
+def load_actuator(path: Path | str) -> Actuator:
+    """Read geometry and material from a TOML file.
+
+    The tables ``[geometry]`` and ``[material]`` hold the names of `Actuator` without their units,
+    and texts such as ``"20 mm"``. Geometry must be complete; a material that is missing is taken
+    from softid and labelled as assumed, and so are the keys listed under ``assumed``.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, a key is unknown or missing, or a value has no proper unit.
+    """
+    path = Path(path)
+    return read_actuator(_content(path), where=path.name)
+
+
+def read_actuator(text: str, *, where: str) -> Actuator:
+    r"""Geometry and material from the text of a TOML file; see `load_actuator`.
+
+    Examples
+    --------
+    >>> lengths = "chamber_width='20mm'\nchamber_height='1.2 cm'\nwall='2mm'\nlayer='0.5mm'"
+    >>> more = "rib='3mm'\nchamber_length='8mm'\nchambers=10"
+    >>> found = read_actuator(f"[geometry]\n{lengths}\n{more}", where="a.toml")
+    >>> found.chamber_height_m, found.assumed
+    (0.012, 'rubber_density_kg_m3, layer_density_kg_m3, c10_pa, c20_pa')
+    """
+    try:
+        table: dict[str, Any] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(
+            f"this is no TOML: {error}", where=where, remedy="correct the line named"
+        ) from error
+    _refuse_unknown(table, ("title", "assumed", "geometry", "material"), where)
+    given: dict[str, Any] = {}
+    for part in ("geometry", "material"):
+        inner = table.get(part, {})
+        if not isinstance(inner, dict):
+            raise InputError("a table is expected", where=f"{where}, {part}", value=inner)
+        _refuse_unknown(inner, _keys_of(part), f"{where}, [{part}]")
+        given |= inner
+    missing = [key for key in _keys_of("geometry") if key not in given]
+    if missing:
+        raise InputError(
+            f"{missing[0]} is missing",
+            where=f"{where}, [geometry]",
+            remedy=f"give {', '.join(missing)}",
+        )
+    values = {KEYS[key]: _si(value, KEYS[key], f"{where}, {key}") for key, value in given.items()}
+    said = table.get("assumed", [])
+    if not isinstance(said, list) or not all(isinstance(key, str) for key in said):
+        raise InputError("a list of names is expected", where=f"{where}, assumed", value=said)
+    _refuse_unknown(dict.fromkeys(said), tuple(KEYS), f"{where}, assumed")
+    filled = [name for name in VALUES if name not in values and name not in PRINTED]
+    taken = {KEYS[key] for key in said} | set(filled)
+    listed = ", ".join(name for name in VALUES if name in taken)
+    options: dict[str, Any] = {**values, "assumed": listed}
+    return Actuator(**options)
+
+
+def _keys_of(part: str) -> tuple[str, ...]:
+    first_material = VALUES.index("rubber_density_kg_m3")
+    chosen = VALUES[:first_material] if part == "geometry" else VALUES[first_material:]
+    return tuple(key for key, name in KEYS.items() if name in chosen)
+
+
+def _refuse_unknown(given: Mapping[str, object], allowed: tuple[str, ...], where: str) -> None:
+    for key in given:
+        if key not in allowed:
+            raise InputError(
+                "this key is unknown",
+                where=where,
+                value=key,
+                remedy=f"choose from {', '.join(allowed)}",
+            )
+
+
+def _si(value: object, name: str, where: str) -> float | int:
+    """A text with a unit as a number in SI; the number of chambers is a whole number."""
+    unit = _SI.get(_STEMS[name])
+    if unit is None:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise InputError("a whole number is expected", where=where, value=value)
+        return value
+    match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
+    if match is None or not _UNIT.fullmatch(match[2].strip()):
+        raise InputError(
+            "a number with its unit is expected",
+            where=where,
+            value=value,
+            remedy=f'write it as "1.5 {unit}"',
+        )
+
+    try:
+        size = _registry().Quantity(float(match[1]), match[2].strip().replace("·", "*"))
+        return float(size.to(unit).magnitude)
+    except Exception as error:
+        # pint raises tokenizer, attribute, dimension and value errors alike.
+        raise InputError(
+            f"this is not a quantity in {unit}",
+            where=where,
+            value=value,
+            remedy=f'write it as "1.5 {unit}"',
+        ) from error
+
+
+@cache
+def _registry() -> Any:
+    import pint  # 0.2 s, and only a geometry file needs it
+
+    return pint.UnitRegistry()
+
+
+def _content(path: Path) -> str:
+    try:
+        if path.is_file() and path.stat().st_size > LARGEST_FILE_BYTES:
+            raise InputError(
+                "this file is too large for a geometry",
+                where=str(path),
+                value=path.stat().st_size,
+                remedy="name a TOML file with the tables [geometry] and [material]",
+            )
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"the geometry cannot be read: {error}",
+            where=str(path),
+            remedy="check the path and its permissions",
+        ) from error

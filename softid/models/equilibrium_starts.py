@@ -1,0 +1,111 @@
+"""Start values of the equilibrium model from data alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.kernels.bending import fastest_rates, rest_angle
+from softid.log import Segment
+from softid.parameters import ParameterSet
+
+if TYPE_CHECKING:
+    from softid.models.equilibrium import Equilibrium
+
+Array = npt.NDArray[np.float64]
+
+STIFFNESSES: Array = np.geomspace(0.05, 20.0, 61)
+MASSES: Array = np.geomspace(0.05, 20.0, 31)
+DAMPING_RATIOS = (0.03, 0.1, 0.3, 1.0, 3.0)
+STATIC_POINTS = 200
+N_STARTS = 4
+
+
+def equilibrium_starts(
+    model: Equilibrium, segments: Sequence[Segment], output: str
+) -> tuple[ParameterSet, ...]:
+    """Stiffness from the static curve, then C_d and c from a grid of simulations.
+
+    Parameters
+    ----------
+    model
+        The model with its options.
+    segments
+        All segments of all fitted logs.
+    output
+        The angle.
+    """
+    declared = model.parameters()
+    theta = declared.values_vector()
+    theta[4] = _stiffness(model, theta, segments, output)
+    swing_angle = _largest_rest(model, theta, segments)
+    scored = []
+    masses = MASSES if not declared["c"].fixed else np.array([theta[3]])
+    for mass, ratio in product(masses.tolist(), DAMPING_RATIOS):
+        at = theta.copy()
+        at[0], at[3] = 1.0, mass
+        swing, fading = fastest_rates(np.array([swing_angle]), at, model.compiled_body)
+        at[0] = 2.0 * ratio * swing / fading
+        score = _score(model, at, segments, output)
+        if np.isfinite(score):
+            scored.append((score, at))
+    scored.sort(key=lambda row: row[0])
+    names = declared.names
+    starts = []
+    for _, at in scored[:N_STARTS]:
+        named = dict(zip(names, at.tolist(), strict=True))
+        starts.append(
+            declared.with_values({k: v for k, v in named.items() if not declared[k].fixed})
+        )
+    return tuple(starts)
+
+
+def _stiffness(model: Equilibrium, theta: Array, segments: Sequence[Segment], output: str) -> float:
+    """The scale at which the static curve comes closest to the record, oscillation and all."""
+    best, found = np.inf, 1.0
+    for scale in STIFFNESSES:
+        at = theta.copy()
+        at[4] = scale
+        total = 0.0
+        for segment in segments:
+            few = np.flatnonzero(segment.used[output])
+            few = few[:: max(1, few.size // STATIC_POINTS)]
+            if few.size == 0:
+                continue
+            rest = model.static_output(at, segment.input[few], output)
+            total += _left_over(model, segment.time_s[few], segment.outputs[output][few] - rest)
+        if np.isfinite(total) and total < best:
+            best, found = total, float(scale)
+    return found
+
+
+def _largest_rest(model: Equilibrium, theta: Array, segments: Sequence[Segment]) -> float:
+    """The rest angle at the largest pressure."""
+    level = max((float(p) for s in segments for p in (s.input.min(), s.input.max())), key=abs)
+    angle = float(rest_angle(level, theta, model.compiled_body))
+    return angle if np.isfinite(angle) else 0.0
+
+
+def _score(model: Equilibrium, theta: Array, segments: Sequence[Segment], output: str) -> float:
+    total = 0.0
+    for segment in segments:
+        used = segment.used[output]
+        if not used.any():
+            continue
+        response = model.response(theta, segment, (output,), start=None, derivatives=False)
+        residual = (segment.outputs[output] - response.outputs[output])[used]
+        total += _left_over(model, segment.time_s[used], residual)
+    return total
+
+
+def _left_over(model: Equilibrium, time_s: Array, residual: Array) -> float:
+    """Sum of squares without the mean, and without the trend where a drift is estimated."""
+    left = residual - residual.mean()
+    if model.drift == "linear" and left.size > 2:
+        centred = time_s - time_s.mean()
+        left = left - centred * float(centred @ left) / float(centred @ centred)
+    return float(left @ left)

@@ -1,0 +1,47 @@
+"""All effects that can be hidden in a synthetic log, by name."""
+
+from __future__ import annotations
+
+from softid.errors import UsageError
+from softid.synthesis.hidden_base import Hidden
+from softid.synthesis.hidden_inputs import INPUTS
+from softid.synthesis.hidden_motions import MOTIONS
+from softid.synthesis.hidden_outputs import OUTPUTS
+from softid.synthesis.hidden_strange import OTHER_FORMS, OUTSIDE
+
+HIDDEN: dict[str, Hidden] = {
+    hidden.name: hidden for hidden in (*INPUTS, *MOTIONS, *OTHER_FORMS, *OUTSIDE, *OUTPUTS)
+}
+
+
+def names_of(relation: str) -> tuple[str, ...]:
+    """Names of one relation to the catalogue of effects.
+
+    Parameters
+    ----------
+    relation
+        ``"catalogue"``, ``"other_form"`` or ``"outside"``.
+
+    Examples
+    --------
+    >>> "pleats" in names_of("outside")
+    True
+    """
+    return tuple(name for name, hidden in HIDDEN.items() if hidden.relation == relation)
+
+
+def hidden_named(name: str) -> Hidden:
+    """The entry of a name.
+
+    Raises
+    ------
+    UsageError
+        There is no such effect; the error lists all.
+    """
+    if name not in HIDDEN:
+        raise UsageError(
+            "no effect of this name can be hidden",
+            value=name,
+            remedy=f"choose from {', '.join(HIDDEN)}",
+        )
+    return HIDDEN[name]

@@ -1,0 +1,222 @@
+"""Hidden effects between the motion and its reading."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, pi
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.synthesis.actuators import Sizes
+from softid.synthesis.hidden_base import (
+    JUMP_S,
+    Hidden,
+    Occasion,
+    OutputLaw,
+    Rates,
+    States,
+    Values,
+    about,
+    either,
+    entry,
+)
+
+Array = npt.NDArray[np.float64]
+Generator = np.random.Generator
+
+
+def _drift(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    return OutputLaw(lambda t, y: y + values["rate"] * t)
+
+
+def _warmup(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    return OutputLaw(lambda t, y: y - values["size"] * np.expm1(-t / values["time"]))
+
+
+def _lag(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    tau = values["tau"]
+
+    def follow(y: float, z: States) -> tuple[float, Rates]:
+        return z[0], ((y - z[0]) / tau,)
+
+    return OutputLaw(follow=follow, start=lambda y: (y,))
+
+
+def _second_order(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    omega, zeta = 2.0 * pi / values["period"], values["zeta"]
+
+    def follow(y: float, z: States) -> tuple[float, Rates]:
+        return z[0], (z[1], omega * (omega * (y - z[0]) - 2.0 * zeta * z[1]))
+
+    return OutputLaw(follow=follow, start=lambda y: (y, 0.0))
+
+
+def _clipping(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    lower, upper = values.get("lower", -inf), values.get("upper", inf)
+    return OutputLaw(lambda t, y: np.clip(y, lower, upper))
+
+
+def _soft_clipping(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    upper, width = values["upper"], values["width"]
+    return OutputLaw(lambda t, y: upper - width * np.logaddexp(0.0, (upper - y) / width))
+
+
+def _clock(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    return OutputLaw(clock_rate=values["rate"])
+
+
+def played(y: Array, width: float) -> Array:
+    """The follower in a slot of half width ``width``, z_k = min(max(z_{k−1}, y_k − w), y_k + w).
+
+    Parameters
+    ----------
+    y
+        Position of the slot, dense in time, shape (n,).
+    width
+        Half the play.
+
+    Source: Tao & Kokotović, *Adaptive Control of Systems with Nonlinearities*, 1996 (backlash).
+
+    Examples
+    --------
+    >>> played(np.array([0.0, 2.0, 1.5, -2.0]), 1.0).tolist()
+    [0.0, 1.0, 1.0, -1.0]
+    """
+    found = []
+    z = float(y[0])
+    for value in y.tolist():
+        z = min(max(z, value - width), value + width)
+        found.append(z)
+    return np.array(found)
+
+
+def _backlash(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    return OutputLaw(lambda t, y: played(y, values["width"]))
+
+
+def _s_shape(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del occasion
+    amplitude = values["amplitude"]
+    low, span = sizes.x_low, sizes.x_span
+    return OutputLaw(lambda t, y: y + amplitude * np.sin(2.0 * pi * (y - low) / span))
+
+
+def _slip(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes
+    if occasion.later:
+        return OutputLaw(lambda t, y: y + values["slip"])
+    share = np.array([0.0, JUMP_S])
+    return OutputLaw(
+        lambda t, y: y + np.interp(t - values["at"], share, np.array([0.0, values["slip"]]))
+    )
+
+
+def _spikes(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes
+    rng = np.random.default_rng(occasion.seed)
+    count = max(1, round(values["rate"] * occasion.duration_s))
+    times = rng.uniform(0.0, occasion.duration_s, count)
+    heights = values["height"] * rng.choice([-1.0, 1.0], count)
+
+    def read(t: Array, y: Array) -> Array:
+        bumps = [h * np.exp(-(((t - at) / 0.1) ** 2)) for at, h in zip(times, heights, strict=True)]
+        total: Array = y + np.sum(bumps, axis=0)
+        return total
+
+    return OutputLaw(read)
+
+
+def _clip_draw(*ends: str) -> Callable[[Sizes, Generator, float], dict[str, float]]:
+    def draw(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
+        depths = {end: min(about(rng, 0.15 * size), 0.65) * s.x_span for end in ends}
+        places = {"upper": s.x_high, "lower": s.x_low}
+        signs = {"upper": -1.0, "lower": 1.0}
+        return {end: places[end] + signs[end] * depth for end, depth in depths.items()}
+
+    return draw
+
+
+OUTPUTS: tuple[Hidden, ...] = (
+    entry(
+        "sensor_drift", "output", "recorded y = y + rate t", "rate {x}/s",
+        lambda s, rng, size: {
+            "rate": either(rng) * about(rng, 0.12 * size * s.x_span / s.duration_s),
+        }, _drift,
+    ),
+    entry(
+        "sensor_warmup", "output", "recorded y = y + size (1 - exp(-t/time))", "size {x}, time s",
+        lambda s, rng, size: {
+            "size": either(rng) * about(rng, 0.12 * size * s.x_span),
+            "time": rng.uniform(0.1, 0.3) * s.duration_s,
+        }, _warmup,
+    ),
+    entry(
+        "sensor_lag", "output", "tau y' + y = x", "tau s",
+        lambda s, rng, size: {"tau": about(rng, 0.5 * size * s.motion_s)}, _lag,
+    ),
+    entry(
+        "sensor_clipping", "output", "recorded y = min(y, upper)", "upper {x}",
+        _clip_draw("upper"), _clipping,
+    ),
+    entry(
+        "sensor_clipping.lower", "output", "recorded y = max(y, lower)", "lower {x}",
+        _clip_draw("lower"), _clipping,
+    ),
+    entry(
+        "sensor_clipping.both", "output", "recorded y = max(min(y, upper), lower)",
+        "upper {x}, lower {x}", _clip_draw("upper", "lower"), _clipping,
+    ),
+    entry(
+        "clock_rate", "output", "recorded y(t) = y((1 + rate) t)", "rate 1",
+        lambda s, rng, size: {
+            "rate": either(rng) * min(about(rng, 0.8 * size * s.motion_s / s.duration_s), 0.045),
+        }, _clock,
+    ),
+    entry(
+        "sensor_second_order", "output", "y''/w^2 + 2 zeta y'/w + y = x, w = 2 pi/period",
+        "period s, zeta 1",
+        lambda s, rng, size: {
+            "period": about(rng, 2.0 * size * s.motion_s), "zeta": rng.uniform(0.7, 1.2),
+        }, _second_order, relation="other_form", names=("sensor_lag", "line_resonance", "delay"),
+    ),
+    entry(
+        "soft_clipping", "output", "recorded y = upper - w ln(1 + exp((upper - y)/w))",
+        "upper {x}, width {x}",
+        lambda s, rng, size: {
+            "upper": s.x_high - about(rng, 0.12 * size * s.x_span), "width": 0.03 * s.x_span,
+        }, _soft_clipping, relation="other_form", names=("sensor_clipping", "contact"),
+    ),
+    entry(
+        "output_backlash", "output", "the reading follows the motion with play, half width w",
+        "width {x}", lambda s, rng, size: {"width": about(rng, 0.04 * size * s.x_span)},
+        _backlash, relation="outside",
+    ),
+    entry(
+        "s_shaped_sensor", "output", "recorded y = y + amplitude sin(2 pi (y - y_low)/y_span)",
+        "amplitude {x}",
+        lambda s, rng, size: {"amplitude": either(rng) * about(rng, 0.05 * size * s.x_span)},
+        _s_shape, relation="outside",
+    ),
+    entry(
+        "zero_slip", "output", "the sensor's zero slips once", "slip {x}, at s",
+        lambda s, rng, size: {
+            "slip": either(rng) * about(rng, 0.08 * size * s.x_span),
+            "at": rng.uniform(0.3, 0.7) * s.duration_s,
+        }, _slip, relation="outside",
+    ),
+    entry(
+        "knocks", "output", "short bumps of the reading at random times", "rate 1/s, height {x}",
+        lambda s, rng, size: {
+            "rate": rng.uniform(0.1, 0.3), "height": about(rng, 0.12 * size * s.x_span),
+        }, _spikes, relation="outside",
+    ),
+)  # fmt: skip
