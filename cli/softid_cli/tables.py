@@ -35,7 +35,10 @@ def print_fit(result: FitResult) -> None:
     _print(f"Model: {model_text(result.model)}, {_roles(result.input, result.outputs)}")
     if result.choice:
         _print(f"Why this model: {result.choice.removeprefix(result.model.name + ': ')}")
-    _print("", _parameter_table(result.parameters, result.model), "")
+    own, by_effect = by_effects(result.parameters, result.model.effects)
+    _print("", _parameter_table(own), "")
+    for key, members in by_effect.items():
+        _print(f"Effect {key}:", "", _parameter_table(members, key), "")
     if any(OPEN in _interval_of(p) for p in result.parameters):
         _print(f"{OPEN}: no limit on this side within the bounds of the parameter", "")
     for estimate in result.parameters:
@@ -148,7 +151,7 @@ def _interval_of(p: ParameterEstimate) -> str:
     return interval(p.ci95, lower=p.lower, upper=p.upper)
 
 
-def _parameter_table(parameters: Sequence[ParameterEstimate], spec: ModelSpec) -> Table:
+def _parameter_table(parameters: Sequence[ParameterEstimate], key: str = "") -> Table:
     table = _table(
         [
             ("parameter", "left"),
@@ -158,13 +161,15 @@ def _parameter_table(parameters: Sequence[ParameterEstimate], spec: ModelSpec) -
             ("verdict", "left"),
         ]
     )
-    own, by_effect = by_effects(parameters, spec.effects)
-    for p in own:
-        table.add_row(p.name, *_estimate_cells(p))
-    for key, members in by_effect.items():
-        table.add_row(f"{key}:")
-        for p in members:
-            table.add_row(f"  {name_in_effect(p.name, key)}", *_estimate_cells(p))
+    for p in parameters:
+        verdict = f"= {p.tie}" if p.tie else p.verdict + (", at bound" if p.at_bound else "")
+        table.add_row(
+            name_in_effect(p.name, key),
+            with_error(p.value, p.stderr),
+            _interval_of(p),
+            _unit(p.unit),
+            verdict,
+        )
     return table
 
 
@@ -191,12 +196,7 @@ def name_in_effect(name: str, key: str) -> str:
     >>> name_in_effect("coulomb_friction_Fc", "coulomb_friction.stribeck"), name_in_effect("M", "x")
     ('Fc', 'M')
     """
-    return name.removeprefix(key.split(".")[0] + "_")
-
-
-def _estimate_cells(p: ParameterEstimate) -> tuple[str, ...]:
-    verdict = f"= {p.tie}" if p.tie else p.verdict + (", at bound" if p.at_bound else "")
-    return with_error(p.value, p.stderr), _interval_of(p), _unit(p.unit), verdict
+    return name.removeprefix(key.split(".")[0] + "_") if key else name
 
 
 def _score_table(statistics: Sequence[FitStatistics]) -> Table:

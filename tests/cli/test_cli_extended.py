@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -49,12 +50,15 @@ def test_tables_name_the_effects(softid: Cli, desk: Desk) -> None:
     told = softid("fit", "step_1.csv").out
     flat = " ".join(told.split())
     assert "+ delay + coulomb_friction.stribeck, pressure → angle" in flat
-    lines = told.splitlines()
-    at = lines.index("delay:")
-    starts = [line.split()[0] for line in lines[at : at + 7]]
-    assert starts == ["delay:", "tau", "coulomb_friction.stribeck:", "Fc", "vs", "beta", "vb"]
-    assert lines[at + 1].startswith("  tau ")
-    assert lines[at - 1].startswith("c2 ")
+    first, delay, friction = re.split(r"\nEffect (?:delay|coulomb_friction.stribeck):\n", told)
+    assert [first_words(part, 9)[-1] for part in (first, delay)] == ["c2", "tau"]
+    assert first_words(friction, 6)[2:] == ["Fc", "vs", "beta", "vb"]
+
+
+def first_words(text: str, count: int) -> list[str]:
+    """The first word of each line of the table in a text: its head, its rule, its rows."""
+    lines = text[text.index("parameter  ") :].split("\n\n")[0].splitlines()
+    return [line.split()[0] for line in lines][:count]
 
 
 def test_an_extended_model_predicts(softid: Cli, params: Path, recorded: Path) -> None:
