@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from softid.parameters import Parameter, ParameterSet
     from softid.quality import inspect
     from softid.readers import load
-    from softid.records import SavedModel, load_params, save_fit, save_validation
+    from softid.records import SavedModel, load_params, save_diagnosis, save_fit, save_validation
     from softid.results import FitResult, FitStatus, Simulation, Validation
     from softid.simulation import simulate
     from softid.synthesis import load_recipe, synthesize
@@ -64,6 +64,7 @@ _HOME = {
     "load": "softid.readers",
     "SavedModel": "softid.records",
     "load_params": "softid.records",
+    "save_diagnosis": "softid.records",
     "save_fit": "softid.records",
     "save_validation": "softid.records",
     "FitResult": "softid.results",
@@ -109,6 +110,7 @@ __all__ = [
     "load_recipe",
     "profile_parameter",
     "register_effect",
+    "save_diagnosis",
     "save_fit",
     "save_validation",
     "self_check",

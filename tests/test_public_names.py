@@ -23,7 +23,14 @@ VERBS = (
     "synthesize",
     "validate",
 )
-RECORDS = ("load_actuator", "load_params", "load_recipe", "save_fit", "save_validation")
+RECORDS = (
+    "load_actuator",
+    "load_params",
+    "load_recipe",
+    "save_diagnosis",
+    "save_fit",
+    "save_validation",
+)
 TYPES = (
     "Equilibrium",
     "FitResult",

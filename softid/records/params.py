@@ -87,15 +87,16 @@ def fit_document(result: FitResult) -> dict[str, Plain]:
             "correlation": to_jsonable(result.correlation),
         },
         "versions": versions(),
-        "seed": _whole(result.options.get("seed")),
+        "seed": seed_entry(result),
         "options": to_jsonable({k: v for k, v in result.options.items() if k != "seed"}),
         "issues": to_jsonable(result.issues),
         "content_sha256": fingerprint(result.model, result.values),
     }
 
 
-def _whole(seed: str | float | None) -> Plain:
-    """A seed is a whole number, but options hold floats."""
+def seed_entry(result: FitResult) -> Plain:
+    """The seed; it is a whole number, but options hold floats."""
+    seed = result.options.get("seed")
     return int(seed) if isinstance(seed, float) and seed.is_integer() else seed
 
 
