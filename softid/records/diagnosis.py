@@ -109,6 +109,7 @@ def diagnosis_document(
         "verdict": to_jsonable(diagnosis.verdict),
         "summary": diagnosis.summary,
         "causes": to_jsonable(diagnosis.causes),
+        "descriptive": to_jsonable(diagnosis.descriptive),
         "alternatives": to_jsonable(diagnosis.alternatives),
         "remainder": to_jsonable(diagnosis.remainder),
         "next_experiment": diagnosis.next_experiment,
