@@ -32,7 +32,7 @@ def effects(name: str | None, as_json: bool, quiet: bool) -> None:
     from softid.records import dump_json
 
     if name is not None and name not in EFFECTS:
-        raise _no_such_effect(name, list(EFFECTS))
+        raise no_such_effect(name, list(EFFECTS))
     if as_json:
         chosen = [EFFECTS[name]] if name else list(EFFECTS.values())
         click.echo(dump_json([describe(effect()) for effect in chosen]), nl=False)
@@ -43,7 +43,8 @@ def effects(name: str | None, as_json: bool, quiet: bool) -> None:
         print_description(EFFECTS[name](), variants)
 
 
-def _no_such_effect(name: str, known: list[str]) -> UsageError:
+def no_such_effect(name: str, known: list[str]) -> UsageError:
+    """An error that proposes the names nearest to one that is unknown."""
     close = get_close_matches(name, known, n=3, cutoff=0.5)
     close += [key for key in known if name.lower() in key and key not in close]
     remedy = f"did you mean {' or '.join(close)}? " if close else ""

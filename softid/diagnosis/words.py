@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
-from softid.diagnoses import Alternative, Cause, Evidence, Gain, Remainder, Verdict
-from softid.diagnosis.classes import classes_of, splitting_experiment
+from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
+from softid.diagnosis.classes import classes_of, splitting_experiment, why_unsplit
 from softid.effects import EFFECTS
 from softid.results import FitResult, ParameterEstimate
 
@@ -24,6 +25,34 @@ NOTABLE = 0.02
 
 MOST_VARIABLES = 2
 MOST_PARAMETERS = 3
+
+
+def worded(found: Diagnosis) -> Diagnosis:
+    """The diagnosis with its paragraph, what to record next, and why ties are ties.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers; words that it has already stay, but for the paragraph.
+    """
+    alternatives = tuple(
+        a if a.why else replace(a, why=why_unsplit(a.effects)) for a in found.alternatives
+    )
+    following = found.next_experiment or what_next(
+        found.verdict, alternatives=alternatives, remainder=found.remainder
+    )
+    summary = summarise(
+        found.verdict,
+        base=found.base,
+        causes=found.causes,
+        descriptive=found.descriptive,
+        alternatives=alternatives,
+        remainder=found.remainder,
+        gains=found.gains,
+        evidence=found.evidence,
+        next_experiment=following,
+    )
+    return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
 
 
 def summarise(

@@ -15,6 +15,7 @@ from softid.diagnosis.findings import alternatives_of, causes_of, evidence_of, g
 from softid.diagnosis.held_out import NO_WORSE, HeldOut, hold_out_blocks
 from softid.diagnosis.revision import revised
 from softid.diagnosis.scale import scale_of
+from softid.diagnosis.words import worded
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.output_error import Optimum
 from softid.identification.assembly import Identified, assemble
@@ -121,7 +122,7 @@ def diagnose(
     causes = causes_of(chain, base, after, held, rng)
     alternatives = alternatives_of(chain.links)
     named = verdict is not Verdict.UNKNOWN
-    return Diagnosis(
+    found = Diagnosis(
         verdict=verdict,
         summary="",
         base=before,
@@ -135,6 +136,7 @@ def diagnose(
         next_experiment=None,
         issues=tuple(before.issues),
     )
+    return worded(found)
 
 
 def _base(work: Work) -> Candidate:

@@ -7,7 +7,7 @@ from softid.effects.base import (
     Scale,
     StateEffect,
 )
-from softid.effects.building import model_of
+from softid.effects.building import effect_of, model_of
 from softid.effects.catalogue import EFFECTS
 from softid.effects.extended import ExtendedModel
 from softid.effects.registration import register_effect
@@ -20,6 +20,7 @@ __all__ = [
     "OutputEffect",
     "Scale",
     "StateEffect",
+    "effect_of",
     "model_of",
     "register_effect",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,12 +18,13 @@ from softid.records.params import (
     versions,
 )
 from softid.records.plain import Plain, dump_json, to_jsonable
+from softid.records.reading import known_value, recorded_plots
 from softid.records.writing import write_folder
 
 DIAGNOSIS_SCHEMA = "softid.diagnosis/1"
 RECORD = "diagnosis.json"
 BASE_PARAMS = "params.json"
-EXTENDED_PARAMS = "extended/params.json"
+EXTENDED_PARAMS = "extended_params.json"
 
 
 def save_diagnosis(
@@ -36,7 +38,7 @@ def save_diagnosis(
         What `softid.diagnose` returned.
     folder
         Target: it gets ``diagnosis.json``, ``params.json`` of the base model and, where causes were
-        found, ``extended/params.json``.
+        found, ``extended_params.json``.
     overwrite
         Whether files of those names may be replaced.
 
@@ -54,7 +56,9 @@ def save_diagnosis(
     """
     documents = diagnosis_files(diagnosis)
     files = {name: dump_json(document) for name, document in documents.items()}
-    return write_folder(Path(folder), files, overwrite=overwrite)
+    return write_folder(
+        Path(folder), files, overwrite=overwrite, superseded=superseded(Path(folder))
+    )
 
 
 def diagnosis_files(diagnosis: Diagnosis) -> dict[str, dict[str, Plain]]:
@@ -84,7 +88,32 @@ def diagnosis_files(diagnosis: Diagnosis) -> dict[str, dict[str, Plain]]:
         diagnosis = replace(diagnosis, extended=None, issues=(*diagnosis.issues, issue))
     elif extended is not None:
         models[EXTENDED_PARAMS] = fit_document(extended)
-    return {RECORD: diagnosis_document(diagnosis), **models}
+    record = diagnosis_document(diagnosis)
+    if EXTENDED_PARAMS in models:
+        record["extended_sha256"] = _sha256(dump_json(models[EXTENDED_PARAMS]))
+    return {RECORD: record, **models}
+
+
+def superseded(folder: Path) -> dict[str, str]:
+    """Files that an earlier diagnosis left in a folder and a later one makes obsolete.
+
+    Parameters
+    ----------
+    folder
+        Folder of the results; there need be none.
+
+    Returns
+    -------
+    dict
+        File name → sha256 with which it was written: the plots and the extended model.
+    """
+    known = dict(recorded_plots(folder / RECORD))
+    old = known_value(folder / RECORD, "extended_sha256")
+    return known | {EXTENDED_PARAMS: old} if isinstance(old, str) else known
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def diagnosis_document(

@@ -42,7 +42,7 @@ def test_every_verdict_is_written(tmp_path: Path, verdict: Verdict) -> None:
     document = strict(tmp_path / "out" / "diagnosis.json")
     assert document["verdict"] == verdict.value
     names = [path.relative_to(tmp_path / "out").as_posix() for path in files]
-    expected = None if verdict is Verdict.ADEQUATE else "extended/params.json"
+    expected = None if verdict is Verdict.ADEQUATE else "extended_params.json"
     assert document["extended"] == expected
     assert names == ["diagnosis.json", "params.json", *([expected] if expected else [])]
     assert document["seed"] == 7
@@ -98,7 +98,7 @@ def test_an_extended_model_that_did_not_converge_is_not_written(tmp_path: Path) 
     document = strict(tmp_path / "diagnosis.json")
     assert document["extended"] is None
     assert document["issues"][-1]["code"] == "extended-not-converged"
-    assert not (tmp_path / "extended").exists()
+    assert not (tmp_path / "extended_params.json").exists()
 
 
 def test_nothing_is_half_written(tmp_path: Path) -> None:
@@ -113,3 +113,14 @@ def test_nothing_is_half_written(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "diagnosis.json").read_bytes() == before
     save_diagnosis(diagnosis(Verdict.PARTIAL), tmp_path / "out", overwrite=True)
     assert strict(tmp_path / "out" / "diagnosis.json")["verdict"] == "partial"
+
+
+def test_a_later_result_takes_its_predecessors_model_along(tmp_path: Path) -> None:
+    """An extended model beside a record that names none would be taken for its own."""
+    save_diagnosis(diagnosis(Verdict.NAMED), tmp_path)
+    save_diagnosis(diagnosis(Verdict.ADEQUATE), tmp_path, overwrite=True)
+    assert not (tmp_path / "extended_params.json").exists()
+    save_diagnosis(diagnosis(Verdict.NAMED), tmp_path, overwrite=True)
+    (tmp_path / "extended_params.json").write_text("{}")  # somebody's own by now
+    save_diagnosis(diagnosis(Verdict.ADEQUATE), tmp_path, overwrite=True)
+    assert (tmp_path / "extended_params.json").read_text() == "{}"
