@@ -6,6 +6,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from softid.diagnoses import Diagnosis
+    from softid.diagnosis import diagnose
     from softid.effects import register_effect
     from softid.errors import (
         IdentificationError,
@@ -38,6 +40,8 @@ if TYPE_CHECKING:
     from softid.validation import self_check, validate
 
 _HOME = {
+    "Diagnosis": "softid.diagnoses",
+    "diagnose": "softid.diagnosis",
     "register_effect": "softid.effects",
     "IdentificationError": "softid.errors",
     "InputError": "softid.errors",
@@ -80,6 +84,7 @@ _HOME = {
 
 __all__ = [
     "MODELS",
+    "Diagnosis",
     "Equilibrium",
     "FitResult",
     "FitStatus",
@@ -102,6 +107,7 @@ __all__ = [
     "UsageError",
     "Validation",
     "Yeoh",
+    "diagnose",
     "fit",
     "inspect",
     "load",

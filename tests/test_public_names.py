@@ -13,6 +13,7 @@ import softid
 ROOT = Path(__file__).resolve().parents[1]
 
 VERBS = (
+    "diagnose",
     "fit",
     "inspect",
     "load",
@@ -32,6 +33,7 @@ RECORDS = (
     "save_validation",
 )
 TYPES = (
+    "Diagnosis",
     "Equilibrium",
     "FitResult",
     "FitStatus",

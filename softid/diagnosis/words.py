@@ -186,8 +186,7 @@ def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
     told = [
         "None of the effects tried explains more of it than chance would.",
         f"What is left, {left} rms on the fitted samples, looks like {noise}: "
-        f"{_share(remainder.structure_share)} of its power follows from the motion, where chance "
-        f"reaches {_share(remainder.structure_limit)}.",
+        f"{_structure(remainder)}.",
     ]
     if not remainder.noise_from_rest:
         told.append("No long rest shows the noise alone, so a slow misfit could hide in it.")
@@ -216,15 +215,19 @@ def _partial(teller: _Teller, remainder: Remainder) -> list[str]:
 def _left(teller: _Teller, remainder: Remainder) -> str:
     named = _variables(remainder)
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
-    if remainder.structure_share > remainder.structure_limit:
-        told += (
-            f"is not noise: {_share(remainder.structure_share)} of its power follows from the "
-            f"motion, where chance reaches {_share(remainder.structure_limit)}"
-        )
+    if remainder.structure_share > max(remainder.structure_limit, NOTABLE):
+        told += f"is not noise: {_structure(remainder)}"
     else:
         told += "is larger than the noise, but follows from no variable that was looked at"
         named = []
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
+
+
+def _structure(remainder: Remainder) -> str:
+    share, limit = _share(remainder.structure_share), _share(max(remainder.structure_limit, 0.0))
+    if remainder.structure_share <= max(remainder.structure_limit, 0.0):
+        return "no more of it follows from the motion than chance would make of noise"
+    return f"{share} of its power follows from the motion, where chance reaches {limit}"
 
 
 def _explained(
@@ -273,21 +276,17 @@ def _evidence(
             f", and the held-out error goes from {teller.size(errors[0])} to "
             f"{teller.size(errors[1])}"
         )
-    excluded = {cause.effect, *(tie.effects if tie else ())}
-    rivals = [
-        (e.delta_bic, e.effect)
-        for e in evidence
-        if e.round == number
-        and e.effect
-        and e.delta_bic is not None
-        and e.effect.split(".")[0] not in excluded
-    ]
+    tied = {cause.effect, *(tie.effects if tie else ())}
+    raced = [e for e in evidence if e.round == number and e.effect.split(".")[0] not in tied]
+    rivals = [(e.delta_bic, e.effect) for e in raced if e.effect and e.delta_bic is not None]
     if rivals:
         delta, key = max(rivals)
         told += f"; the next best, {_title(key)}, stays {cause.delta_bic - delta:.0f} behind"
-    confused = [] if tie else [n for n in _neighbours(cause.effect) if n not in excluded]
+    confused = [] if tie else _neighbours(cause.effect)
     if confused:
-        told += f". It is easily confused with {_listed([_title(n) for n in confused])}"
+        known = {e.effect for e in raced}
+        also = ", which explain these logs less well" if known.issuperset(confused) else ""
+        told += f". It is easily confused with {_listed([_title(n) for n in confused])}{also}"
     return told + "."
 
 
