@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from softid.diagnosis.candidates import COARSE, Candidate, advance, prior_about
+from softid.diagnosis.candidates import Candidate, advance, prior_about
 from softid.diagnosis.screening import Signature, screen
 from softid.diagnosis.search import Ranked, race, rank
 from softid.effects.base import Effect, Scale
@@ -202,9 +202,9 @@ def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:
 def unwhitened(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
     """The candidate at its optimum for white noise, from which the next round starts."""
     at_truth = replace(candidate.prior, weight=np.zeros_like(candidate.prior.weight))
-    plain = advance(replace(candidate, whitener=None, prior=at_truth), sigma, 1, substeps=COARSE)
+    plain = advance(replace(candidate, whitener=None, prior=at_truth), sigma, 1)
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     prior = prior_about(
         candidate.problem, plain.minimum.point, candidate.problem.free, plain.squares / n
     )
-    return advance(replace(plain, prior=prior), sigma, UNWHITENING, substeps=COARSE)
+    return advance(replace(plain, prior=prior), sigma, UNWHITENING)

@@ -27,8 +27,9 @@ DRAWS = 999
 BOOTSTRAP_BLOCKS = 24
 """Blocks into which held-out samples fall for the interval of the gain."""
 
-NO_WORSE = 1.02
-"""A held-out error counts as no worse up to a fiftieth above the other."""
+NO_WORSE, BETTER = 1.02, 0.998
+"""A held-out error counts as no worse than another up to a fiftieth above it, and as better from
+two thousandths below it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.candidates import COARSE, Candidate, advance, extend, prior_about
+from softid.diagnosis.candidates import Candidate, advance, extend, prior_about
 from softid.diagnosis.chain import Chain, Link, next_link, pays, unwhitened
 from softid.effects.base import Effect, Scale
 
@@ -75,4 +75,4 @@ def _without(
     prior = prior_about(problem, z, problem.free, now.squares / n)
     placed = replace(now.minimum, point=z)
     candidate = Candidate(tuple(others), problem, placed, prior)
-    return advance(candidate, sigma, WITHOUT_LAP, substeps=COARSE)
+    return advance(candidate, sigma, WITHOUT_LAP)

@@ -12,17 +12,19 @@ from softid.diagnosis.assessment import assess, verdict_of
 from softid.diagnosis.candidates import Candidate, advance, catalogue, prior_about
 from softid.diagnosis.chain import find_chain
 from softid.diagnosis.findings import alternatives_of, causes_of, evidence_of, gains_of
-from softid.diagnosis.held_out import NO_WORSE, HeldOut, hold_out_blocks
+from softid.diagnosis.held_out import BETTER, NO_WORSE, HeldOut, hold_out_blocks
 from softid.diagnosis.revision import revised
 from softid.diagnosis.scale import scale_of
 from softid.diagnosis.words import worded
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.output_error import Optimum
+from softid.fitters.problem import Problem
 from softid.identification.assembly import Identified, assemble
 from softid.identification.preparation import as_log_set
 from softid.identification.wishes import Wishes
 from softid.identification.workflow import Work, identify
 from softid.log import Log
+from softid.models import MODELS
 from softid.models.base import Model
 from softid.parameters import ParameterSet
 from softid.results import FitResult, FitStatus
@@ -31,6 +33,10 @@ if TYPE_CHECKING:
     import lmfit
 
 Progress = Callable[[str, float], None]
+
+RESTORING_LAP = 15
+HIDDEN_PERIODS = 0.1
+"""A restored term dies out within a tenth of the sampling interval."""
 
 
 def diagnose(
@@ -98,15 +104,16 @@ def diagnose(
     sigma = dict(work.found.optimum.sigma)
     considered = catalogue(effects)
 
-    def no_worse(before: Candidate, after: Candidate) -> bool:
-        return held.rms(after) <= NO_WORSE * held.rms(before)
+    def holds(before: Candidate, after: Candidate) -> bool:
+        limit = BETTER if before.effects else NO_WORSE
+        return held.rms(after) <= limit * held.rms(before)
 
     chain = find_chain(
         base,
         considered,
         scale,
         sigma,
-        holds=no_worse,
+        holds=holds,
         report=lambda message, fraction: report(message, 0.3 + 0.4 * fraction),
     )
     if len(chain.links) > 1:
@@ -140,14 +147,52 @@ def diagnose(
 
 
 def _base(work: Work) -> Candidate:
-    """The base fit as the candidate without effects."""
-    problem, optimum = work.found.problem, work.found.optimum
+    """The base fit as the candidate without effects, with every term that its limit had dropped.
+
+    A term that cannot be seen behind a misfit may be seen once its cause is in the model: without
+    it another effect would take its place.
+    """
+    optimum = work.found.optimum
+    problem, z = _whole_problem(work), optimum.unknowns
+    if problem is not work.found.problem:
+        z = problem.unknowns(_whole_values(work, problem))
     size = problem.size
-    empty = Normal(optimum.unknowns, optimum.cost, np.zeros(size), np.eye(size), problem.n_samples)
+    empty = Normal(z, optimum.cost, np.zeros(size), np.eye(size), problem.n_samples)
     variance = 2.0 * optimum.cost / max(problem.n_samples - size, 1)
-    prior = prior_about(problem, optimum.unknowns, problem.free, variance)
-    placed = Minimum(optimum.unknowns, empty, 0, 0.0)
-    return advance(Candidate((), problem, placed, prior), dict(optimum.sigma), 1)
+    prior = prior_about(problem, z, problem.free, variance)
+    candidate = Candidate((), problem, Minimum(z, empty, 0, 0.0), prior)
+    return advance(
+        candidate, dict(optimum.sigma), RESTORING_LAP if z is not optimum.unknowns else 1
+    )
+
+
+def _whole_problem(work: Work) -> Problem:
+    """The problem of the model of full order."""
+    problem = work.found.problem
+    options = dict(problem.model.spec().options)
+    if options.get("order") not in ("first", "static"):
+        return problem
+    whole: Model = MODELS[problem.model.name](**(options | {"order": "second"}))
+    return Problem(whole, work.found.wishes.over(whole.parameters()), work.logs.logs)
+
+
+def _whole_values(work: Work, problem: Problem) -> dict[str, float]:
+    """Fitted values, with a restored term as large as it may be without being seen."""
+    fitted = work.found.problem
+    theta = fitted.theta(work.found.optimum.unknowns)
+    values = dict(zip(fitted.parameters.names, theta.tolist(), strict=True))
+    law = fitted.model.motion_law(theta)
+    if law is None:
+        return values
+    u = np.concatenate([segment.input for segment in problem.segments])
+    damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
+    hidden_s = HIDDEN_PERIODS * float(np.median([log.period_s for log in work.logs]))
+    slow = damping if damping > 0.0 else hidden_s * stiffness
+    restored = {"M": hidden_s * slow, "N": slow, "c2": slow, "a2": 0.1 * slow}
+    for name in problem.free:
+        if values.get(name, 0.0) == 0.0 and name in restored:
+            values[name] = restored[name]
+    return values
 
 
 def _fit_of(final: Candidate, work: Work, seed: int) -> FitResult:
