@@ -162,7 +162,7 @@ def why_unsplit(effects: Sequence[str]) -> str:
     Examples
     --------
     >>> print(why_unsplit(["delay", "pneumatic_lag"]).split(". ")[1])
-    A chirp from slow to fast would tell them apart best
+    A chirp from slow to fast would tell them apart best.
     """
     sentences = ["After a refit of all other parameters they explain these logs equally well"]
     split = splitting_experiment(effects)

@@ -9,6 +9,7 @@ from dataclasses import replace
 from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
 from softid.diagnosis.classes import classes_of, splitting_experiment, why_unsplit
 from softid.effects import EFFECTS
+from softid.errors import Issue
 from softid.results import FitResult, ParameterEstimate
 
 VARIABLES = {
@@ -53,6 +54,28 @@ def worded(found: Diagnosis) -> Diagnosis:
         next_experiment=following,
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
+
+
+def restriction(effects: Sequence[str]) -> tuple[Issue, ...]:
+    """What a search among some effects cannot say; nothing for the whole catalogue.
+
+    Parameters
+    ----------
+    effects
+        Keys of the effects that were considered; empty for all.
+    """
+    left_out = [key for key in EFFECTS if effects and key not in effects]
+    if not left_out:
+        return ()
+    return (
+        Issue(
+            "few-effects",
+            "warning",
+            f"only {_listed(list(effects))} {'was' if len(effects) == 1 else 'were'} considered: "
+            "another effect may explain the logs as well or better",
+            "diagnose again without --effects",
+        ),
+    )
 
 
 def summarise(

@@ -15,7 +15,7 @@ from softid.diagnosis.findings import alternatives_of, causes_of, evidence_of, g
 from softid.diagnosis.held_out import BETTER, NO_WORSE, HeldOut, hold_out_blocks
 from softid.diagnosis.revision import revised
 from softid.diagnosis.scale import scale_of
-from softid.diagnosis.words import worded
+from softid.diagnosis.words import restriction, worded
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
@@ -141,7 +141,7 @@ def diagnose(
         gains=gains_of(base, chain.final, held, before),
         evidence=evidence_of(chain),
         next_experiment=None,
-        issues=tuple(before.issues),
+        issues=(*before.issues, *restriction(effects)),
     )
     return worded(found)
 

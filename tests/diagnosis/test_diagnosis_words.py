@@ -8,7 +8,8 @@ import pytest
 from handmade_diagnosis import DELAY, FRICTION, diagnosis, odd_diagnosis
 
 from softid.diagnoses import Diagnosis, Verdict
-from softid.diagnosis.words import summarise, what_next
+from softid.diagnosis.words import restriction, summarise, what_next
+from softid.effects import EFFECTS
 
 
 def told(found: Diagnosis) -> str:
@@ -140,3 +141,12 @@ def test_what_next_follows_the_verdict() -> None:
     asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=unseen)
     assert asked is not None
     assert "once slowly and once fast, with a rest of 30 s" in asked
+
+
+def test_a_search_among_few_effects_says_so() -> None:
+    """A name found among three effects is no name found among all."""
+    assert restriction(()) == ()
+    assert restriction(tuple(EFFECTS)) == ()
+    (issue,) = restriction(("delay", "creep"))
+    assert issue.message.startswith("only delay and creep were considered")
+    assert issue.remedy
