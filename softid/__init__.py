@@ -6,6 +6,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from softid.diagnoses import Diagnosis
+    from softid.diagnosis import diagnose
+    from softid.effects import register_effect
     from softid.errors import (
         IdentificationError,
         InputError,
@@ -30,13 +33,16 @@ if TYPE_CHECKING:
     from softid.parameters import Parameter, ParameterSet
     from softid.quality import inspect
     from softid.readers import load
-    from softid.records import SavedModel, load_params, save_fit, save_validation
+    from softid.records import SavedModel, load_params, save_diagnosis, save_fit, save_validation
     from softid.results import FitResult, FitStatus, Simulation, Validation
     from softid.simulation import simulate
     from softid.synthesis import load_recipe, synthesize
     from softid.validation import self_check, validate
 
 _HOME = {
+    "Diagnosis": "softid.diagnoses",
+    "diagnose": "softid.diagnosis",
+    "register_effect": "softid.effects",
     "IdentificationError": "softid.errors",
     "InputError": "softid.errors",
     "Issue": "softid.errors",
@@ -62,6 +68,7 @@ _HOME = {
     "load": "softid.readers",
     "SavedModel": "softid.records",
     "load_params": "softid.records",
+    "save_diagnosis": "softid.records",
     "save_fit": "softid.records",
     "save_validation": "softid.records",
     "FitResult": "softid.results",
@@ -77,6 +84,7 @@ _HOME = {
 
 __all__ = [
     "MODELS",
+    "Diagnosis",
     "Equilibrium",
     "FitResult",
     "FitStatus",
@@ -99,6 +107,7 @@ __all__ = [
     "UsageError",
     "Validation",
     "Yeoh",
+    "diagnose",
     "fit",
     "inspect",
     "load",
@@ -106,6 +115,8 @@ __all__ = [
     "load_params",
     "load_recipe",
     "profile_parameter",
+    "register_effect",
+    "save_diagnosis",
     "save_fit",
     "save_validation",
     "self_check",

@@ -13,17 +13,27 @@ import softid
 ROOT = Path(__file__).resolve().parents[1]
 
 VERBS = (
+    "diagnose",
     "fit",
     "inspect",
     "load",
     "profile_parameter",
+    "register_effect",
     "self_check",
     "simulate",
     "synthesize",
     "validate",
 )
-RECORDS = ("load_actuator", "load_params", "load_recipe", "save_fit", "save_validation")
+RECORDS = (
+    "load_actuator",
+    "load_params",
+    "load_recipe",
+    "save_diagnosis",
+    "save_fit",
+    "save_validation",
+)
 TYPES = (
+    "Diagnosis",
     "Equilibrium",
     "FitResult",
     "FitStatus",

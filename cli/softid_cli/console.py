@@ -199,7 +199,7 @@ def _told(error: BaseException) -> tuple[str, int]:
     if isinstance(error, click.ClickException):
         return f"error: {_lowered(_one_line(error.format_message()))}", error.exit_code
     if isinstance(error, KeyboardInterrupt | click.Abort):
-        return "interrupted.", INTERRUPTED
+        return f"interrupted: {error}." if str(error) else "interrupted.", INTERRUPTED
     if isinstance(error, BrokenPipeError):
         return "", BROKEN_PIPE
     if isinstance(error, MemoryError):

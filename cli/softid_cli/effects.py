@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from softid.errors import UsageError
-from softid_cli.options import json_option
+from softid_cli.options import json_option, quiet_option
 
 if TYPE_CHECKING:
     from softid.effects import Effect, Scale
@@ -24,13 +24,15 @@ EXAMPLE = "a log of 60 s at 100 Hz, 0 to 200 kPa, 0 to 90 deg (0 to 1.5 rad)"
 @click.command()
 @click.argument("name", required=False)
 @json_option
-def effects(name: str | None, as_json: bool) -> None:
+@quiet_option
+def effects(name: str | None, as_json: bool, quiet: bool) -> None:
     """List the physical effects, or explain the one called NAME."""
+    del quiet  # there is nothing on stderr to silence
     from softid.effects import EFFECTS
     from softid.records import dump_json
 
     if name is not None and name not in EFFECTS:
-        raise _no_such_effect(name, list(EFFECTS))
+        raise no_such_effect(name, list(EFFECTS))
     if as_json:
         chosen = [EFFECTS[name]] if name else list(EFFECTS.values())
         click.echo(dump_json([describe(effect()) for effect in chosen]), nl=False)
@@ -41,7 +43,8 @@ def effects(name: str | None, as_json: bool) -> None:
         print_description(EFFECTS[name](), variants)
 
 
-def _no_such_effect(name: str, known: list[str]) -> UsageError:
+def no_such_effect(name: str, known: list[str]) -> UsageError:
+    """An error that proposes the names nearest to one that is unknown."""
     close = get_close_matches(name, known, n=3, cutoff=0.5)
     close += [key for key in known if name.lower() in key and key not in close]
     remedy = f"did you mean {' or '.join(close)}? " if close else ""
@@ -52,24 +55,9 @@ def _no_such_effect(name: str, known: list[str]) -> UsageError:
 
 def example_scale() -> Scale:
     """Sizes of an ordinary log, for bounds that depend on them."""
-    from softid.effects import Scale
+    from softid.effects.registration import EXAMPLE as ORDINARY_LOG
 
-    return Scale(
-        u_low=0.0,
-        u_high=200.0,
-        x_low=0.0,
-        x_high=1.5,
-        v_max=3.0,
-        force=1.0,
-        y_low=0.0,
-        y_high=90.0,
-        period_s=0.01,
-        duration_s=60.0,
-        motion_s=0.5,
-        travel=50.0,
-        x_unit="rad",
-        y_unit="deg",
-    )
+    return ORDINARY_LOG
 
 
 def describe(effect: Effect) -> dict[str, Any]:

@@ -9,25 +9,26 @@ from typing import TYPE_CHECKING
 
 import click
 
-from softid.errors import IdentificationError, OutputError, UsageError
+from softid.errors import IdentificationError, UsageError
 from softid_cli.console import announce_compilation, progress
 from softid_cli.model_options import (
     chosen_model,
     chosen_parameters,
     described_models,
     require_parameters,
+    shape_options,
 )
 from softid_cli.options import (
     FILE,
     GreedyCommand,
     json_option,
-    length_mm,
     load_logs,
     log_options,
     out_options,
     quiet_option,
 )
 from softid_cli.profiles import print_profiles, profile_entries, profile_figures, profiled
+from softid_cli.results_folder import free_folder, refuse_old_results
 
 if TYPE_CHECKING:
     from softid.log import Log
@@ -91,32 +92,7 @@ class FitRequest:
     help="Compute a parameter from others, such as a2=0.1*c2; may be repeated.",
 )
 @log_options
-@click.option(
-    "--damping",
-    type=click.Choice(["constant", "exponential"]),
-    help="Damping of the muscle model.",
-)
-@click.option(
-    "--fixed-length",
-    callback=length_mm,
-    metavar="MM",
-    help="Fixed length of the muscle's arc geometry.",
-)
-@click.option(
-    "--diameter", callback=length_mm, metavar="MM", help="Diameter of the muscle's arc geometry."
-)
-@click.option(
-    "--geometry",
-    type=FILE,
-    metavar="FILE.toml",
-    help="Geometry of the equilibrium model.",
-)
-@click.option(
-    "--option",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Other option of the model, such as order=first; may be repeated.",
-)
+@shape_options
 @click.option(
     "--profile",
     multiple=True,
@@ -207,7 +183,7 @@ def identify(request: FitRequest) -> None:
             if request.hold_out
             else "name at least one log",
         )
-    _refuse_old_results(request)
+    refuse_old_results(request.out, PARAMS, force=request.force)
     model = chosen_model(
         request.model,
         damping=request.damping,
@@ -267,7 +243,7 @@ def _deliver(
 
         plots = drawn(result) | profile_figures(result, profiles)
         document |= {"plots": dict(plot_fingerprints(plots))}
-    folder = request.out or _free_folder(RESULTS / first.name.replace("/", "_"))
+    folder = request.out or free_folder(RESULTS / first.name.replace("/", "_"))
     written = write_folder(
         folder,
         {PARAMS: dump_json(document), **plots},
@@ -282,28 +258,3 @@ def _deliver(
         print_fit(result)
         print_profiles(result, profiles)
         print_files(folder, [p.name for p in written])
-
-
-def _refuse_old_results(request: FitRequest) -> None:
-    """Say before the work, not after it, that the results would have no place."""
-    if request.out is not None and request.out.is_file():
-        raise OutputError(
-            "this is a file, not a folder",
-            where=str(request.out),
-            remedy="name another folder with --out",
-        )
-    if request.out is not None and (request.out / PARAMS).exists() and not request.force:
-        raise OutputError(
-            "the folder holds results already",
-            where=str(request.out),
-            remedy="say --force to replace them, or name another folder with --out",
-        )
-
-
-def _free_folder(wanted: Path) -> Path:
-    """The folder, or the first of ``-2``, ``-3``, … that does not exist."""
-    folder, number = wanted, 1
-    while folder.exists():
-        number += 1
-        folder = wanted.with_name(f"{wanted.name}-{number}")
-    return folder

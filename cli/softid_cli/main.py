@@ -21,6 +21,10 @@ from softid_cli.console import (
 COMMANDS: dict[str, tuple[str, str]] = {
     "inspect": ("softid_cli.inspect", "Say what is in a log and what can be identified from it."),
     "fit": ("softid_cli.fit", "Identify a model from logs: parameters with errors, plots."),
+    "diagnose": (
+        "softid_cli.diagnose",
+        "Say what a simulation gets wrong, name the cause, measure the gain.",
+    ),
     "validate": (
         "softid_cli.validate",
         "Score a fitted model on other logs, or check softid itself.",
@@ -112,7 +116,8 @@ def run(arguments: Sequence[str]) -> int:
             code = ended.exit_code
         sys.stdout.flush()
     except (Exception, KeyboardInterrupt) as met:  # noqa: BLE001 - the last line of defence
-        error = KeyboardInterrupt() if was_interrupted() else met
+        pressed = was_interrupted() and not isinstance(met, KeyboardInterrupt)
+        error = KeyboardInterrupt() if pressed else met
         debug = context is not None and bool(context.params.get("debug"))
         return report_failure(error, debug=debug)
     return code

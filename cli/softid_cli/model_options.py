@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+import click
 
 from softid.errors import UsageError
-from softid_cli.options import assignments
+from softid_cli.options import FILE, assignments, length_mm
 
 if TYPE_CHECKING:
     from softid.models.base import Model
     from softid.parameters import Parameter, ParameterSet
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 GEOMETRY_MODEL = "equilibrium"
 """The model that a geometry file describes."""
@@ -23,6 +28,45 @@ _FLAGS = {
     "fixed_length_mm": "--fixed-length",
     "diameter_mm": "--diameter",
 }
+
+
+def shape_options(command: Callable[P, R]) -> Callable[P, R]:
+    """Add ``--damping``, the geometry and ``--option`` (keywords as in `chosen_model`, option)."""
+    for add in reversed(
+        (
+            click.option(
+                "--damping",
+                type=click.Choice(["constant", "exponential"]),
+                help="Damping of the muscle model.",
+            ),
+            click.option(
+                "--fixed-length",
+                callback=length_mm,
+                metavar="MM",
+                help="Fixed length of the muscle's arc geometry.",
+            ),
+            click.option(
+                "--diameter",
+                callback=length_mm,
+                metavar="MM",
+                help="Diameter of the muscle's arc geometry.",
+            ),
+            click.option(
+                "--geometry",
+                type=FILE,
+                metavar="FILE.toml",
+                help="Geometry of the equilibrium model.",
+            ),
+            click.option(
+                "--option",
+                multiple=True,
+                metavar="NAME=VALUE",
+                help="Other option of the model, such as order=first; may be repeated.",
+            ),
+        )
+    ):
+        command = add(command)
+    return command
 
 
 def chosen_model(

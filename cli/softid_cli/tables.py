@@ -35,7 +35,10 @@ def print_fit(result: FitResult) -> None:
     _print(f"Model: {model_text(result.model)}, {_roles(result.input, result.outputs)}")
     if result.choice:
         _print(f"Why this model: {result.choice.removeprefix(result.model.name + ': ')}")
-    _print("", _parameter_table(result.parameters), "")
+    own, by_effect = by_effects(result.parameters, result.model.effects)
+    _print("", _parameter_table(own), "")
+    for key, members in by_effect.items():
+        _print(f"Effect {key}:", "", _parameter_table(members, key), "")
     if any(OPEN in _interval_of(p) for p in result.parameters):
         _print(f"{OPEN}: no limit on this side within the bounds of the parameter", "")
     for estimate in result.parameters:
@@ -89,7 +92,7 @@ def print_text(text: str) -> None:
 
 
 def model_text(spec: ModelSpec) -> str:
-    """Model and the options that were set, for people."""
+    """Model, the options that were set, and its effects, for people."""
     options = [
         f"{name.removesuffix('_mm').replace('_', ' ')} {value:g} mm"
         if name.endswith("_mm") and isinstance(value, float | int)
@@ -99,7 +102,8 @@ def model_text(spec: ModelSpec) -> str:
         for name, value in spec.options.items()
         if value is not None and value is not False and not name.endswith("_unit")
     ]
-    return f"{spec.name} ({', '.join(options)})" if options else spec.name
+    base = f"{spec.name} ({', '.join(options)})" if options else spec.name
+    return " + ".join((base, *spec.effects))
 
 
 def with_error(value: float, stderr: float | None) -> str:
@@ -147,7 +151,7 @@ def _interval_of(p: ParameterEstimate) -> str:
     return interval(p.ci95, lower=p.lower, upper=p.upper)
 
 
-def _parameter_table(parameters: Sequence[ParameterEstimate]) -> Table:
+def _parameter_table(parameters: Sequence[ParameterEstimate], key: str = "") -> Table:
     table = _table(
         [
             ("parameter", "left"),
@@ -160,13 +164,39 @@ def _parameter_table(parameters: Sequence[ParameterEstimate]) -> Table:
     for p in parameters:
         verdict = f"= {p.tie}" if p.tie else p.verdict + (", at bound" if p.at_bound else "")
         table.add_row(
-            p.name,
+            name_in_effect(p.name, key),
             with_error(p.value, p.stderr),
             _interval_of(p),
             _unit(p.unit),
             verdict,
         )
     return table
+
+
+def by_effects(
+    parameters: Sequence[ParameterEstimate], keys: Sequence[str]
+) -> tuple[list[ParameterEstimate], dict[str, list[ParameterEstimate]]]:
+    """The model's own parameters, and those of each effect under its key."""
+    groups: dict[str, list[ParameterEstimate]] = {key: [] for key in keys}
+    own = []
+    for p in parameters:
+        owners = [key for key in keys if name_in_effect(p.name, key) != p.name]
+        if owners:
+            groups[max(owners, key=len)].append(p)
+        else:
+            own.append(p)
+    return own, groups
+
+
+def name_in_effect(name: str, key: str) -> str:
+    """The name of a parameter within its effect; the whole name if it is not the effect's.
+
+    Examples
+    --------
+    >>> name_in_effect("coulomb_friction_Fc", "coulomb_friction.stribeck"), name_in_effect("M", "x")
+    ('Fc', 'M')
+    """
+    return name.removeprefix(key.split(".")[0] + "_") if key else name
 
 
 def _score_table(statistics: Sequence[FitStatistics]) -> Table:

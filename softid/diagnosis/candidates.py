@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.whitening import Whitener
-from softid.effects import EFFECTS
+from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect, Scale
 from softid.effects.extended import ExtendedModel, extended_name
 from softid.effects.motion import divided
@@ -324,4 +324,4 @@ def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Divi
 
 def catalogue(names: Sequence[str] = ()) -> tuple[Effect, ...]:
     """The effects of the table, or those named."""
-    return tuple(EFFECTS[name]() for name in (names or EFFECTS))
+    return tuple(effect_of(name) for name in (names or EFFECTS))

@@ -16,6 +16,7 @@ from softid.diagnosis.held_out import BETTER, NO_WORSE, HeldOut, hold_out_blocks
 from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.revision import revised
 from softid.diagnosis.scale import scale_of
+from softid.diagnosis.words import restriction, worded
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
@@ -130,7 +131,7 @@ def diagnose(
     causes = causes_of(chain, base, after, held, rng)
     alternatives = alternatives_of(chain.links)
     named = verdict is not Verdict.UNKNOWN
-    return Diagnosis(
+    found = Diagnosis(
         verdict=verdict,
         summary="",
         base=before,
@@ -142,8 +143,9 @@ def diagnose(
         gains=gains_of(base, chain.final, held, before),
         evidence=evidence_of(chain),
         next_experiment=None,
-        issues=tuple(before.issues),
+        issues=(*before.issues, *restriction(effects)),
     )
+    return worded(found)
 
 
 def _base(work: Work) -> Candidate:

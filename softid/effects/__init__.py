@@ -1,7 +1,5 @@
-"""The effects, by key. A new effect is one file and one line in a table of its stage."""
+"""The effects, by key. A new effect is one file and one line in `softid.effects.catalogue`."""
 
-from softid.effects.ageing import Ageing
-from softid.effects.asymmetric_damping import AsymmetricDamping
 from softid.effects.base import (
     Effect,
     InputEffect,
@@ -9,63 +7,10 @@ from softid.effects.base import (
     Scale,
     StateEffect,
 )
-from softid.effects.clock_rate import ClockRate
-from softid.effects.contact import Contact
-from softid.effects.coulomb_friction import CoulombFriction, StribeckFriction
-from softid.effects.creep import Creep
-from softid.effects.dead_zone import DeadZone
-from softid.effects.delay import Delay
+from softid.effects.building import effect_of, model_of
+from softid.effects.catalogue import EFFECTS
 from softid.effects.extended import ExtendedModel
-from softid.effects.hysteresis import Hysteresis
-from softid.effects.line_resonance import LineResonance
-from softid.effects.pneumatic_lag import PneumaticLag, SeparatePneumaticLag
-from softid.effects.pressure_mass import PressureMass
-from softid.effects.quadratic_damping import QuadraticDamping
-from softid.effects.sensor_clipping import (
-    BothSensorClipping,
-    LowerSensorClipping,
-    SensorClipping,
-)
-from softid.effects.sensor_drift import SensorDrift
-from softid.effects.sensor_lag import SensorLag
-from softid.effects.sensor_warmup import SensorWarmup
-from softid.effects.softening import Softening
-from softid.effects.static_curve import StaticCurve
-from softid.effects.stiffening import Stiffening
-from softid.effects.valve_flow import ValveFlow
-
-INPUT: tuple[type[Effect], ...] = (
-    Delay,
-    PneumaticLag,
-    SeparatePneumaticLag,
-    LineResonance,
-    ValveFlow,
-    DeadZone,
-)
-STATE: tuple[type[Effect], ...] = (
-    StaticCurve,
-    Stiffening,
-    Contact,
-    QuadraticDamping,
-    AsymmetricDamping,
-    CoulombFriction,
-    StribeckFriction,
-    Hysteresis,
-    Creep,
-    Softening,
-    Ageing,
-    PressureMass,
-)
-OUTPUT: tuple[type[Effect], ...] = (
-    SensorDrift,
-    SensorWarmup,
-    SensorLag,
-    SensorClipping,
-    LowerSensorClipping,
-    BothSensorClipping,
-    ClockRate,
-)
-EFFECTS: dict[str, type[Effect]] = {effect().key: effect for effect in (*INPUT, *STATE, *OUTPUT)}
+from softid.effects.registration import register_effect
 
 __all__ = [
     "EFFECTS",
@@ -75,4 +20,7 @@ __all__ = [
     "OutputEffect",
     "Scale",
     "StateEffect",
+    "effect_of",
+    "model_of",
+    "register_effect",
 ]

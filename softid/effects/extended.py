@@ -102,6 +102,17 @@ class ExtendedModel(Model):
         ]
         return ParameterSet((*self.model.parameters().values(), *added))
 
+    def adapted(self, units: Mapping[str, str], *, inverted: bool = False) -> ExtendedModel:
+        """The model, and the scale of its effects, with the units of the logs."""
+        base = self.model.adapted(units, inverted=inverted)
+        scale = replace(
+            self.scale,
+            u_unit=units["input"],
+            x_unit=str(getattr(base, "x_unit", self.scale.x_unit)),
+            y_unit=next(unit for name, unit in units.items() if name != "input"),
+        )
+        return replace(self, model=base, scale=scale)
+
     def guess(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
         """The model's own starts with the effects at moderate size."""
         declared = self.parameters()

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from softid.models import MODELS
+from softid.effects import model_of
 from softid.models.base import Model
 
 LEVELS = 9
@@ -62,7 +63,7 @@ def _aliased(
     shown_hz = 0.5 / period_s
     if slowest_hz <= shown_hz:
         return None
-    limit: Model = MODELS[spec.name](**(dict(spec.options) | {"order": "first"}))
+    limit = model_of(replace(spec, options=dict(spec.options) | {"order": "first"}))
     return limit, (
         f"the motion would swing at {slowest_hz:.2g} Hz, and more than {shown_hz:.2g} Hz cannot be "
         "seen at this sampling interval"

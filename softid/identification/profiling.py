@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from softid.effects import model_of
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
@@ -14,7 +15,6 @@ from softid.fitters.problem import Problem
 from softid.identification.errors_of_fit import errors_of
 from softid.identification.preparation import as_log_set
 from softid.log import Log
-from softid.models import MODELS
 from softid.parameters import ParameterSet
 from softid.results import FitResult
 from softid.uncertainty.profile import ProfileResult, profile
@@ -52,7 +52,7 @@ def profile_parameter(
         The parameter does not change the response at all.
     """
     log_set = as_log_set(logs)
-    model = MODELS[result.model.name](**result.model.options)
+    model = model_of(result.model)
     parameters = _as_fitted(model.parameters(), result)
     if name not in parameters.free:
         raise UsageError(

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
+from softid.effects import model_of
 from softid.errors import InputError
-from softid.models import MODELS
 from softid.models.base import Model
 from softid.plots.branches import draw_branches, rising_samples
 from softid.plots.canvas import Display, listed
@@ -320,7 +320,7 @@ def draw_all(result: FitResult | Validation) -> Iterator[tuple[str, Figure]]:
         yield file_name(name, taken), draw_response(simulation, score, fitted_range=ranges)
     if fit is None or not fit.simulations:
         return
-    model: Model = MODELS[fit.model.name](**fit.model.options)
+    model = model_of(fit.model)
     for output in fit.outputs:
         pairs = tuple(pair for pair in scored(fit) if pair[1].channel == output)
         for kind, draw in PER_OUTPUT.items():

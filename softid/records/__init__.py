@@ -1,5 +1,6 @@
 """Results to files and back: validated JSON, atomic writes, a simulation as CSV."""
 
+from softid.records.diagnosis import diagnosis_files, save_diagnosis
 from softid.records.params import fit_document, save_fit
 from softid.records.plain import dump_json, to_jsonable
 from softid.records.reading import plot_fingerprints, recorded_plots
@@ -10,11 +11,13 @@ from softid.records.writing import write_atomic, write_folder
 
 __all__ = [
     "SavedModel",
+    "diagnosis_files",
     "dump_json",
     "fit_document",
     "load_params",
     "plot_fingerprints",
     "recorded_plots",
+    "save_diagnosis",
     "save_fit",
     "save_validation",
     "simulation_csv",

@@ -95,8 +95,9 @@ def _require_model_units(
     """Raw channels have any unit, but the one that the parameters were made for."""
     units = {"input": channels[input_name]["unit"]}
     units |= {name: channels[name]["unit"] for name in outputs}
+    base = getattr(model, "model", model)  # effects have no sense of motion of their own
     try:
-        adapted = model.adapted(units, inverted=bool(getattr(model, "inverted", False)))
+        adapted = model.adapted(units, inverted=bool(getattr(base, "inverted", False)))
     except SoftidError as error:
         raise InputError(
             f"the {model.name} model does not take these channels: {error.what}",

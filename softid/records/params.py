@@ -67,7 +67,8 @@ def fit_document(result: FitResult) -> dict[str, Plain]:
         "derived": {
             k: {"value": to_jsonable(v), "unit": u} for k, (v, u) in result.derived.items()
         },
-        "effects": [],
+        "effects": effect_entries(result.model),
+        "scale": scale_entry(result.model),
         "nuisances": to_jsonable(result.nuisances),
         "statistics": to_jsonable(result.statistics),
         "noise": to_jsonable(result.noise),
@@ -86,21 +87,54 @@ def fit_document(result: FitResult) -> dict[str, Plain]:
             "correlation": to_jsonable(result.correlation),
         },
         "versions": versions(),
-        "seed": _whole(result.options.get("seed")),
+        "seed": seed_entry(result),
         "options": to_jsonable({k: v for k, v in result.options.items() if k != "seed"}),
         "issues": to_jsonable(result.issues),
-        "content_sha256": content_sha256(result.model.name, result.model.options, result.values),
+        "content_sha256": fingerprint(result.model, result.values),
     }
 
 
-def _whole(seed: str | float | None) -> Plain:
-    """A seed is a whole number, but options hold floats."""
+def seed_entry(result: FitResult) -> Plain:
+    """The seed; it is a whole number, but options hold floats."""
+    seed = result.options.get("seed")
     return int(seed) if isinstance(seed, float) and seed.is_integer() else seed
 
 
 def model_entry(spec: ModelSpec) -> Plain:
     """Model name and options."""
     return {"name": spec.name, "options": to_jsonable(dict(spec.options))}
+
+
+def effect_entries(spec: ModelSpec) -> list[Plain]:
+    """The effects in the order in which they act, each with the names of its parameters."""
+    if not spec.effects:
+        return []
+    from softid.effects import Scale  # only an extended model needs the catalogue
+    from softid.effects.building import effect_of
+    from softid.effects.extended import extended_name
+
+    scale = Scale(**spec.scale)  # type: ignore[arg-type]
+    return [
+        {
+            "key": effect.key,
+            "name": effect.name,
+            "stage": effect.stage,
+            "law": effect.law,
+            "parameters": [extended_name(effect, name) for name in effect.parameters(scale)],
+        }
+        for effect in map(effect_of, spec.effects)
+    ]
+
+
+def scale_entry(spec: ModelSpec) -> Plain:
+    """Sizes that the effects' bounds and knots go by; null without effects."""
+    return to_jsonable(dict(spec.scale)) if spec.effects else None
+
+
+def fingerprint(spec: ModelSpec, values: Mapping[str, float]) -> str:
+    """What tells whether a record was edited by hand."""
+    scale = {name: v if isinstance(v, str) else float(v) for name, v in spec.scale.items()}
+    return content_sha256(spec.name, spec.options, values, effects=spec.effects, scale=scale)
 
 
 def parameter_entry(estimate: ParameterEstimate) -> Plain:

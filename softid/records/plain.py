@@ -6,7 +6,7 @@ import dataclasses
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from pathlib import PurePath
 
@@ -66,15 +66,24 @@ def dump_json(document: object) -> str:
     return json.dumps(to_jsonable(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def content_sha256(name: str, options: Mapping[str, object], values: Mapping[str, float]) -> str:
-    """Fingerprint of a model, its options and its parameter values.
+def content_sha256(
+    name: str,
+    options: Mapping[str, object],
+    values: Mapping[str, float],
+    *,
+    effects: Sequence[str] = (),
+    scale: Mapping[str, object] | None = None,
+) -> str:
+    """Fingerprint of a model, its options, its effects with their scale, and its values.
 
     It tells a file that was edited by hand from one that softid wrote; it is no protection
     against someone who computes it anew.
     """
-    facts = {
+    facts: dict[str, Plain] = {
         "model": name,
         "options": to_jsonable(dict(options)),
         "values": {key: repr(float(value)) for key, value in values.items()},
     }
+    if effects:
+        facts |= {"effects": list(effects), "scale": to_jsonable(dict(scale or {}))}
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()

@@ -68,13 +68,9 @@ def recorded_plots(path: Path) -> dict[str, str]:
     Parameters
     ----------
     path
-        A params.json or validation.json.
+        A params.json, validation.json or diagnosis.json.
     """
-    try:
-        document = json.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    plots = document.get("plots") if isinstance(document, dict) else None
+    plots = known_value(path, "plots")
     if not isinstance(plots, dict):
         return {}
     return {
@@ -82,6 +78,15 @@ def recorded_plots(path: Path) -> dict[str, str]:
         for name, sha256 in plots.items()
         if isinstance(sha256, str) and name.endswith(".png") and Path(name).name == name
     }
+
+
+def known_value(path: Path, key: str) -> object:
+    """What an earlier record says under a key; None when there is no record or it is unreadable."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    return document.get(key) if isinstance(document, dict) else None
 
 
 def plot_fingerprints(plots: Mapping[str, str | bytes]) -> dict[str, str]:

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from softid.errors import InputError, Issue, SoftidError
 from softid.records.agreement import require_units
-from softid.records.params import PARAMS_SCHEMA
-from softid.records.plain import content_sha256
+from softid.records.params import PARAMS_SCHEMA, fingerprint
 from softid.records.reading import read_document
 from softid.results import LogNuisance, ModelSpec, SegmentStart
 
@@ -30,7 +29,7 @@ class SavedModel:
     path
         The file.
     model
-        The model and its options.
+        The model, its options and its effects.
     input, outputs
         Roles of the channels in the fit.
     units
@@ -110,13 +109,13 @@ def load_params(path: Path | str) -> SavedModel:
     ------
     InputError
         The file cannot be read, is of another version, breaks its schema, or names a model,
-        option or parameter that does not exist, a value outside its bounds or a unit that is not
-        the model's.
+        option, effect or parameter that does not exist, a value outside its bounds or a unit that
+        is not the model's.
     """
     path = Path(path)
     document = read_document(path, schema=PARAMS_SCHEMA)
     where = str(path)
-    spec = ModelSpec(document["model"]["name"], document["model"]["options"])
+    spec = _spec(document)
     model = _build(spec, where=where)
     values, bounds = _parameters(document["parameters"], model.parameters().names, where=where)
     require_units(document, model, where=where)
@@ -143,6 +142,7 @@ def load_params(path: Path | str) -> SavedModel:
 
 
 def _build(spec: ModelSpec, *, where: str) -> Model:
+    from softid.effects import model_of
     from softid.models import MODELS  # numba, which a reader of other files does not need
 
     if spec.name not in MODELS:
@@ -152,7 +152,31 @@ def _build(spec: ModelSpec, *, where: str) -> Model:
             value=spec.name,
             remedy=f"choose from {', '.join(MODELS)}, or install the softid that wrote the file",
         )
-    model_class = MODELS[spec.name]
+    _check_options(spec, MODELS[spec.name], where=where)
+    _check_effects(spec, where=where)
+    try:
+        base = model_of(ModelSpec(spec.name, spec.options))
+    except (SoftidError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the options make no {spec.name} model ({str(error).rstrip('.')})",
+            where=f"{where}, $.model.options",
+            remedy="restore the file that softid wrote, or fit again",
+        ) from error
+    if not spec.effects:
+        return base
+    try:
+        model = model_of(spec)
+        model.parameters()
+    except (SoftidError, ValueError, ArithmeticError) as error:
+        raise InputError(
+            f"the effects make no model ({str(error).rstrip('.')})",
+            where=f"{where}, $.effects and $.scale",
+            remedy="restore the file that softid wrote, or fit again",
+        ) from error
+    return model
+
+
+def _check_options(spec: ModelSpec, model_class: type[Model], *, where: str) -> None:
     hints = typing.get_type_hints(model_class)
     known = [f.name for f in fields(model_class)]
     for name, value in spec.options.items():
@@ -170,14 +194,35 @@ def _build(spec: ModelSpec, *, where: str) -> Model:
                 value=value,
                 remedy="restore the file that softid wrote, or fit again",
             )
-    try:
-        return model_class(**spec.options)
-    except (SoftidError, TypeError, ValueError) as error:
+
+
+def _check_effects(spec: ModelSpec, *, where: str) -> None:
+    from softid.effects import EFFECTS
+
+    for k, key in enumerate(spec.effects):
+        if key not in EFFECTS:
+            raise InputError(
+                "this softid has no such effect",
+                where=f"{where}, $.effects[{k}].key",
+                value=key,
+                remedy="an effect of your own must be registered before the file is read, with "
+                "softid.register_effect; `softid effects` lists the others",
+            )
+    if spec.effects and not spec.scale:
         raise InputError(
-            f"the options make no {spec.name} model ({str(error).rstrip('.')})",
-            where=f"{where}, $.model.options",
+            "there are effects, but not the sizes that their bounds go by",
+            where=f"{where}, $.scale",
             remedy="restore the file that softid wrote, or fit again",
-        ) from error
+        )
+
+
+def _spec(document: Mapping[str, Any]) -> ModelSpec:
+    keys = tuple(entry["key"] for entry in document["effects"])
+    scale = document.get("scale") or {}
+    sizes = {name: v if isinstance(v, str) else float(v) for name, v in scale.items()}
+    return ModelSpec(
+        document["model"]["name"], document["model"]["options"], keys, sizes if keys else {}
+    )
 
 
 def _parameters(
@@ -232,7 +277,7 @@ def _nuisance(entry: dict[str, Any]) -> LogNuisance:
 def _edits(
     document: dict[str, Any], spec: ModelSpec, values: Mapping[str, float], *, where: str
 ) -> tuple[Issue, ...]:
-    if document["content_sha256"] == content_sha256(spec.name, spec.options, values):
+    if document["content_sha256"] == fingerprint(spec, values):
         return ()
     return (
         Issue(

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from softid.records.params import channel_entries, data_entries, model_entry, versions
+from softid.records.params import (
+    channel_entries,
+    data_entries,
+    effect_entries,
+    model_entry,
+    versions,
+)
 from softid.records.plain import Plain, dump_json, to_jsonable
 from softid.records.writing import write_atomic
 from softid.results import Validation
@@ -51,6 +57,7 @@ def validation_document(validation: Validation, *, params: Path | None = None) -
         "schema": VALIDATION_SCHEMA,
         "params": None if params is None else str(params),
         "model": model_entry(validation.model),
+        "effects": effect_entries(validation.model),
         "input": validation.input,
         "outputs": list(validation.outputs),
         "channels": channel_entries(

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from softid.effects import model_of
 from softid.errors import Issue, UsageError
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.findings import extrapolation
 from softid.identification.preparation import as_log_set, without_dropouts
 from softid.log import Log, LogSet
-from softid.models import MODELS, Model
+from softid.models.base import Model
 from softid.records import SavedModel
 from softid.results import FitResult, Validation
 
@@ -100,7 +101,7 @@ def validate(
 def _from_fit(result: FitResult) -> _Scored:
     fitted = tuple(dict.fromkeys(row.log for row in result.statistics if row.in_sample))
     return _Scored(
-        MODELS[result.model.name](**result.model.options),
+        model_of(result.model),
         result.values,
         result.input,
         result.outputs,

@@ -1,0 +1,294 @@
+"""`softid diagnose`: what the simulation gets wrong, the named cause, and what mending it gains."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from softid.errors import InputError, UsageError
+from softid_cli.console import announce_compilation, progress
+from softid_cli.effects import no_such_effect
+from softid_cli.model_options import GEOMETRY_MODEL, chosen_model, shape_options
+from softid_cli.options import (
+    FILE,
+    GreedyCommand,
+    json_option,
+    load_logs,
+    log_options,
+    out_options,
+    quiet_option,
+)
+from softid_cli.results_folder import free_folder, refuse_old_results
+
+if TYPE_CHECKING:
+    from softid.diagnoses import Diagnosis
+    from softid.models.base import Model
+    from softid.parameters import ParameterSet
+    from softid.records import SavedModel
+
+RESULTS = Path("softid-out")
+SUFFIX = "-diagnosis"
+HOW_TO_GO_ON = (
+    "nothing was written; run the same command again, or be done sooner with --model NAME or fewer "
+    "--effects"
+)
+
+
+@dataclass(frozen=True)
+class DiagnoseRequest:
+    """What the user asked of `softid diagnose`; the fields are its options."""
+
+    logs: tuple[Path, ...]
+    hold_out: tuple[Path, ...] = ()
+    model: str | None = None
+    params: Path | None = None
+    effects: tuple[str, ...] = ()
+    damping: str | None = None
+    fixed_length: float | None = None
+    diameter: float | None = None
+    geometry: Path | None = None
+    options: tuple[str, ...] = ()
+    channel: tuple[str, ...] = ()
+    input: str | None = None
+    output: tuple[str, ...] = ()
+    out: Path | None = None
+    force: bool = False
+    plots: bool = True
+    seed: int = 0
+    as_json: bool = False
+    quiet: bool = False
+
+
+def _names(ctx: click.Context, param: click.Parameter, text: str | None) -> tuple[str, ...]:
+    del ctx, param
+    return tuple(dict.fromkeys(filter(None, map(str.strip, (text or "").split(",")))))
+
+
+@click.command(cls=GreedyCommand, greedy=("--hold-out",))
+@click.argument("logs", nargs=-1, type=FILE, metavar="LOG...")
+@click.option("--model", metavar="NAME", help="Base model; without it softid chooses.")
+@click.option(
+    "--params",
+    type=FILE,
+    metavar="FILE",
+    help="Take base model, roles and start values from a params.json.",
+)
+@click.option(
+    "--hold-out",
+    multiple=True,
+    type=FILE,
+    metavar="LOG...",
+    help="Logs that judge and are not fitted: all up to the next option.",
+)
+@click.option(
+    "--effects",
+    callback=_names,
+    metavar="NAME,...",
+    help="Effects to consider; without it the whole catalogue.",
+)
+@log_options
+@shape_options
+@out_options
+@click.option("--no-plots", is_flag=True, help="Write JSON files only.")
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    metavar="N",
+    help="Random seed.",
+)
+@json_option
+@quiet_option
+def diagnose(
+    logs: tuple[Path, ...],
+    model: str | None,
+    params: Path | None,
+    hold_out: tuple[Path, ...],
+    effects: tuple[str, ...],
+    channel: tuple[str, ...],
+    input: str | None,
+    output: tuple[str, ...],
+    damping: str | None,
+    fixed_length: float | None,
+    diameter: float | None,
+    geometry: Path | None,
+    option: tuple[str, ...],
+    out: Path | None,
+    force: bool,
+    no_plots: bool,
+    seed: int,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Say what a simulation of LOGs gets wrong, name the cause, and measure what mending it gains.
+
+    Prints a paragraph and a table of causes. Writes diagnosis.json, params.json of the base model,
+    extended_params.json of the model with the causes, and plots to softid-out/LOG-diagnosis, or to
+    DIR. Without --hold-out, blocks of the logs are held out.
+    """
+    examine(
+        DiagnoseRequest(
+            logs=logs,
+            hold_out=hold_out,
+            model=model,
+            params=params,
+            effects=effects,
+            damping=damping,
+            fixed_length=fixed_length,
+            diameter=diameter,
+            geometry=geometry,
+            options=option,
+            channel=channel,
+            input=input,
+            output=output,
+            out=out,
+            force=force,
+            plots=not no_plots,
+            seed=seed,
+            as_json=as_json,
+            quiet=quiet,
+        )
+    )
+
+
+def examine(request: DiagnoseRequest) -> None:
+    """Load, diagnose, write and print.
+
+    Raises
+    ------
+    UsageError
+        The options contradict each other, or an effect is unknown.
+    IdentificationError
+        The base model could not be fitted; nothing is written.
+    """
+    if not request.logs:
+        raise UsageError(
+            "no log was given to diagnose",
+            remedy="name at least one log before --hold-out"
+            if request.hold_out
+            else "name at least one log",
+        )
+    from softid.records.diagnosis import RECORD
+
+    refuse_old_results(request.out, RECORD, force=request.force)
+    _require_effects(request.effects)
+    try:
+        found, plots = _found(request)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(HOW_TO_GO_ON) from None
+    _deliver(request, found, plots)
+
+
+def _require_effects(names: Sequence[str]) -> None:
+    if not names:
+        return
+    from softid.effects import EFFECTS
+
+    for name in names:
+        if name not in EFFECTS:
+            raise no_such_effect(name, list(EFFECTS))
+
+
+def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, str | bytes]]:
+    """The diagnosis and its plots."""
+    model, parameters, saved = _base(request)
+    logs = load_logs(
+        (*request.logs, *request.hold_out),
+        request.channel,
+        request.input or (saved.input if saved else None),
+        request.output or (saved.outputs if saved else ()),
+        roles_of=request.params if saved and not (request.input or request.output) else None,
+    )
+    announce_compilation(quiet=request.quiet)
+
+    from softid.diagnosis import diagnose as diagnose_logs
+
+    with progress(quiet=request.quiet) as report:
+        found = diagnose_logs(
+            logs[: len(request.logs)],
+            hold_out=logs[len(request.logs) :],
+            model=model,
+            parameters=parameters,
+            effects=request.effects,
+            seed=request.seed,
+            progress=report,
+        )
+        if not request.plots:
+            return found, {}
+        if report is not None:
+            report("drawing", 1.0)
+        from softid_cli.figures import drawn_diagnosis
+
+        return found, drawn_diagnosis(found)
+
+
+def _base(
+    request: DiagnoseRequest,
+) -> tuple[Model | None, ParameterSet | None, SavedModel | None]:
+    """The base model, its start values and the record that they come from."""
+    chosen = chosen_model(
+        request.model,
+        damping=request.damping,
+        fixed_length_mm=request.fixed_length,
+        diameter_mm=request.diameter,
+        geometry=request.geometry,
+        other=request.options,
+    )
+    if request.geometry is not None and chosen is None:
+        raise UsageError(
+            "a geometry file describes one model, and none was named",
+            where="--geometry",
+            remedy=f"name --model {GEOMETRY_MODEL}",
+        )
+    if request.params is None:
+        return chosen, None, None
+    if chosen is not None:
+        raise UsageError(
+            "the base model is given twice",
+            where="--params and options of the model",
+            remedy="give either --params or --model with its options",
+        )
+    from softid.records import load_params
+
+    saved = load_params(request.params)
+    if saved.model.effects:
+        raise InputError(
+            "this model has effects already",
+            where=str(request.params),
+            value=", ".join(saved.model.effects),
+            remedy="name the params.json of the model without effects; they are found anew",
+        )
+    model = saved.build_model()
+    return model, model.parameters().with_values(saved.values), saved
+
+
+def _deliver(request: DiagnoseRequest, found: Diagnosis, plots: Mapping[str, str | bytes]) -> None:
+    """Write first, then print: what is printed stands, and an error means that nothing does."""
+    from softid.records import diagnosis_files, dump_json, plot_fingerprints, write_folder
+    from softid.records.diagnosis import RECORD, superseded
+
+    documents: dict[str, Any] = dict(diagnosis_files(found))
+    if plots:
+        documents[RECORD] |= {"plots": dict(plot_fingerprints(plots))}
+    name = next(iter(found.base.fingerprints)).replace("/", "_")
+    folder = request.out or free_folder(RESULTS / f"{name}{SUFFIX}")
+    written = write_folder(
+        folder,
+        {name: dump_json(document) for name, document in documents.items()} | dict(plots),
+        overwrite=request.force,
+        superseded=superseded(folder),
+    )
+    if request.as_json:
+        files = [str(path) for path in written]
+        click.echo(dump_json(documents[RECORD] | {"files": files}), nl=False)
+        return
+    from softid_cli.diagnosis_tables import print_diagnosis
+    from softid_cli.tables import print_files
+
+    print_diagnosis(found)
+    print_files(folder, [path.name for path in written])

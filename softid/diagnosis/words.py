@@ -1,0 +1,402 @@
+"""A diagnosis as the short paragraph that a colleague in the laboratory would write."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
+from softid.diagnosis.classes import classes_of, splitting_experiment, why_unsplit
+from softid.effects import EFFECTS
+from softid.errors import Issue
+from softid.results import FitResult, ParameterEstimate
+
+VARIABLES = {
+    "x": "the position",
+    "v": "the speed",
+    "p": "the input",
+    "rate of p": "the rate of the input",
+    "lagged p": "the input a while before",
+    "t": "the time",
+    "x and v": "position and speed together",
+}
+NOTABLE = 0.02
+"""A variable is named when it alone predicts this share of what is left."""
+
+MOST_VARIABLES = 2
+MOST_PARAMETERS = 3
+
+
+def worded(found: Diagnosis) -> Diagnosis:
+    """The diagnosis with its paragraph, what to record next, and why ties are ties.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers; words that it has already stay, but for the paragraph.
+    """
+    alternatives = tuple(
+        a if a.why else replace(a, why=why_unsplit(a.effects)) for a in found.alternatives
+    )
+    following = found.next_experiment or what_next(
+        found.verdict, alternatives=alternatives, remainder=found.remainder
+    )
+    summary = summarise(
+        found.verdict,
+        base=found.base,
+        causes=found.causes,
+        descriptive=found.descriptive,
+        alternatives=alternatives,
+        remainder=found.remainder,
+        gains=found.gains,
+        evidence=found.evidence,
+        next_experiment=following,
+    )
+    return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
+
+
+def restriction(effects: Sequence[str]) -> tuple[Issue, ...]:
+    """What a search among some effects cannot say; nothing for the whole catalogue.
+
+    Parameters
+    ----------
+    effects
+        Keys of the effects that were considered; empty for all.
+    """
+    left_out = [key for key in EFFECTS if effects and key not in effects]
+    if not left_out:
+        return ()
+    return (
+        Issue(
+            "few-effects",
+            "warning",
+            f"only {_listed(list(effects))} {'was' if len(effects) == 1 else 'were'} considered: "
+            "another effect may explain the logs as well or better",
+            "diagnose again without --effects",
+        ),
+    )
+
+
+def summarise(
+    verdict: Verdict,
+    *,
+    base: FitResult,
+    causes: Sequence[Cause],
+    descriptive: Sequence[Cause] = (),
+    alternatives: Sequence[Alternative] = (),
+    remainder: Remainder,
+    gains: Sequence[Gain],
+    evidence: Sequence[Evidence] = (),
+    next_experiment: str | None = None,
+) -> str:
+    """What is wrong, by how much, why we think so, what it could be confused with, what to do next.
+
+    Parameters
+    ----------
+    verdict
+        The answer.
+    base
+        The fit without effects, which tells model, outputs and units.
+    causes, descriptive, alternatives, remainder, gains, evidence, next_experiment
+        As in `Diagnosis`.
+
+    Returns
+    -------
+    str
+        A few plain sentences, numbers in the units of the logs.
+    """
+    teller = _Teller(base, gains)
+    told = [teller.misfit()]
+    if verdict is Verdict.ADEQUATE:
+        told += _adequate(teller, remainder)
+    elif verdict is Verdict.UNKNOWN:
+        told += _unknown(teller, descriptive or causes, remainder)
+    else:
+        told += _explained(teller, causes, alternatives, evidence)
+        told.append(teller.mended(causes))
+        if verdict is Verdict.PARTIAL or remainder.structured:
+            told += _partial(teller, remainder)
+        else:
+            told.append(f"What is left, {teller.size(remainder.rms)} rms, looks like noise.")
+    told += _next(verdict, causes, alternatives, next_experiment)
+    return " ".join(sentence for sentence in told if sentence)
+
+
+def what_next(
+    verdict: Verdict, *, alternatives: Sequence[Alternative], remainder: Remainder
+) -> str | None:
+    """What to record next; None when nothing is open.
+
+    Parameters
+    ----------
+    verdict, alternatives, remainder
+        As in `Diagnosis`.
+    """
+    for alternative in alternatives:
+        split = splitting_experiment(alternative.effects)
+        if split is not None:
+            either = _either(alternative.effects)
+            return f"record {split.experiment}, to tell {either} apart"
+    if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
+        named = _variables(remainder)
+        rest = "" if remainder.noise_from_rest else ", with a rest of 30 s that shows the noise"
+        if named:
+            return f"repeat these logs{rest} with more variation of {' and of '.join(named)}"
+        return f"record the same path once slowly and once fast{rest}"
+    return None
+
+
+class _Teller:
+    """Numbers of the first output in the unit in which people know it."""
+
+    def __init__(self, base: FitResult, gains: Sequence[Gain]) -> None:
+        self.base = base
+        self.first = base.outputs[0]
+        row = next((r for r in base.statistics if r.channel == self.first), None)
+        self.unit = row.display_unit if row else ""
+        self.factor = row.display_factor if row else 1.0
+        mine = [g for g in gains if g.channel == self.first]
+        held = [g for g in mine if g.held_out]
+        self.rows = held or mine
+        self.held_out = bool(held)
+
+    def size(self, value: float) -> str:
+        """An error with its unit."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{value * self.factor:.3g}{unit}"
+
+    def error(self, pick: Callable[[Gain], float]) -> float:
+        """Root mean square over all logs; NaN when there is none."""
+        n = sum(g.n for g in self.rows)
+        return math.sqrt(sum(g.n * pick(g) ** 2 for g in self.rows) / n) if n else math.nan
+
+    def percents(self, pick: Callable[[Gain], float]) -> str:
+        """The fit of the logs in per cent."""
+        values = [pick(g) for g in self.rows]
+        low, high = f"{min(values):z.0f}", f"{max(values):z.0f}"
+        return f"{low} %" if low == high else f"{low} to {high} %"
+
+    def misfit(self) -> str:
+        """What the base model reaches."""
+        model = f"The {self.base.model.name} model"
+        if not self.rows:
+            return f"{model} was fitted, and no sample of {self.first} was left to judge it on."
+        where = "held-out samples" if self.held_out else "the fitted samples"
+        before = self.size(self.error(lambda g: g.rmse_before))
+        fit = self.percents(lambda g: g.fit_percent_before)
+        return f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
+
+    def mended(self, causes: Sequence[Cause]) -> str:
+        """What the extension gains, over all links."""
+        if not self.rows or not causes:
+            return ""
+        before, after = self.error(lambda g: g.rmse_before), self.error(lambda g: g.rmse_after)
+        gain = f"{100.0 * (1.0 - after / before):.0f} %" if before > 0.0 else "nothing"
+        interval = causes[0].gain_ci95 if len(causes) == 1 else None
+        sure = f", 95 % interval {_percent_range(interval)}" if interval else ""
+        fit = self.percents(lambda g: g.fit_percent_after)
+        with_it = "With it" if len(causes) == 1 else "With all of them"
+        return (
+            f"{with_it} the error goes from {self.size(before)} to {self.size(after)} "
+            f"(gain {gain}{sure}; fit {fit})."
+        )
+
+
+def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
+    left = teller.size(remainder.rms)
+    noise = "the noise of the rests" if remainder.noise_from_rest else "noise"
+    told = [
+        "None of the effects tried explains more of it than chance would.",
+        f"What is left, {left} rms on the fitted samples, looks like {noise}: "
+        f"{_structure(remainder)}.",
+    ]
+    if not remainder.noise_from_rest:
+        told.append("No long rest shows the noise alone, so a slow misfit could hide in it.")
+    return told
+
+
+def _unknown(teller: _Teller, tried: Sequence[Cause], remainder: Remainder) -> list[str]:
+    told = ["Something is missing, and no effect of the catalogue can be named for it."]
+    if tried:
+        names = " with ".join(_title(cause.key) for cause in tried)
+        told.append(
+            f"The best description, {names}, takes away "
+            f"{_share(remainder.explained_share)} of the misfit above the noise, which is too "
+            "little for a cause."
+        )
+    return [*told, _left(teller, remainder)]
+
+
+def _partial(teller: _Teller, remainder: Remainder) -> list[str]:
+    return [
+        f"That is {_share(remainder.explained_share)} of the misfit above the noise.",
+        _left(teller, remainder),
+    ]
+
+
+def _left(teller: _Teller, remainder: Remainder) -> str:
+    named = _variables(remainder)
+    told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
+    if remainder.structure_share > max(remainder.structure_limit, NOTABLE):
+        told += f"is not noise: {_structure(remainder)}"
+    else:
+        told += "is larger than the noise, but follows from no variable that was looked at"
+        named = []
+    return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
+
+
+def _structure(remainder: Remainder) -> str:
+    share, limit = _share(remainder.structure_share), _share(max(remainder.structure_limit, 0.0))
+    if remainder.structure_share <= max(remainder.structure_limit, 0.0):
+        return "no more of it follows from the motion than chance would make of noise"
+    return f"{share} of its power follows from the motion, where chance reaches {limit}"
+
+
+def _explained(
+    teller: _Teller,
+    causes: Sequence[Cause],
+    alternatives: Sequence[Alternative],
+    evidence: Sequence[Evidence],
+) -> list[str]:
+    told = []
+    for number, cause in enumerate(causes, start=1):
+        tie = next((a for a in alternatives if cause.effect in a.effects), None)
+        opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
+        values = _values(cause.parameters)
+        if tie is not None:
+            named = _either(tie.effects, last=" or ")
+            told.append(
+                f"{opening} one of these, and the logs do not say which: {named}. The first by a "
+                f"little, {_title(cause.key)}, would have {values}."
+            )
+        else:
+            told.append(
+                f"{opening} {_named(cause.key)} ({cause.key}) with {values}. {cause.meaning}"
+            )
+        told += [
+            f"No log of pressure and motion can tell {' from '.join(c.members)}: {_lowered(c.why)}"
+            for c in classes_of(tie.effects if tie else [cause.effect])
+        ]
+        alone = len(causes) == 1 and bool(teller.rows)
+        told.append(_evidence(teller, cause, number, tie, evidence, with_errors=not alone))
+    return told
+
+
+def _evidence(
+    teller: _Teller,
+    cause: Cause,
+    number: int,
+    tie: Alternative | None,
+    evidence: Sequence[Evidence],
+    *,
+    with_errors: bool,
+) -> str:
+    told = f"Evidence: BIC falls by {cause.delta_bic:.0f}"
+    errors = (cause.holdout_rmse_before, cause.holdout_rmse_after)
+    if with_errors and all(map(math.isfinite, errors)):
+        told += (
+            f", and the held-out error goes from {teller.size(errors[0])} to "
+            f"{teller.size(errors[1])}"
+        )
+    tied = {cause.effect, *(tie.effects if tie else ())}
+    raced = [e for e in evidence if e.round == number and e.effect.split(".")[0] not in tied]
+    rivals = [(e.delta_bic, e.effect) for e in raced if e.effect and e.delta_bic is not None]
+    if rivals:
+        delta, key = max(rivals)
+        told += f"; the next best, {_title(key)}, stays {cause.delta_bic - delta:.0f} behind"
+    confused = [] if tie else _neighbours(cause.effect)
+    if confused:
+        known = {e.effect for e in raced}
+        also = ", which explain these logs less well" if known.issuperset(confused) else ""
+        told += f". It is easily confused with {_listed([_title(n) for n in confused])}{also}"
+    return told + "."
+
+
+def _next(
+    verdict: Verdict,
+    causes: Sequence[Cause],
+    alternatives: Sequence[Alternative],
+    next_experiment: str | None,
+) -> list[str]:
+    told = []
+    if next_experiment:
+        told.append(f"Next: {next_experiment.rstrip('.')}.")
+    tied = {name for a in alternatives for name in a.effects}
+    sure = [cause for cause in causes if cause.effect not in tied and cause.remedy]
+    if sure and verdict is not Verdict.UNKNOWN:
+        mended = sure[0].remedy
+        told.append(f"In hardware: {mended}." if not mended.startswith("none") else "")
+    if verdict is Verdict.UNKNOWN:
+        told.append("Look at the plots of what is left against position, speed, input and time.")
+    elif verdict is Verdict.ADEQUATE and not next_experiment:
+        told.append("There is nothing to mend for logs like these.")
+    return told
+
+
+def _values(parameters: Sequence[ParameterEstimate]) -> str:
+    told = [_value(p) for p in parameters[:MOST_PARAMETERS]]
+    more = len(parameters) - len(told)
+    if more > 0:
+        told.append(f"{more} more parameter{'s' if more > 1 else ''}")
+    return _listed(told) if told else "parameters that could not be told"
+
+
+def _value(p: ParameterEstimate) -> str:
+    unit = "" if p.unit == "1" else f" {p.unit}"
+    name = p.name
+    for key in sorted(EFFECTS, key=len, reverse=True):
+        name = p.name.removeprefix(f"{key}_")
+        if name != p.name:
+            break
+    ends = p.ci95
+    low, high = (
+        "…" if e is None or not math.isfinite(e) else f"{e:.3g}" for e in ends or (None,) * 2
+    )
+    interval = f" [{low}, {high}]" if ends is not None else ""
+    bound = ", at its bound" if p.at_bound else ""
+    return f"{name} = {p.value:.3g}{interval}{unit}{bound}"
+
+
+def _variables(remainder: Remainder) -> list[str]:
+    ranked = sorted(remainder.by.items(), key=lambda item: -item[1])
+    return [VARIABLES.get(k, k) for k, share in ranked if share > NOTABLE][:MOST_VARIABLES]
+
+
+def _neighbours(effect: str) -> tuple[str, ...]:
+    return EFFECTS[effect].neighbours if effect in EFFECTS else ()
+
+
+def _title(key: str) -> str:
+    """The heading of an effect within a sentence."""
+    if key not in EFFECTS:
+        return key
+    title = EFFECTS[key].title
+    return _lowered(title)
+
+
+def _named(key: str) -> str:
+    """The heading, or all members of the class that no log can split."""
+    for known in classes_of([key]):
+        return " or ".join(known.members)
+    return _title(key)
+
+
+def _either(effects: Sequence[str], *, last: str = " and ") -> str:
+    return _listed([_title(name) for name in effects], last=last)
+
+
+def _listed(parts: Sequence[str], *, last: str = " and ") -> str:
+    return last.join(filter(None, (", ".join(parts[:-1]), parts[-1]))) if parts else ""
+
+
+def _lowered(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def _share(value: float) -> str:
+    return f"{100.0 * value:.0f} %"
+
+
+def _percent_range(interval: tuple[float, float]) -> str:
+    return f"{100.0 * interval[0]:z.0f} to {100.0 * interval[1]:z.0f} %"

@@ -1,0 +1,73 @@
+"""A model built again from its name, its options and its effects."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+
+from softid.effects.base import Effect, Scale
+from softid.effects.catalogue import EFFECTS
+from softid.effects.extended import ExtendedModel
+from softid.errors import UsageError
+from softid.models import MODELS, Model
+from softid.results import ModelSpec
+
+
+def model_of(spec: ModelSpec) -> Model:
+    """The model that a specification describes, extended by its effects if it has any.
+
+    Parameters
+    ----------
+    spec
+        Name and options of the model, keys of the effects, and the scale that these go by.
+
+    Returns
+    -------
+    Model
+        One whose ``spec()`` is equal to ``spec``.
+
+    Raises
+    ------
+    UsageError
+        There is no such model or effect, or the scale is not complete.
+
+    Examples
+    --------
+    >>> model_of(ModelSpec("oscillator", {"order": "first"})).parameters().free
+    ('N', 'Q')
+    """
+    if spec.name not in MODELS:
+        raise UsageError(
+            "there is no such model", value=spec.name, remedy=f"choose from {', '.join(MODELS)}"
+        )
+    base: Model = MODELS[spec.name](**spec.options)
+    if not spec.effects:
+        return base
+    effects = tuple(effect_of(key) for key in spec.effects)
+    try:
+        scale = Scale(**spec.scale)  # type: ignore[arg-type]
+    except TypeError as error:
+        raise UsageError(
+            f"the effects' scale is not complete ({error})",
+            remedy="take the scale from the fit that the effects were made for",
+        ) from error
+    return ExtendedModel(base, effects, scale)
+
+
+def effect_of(key: str) -> Effect:
+    """The effect of a key.
+
+    Raises
+    ------
+    UsageError
+        There is none.
+    """
+    if key not in EFFECTS:
+        close = get_close_matches(key, EFFECTS, n=1)
+        raise UsageError(
+            "there is no such effect",
+            value=key,
+            remedy=(f"did you mean {close[0]}? " if close else "")
+            + "`softid effects` lists all; one of your own must be registered first, with "
+            "softid.register_effect",
+        )
+    return EFFECTS[key]()

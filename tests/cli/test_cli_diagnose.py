@@ -1,0 +1,177 @@
+"""`softid diagnose`: what is asked of the library, what is written and what is printed."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from desk import Desk, Outcome
+from extended_fits import extended_fit
+from handmade import failed_fit, fit_result
+from handmade_diagnosis import diagnosis
+
+from softid.diagnoses import Diagnosis, Verdict
+from softid.diagnosis.words import worded
+from softid.errors import IdentificationError
+from softid.log import Log
+from softid.records import load_params, save_fit
+
+Cli = Callable[..., Outcome]
+
+
+@pytest.fixture
+def bench(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> Desk:
+    """Diagnosing gives a hand-made answer."""
+    desk.answer = worded(diagnosis(Verdict.NAMED))
+
+    def diagnose(logs: Sequence[Log], **options: Any) -> Diagnosis:
+        desk.asked |= {"logs": [log.name for log in logs], **options}
+        desk.asked["hold_out"] = [log.name for log in options["hold_out"]]
+        if isinstance(desk.answer, BaseException):
+            raise desk.answer
+        found: Diagnosis = desk.answer
+        return found
+
+    fake = ModuleType("softid.diagnosis")
+    fake.diagnose = diagnose  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "softid.diagnosis", fake)
+    drawn = {"before_after.png": b"\x89PNG"}
+    monkeypatch.setattr("softid_cli.figures.drawn_diagnosis", lambda _: drawn)
+    return desk
+
+
+def test_the_answer(softid: Cli, bench: Desk, tmp_path: Path) -> None:
+    """The paragraph, the table in the unit of the log, issues and files; 2 and 0.5 degrees."""
+    told = softid("diagnose", "step_1.csv", "--hold-out", "step_2.csv")
+    assert told.code == 0, told.err
+    flat = " ".join(told.out.split())
+    assert flat.startswith("The muscle model misses angle by 2 deg rms on held-out samples")
+    assert "coulomb_friction Fc = 0.08 [0.076, 0.084] 412 2 → 0.5 deg" in flat
+    assert "vs = 0.02 [0.019, 0.021] rad/s gain 70 to 80 %" in flat
+    assert "info: step_2 is short" in flat
+    assert max(map(len, told.out.splitlines())) <= 80
+    folder = tmp_path / "softid-out" / "step_1-diagnosis"
+    names = ["before_after.png", "diagnosis.json", "extended_params.json", "params.json"]
+    assert sorted(p.name for p in folder.iterdir()) == names
+    assert all(name in told.out for name in names)
+    assert load_params(folder / "extended_params.json").model.effects == ("coulomb_friction",)
+
+
+def test_what_is_asked(softid: Cli, bench: Desk) -> None:
+    """Options reach the library as they are meant."""
+    told = softid(
+        "diagnose", "a.csv", "b.csv", "--hold-out", "c.csv", "d.csv", "--model", "muscle",
+        "--damping", "constant", "--effects", "delay, creep,delay", "--seed", "5", "--quiet",
+    )  # fmt: skip
+    assert told.code == 0, told.err
+    assert told.err == ""
+    asked = bench.asked
+    assert (asked["logs"], asked["hold_out"]) == (["a", "b"], ["c", "d"])
+    assert asked["model"].damping == "constant"
+    assert asked["effects"] == ("delay", "creep")
+    assert (asked["seed"], asked["progress"], asked["parameters"]) == (5, None, None)
+
+
+def test_a_saved_model_is_the_base(softid: Cli, bench: Desk, tmp_path: Path) -> None:
+    """Its options, roles and values, of which the values are starts."""
+    save_fit(fit_result(), tmp_path / "params.json")
+    told = softid("diagnose", "a.csv", "--params", "params.json")
+    assert told.code == 0, told.err
+    assert bench.asked["model"].spec() == fit_result().model
+    assert bench.asked["parameters"].values_dict() == fit_result().values
+    assert bench.asked["load"]["input"] == "pressure"
+    assert bench.asked["load"]["outputs"] == ("angle",)
+
+
+def test_json(softid: Cli, bench: Desk) -> None:
+    """stdout is the record and the files; the record on disk is the same without them."""
+    bench.answer = worded(diagnosis(Verdict.AMBIGUOUS))
+    told = softid("diagnose", "step_1.csv", "--json", "--out", "here", "--no-plots")
+    document = json.loads(told.out)
+    assert [Path(f).name for f in document.pop("files")] == [
+        "diagnosis.json",
+        "params.json",
+        "extended_params.json",
+    ]
+    assert document == json.loads(Path("here/diagnosis.json").read_text())
+    assert document["verdict"] == "ambiguous"
+    assert document["alternatives"][0]["effects"] == ["delay", "pneumatic_lag"]
+    assert document["next_experiment"]
+
+
+@pytest.mark.parametrize("verdict", Verdict)
+def test_every_verdict_is_printed(softid: Cli, bench: Desk, verdict: Verdict) -> None:
+    """A negative verdict is an answer, so the exit code is 0; ties and descriptions are marked."""
+    bench.answer = worded(diagnosis(verdict))
+    told = softid("diagnose", "step_1.csv", "--no-plots")
+    assert told.code == 0, told.err
+    flat = " ".join(told.out.split())
+    assert bench.answer.summary in flat
+    assert ("Cannot be split: delay, pneumatic_lag." in flat) is (verdict is Verdict.AMBIGUOUS)
+    assert ("Description, not a cause:" in flat) is (verdict is Verdict.UNKNOWN)
+    assert ("ΔBIC" in flat) is (verdict is not Verdict.ADEQUATE)
+
+
+def test_results_are_replaced_when_told(softid: Cli, bench: Desk, tmp_path: Path) -> None:
+    """Refused before the work without --force; with it old plots and models of softid go."""
+    assert softid("diagnose", "a.csv", "--out", "here").code == 0
+    bench.asked.clear()
+    told = softid("diagnose", "a.csv", "--out", "here")
+    assert told.code == 3
+    assert "--force" in told.err
+    assert bench.asked == {}
+    bench.answer = worded(diagnosis(Verdict.ADEQUATE))
+    assert softid("diagnose", "a.csv", "--out", "here", "--force", "--no-plots").code == 0
+    assert sorted(p.name for p in Path("here").iterdir()) == ["diagnosis.json", "params.json"]
+    assert softid("diagnose", "a.csv", "--no-plots").code == 0
+    assert softid("diagnose", "a.csv", "--no-plots").code == 0
+    assert Path("softid-out/step_1-diagnosis-2/diagnosis.json").exists()
+
+
+MISTAKES: dict[str, tuple[tuple[str, ...], int, str]] = {
+    "no log": ((), 2, "no log was given to diagnose"),
+    "held out only": (("--hold-out", "a.csv"), 2, "before --hold-out"),
+    "effect": (("a.csv", "--effects", "dely"), 2, "did you mean delay"),
+    "model": (("a.csv", "--model", "musle"), 2, "there is no such model"),
+    "twice": (("a.csv", "--params", "p.json", "--model", "muscle"), 2, "given twice"),
+    "no params": (("a.csv", "--params", "p.json"), 3, "no such file"),
+    "extended": (("a.csv", "--params", "extended.json"), 3, "has effects already"),
+    "geometry": (("a.csv", "--geometry", "g.toml"), 2, "name --model equilibrium"),
+    "a file": (("a.csv", "--out", "extended.json"), 3, "a file, not a folder"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_what_is_wrong_is_said(softid: Cli, bench: Desk, tmp_path: Path, mistake: str) -> None:
+    """One line, the code of its kind, and nothing written."""
+    save_fit(extended_fit("muscle", "delay"), tmp_path / "extended.json")
+    arguments, code, said = MISTAKES[mistake]
+    told = softid("diagnose", *arguments)
+    assert told.code == code
+    assert said in told.err
+    assert len(told.err.splitlines()) == 1
+    assert [p.name for p in tmp_path.iterdir()] == ["extended.json"]
+
+
+def test_a_failure_writes_nothing(softid: Cli, bench: Desk, tmp_path: Path) -> None:
+    """4 whether the library refuses or its base fit ended short of the optimum."""
+    bench.answer = IdentificationError("no start gave a finite response")
+    assert softid("diagnose", "a.csv").code == 4
+    bench.answer = Diagnosis(**{**vars(worded(diagnosis(Verdict.NAMED))), "base": failed_fit()})
+    assert softid("diagnose", "a.csv").code == 4
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_interruption_says_how_to_go_on(softid: Cli, bench: Desk, tmp_path: Path) -> None:
+    """130 is 128 + SIGINT; one sentence, nothing written."""
+    bench.answer = KeyboardInterrupt()
+    told = softid("diagnose", "a.csv", "--quiet")
+    assert told.code == 130
+    (line,) = told.err.splitlines()
+    assert line.startswith("softid: interrupted: nothing was written; run the same command again")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,152 @@
+"""The paragraph of each verdict: its numbers are those of the diagnosis, and no more is claimed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from handmade_diagnosis import DELAY, FRICTION, diagnosis, odd_diagnosis
+
+from softid.diagnoses import Diagnosis, Verdict
+from softid.diagnosis.words import restriction, summarise, what_next
+from softid.effects import EFFECTS
+
+
+def told(found: Diagnosis) -> str:
+    return summarise(
+        found.verdict,
+        base=found.base,
+        causes=found.causes,
+        descriptive=found.descriptive,
+        alternatives=found.alternatives,
+        remainder=found.remainder,
+        gains=found.gains,
+        evidence=found.evidence,
+        next_experiment=found.next_experiment,
+    )
+
+
+@pytest.mark.parametrize("verdict", Verdict)
+def test_every_paragraph_is_short_and_in_the_units_of_the_log(verdict: Verdict) -> None:
+    """The held-out error of step_2 is 2 degrees, 16 % of 12.5; the record itself is in radians."""
+    text = told(diagnosis(verdict))
+    assert text.startswith(
+        "The muscle model misses angle by 2 deg rms on held-out samples (fit 84 %)."
+    )
+    assert len(text.split()) < 200
+    assert " rad " not in text.replace("rad/s", "")
+    assert text.endswith(".")
+    assert ".." not in text
+    assert "nan" not in text
+
+
+def test_adequate_claims_no_cause() -> None:
+    """Nothing to name, and the chance that it is compared with is told."""
+    text = told(diagnosis(Verdict.ADEQUATE))
+    assert "None of the effects tried" in text
+    assert "no more of it follows from the motion than chance" in text
+    assert "cause" not in text
+    assert "nothing to mend" in text
+
+
+def test_without_a_rest_adequate_is_said_with_a_reserve() -> None:
+    """Noise that was never seen alone may hide a slow misfit."""
+    found = diagnosis(Verdict.ADEQUATE)
+    unseen = replace(found, remainder=replace(found.remainder, noise_from_rest=False))
+    assert "could hide in it" in told(unseen)
+    assert "could hide in it" not in told(found)
+
+
+def test_named_says_what_how_much_why_and_what_to_do() -> None:
+    """1 - 0.5/2 is 75 %; hysteresis is 412 - 300 behind; remedy and neighbours of the catalogue."""
+    text = told(diagnosis(Verdict.NAMED))
+    assert "The cause: dry friction (coulomb_friction) with Fc = 0.08 [0.076, 0.084]" in text
+    assert "vs = 0.02 [0.019, 0.021] rad/s" in text
+    assert "gain 75 %, 95 % interval 70 to 80 %; fit 96 %" in text
+    assert "the next best, hysteresis of the material, stays 112 behind" in text
+    assert "easily confused with hysteresis of the material" in text
+    assert "explain these logs less well" not in text  # two of the neighbours were not tried
+    assert "looks like noise" in text
+    assert "In hardware: lubricate or align the guides" in text
+
+
+def test_a_class_is_named_as_a_whole() -> None:
+    """A delay and an offset of the clocks are the same algebra, so neither is named alone."""
+    text = told(replace(diagnosis(Verdict.NAMED), causes=(DELAY,)))
+    both = "a delay of the input or an offset between the clocks of the two channels (delay)"
+    assert f"The cause: {both}" in text
+    assert "No log of pressure and motion can tell" in text
+
+
+def test_partial_names_the_rest() -> None:
+    """Speed (31 %) and earlier input (22 %) are told, position (1 %) is not."""
+    text = told(diagnosis(Verdict.PARTIAL))
+    assert "That is 95 % of the misfit above the noise." in text
+    assert "37 % of its power follows from the motion, where chance reaches 3 %" in text
+    assert "most of it from the speed and the input a while before." in text
+    assert "the position" not in text
+
+
+def test_ambiguous_names_the_set_and_what_splits_it() -> None:
+    """Both names, the chirp of the table, and no remedy for a cause that is not sure."""
+    found = diagnosis(Verdict.AMBIGUOUS)
+    following = what_next(found.verdict, alternatives=found.alternatives, remainder=found.remainder)
+    assert following is not None
+    text = told(replace(found, next_experiment=following))
+    assert "delay of the input or lag of the pneumatics" in text
+    assert "the logs do not say which" in text
+    assert "record a chirp from slow to fast" in text
+    assert "In hardware" not in text
+
+
+def test_unknown_names_no_cause() -> None:
+    """The best description is called a description, with the share that it takes away."""
+    text = told(diagnosis(Verdict.UNKNOWN))
+    assert "no effect of the catalogue can be named" in text
+    assert "The best description, dry friction, takes away 60 %" in text
+    assert "The cause" not in text
+    assert "In hardware" not in text
+
+
+def test_a_chain_tells_each_link() -> None:
+    """Two causes in their order, each with its own error before and after."""
+    second = replace(DELAY, holdout_rmse_before=FRICTION.holdout_rmse_after, delta_bic=60.0)
+    text = told(replace(diagnosis(Verdict.NAMED), causes=(FRICTION, second)))
+    assert text.index("Cause 1: dry friction") < text.index("Cause 2: a delay")
+    assert "the held-out error goes from 2 deg to 0.5 deg" in text
+    assert "With all of them the error goes from 2 deg to 0.5 deg" in text
+
+
+def test_numbers_that_are_missing_are_left_out() -> None:
+    """No NaN reaches a sentence about the cause; the share of structure is not invented."""
+    found = odd_diagnosis()
+    text = told(replace(found, remainder=diagnosis(Verdict.NAMED).remainder, gains=()))
+    assert "no sample of angle was left to judge it on" in text
+    assert "nan" not in text
+    assert "interval" not in text
+
+
+def test_what_next_follows_the_verdict() -> None:
+    """Nothing is open after a name; an unknown asks for variation of what the rest follows."""
+    for verdict in (Verdict.ADEQUATE, Verdict.NAMED):
+        found = diagnosis(verdict)
+        assert what_next(verdict, alternatives=(), remainder=found.remainder) is None
+    rest = diagnosis(Verdict.UNKNOWN).remainder
+    asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=rest)
+    assert (
+        asked
+        == "repeat these logs with more variation of the speed and of the input a while before"
+    )
+    unseen = replace(rest, noise_from_rest=False, by={})
+    asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=unseen)
+    assert asked is not None
+    assert "once slowly and once fast, with a rest of 30 s" in asked
+
+
+def test_a_search_among_few_effects_says_so() -> None:
+    """A name found among three effects is no name found among all."""
+    assert restriction(()) == ()
+    assert restriction(tuple(EFFECTS)) == ()
+    (issue,) = restriction(("delay", "creep"))
+    assert issue.message.startswith("only delay and creep were considered")
+    assert issue.remedy

@@ -1,0 +1,126 @@
+"""diagnosis.json: valid by its schema for every verdict, with models that can be read back."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from handmade import failed_fit
+from handmade_diagnosis import diagnosis, odd_diagnosis
+from jsonschema import Draft202012Validator
+
+from softid.diagnoses import Verdict
+from softid.errors import IdentificationError, OutputError
+from softid.records import load_params, save_diagnosis
+from softid.records.reading import load_schema
+from softid.results import FitStatus
+
+
+def strict(path: Path) -> dict[str, Any]:
+    """JSON without NaN, valid by its schema."""
+
+    def refuse(constant: str) -> None:
+        raise AssertionError(constant)
+
+    document: dict[str, Any] = json.loads(path.read_text(), parse_constant=refuse)
+    Draft202012Validator(load_schema(document["schema"])).validate(document)
+    return document
+
+
+def test_the_schema_is_a_schema() -> None:
+    """A typing error would make it accept anything; draft 2020-12 checks itself."""
+    Draft202012Validator.check_schema(load_schema("softid.diagnosis/1"))
+
+
+@pytest.mark.parametrize("verdict", Verdict)
+def test_every_verdict_is_written(tmp_path: Path, verdict: Verdict) -> None:
+    """The published keys, and an extended model exactly where something was added."""
+    files = save_diagnosis(diagnosis(verdict), tmp_path / "out")
+    document = strict(tmp_path / "out" / "diagnosis.json")
+    assert document["verdict"] == verdict.value
+    names = [path.relative_to(tmp_path / "out").as_posix() for path in files]
+    expected = None if verdict is Verdict.ADEQUATE else "extended_params.json"
+    assert document["extended"] == expected
+    assert names == ["diagnosis.json", "params.json", *([expected] if expected else [])]
+    assert document["seed"] == 7
+    assert document["data"][0] == {"log": "step_1", "sha256": "a" * 64, "in_sample": True}
+    assert document["issues"][0]["code"] == "few-samples"
+    assert load_params(tmp_path / "out" / document["base"]["params"]).issues == ()
+
+
+def test_causes_have_their_numbers(tmp_path: Path) -> None:
+    """Errors in the unit of the channel: 2 degrees are 0.0349 rad."""
+    save_diagnosis(diagnosis(Verdict.NAMED), tmp_path)
+    document = strict(tmp_path / "diagnosis.json")
+    (cause,) = document["causes"]
+    assert cause["effect"] == "coulomb_friction"
+    assert cause["holdout_rmse_before"] == pytest.approx(0.034906585)
+    assert cause["gain_ci95"] == [0.7, 0.8]
+    assert [p["name"] for p in cause["parameters"]] == [
+        "coulomb_friction_Fc",
+        "coulomb_friction_vs",
+    ]
+    assert document["channels"]["angle"] | {"display_factor": 0} == {
+        "unit": "rad",
+        "display_unit": "deg",
+        "display_factor": 0,
+    }
+    extended = load_params(tmp_path / document["extended"])
+    assert extended.model.effects == ("coulomb_friction",)
+    assert extended.issues == ()
+
+
+def test_unknown_has_descriptions_and_no_causes(tmp_path: Path) -> None:
+    """What lowers the error without being a cause stands apart."""
+    save_diagnosis(diagnosis(Verdict.UNKNOWN), tmp_path)
+    document = strict(tmp_path / "diagnosis.json")
+    assert document["causes"] == []
+    assert [c["effect"] for c in document["descriptive"]] == ["coulomb_friction"]
+
+
+def test_what_is_not_a_number_is_null(tmp_path: Path) -> None:
+    """JSON has no NaN and no infinity."""
+    save_diagnosis(odd_diagnosis(), tmp_path)
+    document = strict(tmp_path / "diagnosis.json")
+    assert document["causes"][0]["delta_bic"] is None
+    assert document["causes"][0]["gain_ci95"] is None
+    assert document["remainder"]["rms"] is None
+    assert document["gains"][0]["fit_percent_after"] is None
+
+
+def test_an_extended_model_that_did_not_converge_is_not_written(tmp_path: Path) -> None:
+    """Its values are parameters of nothing; the record says why there is no file."""
+    stuck = replace(diagnosis(Verdict.NAMED).base, status=FitStatus.MAX_EVALUATIONS)
+    save_diagnosis(diagnosis(Verdict.NAMED, extended=stuck), tmp_path)
+    document = strict(tmp_path / "diagnosis.json")
+    assert document["extended"] is None
+    assert document["issues"][-1]["code"] == "extended-not-converged"
+    assert not (tmp_path / "extended_params.json").exists()
+
+
+def test_nothing_is_half_written(tmp_path: Path) -> None:
+    """A failed base leaves no folder; an existing result stays without overwrite."""
+    with pytest.raises(IdentificationError):
+        save_diagnosis(replace(diagnosis(Verdict.NAMED), base=failed_fit()), tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+    save_diagnosis(diagnosis(Verdict.NAMED), tmp_path / "out")
+    before = (tmp_path / "out" / "diagnosis.json").read_bytes()
+    with pytest.raises(OutputError, match="exists already"):
+        save_diagnosis(diagnosis(Verdict.PARTIAL), tmp_path / "out")
+    assert (tmp_path / "out" / "diagnosis.json").read_bytes() == before
+    save_diagnosis(diagnosis(Verdict.PARTIAL), tmp_path / "out", overwrite=True)
+    assert strict(tmp_path / "out" / "diagnosis.json")["verdict"] == "partial"
+
+
+def test_a_later_result_takes_its_predecessors_model_along(tmp_path: Path) -> None:
+    """An extended model beside a record that names none would be taken for its own."""
+    save_diagnosis(diagnosis(Verdict.NAMED), tmp_path)
+    save_diagnosis(diagnosis(Verdict.ADEQUATE), tmp_path, overwrite=True)
+    assert not (tmp_path / "extended_params.json").exists()
+    save_diagnosis(diagnosis(Verdict.NAMED), tmp_path, overwrite=True)
+    (tmp_path / "extended_params.json").write_text("{}")  # somebody's own by now
+    save_diagnosis(diagnosis(Verdict.ADEQUATE), tmp_path, overwrite=True)
+    assert (tmp_path / "extended_params.json").read_text() == "{}"
