@@ -22,6 +22,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "units", "kernels"),
     ("channels", "chi_square"),
     ("log", "parameters", "results"),
+    ("diagnoses",),
     (
         "readers",
         "quality",
