@@ -119,6 +119,10 @@ class Remainder:
         Share of the residual's power that follows from the motion, and what chance reaches.
     by
         Variable → share that it alone predicts.
+    excess
+        Variance of the residual above that of the noise, as a share of the latter.
+    noise_from_rest
+        Whether rest stretches told the noise; otherwise slow noise looks like a misfit.
     structured
         Whether there is more than chance.
     """
@@ -128,6 +132,8 @@ class Remainder:
     structure_share: float
     structure_limit: float
     by: Mapping[str, float]
+    excess: float
+    noise_from_rest: bool
     structured: bool
 
 
@@ -166,9 +172,12 @@ class Diagnosis:
     base
         The fit of the model without effects.
     extended
-        The fit with the chain of causes; None when there is none.
+        The fit with the chain of causes or descriptive laws; None when there is none.
     causes
-        The chain, the strongest first.
+        The chain, in the order in which it was found; empty when nothing may be named.
+    descriptive
+        Laws that lower the error but may not be called causes, because too much is left that they
+        do not explain; empty unless the verdict is unknown.
     alternatives
         Sets of causes that cannot be split.
     remainder
@@ -188,6 +197,7 @@ class Diagnosis:
     base: FitResult
     extended: FitResult | None
     causes: tuple[Cause, ...]
+    descriptive: tuple[Cause, ...]
     alternatives: tuple[Alternative, ...]
     remainder: Remainder
     gains: tuple[Gain, ...]

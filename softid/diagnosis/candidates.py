@@ -25,7 +25,10 @@ BASE_SD = 1.5
 and make a wrong name look good."""
 
 TOLERANCE = 1e-2
-COARSE, FINE = 1, 4
+LIGHTER = 0.1
+"""What is left of an inertia when its time is given to a lag."""
+
+COARSE, FINE = 2, 4
 """Most steps in a sampling interval while candidates race, and while they are compared. Sharp laws
 ask for more to reach 1e-4 of the range; noise is far above what this costs."""
 
@@ -271,17 +274,40 @@ def _tempered(candidate: Candidate) -> Candidate:
 
 def alternatives(candidate: Candidate) -> list[Candidate]:
     """The candidate with terms of the base in another form, which a search would not reach."""
-    moved = []
+    changes = [
+        {name: p.value for name, p in change.items() if not p.fixed}
+        for change in candidate.problem.model.alternatives(candidate.parameters)
+    ]
+    changes += [change] if (change := _lag_for_inertia(candidate)) else []
+    return [_moved(candidate, change) for change in changes]
+
+
+def _moved(candidate: Candidate, change: Mapping[str, float]) -> Candidate:
     problem = candidate.problem
-    for change in problem.model.alternatives(candidate.parameters):
-        z = candidate.minimum.point.copy()
-        for k, name in enumerate(problem.free):
-            if name in change and not change[name].fixed:
-                p, value = problem.parameters[name], change[name].value
-                inside = float(np.clip(value, p.lower, p.upper))
-                z[k] = np.log(inside) if p.scale == "log" else inside
-        moved.append(replace(candidate, minimum=replace(candidate.minimum, point=z)))
-    return moved
+    z = candidate.minimum.point.copy()
+    for k, name in enumerate(problem.free):
+        if name in change:
+            p = problem.parameters[name]
+            inside = float(np.clip(change[name], p.lower, p.upper))
+            z[k] = np.log(inside) if p.scale == "log" else inside
+    return replace(candidate, minimum=replace(candidate.minimum, point=z))
+
+
+def _lag_for_inertia(candidate: Candidate) -> dict[str, float]:
+    """The time that the inertia takes given to a lag: poles in a row look alike in any order."""
+    problem, values = candidate.problem, candidate.parameters
+    law = problem.model.motion_law(problem.theta(candidate.minimum.point))
+    if law is None or "M" not in problem.free or not candidate.effects:
+        return {}
+    damping = law.coefficients(np.concatenate([s.input for s in problem.segments]))[0]
+    fast_s = values["M"] / max(float(np.median(damping)), 1e-300)
+    for effect in candidate.effects:
+        if effect.stage == "state" or effect.amplitude is None:
+            continue
+        name = extended_name(effect, effect.amplitude)
+        if problem.parameters[name].unit == "s" and fast_s > values[name]:
+            return {name: fast_s, "M": LIGHTER * values["M"]}
+    return {}
 
 
 def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Division | None]:

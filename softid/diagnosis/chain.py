@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from softid.diagnosis.candidates import COARSE, Candidate, advance, prior_about
+from softid.diagnosis.candidates import Candidate, advance, prior_about
 from softid.diagnosis.screening import Signature, screen
 from softid.diagnosis.search import Ranked, race, rank
 from softid.effects.base import Effect, Scale
@@ -50,6 +50,8 @@ class Link:
         Keys of the effects that explain the logs as well, the chosen one first.
     signatures
         Every effect's best promise.
+    squares_before
+        Sum of squares of what was to be extended, for white noise: what the promises are shares of.
     """
 
     before: Ranked
@@ -57,6 +59,7 @@ class Link:
     chosen: Ranked
     rivals: tuple[str, ...]
     signatures: tuple[Signature, ...]
+    squares_before: float
 
     @property
     def delta_bic(self) -> float:
@@ -122,7 +125,7 @@ def find_chain(
         if link is None:
             break
         last = link
-        if not _pays(link, first=not links) or not holds(now, link.chosen.candidate):
+        if not pays(link, first=not links) or not holds(now, link.chosen.candidate):
             break
         links.append(link)
         last = None
@@ -149,10 +152,19 @@ def next_link(
     if not others:
         return None
     chosen, rivals = _rivals(others, now)
-    return Link(before, tuple(ranked), chosen, rivals, _best_promises(signatures))
+    return Link(before, tuple(ranked), chosen, rivals, _best_promises(signatures), now.squares)
 
 
-def _pays(link: Link, *, first: bool) -> bool:
+def pays(link: Link, *, first: bool) -> bool:
+    """Whether a link lowers the BIC enough to count.
+
+    Parameters
+    ----------
+    link
+        The link.
+    first
+        Whether it is the first cause, of which less is asked.
+    """
     if first:
         return link.delta_bic > DETECT
     before, after = link.before.candidate.squares, link.chosen.candidate.squares
@@ -190,9 +202,9 @@ def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:
 def unwhitened(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
     """The candidate at its optimum for white noise, from which the next round starts."""
     at_truth = replace(candidate.prior, weight=np.zeros_like(candidate.prior.weight))
-    plain = advance(replace(candidate, whitener=None, prior=at_truth), sigma, 1, substeps=COARSE)
+    plain = advance(replace(candidate, whitener=None, prior=at_truth), sigma, 1)
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     prior = prior_about(
         candidate.problem, plain.minimum.point, candidate.problem.free, plain.squares / n
     )
-    return advance(replace(plain, prior=prior), sigma, UNWHITENING, substeps=COARSE)
+    return advance(replace(plain, prior=prior), sigma, UNWHITENING)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.candidates import (
     COARSE,
+    FINE,
     Candidate,
     extend,
     limited_plans,
@@ -57,7 +58,7 @@ class Residual:
     basis
         Orthonormal columns that span the Jacobian, shape (n, U).
     simulated
-        Simulated outputs in the same units and order, shape (n,).
+        Simulated outputs in the same units and order, with the steps of the signatures, shape (n,).
     """
 
     rows: Array
@@ -80,8 +81,9 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
     sigma
         Weight of each output channel.
     """
-    plans = limited_plans(problem, unknowns, COARSE)
-    blocks = list(problem.blocks(unknowns, derivatives=True, plans=plans))
+    fine, coarse = (limited_plans(problem, unknowns, most) for most in (FINE, COARSE))
+    blocks = list(problem.blocks(unknowns, derivatives=True, plans=fine))
+    rough = problem.blocks(unknowns, derivatives=False, plans=coarse)
     rows = np.concatenate([b.residual / sigma[b.channel] for b in blocks])
     jacobian = np.concatenate(
         [b.jacobian / sigma[b.channel] for b in blocks if b.jacobian is not None]
@@ -90,7 +92,8 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
     kept = jacobian[:, size > 0] / size[size > 0]
     left, singular, _ = np.linalg.svd(kept, full_matrices=False)
     basis = left[:, singular > 1e-9 * singular.max(initial=0.0)]
-    return Residual(rows, basis, _measured(problem, sigma) - rows)
+    roughly = np.concatenate([b.residual / sigma[b.channel] for b in rough])
+    return Residual(rows, basis, _measured(problem, sigma) - roughly)
 
 
 def _measured(problem: Problem, sigma: Mapping[str, float]) -> Array:

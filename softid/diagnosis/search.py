@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from softid.diagnosis.candidates import COARSE, Candidate, advance, alternatives
+from softid.diagnosis.candidates import COARSE, FINE, Candidate, advance, alternatives
 from softid.diagnosis.parallel import in_parallel
 from softid.diagnosis.screening import Signature, candidate_from, screen
 from softid.diagnosis.whitening import Whitener, whitener_of
@@ -83,13 +83,15 @@ def race(
     entrants = [candidate_from(fitted, s, scale, variance) for s in _starts(found)]
     report(0.1)
 
-    def run(candidates: Sequence[Candidate], evaluations: int) -> list[Candidate]:
+    def run(
+        candidates: Sequence[Candidate], evaluations: int, substeps: int = FINE
+    ) -> list[Candidate]:
         return in_parallel(
-            lambda c: advance(c, sigma, evaluations, substeps=COARSE, tolerance=RACING_TOLERANCE),
+            lambda c: advance(c, sigma, evaluations, substeps=substeps, tolerance=RACING_TOLERANCE),
             candidates,
         )
 
-    best = _best_of_each(run(entrants, FIRST_LAP))
+    best = _best_of_each(run(entrants, FIRST_LAP, COARSE))
     report(0.5)
     second = _by_squares(run(best[:SECOND_FIELD], SECOND_LAP))
     report(0.7)

@@ -24,6 +24,7 @@ from softid.kernels.division import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
 from softid.log import Segment
 from softid.models.base import Model, Response
 from softid.models.division import Division, divide
+from softid.models.second_order import Law
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
 
@@ -285,6 +286,10 @@ class ExtendedModel(Model):
         """What arrives when the input has long been held."""
         time_s = np.linspace(0.0, 100.0 * max(self.scale.motion_s, self.scale.period_s), 50)
         return float(effect.apply(eta, time_s, np.full(time_s.size, level), self.scale)[-1])
+
+    def motion_law(self, theta: Array) -> Law | None:
+        """That of the model without its effects."""
+        return self.model.motion_law(theta[: self._split[0]])
 
     def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
         """Those of the model without its effects."""

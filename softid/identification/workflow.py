@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,7 @@ from softid.errors import IdentificationError, UsageError
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.assembly import Identified, assemble
-from softid.identification.choice import choose_model
+from softid.identification.choice import ModelChoice, choose_model
 from softid.identification.direction import falls_with_input
 from softid.identification.findings import fitted_range
 from softid.identification.limits import simpler_model
@@ -98,6 +99,62 @@ def fit(
     >>> fit(log, model="oscillator").success
     True
     """
+    work = identify(
+        logs,
+        model=model,
+        hold_out=hold_out,
+        parameters=parameters,
+        preferred=preferred,
+        seed=seed,
+        progress=progress,
+    )
+    if progress is not None:
+        progress("computing errors", 0.95)
+    return assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """A finished optimisation with the logs it belongs to.
+
+    Attributes
+    ----------
+    found
+        Problem and optimum.
+    logs, hold_out
+        Fitted and held-out logs, drop-outs taken out.
+    choice
+        How the model was chosen, if softid chose it.
+    """
+
+    found: Identified
+    logs: LogSet
+    hold_out: tuple[Log, ...]
+    choice: ModelChoice | None
+
+
+def identify(
+    logs: Log | Sequence[Log],
+    *,
+    model: Model | str | None = None,
+    hold_out: Sequence[Log] = (),
+    parameters: ParameterSet | lmfit.Parameters | None = None,
+    preferred: Sequence[Model] = (),
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Work:
+    """Find the optimum of `fit`, without errors and scores.
+
+    Parameters
+    ----------
+    logs, model, hold_out, parameters, preferred, seed, progress
+        As in `fit`.
+
+    Raises
+    ------
+    InputError, UsageError, IdentificationError
+        As `fit`.
+    """
     log_set = LogSet(tuple(without_dropouts(log) for log in as_log_set(logs)))
     held = tuple(without_dropouts(log) for log in hold_out)
     _check_hold_out(log_set, held)
@@ -123,8 +180,7 @@ def fit(
         require_channels(named, log_set)
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
     found = _identify(adapted, log_set, wishes, starts, rng, report)
-    report("computing errors", 0.95)
-    return assemble(found, log_set, held, choice=choice, seed=seed)
+    return Work(found, log_set, held, choice)
 
 
 def _check_hold_out(logs: LogSet, held: Sequence[Log]) -> None:

@@ -1,0 +1,120 @@
+"""What is left of a misfit, and which verdict follows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnoses import Remainder, Verdict
+from softid.diagnosis.candidates import Candidate
+from softid.diagnosis.chain import Link
+from softid.diagnosis.noise_floor import NoiseFloor, noise_floor
+from softid.diagnosis.remainder import Structure, Surroundings, structure_of
+from softid.effects.base import Scale
+
+Array = npt.NDArray[np.float64]
+
+EXPLAINED = 0.93
+"""Share of the misfit that the causes must explain when something is left."""
+
+SMALLEST_EXCESS = 0.15
+EXCESS_SDS = 3.0
+"""The residual is larger than the noise when its variance is so far above it: pressure noise and
+the estimate of the noise itself leave less."""
+
+
+def assess(
+    base: Candidate, final: Candidate, scale: Scale, *, rng: np.random.Generator
+) -> Remainder:
+    """Look at what the last model leaves.
+
+    Parameters
+    ----------
+    base, final
+        The first and the last model.
+    scale
+        Sizes of the base fit.
+    rng
+        Draws the shifts of the null.
+    """
+    before, after = surroundings(base), surroundings(final)
+    floor = noise_floor(
+        [p.residual for p in after],
+        [p.u for p in after],
+        [p.time_s for p in after],
+        scale.motion_s,
+    )
+    structure = structure_of(after, scale.motion_s, rng=rng)
+    excess, excess_before = _excess(after, floor), _excess(before, floor)
+    explained = 1.0
+    if excess_before > _largest_excess(floor):
+        explained = float(np.clip(1.0 - max(excess, 0.0) / excess_before, 0.0, 1.0))
+    residual = np.concatenate([p.residual for p in after])
+    return Remainder(
+        rms=float(np.sqrt(np.nanmean(residual**2))),
+        explained_share=explained,
+        structure_share=structure.share,
+        structure_limit=structure.limit,
+        by=structure.by,
+        excess=excess,
+        noise_from_rest=floor.from_rest,
+        structured=_is_structured(structure, excess, floor),
+    )
+
+
+def _is_structured(structure: Structure, excess: float, floor: NoiseFloor) -> bool:
+    return structure.significant or excess > _largest_excess(floor)
+
+
+def _largest_excess(floor: NoiseFloor) -> float:
+    return SMALLEST_EXCESS + EXCESS_SDS * floor.relative_sd
+
+
+def _excess(parts: Sequence[Surroundings], floor: NoiseFloor) -> float:
+    residual = np.concatenate([p.residual for p in parts])
+    power = float(np.nanmean(residual**2))
+    return power / max(floor.variance, 1e-12 * power, 1e-300) - 1.0
+
+
+def surroundings(candidate: Candidate) -> list[Surroundings]:
+    """Residual of the first output and the motion around it, for every segment."""
+    problem, z = candidate.problem, candidate.minimum.point
+    first = problem.outputs[0]
+    blocks = {b.segment: b for b in problem.blocks(z, derivatives=False) if b.channel == first}
+    found = []
+    for k, segment in enumerate(problem.segments):
+        response = problem.model.response(
+            problem.theta(z),
+            segment,
+            problem.outputs,
+            start=problem.start(z, k),
+            derivatives=False,
+            relative=problem.has_equilibrium,
+        )
+        x = response.outputs[first] if response.x is None else response.x
+        v = np.gradient(x, segment.time_s) if response.v is None else response.v
+        residual = np.full(segment.time_s.size, np.nan)
+        residual[segment.used[first]] = blocks[k].residual
+        found.append(Surroundings(segment.time_s, x, v, segment.input, residual))
+    return found
+
+
+def verdict_of(links: Sequence[Link], remainder: Remainder) -> Verdict:
+    """The answer that the links and the remainder allow.
+
+    Parameters
+    ----------
+    links
+        The chain.
+    remainder
+        What it leaves.
+    """
+    if not links:
+        return Verdict.UNKNOWN if remainder.structured else Verdict.ADEQUATE
+    if remainder.structured and remainder.explained_share <= EXPLAINED:
+        return Verdict.UNKNOWN
+    if any(len(link.rivals) > 1 for link in links):
+        return Verdict.AMBIGUOUS
+    return Verdict.PARTIAL if remainder.structured else Verdict.NAMED

@@ -1,0 +1,191 @@
+"""From a chain of refits to plain results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnoses import Alternative, Cause, Evidence, Gain
+from softid.diagnosis.candidates import Candidate
+from softid.diagnosis.chain import Chain, Link
+from softid.diagnosis.held_out import HeldOut, gain_interval
+from softid.effects.base import Effect
+from softid.residuals import fit_percent
+from softid.results import FitResult
+
+Array = npt.NDArray[np.float64]
+
+
+def added_effect(link: Link) -> Effect:
+    """The effect that a link adds."""
+    known = set(link.before.candidate.keys)
+    return next(e for e in link.chosen.candidate.effects if e.key not in known)
+
+
+def causes_of(
+    chain: Chain,
+    base: Candidate,
+    after: FitResult | None,
+    held: HeldOut,
+    rng: np.random.Generator,
+) -> tuple[Cause, ...]:
+    """The links in words and numbers.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    base
+        What it began with.
+    after
+        The fit with all causes, whose parameters are told.
+    held
+        What was held out.
+    rng
+        Draws the bootstrap.
+    """
+    found = []
+    previous = base
+    for number, link in enumerate(chain.links):
+        effect = added_effect(link)
+        last = number == len(chain.links) - 1
+        reached = chain.final if last else link.chosen.candidate
+        before_rows, after_rows = _first(held, previous), _first(held, reached)
+        prefix = f"{effect.name}_"
+        own = [p for p in after.parameters if p.name.startswith(prefix)] if after else []
+        found.append(
+            Cause(
+                effect=effect.name,
+                key=effect.key,
+                title=effect.title,
+                law=effect.law,
+                meaning=effect.meaning,
+                remedy=effect.remedy,
+                parameters=tuple(own),
+                delta_bic=link.delta_bic,
+                holdout_rmse_before=_rms(before_rows),
+                holdout_rmse_after=_rms(after_rows),
+                gain_ci95=gain_interval(before_rows, after_rows, rng),
+            )
+        )
+        previous = reached
+    return tuple(found)
+
+
+def _first(held: HeldOut, candidate: Candidate) -> Array:
+    first = candidate.problem.outputs[0]
+    rows = [r for _, channel, _, r in held.errors(candidate) if channel == first]
+    return np.concatenate(rows) if rows else np.empty(0)
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else float("nan")
+
+
+def gains_of(
+    base: Candidate, final: Candidate, held: HeldOut, fitted: FitResult
+) -> tuple[Gain, ...]:
+    """Error of every log and channel before and after, fitted samples and held-out ones.
+
+    Parameters
+    ----------
+    base, final
+        The first and the last model.
+    held
+        What was held out.
+    fitted
+        The base fit, for the units.
+    """
+    units = {row.channel: row.unit for row in fitted.statistics}
+    found = []
+    for is_held, rows in (
+        (False, (_fitted(base), _fitted(final))),
+        (True, (held.errors(base), held.errors(final))),
+    ):
+        for (log, channel, measured, before), (*_, after) in zip(*rows, strict=True):
+            if measured.size == 0:
+                continue
+            found.append(
+                Gain(
+                    log=log,
+                    channel=channel,
+                    unit=units.get(channel, ""),
+                    held_out=is_held,
+                    n=measured.size,
+                    rmse_before=_rms(before),
+                    rmse_after=_rms(after),
+                    fit_percent_before=fit_percent(measured, measured - before),
+                    fit_percent_after=fit_percent(measured, measured - after),
+                )
+            )
+    return tuple(found)
+
+
+def _fitted(candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
+    problem = candidate.problem
+    found = []
+    for block in problem.blocks(candidate.minimum.point, derivatives=False):
+        segment = problem.segments[block.segment]
+        measured = segment.outputs[block.channel][segment.used[block.channel]]
+        found.append((segment.log_name, block.channel, measured, block.residual))
+    return found
+
+
+def alternatives_of(links: Sequence[Link]) -> tuple[Alternative, ...]:
+    """Sets of effects that explain the logs equally well.
+
+    Parameters
+    ----------
+    links
+        The chain.
+    """
+    found = []
+    for link in links:
+        if len(link.rivals) < 2:
+            continue
+        bic: dict[str, float] = {}
+        for row in link.ranked:
+            if row is not link.before and row.candidate.keys != link.before.candidate.keys:
+                known = set(link.before.candidate.keys)
+                name = next(e.name for e in row.candidate.effects if e.key not in known)
+                bic[name] = min(bic.get(name, np.inf), row.bic - link.chosen.bic)
+        found.append(
+            Alternative(link.rivals, {name: max(bic[name], 0.0) for name in link.rivals}, "")
+        )
+    return tuple(found)
+
+
+def evidence_of(chain: Chain) -> tuple[Evidence, ...]:
+    """Every candidate of every round.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    """
+    rounds = [*chain.links, *([chain.last] if chain.last is not None else [])]
+    found = []
+    for number, link in enumerate(rounds, start=1):
+        known = set(link.before.candidate.keys)
+        ranked = {
+            next(e.key for e in row.candidate.effects if e.key not in known): row
+            for row in link.ranked
+            if len(row.candidate.effects) > len(known)
+        }
+        whole = max(link.before.candidate.squares, 1e-300)
+        for signature in link.signatures:
+            key = signature.effect.key
+            row = ranked.get(key)
+            found.append(
+                Evidence(
+                    round=number,
+                    effect=key,
+                    delta_bic=link.before.bic - row.bic if row is not None else None,
+                    drop_share=1.0 - row.candidate.squares / whole
+                    if row is not None
+                    else signature.drop / max(link.squares_before, 1e-300),
+                )
+            )
+    return tuple(found)

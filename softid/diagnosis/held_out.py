@@ -1,0 +1,164 @@
+"""What is held out: other logs, or blocks of the fitted ones; and the error on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.candidates import Candidate
+from softid.fitters.output_error import refit_nuisance
+from softid.fitters.problem import Problem
+from softid.log import Log, LogSet
+from softid.uncertainty.student import student_quantile
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+BLOCKS = 5
+BLOCK_SHARE = 0.04
+"""Five blocks of 4 % of a log are held out when no other log is."""
+
+FIRST_SHARE = 0.1
+"""Nothing is held out of the first tenth, from which initial states are found."""
+
+DRAWS = 999
+BOOTSTRAP_BLOCKS = 24
+"""Blocks into which held-out samples fall for the interval of the gain."""
+
+NO_WORSE, BETTER = 1.02, 0.998
+"""A held-out error counts as no worse than another up to a fiftieth above it, and as better from
+two thousandths below it."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """The samples that judge and are not fitted.
+
+    Attributes
+    ----------
+    logs
+        Held-out logs; empty when blocks are held out.
+    whole
+        The fitted logs with their blocks, when blocks are held out.
+    blocks
+        Which samples of each of them are held out.
+    """
+
+    logs: tuple[Log, ...]
+    whole: tuple[Log, ...] = ()
+    blocks: tuple[BoolArray, ...] = ()
+
+    def errors(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
+        """Measured values and residual at the held-out samples.
+
+        Parameters
+        ----------
+        candidate
+            A fit to the rest.
+
+        Returns
+        -------
+        list
+            (log, channel, measured, residual), the arrays of shape (m,).
+        """
+        if self.logs:
+            return self._on_logs(candidate)
+        return self._in_blocks(candidate)
+
+    def rms(self, candidate: Candidate) -> float:
+        """Root mean square of the first output's residual over everything held out."""
+        first = candidate.problem.outputs[0]
+        rows = [r for _, channel, _, r in self.errors(candidate) if channel == first]
+        joined = np.concatenate(rows) if rows else np.empty(0)
+        return float(np.sqrt(np.mean(joined**2))) if joined.size else float("nan")
+
+    def _on_logs(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
+        model = candidate.problem.model
+        fixed = model.parameters().with_fixed(candidate.parameters)
+        problem = Problem(model, fixed, self.logs)
+        optimum = refit_nuisance(problem)
+        found = []
+        for block in problem.blocks(optimum.unknowns, derivatives=False):
+            segment = problem.segments[block.segment]
+            measured = segment.outputs[block.channel][segment.used[block.channel]]
+            found.append((segment.log_name, block.channel, measured, block.residual))
+        return found
+
+    def _in_blocks(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
+        fitted = candidate.problem
+        problem = Problem(fitted.model, fitted.parameters, self.whole)
+        if problem.size != fitted.size:  # a mask changed what counts as rest at a start
+            return []
+        found = []
+        for block in problem.blocks(candidate.minimum.point, derivatives=False):
+            segment = problem.segments[block.segment]
+            used = segment.used[block.channel]
+            held = self.blocks[problem.owner[block.segment]][segment.start : segment.stop]
+            measured = segment.outputs[block.channel][used & held]
+            found.append((segment.log_name, block.channel, measured, block.residual[held[used]]))
+        return found
+
+
+def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOut]:
+    """Mask contiguous blocks of every log, within the range of inputs that the rest covers.
+
+    Parameters
+    ----------
+    logs
+        The logs.
+
+    Returns
+    -------
+    LogSet, HeldOut
+        The logs without the blocks, and what is held out.
+    """
+    trained, blocks = [], []
+    for log in logs:
+        held = _blocks(log)
+        masked = held if log.masked is None else log.masked | held
+        trained.append(replace(log, masked=masked))
+        blocks.append(held)
+    return LogSet(tuple(trained)), HeldOut((), logs.logs, tuple(blocks))
+
+
+def _blocks(log: Log) -> BoolArray:
+    n = len(log)
+    held = np.zeros(n, bool)
+    u = log.channels[log.input].values
+    length = max(int(BLOCK_SHARE * n), 1)
+    for centre in np.linspace(FIRST_SHARE, 1.0, BLOCKS + 1)[1:] - 0.5 * (1 - FIRST_SHARE) / BLOCKS:
+        first = min(int(centre * n), n - length)
+        held[first : first + length] = True
+    low, high = u[~held].min(), u[~held].max()
+    held &= (u >= low) & (u <= high)
+    return held
+
+
+def gain_interval(
+    before: Array, after: Array, rng: np.random.Generator
+) -> tuple[float, float] | None:
+    """95 % interval of 1 − rms(after)/rms(before) by a block bootstrap over the same blocks.
+
+    Stretched by Student's t for the number of blocks; None for fewer than eight samples a block.
+
+    Parameters
+    ----------
+    before, after
+        Residuals at the same held-out samples, each of shape (n,).
+    rng
+        Source of randomness.
+    """
+    size = before.size // BOOTSTRAP_BLOCKS
+    if size < 8 or after.size != before.size:
+        return None
+    n = size * BOOTSTRAP_BLOCKS
+    squares = np.stack((before[:n], after[:n])) ** 2
+    sums = squares.reshape(2, BOOTSTRAP_BLOCKS, size).sum(axis=2)
+    drawn = sums[:, rng.integers(0, BOOTSTRAP_BLOCKS, (DRAWS, BOOTSTRAP_BLOCKS))].sum(axis=2)
+    gains = 1.0 - np.sqrt(drawn[1] / np.maximum(drawn[0], 1e-300))
+    middle = 1.0 - float(np.sqrt(sums[1].sum() / max(sums[0].sum(), 1e-300)))
+    low, high = np.quantile(gains, [0.025, 0.975])
+    stretch = student_quantile(BOOTSTRAP_BLOCKS - 1.0, 0.975) / 1.96
+    return float(middle - stretch * (middle - low)), float(middle + stretch * (high - middle))

@@ -1,0 +1,78 @@
+"""Earlier links of a chain, seen again in the light of the later ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.candidates import Candidate, advance, extend, prior_about
+from softid.diagnosis.chain import Chain, Link, next_link, pays, unwhitened
+from softid.effects.base import Effect, Scale
+
+WITHOUT_LAP = 25
+
+
+def revised(
+    chain: Chain,
+    base: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> Chain:
+    """Ask for every earlier cause again which effect belongs there, given the others.
+
+    The first of two causes was chosen while the second was still in the residual, which may have
+    favoured a wrong one. A cause that no longer pays is dropped.
+
+    Parameters
+    ----------
+    chain
+        The chain as it was found.
+    base
+        What it began with.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Weight of each output channel.
+    """
+    links, now = list(chain.links), chain.final
+    for position in range(len(links) - 2, -1, -1):
+        mine = _added(links[position])
+        others = [effect for effect in now.effects if effect.name != mine.name]
+        without = _without(now, base, others, scale, sigma)
+        link = next_link(without, effects, scale, sigma)
+        if link is None or not pays(link, first=False):
+            del links[position]
+            now = without
+            continue
+        links[position] = link
+        now = unwhitened(link.chosen.candidate, sigma)
+    return Chain(tuple(links), chain.last, now)
+
+
+def _added(link: Link) -> Effect:
+    known = set(link.before.candidate.keys)
+    return next(e for e in link.chosen.candidate.effects if e.key not in known)
+
+
+def _without(
+    now: Candidate,
+    base: Candidate,
+    others: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> Candidate:
+    """The model with the other effects alone, refitted."""
+    problem = extend(base.problem, others, scale) if others else base.problem
+    known = dict(zip(now.problem.free, now.minimum.point.tolist(), strict=False))
+    z = np.array([known[name] for name in problem.free])
+    z = np.concatenate((z, now.minimum.point[len(now.problem.free) :]))
+    n = max(problem.n_samples - problem.size, 1)
+    prior = prior_about(problem, z, problem.free, now.squares / n)
+    placed = replace(now.minimum, point=z)
+    candidate = Candidate(tuple(others), problem, placed, prior)
+    return advance(candidate, sigma, WITHOUT_LAP)
