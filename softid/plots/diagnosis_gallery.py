@@ -118,7 +118,7 @@ def loop_area_figure(diagnosis: Diagnosis) -> Figure | None:
     return draw_loop_area(
         widths,
         output=shown_output(base),
-        title=f"Loop area over span of the input, against rate: {listed([s.log for s in simulations])}",
+        title=f"Loop area over span of the input: {listed([s.log for s in simulations])}",
     )
 
 
@@ -157,9 +157,7 @@ def evidence_figure(diagnosis: Diagnosis) -> Figure | None:
 
 def taken_candidates(diagnosis: Diagnosis) -> frozenset[Mark]:
     """Round and key of every link: the best of a round that is part of the extended model."""
-    keys = {cause.key for cause in diagnosis.causes}
-    if diagnosis.extended is not None:
-        keys |= set(diagnosis.extended.model.effects)
+    keys = {cause.key for cause in (*diagnosis.causes, *diagnosis.descriptive)}
     found: set[Mark] = set()
     for number in sorted({one.round for one in diagnosis.evidence}):
         racing = [
@@ -167,49 +165,58 @@ def taken_candidates(diagnosis: Diagnosis) -> frozenset[Mark]:
             for one in diagnosis.evidence
             if one.round == number and one.effect in keys and one.delta_bic is not None
         ]
-        if racing and max(racing)[0] > 0.0:
+        if racing:
             found.add((number, max(racing)[1]))
             keys.discard(max(racing)[1])
     return frozenset(found)
 
 
 def tied_candidates(diagnosis: Diagnosis, chosen: frozenset[Mark]) -> frozenset[Mark]:
-    """Round and key of what stands in one set with what that round took."""
+    """Round and key of the rivals of what each round took; of a name, its best variant."""
     found: set[Mark] = set()
-    for one in diagnosis.evidence:
-        taken = [key for number, key in chosen if number == one.round]
-        for other in diagnosis.alternatives:
-            names = set(other.effects)
-            if names.isdisjoint(both_names(one.effect)) or (one.round, one.effect) in chosen:
-                continue
-            if one.delta_bic is None or one.delta_bic <= 0.0:
-                continue
-            # Where nothing is named at all, the members of the set are equals.
-            if not chosen or any(not names.isdisjoint(both_names(key)) for key in taken):
-                found.add((one.round, one.effect))
+    for number, key in chosen:
+        own = plain_name(key)
+        rivals = {
+            name
+            for other in diagnosis.alternatives
+            if own in map(plain_name, other.effects)
+            for name in map(plain_name, other.effects)
+        } - {own}
+        for rival in rivals:
+            racing = [
+                (one.delta_bic, one.effect)
+                for one in diagnosis.evidence
+                if one.round == number
+                and one.delta_bic is not None
+                and plain_name(one.effect) == rival
+            ]
+            if racing:
+                found.add((number, max(racing)[1]))
     return frozenset(found)
 
 
-def both_names(key: str) -> frozenset[str]:
-    """A key with and without the variant of its law.
+def plain_name(key: str) -> str:
+    """A key without the variant of its law.
 
     Examples
     --------
-    >>> sorted(both_names("pneumatic_lag.separate"))
-    ['pneumatic_lag', 'pneumatic_lag.separate']
+    >>> plain_name("pneumatic_lag.separate")
+    'pneumatic_lag'
     """
-    return frozenset((key, key.split(".")[0]))
+    return key.split(".")[0]
 
 
 def chain_figure(diagnosis: Diagnosis) -> Figure | None:
-    """Held-out error by link; None without a cause."""
-    if not diagnosis.causes:
+    """Held-out error by link; None when nothing was added."""
+    links = diagnosis.causes or diagnosis.descriptive
+    if not links:
         return None
+    what = "causes" if diagnosis.causes else "laws that describe and do not explain"
     return draw_chain(
-        diagnosis.causes,
+        links,
         output=shown_output(diagnosis.base),
         base=f"{diagnosis.base.model.name} model",
-        title="Held-out error along the chain of causes",
+        title=f"Held-out error along the chain of {what}",
     )
 
 

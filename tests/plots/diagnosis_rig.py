@@ -46,7 +46,7 @@ def pressure(time_s: np.ndarray, *, cycles: bool) -> np.ndarray:
     if not cycles:
         return np.interp(time_s, [0, 2, 2.05, 6, 6.05, 12], [10, 10, 70, 70, 130, 130])
     corners, levels = [0.0], [20.0]
-    for half_s, count in ((2.5, 2), (0.5, 3)):
+    for half_s, count in ((1.5, 1), (0.4, 2)):
         for _ in range(count):
             for level in (140.0, 20.0):
                 corners.append(corners[-1] + half_s)
@@ -60,7 +60,7 @@ def hidden_log(
     name: str, key: str | None, *, seed: int, size: float = 1.0, cycles: bool = True
 ) -> Log:
     """A log of the muscle with an effect at `size` times its moderate parameters, in degrees."""
-    time_s = np.arange(0.0, 15.0 if cycles else 12.0, 0.02)
+    time_s = np.arange(0.0, 7.5 if cycles else 12.0, 0.02)
     channels = {"pressure": pressure(time_s, cycles=cycles), "angle": np.zeros(time_s.size)}
     (segment,) = Log.from_arrays(time_s, channels, units={"angle": "rad"}, name=name).segments()
     model = extended(key)
@@ -131,6 +131,8 @@ def remainder(structured: bool) -> Remainder:
         structure_limit=0.05,
         by={"x": 0.01},
         structured=structured,
+        excess=0.02,
+        noise_from_rest=True,
     )
 
 
@@ -148,6 +150,7 @@ def diagnosis(
         base=base,
         extended=after,
         causes=causes,
+        descriptive=(),
         alternatives=() if key is None else (Alternative((key, tie), {key: 0.0, tie: 6.0}, ""),),
         remainder=remainder(False),
         gains=gains(base, after),
