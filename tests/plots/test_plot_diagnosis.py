@@ -113,9 +113,10 @@ def test_rows_out_of_the_race_come_last() -> None:
         Evidence(1, "a", None, 0.9),
         Evidence(1, "b", -40.0, 0.0),
         Evidence(1, "c", 30.0, 0.5),
+        Evidence(1, "d", -60.0, 0.0),
         Evidence(2, "b", 50.0, 0.1),
     ]
-    assert row_order(evidence, [1, 2]) == ["b", "c", "a"]
+    assert row_order(evidence, [1, 2]) == ["b", "c", "d", "a"]
 
 
 def test_interval_of_the_chain() -> None:
