@@ -4,6 +4,7 @@ from softid.plots.branches import draw_branches
 from softid.plots.canvas import Display, new_figure, png_bytes
 from softid.plots.curves_and_points import Series, draw_series
 from softid.plots.damping import draw_damping
+from softid.plots.diagnosis_gallery import diagnosis_figures
 from softid.plots.gallery import draw_all, figures
 from softid.plots.loops import Loop, draw_loops
 from softid.plots.parameter_correlation import draw_parameter_correlation
@@ -24,6 +25,7 @@ __all__ = [
     "ResidualPoints",
     "Series",
     "Trial",
+    "diagnosis_figures",
     "draw_all",
     "draw_branches",
     "draw_damping",

@@ -31,6 +31,10 @@ _NEGLIGIBLE = 1e-6
 class HasDamping(Protocol):
     """A model whose damping depends on the pressure."""
 
+    def parameters(self) -> ParameterSet:
+        """Declared parameters, in the order of ``theta``."""
+        ...
+
     def damping_curve(self, theta: Array, pressure_kpa: Array) -> Array:
         """N(p) at pressures of shape (m,)."""
         ...
@@ -83,11 +87,13 @@ def static_curve(model: Model, result: FitResult, output: str) -> Curve:
 def damping_curve(model: HasDamping, result: FitResult) -> Curve:
     """N(p) over the pressures of the logs, with a band by the delta method on log N.
 
+    The fit may be that of an extended model; the parameters of its effects are then left out.
+
     var log N = gᵀ C g, g the derivative of log N by the free parameters (by their logarithm where
     they are positive), so that the band N exp(±1.96 sd) stays positive.
     """
     grid = input_grid(result)
-    names = [p.name for p in result.parameters]
+    names = model.parameters().names
 
     def log_damping(values: Mapping[str, float]) -> Array:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):

@@ -146,8 +146,15 @@ def branch_figure(subject: Subject) -> Figure:
 
 
 def damping_figure(subject: Subject) -> Figure | None:
-    """N(p) with its band, for a model that has one and an order that uses it."""
+    """N(p) with its band, for a model that has one and an order that uses it.
+
+    Of an extended model it is the damping of the model itself, without what its effects add.
+    """
     model, result = subject.model, subject.result
+    if result.model.effects:  # a plain fit need not load the catalogue
+        from softid.effects import ExtendedModel
+
+        model = model.model if isinstance(model, ExtendedModel) else model
     if not isinstance(model, HasDamping) or not subject.model.start_states:
         return None
     curve = damping_curve(model, result)
