@@ -24,6 +24,9 @@ from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]
 
+SEEN = 1e-6
+"""Directions of the Jacobian that are weaker than this share of the strongest are not followed."""
+
 SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE = 0.05, 5.0
 """A start's amplitude is scaled by what the residual asks for, within these factors."""
 
@@ -40,11 +43,14 @@ class Signature:
         Parameter → value from which a refit starts, its amplitude scaled to the residual.
     drop
         (r·s)²/(s·s), the drop of the sum of squares that it promises.
+    shift
+        By how much the unknowns of what is extended move to make room for it, shape (U,).
     """
 
     effect: Effect
     values: Mapping[str, float]
     drop: float
+    shift: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +63,15 @@ class Residual:
         Residual in units of the channels' weights, shape (n,).
     basis
         Orthonormal columns that span the Jacobian, shape (n, U).
+    to_unknowns
+        From coordinates in the basis to unknowns, shape (U, columns).
     simulated
         Simulated outputs in the same units and order, with the steps of the signatures, shape (n,).
     """
 
     rows: Array
     basis: Array
+    to_unknowns: Array
     simulated: Array
 
     def without_basis(self, values: Array) -> Array:
@@ -90,10 +99,13 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
     )
     size = np.linalg.norm(jacobian, axis=0)
     kept = jacobian[:, size > 0] / size[size > 0]
-    left, singular, _ = np.linalg.svd(kept, full_matrices=False)
-    basis = left[:, singular > 1e-9 * singular.max(initial=0.0)]
+    left, singular, right = np.linalg.svd(kept, full_matrices=False)
+    seen = singular > SEEN * singular.max(initial=0.0)
+    to_unknowns = np.zeros((size.size, int(seen.sum())))
+    to_unknowns[size > 0] = right[seen].T / singular[seen] / size[size > 0, None]
+    basis = left[:, seen]
     roughly = np.concatenate([b.residual / sigma[b.channel] for b in rough])
-    return Residual(rows, basis, _measured(problem, sigma) - roughly)
+    return Residual(rows, basis, to_unknowns, _measured(problem, sigma) - roughly)
 
 
 def _measured(problem: Problem, sigma: Mapping[str, float]) -> Array:
@@ -127,6 +139,7 @@ def screen(
     """
     residual = residual_of(fitted.problem, fitted.minimum.point, sigma)
     measured = _measured(fitted.problem, sigma)
+    reach = 0.5 * fitted.problem.reach()
     starts = [(effect, values) for effect in effects for values in effect.starts(scale)]
 
     def look(start: tuple[Effect, Mapping[str, float]]) -> Signature | None:
@@ -138,7 +151,8 @@ def screen(
             plans = limited_plans(problem, z, COARSE)
             blocks = problem.blocks(z, derivatives=False, plans=plans)
             rows = [b.residual / sigma[b.channel] for b in blocks]
-        change = residual.without_basis(measured - np.concatenate(rows) - residual.simulated)
+        whole = measured - np.concatenate(rows) - residual.simulated
+        change = residual.without_basis(whole)
         power = float(change @ change)
         if not np.isfinite(power) or power <= 0.0:
             return None
@@ -147,20 +161,24 @@ def screen(
         drop = along**2 / power
         if not effect.changes_sign and share < 0.0:
             share, drop = SMALLEST_AMPLITUDE, 0.0
-        return Signature(effect, _scaled(effect, values, share), drop)
+        scaled, factor = _scaled(effect, values, share)
+        shift = -factor * (residual.to_unknowns @ (residual.basis.T @ whole))
+        return Signature(effect, scaled, drop, np.clip(shift, -reach, reach))
 
     found = [s for s in in_parallel(look, starts) if s is not None]
     return sorted(found, key=lambda s: -s.drop)
 
 
-def _scaled(effect: Effect, values: Mapping[str, float], share: float) -> dict[str, float]:
-    """Start values with the amplitude as large as the residual asks for."""
+def _scaled(
+    effect: Effect, values: Mapping[str, float], share: float
+) -> tuple[dict[str, float], float]:
+    """Start values with the amplitude as large as the residual asks for, and by what factor."""
     size = float(np.clip(abs(share), SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE))
     factor = size if share >= 0.0 else -size
     scaled = dict(values)
     for name in effect.amplitudes:
         scaled[name] = factor * scaled[name]
-    return scaled
+    return scaled, factor if effect.amplitudes else 1.0
 
 
 def candidate_from(
@@ -181,7 +199,14 @@ def candidate_from(
     """
     problem = extend(fitted.problem, (signature.effect,), scale)
     named = named_values(signature.effect, signature.values)
-    z = start_unknowns(problem, fitted.problem, fitted.minimum.point, named)
-    prior = prior_about(problem, z, fitted.problem.free, variance)
+    lower, upper = fitted.problem.bounds()
+    moved = np.clip(fitted.minimum.point + signature.shift, lower, upper)
+    prior = prior_about(
+        problem,
+        start_unknowns(problem, fitted.problem, fitted.minimum.point, named),
+        fitted.problem.free,
+        variance,
+    )
+    z = start_unknowns(problem, fitted.problem, moved, named)
     placed = fitted.minimum.__class__(z, fitted.minimum.normal, 0, np.inf)
     return Candidate((*fitted.effects, signature.effect), problem, placed, prior)
