@@ -23,9 +23,13 @@ FIRST_LAP, SECOND_LAP, LAST_LAP, WHITE_LAP = 4, 8, 20, 12
 RACING_TOLERANCE = 0.05
 """A candidate in the race rests within a twentieth of a standard error of its optimum."""
 
-SECOND_FIELD, LAST_FIELD, FORMS_FIELD = 8, 4, 2
+SECOND_FIELD, LAST_FIELD, FORMS_FIELD = 7, 4, 2
 """Candidates that stay in the race for the second and the last lap, and those among them that also
 start with the base's terms in another form."""
+
+PROMISING_SIGNATURES = 5
+"""Effects of the best signatures stay for the second lap however far the first one brought them: a
+motion that integrates its force answers violently to a start that is a little off."""
 
 CLEAR_LEAD = 0.5
 """One whose sum of squares above the leader's is more than this share of the base's misfit above
@@ -93,7 +97,9 @@ def race(
 
     best = _best_of_each(run(entrants, FIRST_LAP, COARSE))
     report(0.5)
-    second = _by_squares(run(best[:SECOND_FIELD], SECOND_LAP, COARSE))
+    promising = {s.effect.key for s in found[:PROMISING_SIGNATURES]}
+    field = [c for k, c in enumerate(best) if k < SECOND_FIELD or c.effects[-1].key in promising]
+    second = _by_squares(run(field, SECOND_LAP, COARSE))
     report(0.7)
     if not second or n * np.log(fitted.squares / second[0].squares) < SMALLEST_GAIN:
         return second[:1]
