@@ -140,9 +140,9 @@ def what_next(
             return f"record {split.experiment}, to tell {either} apart"
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
         named = _variables(remainder)
-        rest = "" if remainder.noise_from_rest else ", with a rest of 30 s that shows the noise"
+        rest = "" if remainder.noise_from_rest else ", and with a rest of 30 s that shows the noise"
         if named:
-            return f"repeat these logs{rest} with more variation of {' and of '.join(named)}"
+            return f"repeat these logs with more variation of {' and of '.join(named)}{rest}"
         return f"record the same path once slowly and once fast{rest}"
     return None
 
