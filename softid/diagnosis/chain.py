@@ -29,9 +29,10 @@ NESTED = 6.0
 
 MAX_LINKS = 4
 UNWHITENING = 12
-PROMISE = 6.0
-"""No refit is tried when no signature promises to lower n ln(S) by this much: the promise is made
-for white noise and for a guessed shape, and a fall that counts is many times larger."""
+PROMISE, FURTHER_PROMISE = 6.0, 15.0
+"""No refit is tried when no signature promises to lower n ln(S) by this much, for a first and for a
+further cause: the promise is made for white noise and a guessed shape, and a fall that counts is
+many times larger."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +144,9 @@ def next_link(
         return None
     signatures = screen(now, left, scale, sigma)
     share = max((s.drop for s in signatures), default=0.0) / max(now.squares, 1e-300)
-    if -now.problem.n_samples * np.log1p(-min(share, 0.999)) < PROMISE:
+    if -now.problem.n_samples * np.log1p(-min(share, 0.999)) < (
+        FURTHER_PROMISE if now.effects else PROMISE
+    ):
         return None
     contenders = race(now, left, scale, sigma, signatures=signatures)
     ranked = rank([*contenders, now], sigma)

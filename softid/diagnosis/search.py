@@ -17,13 +17,13 @@ SECOND_START = 0.3
 """A further start of an effect runs when it promises this share of the best one's drop."""
 
 MAX_STARTS = 2
-FIRST_LAP, SECOND_LAP, LAST_LAP, WHITE_LAP = 4, 10, 25, 12
+FIRST_LAP, SECOND_LAP, LAST_LAP, WHITE_LAP = 4, 8, 20, 12
 """Evaluations of each lap."""
 
 RACING_TOLERANCE = 0.05
 """A candidate in the race rests within a twentieth of a standard error of its optimum."""
 
-SECOND_FIELD, LAST_FIELD, FORMS_FIELD = 8, 5, 3
+SECOND_FIELD, LAST_FIELD, FORMS_FIELD = 8, 4, 2
 """Candidates that stay in the race for the second and the last lap, and those among them that also
 start with the base's terms in another form."""
 
@@ -93,7 +93,7 @@ def race(
 
     best = _best_of_each(run(entrants, FIRST_LAP, COARSE))
     report(0.5)
-    second = _by_squares(run(best[:SECOND_FIELD], SECOND_LAP))
+    second = _by_squares(run(best[:SECOND_FIELD], SECOND_LAP, COARSE))
     report(0.7)
     if not second or n * np.log(fitted.squares / second[0].squares) < SMALLEST_GAIN:
         return second[:1]

@@ -13,6 +13,7 @@ from softid.diagnosis.candidates import Candidate, advance, catalogue, prior_abo
 from softid.diagnosis.chain import find_chain
 from softid.diagnosis.findings import alternatives_of, causes_of, evidence_of, gains_of
 from softid.diagnosis.held_out import BETTER, NO_WORSE, HeldOut, hold_out_blocks
+from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.revision import revised
 from softid.diagnosis.scale import scale_of
 from softid.diagnosis.words import restriction, worded
@@ -23,7 +24,7 @@ from softid.identification.assembly import Identified, assemble
 from softid.identification.preparation import as_log_set
 from softid.identification.wishes import Wishes
 from softid.identification.workflow import Work, identify
-from softid.log import Log
+from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
 from softid.parameters import ParameterSet
@@ -84,8 +85,9 @@ def diagnose(
         As `softid.fit`.
     """
     report = progress or (lambda message, fraction: None)
-    log_set = as_log_set(logs)
-    held = HeldOut(tuple(hold_out))
+    log_set = LogSet(tuple(without_input_noise(log) for log in as_log_set(logs)))
+    hold_out = tuple(without_input_noise(log) for log in hold_out)
+    held = HeldOut(hold_out)
     trained = log_set
     if not hold_out:
         trained, held = hold_out_blocks(log_set)

@@ -303,8 +303,14 @@ class ExtendedModel(Model):
         return self.model.motion_law(theta[: self._split[0]])
 
     def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
-        """Those of the model without its effects."""
-        return self.model.alternatives(values)
+        """Those of the model without its effects, which keep their values."""
+        declared = self.parameters()
+        own = self.model.parameters()
+        kept = {name: values[name] for name in declared.names if name not in own}
+        return tuple(
+            declared.with_values({**other.values_dict(), **kept})
+            for other in self.model.alternatives(values)
+        )
 
     def derived(
         self, values: Mapping[str, float], input_range: tuple[float, float]

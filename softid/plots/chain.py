@@ -1,0 +1,129 @@
+"""Held-out error after each link of the chain of causes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from softid.diagnoses import Cause
+from softid.plots.canvas import (
+    INK,
+    LABEL_SIZE,
+    LEFT,
+    NOTE_SIZE,
+    RIGHT,
+    SIMULATED,
+    TOP,
+    Display,
+    add_panel,
+    finish,
+    new_figure,
+)
+from softid.plots.evidence import spoken
+
+_BOTTOM = 0.13
+_HEADROOM = 1.25
+
+
+def draw_chain(
+    causes: Sequence[Cause], *, output: Display, base: str = "base model", title: str = "The chain"
+) -> Figure:
+    """Draw the held-out error of the base and after each cause, with the interval of its gain.
+
+    The bar of a link spans before · (1 − g) for g in the 95 % interval of its gain.
+
+    Parameters
+    ----------
+    causes
+        The chain, at least one link; errors are in the output's canonical unit.
+    output
+        How the first output is shown.
+    base
+        Name of what was extended.
+    title
+        Heading.
+
+    Returns
+    -------
+    Figure
+    """
+    figure = new_figure()
+    axes = add_panel(
+        figure,
+        (LEFT, _BOTTOM, RIGHT, TOP),
+        x_label="model, one cause more at each step",
+        y_label=output.named("held-out rmse"),
+        y_ticks=7,
+    )
+    rmse = np.array([causes[0].holdout_rmse_before, *(c.holdout_rmse_after for c in causes)])
+    rmse *= output.factor
+    highest = float(rmse.max())
+    (line,) = axes.plot(
+        rmse, color=SIMULATED, lw=1.6, marker="o", ms=9, zorder=3, label="held-out rmse"
+    )
+    handles = [line]
+    unit = "" if output.unit in ("", "1") else f" {output.unit}"
+    notes = [f"{rmse[0]:.3g}{unit}"]
+    tops = [float(rmse[0])]
+    for k, cause in enumerate(causes, start=1):
+        top = float(rmse[k])
+        before = cause.holdout_rmse_before * output.factor
+        if cause.gain_ci95 is not None:
+            low, high = (before * (1.0 - gain) for gain in reversed(cause.gain_ci95))
+            bar = axes.errorbar(
+                k,
+                0.5 * (low + high),
+                yerr=0.5 * abs(high - low),
+                fmt="none",
+                ecolor=INK,
+                elinewidth=1.6,
+                capsize=9,
+                capthick=1.6,
+                zorder=2,
+                label="95 % interval of the step",
+            )
+            if len(handles) == 1:
+                handles.append(bar)  # type: ignore[arg-type]
+            top = max(top, low, high)
+        tops.append(top)
+        notes.append(f"{rmse[k]:.3g}{unit}\n{_gain(cause)}")
+    for k, (top, note) in enumerate(zip(tops, notes, strict=True)):
+        axes.annotate(
+            note,
+            (k, top),
+            xytext=(0, 10),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=NOTE_SIZE,
+            parse_math=False,
+        )
+    axes.set_ylim(0.0, _HEADROOM * max(highest, *tops))
+    axes.set_xlim(-0.5, len(causes) + 0.5)
+    names = [base, *(f"+ {spoken(c.key)}" for c in causes)]
+    axes.set_xticks(range(len(names)), [_folded(n) for n in names])
+    axes.tick_params(axis="x", labelsize=LABEL_SIZE - 1, length=0)
+    axes.xaxis.set_label_coords(0.5, -0.105)
+    finish(figure, title, handles)
+    return figure
+
+
+def _gain(cause: Cause) -> str:
+    if cause.holdout_rmse_before == 0.0:
+        return ""
+    gain = 100.0 * (1.0 - cause.holdout_rmse_after / cause.holdout_rmse_before)
+    text = f"{-gain:+.0f} %".replace("-", "−")
+    return text if cause.gain_ci95 is not None else f"{text}\nno interval"
+
+
+def _folded(name: str, *, longest: int = 17) -> str:
+    """A name on two lines when it is long."""
+    if len(name) <= longest:
+        return name
+    words = name.split()
+    cut = min(
+        range(1, len(words)) or (1,), key=lambda k: abs(len(" ".join(words[:k])) - len(name) / 2)
+    )
+    return " ".join(words[:cut]) + "\n" + " ".join(words[cut:])
