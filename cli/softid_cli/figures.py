@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from importlib.util import find_spec
-
 from softid.diagnoses import Diagnosis
 from softid.results import FitResult, Validation
-
-GALLERY = "softid.plots.diagnosis_gallery"
 
 
 def drawn(result: FitResult | Validation) -> dict[str, str | bytes]:
@@ -20,9 +15,7 @@ def drawn(result: FitResult | Validation) -> dict[str, str | bytes]:
 
 def drawn_diagnosis(diagnosis: Diagnosis) -> dict[str, str | bytes]:
     """Draw all plots of a diagnosis: file name → PNG."""
-    from softid.plots import draw_all, png_bytes
+    from softid.plots import png_bytes
+    from softid.plots.diagnosis_gallery import diagnosis_figures
 
-    if find_spec(GALLERY) is None:  # nothing but the base fit can be drawn
-        return {f"base_{name}.png": png_bytes(f) for name, f in draw_all(diagnosis.base)}
-    figures = import_module(GALLERY).diagnosis_figures(diagnosis)
-    return {f"{name}.png": png_bytes(figure) for name, figure in figures}
+    return {f"{name}.png": png_bytes(figure) for name, figure in diagnosis_figures(diagnosis)}

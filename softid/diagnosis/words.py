@@ -8,23 +8,20 @@ from dataclasses import replace
 
 from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
 from softid.diagnosis.classes import classes_of, splitting_experiment, why_unsplit
+from softid.diagnosis.phrases import (
+    NOTABLE,
+    listed,
+    lowered,
+    percent,
+    percent_range,
+    title_of,
+    titles_of,
+    variables_left,
+)
 from softid.effects import EFFECTS
 from softid.errors import Issue
 from softid.results import FitResult, ParameterEstimate
 
-VARIABLES = {
-    "x": "the position",
-    "v": "the speed",
-    "p": "the input",
-    "rate of p": "the rate of the input",
-    "lagged p": "the input a while before",
-    "t": "the time",
-    "x and v": "position and speed together",
-}
-NOTABLE = 0.02
-"""A variable is named when it alone predicts this share of what is left."""
-
-MOST_VARIABLES = 2
 MOST_PARAMETERS = 3
 
 
@@ -71,7 +68,7 @@ def restriction(effects: Sequence[str]) -> tuple[Issue, ...]:
         Issue(
             "few-effects",
             "warning",
-            f"only {_listed(list(effects))} {'was' if len(effects) == 1 else 'were'} considered: "
+            f"only {listed(list(effects))} {'was' if len(effects) == 1 else 'were'} considered: "
             "another effect may explain the logs as well or better",
             "diagnose again without --effects",
         ),
@@ -136,13 +133,13 @@ def what_next(
     for alternative in alternatives:
         split = splitting_experiment(alternative.effects)
         if split is not None:
-            either = _either(alternative.effects)
+            either = titles_of(alternative.effects)
             return f"record {split.experiment}, to tell {either} apart"
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
-        named = _variables(remainder)
-        rest = "" if remainder.noise_from_rest else ", with a rest of 30 s that shows the noise"
+        named = variables_left(remainder)
+        rest = "" if remainder.noise_from_rest else ", and with a rest of 30 s that shows the noise"
         if named:
-            return f"repeat these logs{rest} with more variation of {' and of '.join(named)}"
+            return f"repeat these logs with more variation of {' and of '.join(named)}{rest}"
         return f"record the same path once slowly and once fast{rest}"
     return None
 
@@ -194,7 +191,7 @@ class _Teller:
         before, after = self.error(lambda g: g.rmse_before), self.error(lambda g: g.rmse_after)
         gain = f"{100.0 * (1.0 - after / before):.0f} %" if before > 0.0 else "nothing"
         interval = causes[0].gain_ci95 if len(causes) == 1 else None
-        sure = f", 95 % interval {_percent_range(interval)}" if interval else ""
+        sure = f", 95 % interval {percent_range(interval)}" if interval else ""
         fit = self.percents(lambda g: g.fit_percent_after)
         with_it = "With it" if len(causes) == 1 else "With all of them"
         return (
@@ -219,10 +216,10 @@ def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
 def _unknown(teller: _Teller, tried: Sequence[Cause], remainder: Remainder) -> list[str]:
     told = ["Something is missing, and no effect of the catalogue can be named for it."]
     if tried:
-        names = " with ".join(_title(cause.key) for cause in tried)
+        names = " with ".join(title_of(cause.key) for cause in tried)
         told.append(
             f"The best description, {names}, takes away "
-            f"{_share(remainder.explained_share)} of the misfit above the noise, which is too "
+            f"{percent(remainder.explained_share)} of the misfit above the noise, which is too "
             "little for a cause."
         )
     return [*told, _left(teller, remainder)]
@@ -230,13 +227,13 @@ def _unknown(teller: _Teller, tried: Sequence[Cause], remainder: Remainder) -> l
 
 def _partial(teller: _Teller, remainder: Remainder) -> list[str]:
     return [
-        f"That is {_share(remainder.explained_share)} of the misfit above the noise.",
+        f"That is {percent(remainder.explained_share)} of the misfit above the noise.",
         _left(teller, remainder),
     ]
 
 
 def _left(teller: _Teller, remainder: Remainder) -> str:
-    named = _variables(remainder)
+    named = variables_left(remainder)
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.structure_share > max(remainder.structure_limit, NOTABLE):
         told += f"is not noise: {_structure(remainder)}"
@@ -247,7 +244,7 @@ def _left(teller: _Teller, remainder: Remainder) -> str:
 
 
 def _structure(remainder: Remainder) -> str:
-    share, limit = _share(remainder.structure_share), _share(max(remainder.structure_limit, 0.0))
+    share, limit = percent(remainder.structure_share), percent(max(remainder.structure_limit, 0.0))
     if remainder.structure_share <= max(remainder.structure_limit, 0.0):
         return "no more of it follows from the motion than chance would make of noise"
     return f"{share} of its power follows from the motion, where chance reaches {limit}"
@@ -265,17 +262,17 @@ def _explained(
         opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
         values = _values(cause.parameters)
         if tie is not None:
-            named = _either(tie.effects, last=" or ")
+            named = titles_of(tie.effects, last=" or ")
             told.append(
                 f"{opening} one of these, and the logs do not say which: {named}. The first by a "
-                f"little, {_title(cause.key)}, would have {values}."
+                f"little, {title_of(cause.key)}, would have {values}."
             )
         else:
             told.append(
                 f"{opening} {_named(cause.key)} ({cause.key}) with {values}. {cause.meaning}"
             )
         told += [
-            f"No log of pressure and motion can tell {' from '.join(c.members)}: {_lowered(c.why)}"
+            f"No log of pressure and motion can tell {' from '.join(c.members)}: {lowered(c.why)}"
             for c in classes_of(tie.effects if tie else [cause.effect])
         ]
         alone = len(causes) == 1 and bool(teller.rows)
@@ -304,12 +301,12 @@ def _evidence(
     rivals = [(e.delta_bic, e.effect) for e in raced if e.effect and e.delta_bic is not None]
     if rivals:
         delta, key = max(rivals)
-        told += f"; the next best, {_title(key)}, stays {cause.delta_bic - delta:.0f} behind"
+        told += f"; the next best, {title_of(key)}, stays {cause.delta_bic - delta:.0f} behind"
     confused = [] if tie else _neighbours(cause.effect)
     if confused:
         known = {e.effect for e in raced}
         also = ", which explain these logs less well" if known.issuperset(confused) else ""
-        told += f". It is easily confused with {_listed([_title(n) for n in confused])}{also}"
+        told += f". It is easily confused with {listed([title_of(n) for n in confused])}{also}"
     return told + "."
 
 
@@ -339,7 +336,7 @@ def _values(parameters: Sequence[ParameterEstimate]) -> str:
     more = len(parameters) - len(told)
     if more > 0:
         told.append(f"{more} more parameter{'s' if more > 1 else ''}")
-    return _listed(told) if told else "parameters that could not be told"
+    return listed(told) if told else "parameters that could not be told"
 
 
 def _value(p: ParameterEstimate) -> str:
@@ -358,45 +355,12 @@ def _value(p: ParameterEstimate) -> str:
     return f"{name} = {p.value:.3g}{interval}{unit}{bound}"
 
 
-def _variables(remainder: Remainder) -> list[str]:
-    ranked = sorted(remainder.by.items(), key=lambda item: -item[1])
-    return [VARIABLES.get(k, k) for k, share in ranked if share > NOTABLE][:MOST_VARIABLES]
-
-
 def _neighbours(effect: str) -> tuple[str, ...]:
     return EFFECTS[effect].neighbours if effect in EFFECTS else ()
-
-
-def _title(key: str) -> str:
-    """The heading of an effect within a sentence."""
-    if key not in EFFECTS:
-        return key
-    title = EFFECTS[key].title
-    return _lowered(title)
 
 
 def _named(key: str) -> str:
     """The heading, or all members of the class that no log can split."""
     for known in classes_of([key]):
         return " or ".join(known.members)
-    return _title(key)
-
-
-def _either(effects: Sequence[str], *, last: str = " and ") -> str:
-    return _listed([_title(name) for name in effects], last=last)
-
-
-def _listed(parts: Sequence[str], *, last: str = " and ") -> str:
-    return last.join(filter(None, (", ".join(parts[:-1]), parts[-1]))) if parts else ""
-
-
-def _lowered(text: str) -> str:
-    return text[:1].lower() + text[1:]
-
-
-def _share(value: float) -> str:
-    return f"{100.0 * value:.0f} %"
-
-
-def _percent_range(interval: tuple[float, float]) -> str:
-    return f"{100.0 * interval[0]:z.0f} to {100.0 * interval[1]:z.0f} %"
+    return title_of(key)

@@ -140,7 +140,7 @@ def test_what_next_follows_the_verdict() -> None:
     unseen = replace(rest, noise_from_rest=False, by={})
     asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=unseen)
     assert asked is not None
-    assert "once slowly and once fast, with a rest of 30 s" in asked
+    assert "once slowly and once fast, and with a rest of 30 s" in asked
 
 
 def test_a_search_among_few_effects_says_so() -> None:
