@@ -259,6 +259,7 @@ def advance(
         candidate.problem.reach(),
         evaluations=evaluations,
         tolerance=tolerance,
+        bend=objective.bend,
     )
     return replace(candidate, minimum=found)
 

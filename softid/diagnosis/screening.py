@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +26,9 @@ Array = npt.NDArray[np.float64]
 
 SEEN = 1e-6
 """Directions of the Jacobian that are weaker than this share of the strongest are not followed."""
+
+FRACTIONS = (1.0, 0.4, 0.1)
+"""Fractions of a proposed start that are tried, with and without the base moved along."""
 
 SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE = 0.05, 5.0
 """A start's amplitude is scaled by what the residual asks for, within these factors."""
@@ -182,9 +185,15 @@ def _scaled(
 
 
 def candidate_from(
-    fitted: Candidate, signature: Signature, scale: Scale, variance: float
+    fitted: Candidate,
+    signature: Signature,
+    scale: Scale,
+    sigma: Mapping[str, float],
+    variance: float,
 ) -> Candidate:
-    """A candidate that stands at the start that a signature proposes.
+    """A candidate at the best of a few fractions of the start that a signature proposes.
+
+    A signature is a straight line; where the motion bends it, a shorter step along it is better.
 
     Parameters
     ----------
@@ -194,19 +203,38 @@ def candidate_from(
         The effect to add and its values.
     scale
         Sizes of the base fit.
+    sigma
+        Weight of each output channel.
     variance
         Variance of the weighted residual, for the prior.
     """
     problem = extend(fitted.problem, (signature.effect,), scale)
-    named = named_values(signature.effect, signature.values)
+    point = fitted.minimum.point
     lower, upper = fitted.problem.bounds()
-    moved = np.clip(fitted.minimum.point + signature.shift, lower, upper)
-    prior = prior_about(
-        problem,
-        start_unknowns(problem, fitted.problem, fitted.minimum.point, named),
-        fitted.problem.free,
-        variance,
-    )
-    z = start_unknowns(problem, fitted.problem, moved, named)
-    placed = fitted.minimum.__class__(z, fitted.minimum.normal, 0, np.inf)
+    starts = []
+    for fraction in FRACTIONS if signature.effect.amplitudes else FRACTIONS[:1]:
+        values = dict(signature.values)
+        for name in signature.effect.amplitudes:
+            values[name] *= fraction
+        named = named_values(signature.effect, values)
+        for moved in (point + fraction * signature.shift, point):
+            inside = np.clip(moved, lower, upper)
+            starts.append(start_unknowns(problem, fitted.problem, inside, named))
+    best = min(starts, key=lambda z: _squares(problem, z, sigma))
+    centre = best.copy()
+    known = dict(zip(fitted.problem.free, point.tolist(), strict=False))
+    for k, name in enumerate(problem.free):
+        centre[k] = known.get(name, centre[k])
+    prior = prior_about(problem, centre, fitted.problem.free, variance)
+    placed = replace(fitted.minimum, point=best, evaluations=0, reach=np.inf)
     return Candidate((*fitted.effects, signature.effect), problem, placed, prior)
+
+
+def _squares(problem: Problem, z: Array, sigma: Mapping[str, float]) -> float:
+    """Weighted sum of squares with every zero at its best; infinite where it is not finite."""
+    plans = limited_plans(problem, z, COARSE)
+    with np.errstate(all="ignore"):
+        blocks = list(problem.blocks(z, derivatives=False, plans=plans))
+        _, blocks = problem.with_best_zeros(z, blocks)
+        total = sum(float(b.residual @ b.residual) / sigma[b.channel] ** 2 for b in blocks)
+    return total if np.isfinite(total) else np.inf

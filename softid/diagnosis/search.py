@@ -17,7 +17,7 @@ SECOND_START = 0.3
 """A further start of an effect runs when it promises this share of the best one's drop."""
 
 MAX_STARTS = 2
-FIRST_LAP, SECOND_LAP, LAST_LAP, WHITE_LAP = 4, 8, 20, 12
+FIRST_LAP, SECOND_LAP, LAST_LAP, WHITE_LAP = 4, 8, 40, 25
 """Evaluations of each lap."""
 
 RACING_TOLERANCE = 0.05
@@ -84,7 +84,9 @@ def race(
     found = list(signatures) if signatures is not None else screen(fitted, effects, scale, sigma)
     n = max(fitted.problem.n_samples - fitted.problem.size, 1)
     variance = fitted.squares / n
-    entrants = [candidate_from(fitted, s, scale, variance) for s in _starts(found)]
+    entrants = in_parallel(
+        lambda s: candidate_from(fitted, s, scale, sigma, variance), _starts(found)
+    )
     report(0.1)
 
     def run(
