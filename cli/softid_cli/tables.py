@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 WIDTH = 80
 OPEN = "…"
 _MOST_DIGITS = 9
+_OPTION_UNITS = {"_n_per_mm": "N/mm", "_kg_m3": "kg/m³", "_mm": "mm", "_pa": "Pa", "_m": "m"}
+"""Ending of an option's name → its unit; the longest that fits comes first."""
 
 
 def print_fit(result: FitResult) -> None:
@@ -94,9 +96,7 @@ def print_text(text: str) -> None:
 def model_text(spec: ModelSpec) -> str:
     """Model, the options that were set, and its effects, for people."""
     options = [
-        f"{name.removesuffix('_mm').replace('_', ' ')} {value:g} mm"
-        if name.endswith("_mm") and isinstance(value, float | int)
-        else f"{name} {value:g}"
+        _sized_option(name, value)
         if isinstance(value, float | int)
         else f"{'no' if value == 'none' else value} {name.replace('_', ' ')}"
         for name, value in spec.options.items()
@@ -104,6 +104,14 @@ def model_text(spec: ModelSpec) -> str:
     ]
     base = f"{spec.name} ({', '.join(options)})" if options else spec.name
     return " + ".join((base, *spec.effects))
+
+
+def _sized_option(name: str, value: float) -> str:
+    """Name and value of an option, the unit behind the value."""
+    for ending, unit in _OPTION_UNITS.items():
+        if name.endswith(ending):
+            return f"{name.removesuffix(ending).replace('_', ' ')} {value:g} {unit}"
+    return f"{name.replace('_', ' ')} {value:g}"
 
 
 def with_error(value: float, stderr: float | None) -> str:

@@ -268,6 +268,10 @@ class ExtendedModel(Model):
             for values in (segment.input, u):
                 found = divide(law, segment.time_s, values, implicit_only=True)
                 counts = np.maximum(counts, found.counts)
+        else:
+            for values in (segment.input, u):
+                own = self.model.plan(base, replace(segment, input=values))
+                counts = counts if own is None else np.maximum(counts, own.counts)
         wanted = np.ceil(np.diff(segment.time_s) * self._rate(theta) / MAX_PHASE_PER_STEP)
         counts = np.maximum(counts, np.clip(wanted, 1, MAX_SUBSTEPS).astype(np.intp))
         return divided(segment.time_s, segment.input, counts)

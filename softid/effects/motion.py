@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.effects.base import Scale, StateEffect
 from softid.log import Segment
-from softid.models.base import Model, Response
+from softid.models.base import Model, MotionTerm, Response
 from softid.models.division import Division, held
 
 if TYPE_CHECKING:
@@ -43,11 +43,13 @@ class _Terms:
     def n_own(self) -> int:
         return len(self.follows)
 
-    def equation(self, theta: Array) -> Equation:
+    def equation(self, theta: Array, term: MotionTerm | None) -> Equation:
         """What the kernel integrates; it moves and restores the arrays, so they are its own."""
         from softid.kernels.equation import Equation
 
-        return Equation(0, theta.copy(), self.addresses, self.eta.copy(), self.eta_from, self.own)
+        law = 0 if term is None else term.address
+        own = theta.copy() if term is None else term.parameters.copy()[: theta.size]
+        return Equation(law, own, self.addresses, self.eta.copy(), self.eta_from, self.own)
 
 
 def simulate_motion(
@@ -96,10 +98,10 @@ def simulate_motion(
     """
     from softid.kernels.extended import Course, integrate
 
-    law = model.motion_law(theta)
-    if law is None:
+    term = model.motion_term(theta)
+    if term is None and model.motion_law(theta) is None:
         raise TypeError(f"{model.name} has no law of motion")
-    terms = _gather(effects, scale, theta, eta)
+    terms = _gather(effects, scale, theta, eta, term)
     n, n_theta, n_eta = segment.time_s.size, theta.size, terms.eta.size
     since_s = segment.time_s[0] - segment.log_start_s
     from_rest = start is None or relative
@@ -118,7 +120,7 @@ def simulate_motion(
     motion, by = np.empty((n, 2)), np.zeros((n, tangent.shape[1]))
     motion[0], by[0] = state[:2], tangent[0]
     places = np.stack((stage_times(segment.time_s, plan) - segment.log_start_s, stage_input), 1)
-    equation = terms.equation(theta)
+    equation = terms.equation(theta, term)
     sample = 1
     for first in range(0, plan.step_s.size, BLOCK):
         block = slice(first, first + BLOCK)
@@ -144,7 +146,19 @@ def simulate_motion(
         if derivatives:
             by[sample:stop] = tangents[reached]
         sample = stop
-    return _response(model, outputs, motion, by, terms, n_theta, derivatives=derivatives)
+    found = _response(model, outputs, motion, by, terms, n_theta, derivatives=derivatives)
+    return found if term is None else _drifting(found, term, theta, segment.time_s)
+
+
+def _drifting(found: Response, term: MotionTerm, theta: Array, time_s: Array) -> Response:
+    """The response with the drift that the model's own sensor adds."""
+    at = term.drift_at
+    if at is None:
+        return found
+    values = {name: y + theta[at] * time_s for name, y in found.outputs.items()}
+    for by in (found.by_parameter or {}).values():
+        by[:, at] = time_s
+    return replace(found, outputs=values)
 
 
 def _response(
@@ -171,7 +185,9 @@ def _response(
     return Response(values, by_parameter, by_state, motion[0], x, v)
 
 
-def _gather(effects: Sequence[StateEffect], scale: Scale, theta: Array, eta: Array) -> _Terms:
+def _gather(
+    effects: Sequence[StateEffect], scale: Scale, theta: Array, eta: Array, term: MotionTerm | None
+) -> _Terms:
     values: list[float] = []
     begins, own = [0], []
     columns: list[int] = []
@@ -191,7 +207,7 @@ def _gather(effects: Sequence[StateEffect], scale: Scale, theta: Array, eta: Arr
         own.append(len(follows) if effect.has_state else -1)
         if effect.has_state:
             follows.append(effect.follows_position)
-    theta_sizes = np.maximum(np.abs(theta), 1e-12)
+    own_moves = DIFFERENCE * np.maximum(np.abs(theta), 1e-12) if term is None else term.moves
     return _Terms(
         np.array([effect.address() for effect in effects], np.int64),
         np.array(values, np.float64),
@@ -199,7 +215,7 @@ def _gather(effects: Sequence[StateEffect], scale: Scale, theta: Array, eta: Arr
         np.array(own, np.int64),
         tuple(follows),
         np.array([scale.x_span, scale.v_max, *(scale.x_span if f else 1.0 for f in follows)]),
-        DIFFERENCE * np.concatenate((theta_sizes, np.array(sizes))),
+        np.concatenate((own_moves, DIFFERENCE * np.array(sizes))),
         np.array(columns, np.int64),
     )
 
@@ -207,7 +223,8 @@ def _gather(effects: Sequence[StateEffect], scale: Scale, theta: Array, eta: Arr
 def _packed(model: Model, theta: Array, u: Array, derivatives: bool) -> tuple[Array, Array]:
     """m, n, q and f at inputs of shape (L, 3), and their derivatives."""
     law = model.motion_law(theta)
-    assert law is not None
+    if law is None:  # the kernel calls the law itself
+        return np.zeros((*u.shape, 4)), np.zeros((u.shape[0] if derivatives else 0, 3, 4, 0))
     flat = u.ravel()
     packed = np.empty((*u.shape, 4))
     packed[..., 0] = law.mass
@@ -228,15 +245,15 @@ def _unbalanced(model: Model, terms: _Terms, theta: Array, x: float, u: float, t
 
     packed, _ = _packed(model, theta, np.array([[u]]), False)
     z = np.array([x if follows else 0.0 for follows in terms.follows])
-    equation = terms.equation(theta)
+    equation = terms.equation(theta, model.motion_term(theta))
     return float(unbalanced_at_rest(equation, packed[0, 0], x, z, u, t))
 
 
 def _rest_position(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> float:
     """Position at which nothing moves, by Newton's method from the model's own; NaN if none."""
-    law = model.motion_law(theta)
-    assert law is not None
-    x = law.equilibrium(u)
+    still = model.motion_law(theta) or model.motion_term(theta)
+    assert still is not None
+    x = still.equilibrium(u)
     if not terms.addresses.size:
         return x
     h = DIFFERENCE * terms.scale[0]
@@ -258,8 +275,7 @@ def _rest_by(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> t
     slope = (_unbalanced(model, terms, theta, x + h, u, t) - left) / h
     by = np.zeros(theta.size + terms.eta.size)
     law = model.motion_law(theta)
-    assert law is not None
-    if not terms.addresses.size:
+    if law is not None and not terms.addresses.size:
         by[: theta.size] = law.equilibrium_by(u)
         return x, by
     for k, step in enumerate(terms.moves):
@@ -292,7 +308,8 @@ def rest(
     u
         The input.
     """
-    return _rest_position(model, _gather(effects, scale, theta, eta), theta, u, 0.0)
+    terms = _gather(effects, scale, theta, eta, model.motion_term(theta))
+    return _rest_position(model, terms, theta, u, 0.0)
 
 
 def stage_times(time_s: Array, plan: Division) -> Array:

@@ -16,6 +16,7 @@ from softid.kernels.terms import (
     LAW_DRIVE,
     LAW_ELASTIC,
     LAW_INERTIA,
+    LAW_INERTIAL,
     RATE,
     SHIFT,
     STIFFNESS,
@@ -35,7 +36,8 @@ class Equation(NamedTuple):
     law
         Address of a law that is not affine in its state, or 0.
     theta
-        Parameters of the model, shape (K,).
+        Parameters of the model, shape (K,). A law finds its constants behind them in memory, so
+        this may be the beginning of a longer array.
     terms
         Addresses of the terms, shape (E,).
     eta
@@ -112,17 +114,24 @@ def unbalanced(equation: Equation, at: Instants, c: int) -> float:
     damping = at.coefficients[c, 1] * v
     elastic = at.coefficients[c, 2] * eased
     drive = at.coefficients[c, 3]
+    inertial = 0.0
     if equation.law != 0:
         for i in range(TERM_SIZE):
             result[i] = 0.0
         theta = equation.theta.ctypes.data
-        call_term(equation.law, eased, v, 0.0, u, t, theta, room)
+        call_term(equation.law, x, v, 0.0, u, t, theta, room)
         inertia += result[LAW_INERTIA]
         damping += result[LAW_DAMPING]
-        elastic += result[LAW_ELASTIC]
         drive += result[LAW_DRIVE]
+        inertial = result[LAW_INERTIAL]
+        if shift != 0.0:  # only the spring is at ease elsewhere
+            for i in range(TERM_SIZE):
+                result[i] = 0.0
+            call_term(equation.law, eased, v, 0.0, u, t, theta, room)
+        elastic += result[LAW_ELASTIC]
     parts = at.parts
     parts[c, 0], parts[c, 1], parts[c, 2] = more_m, more_d, more_q
     parts[c, 3], parts[c, 4] = eased, inertia
-    left: float = inertia * more_m * a + damping * more_d + elastic * more_q - drive + extra
+    heavy = (inertia * a + inertial) * more_m
+    left: float = heavy + damping * more_d + elastic * more_q - drive + extra
     return left

@@ -3,9 +3,10 @@
 A term is a small function with one fixed signature, so that adding one compiles that function and
 nothing else: the integrator sees addresses. Terms act on
 
-    m (1 + Δm) a + d(v) (1 + Δd) + q(x − s) (1 + Δq) + f = g
+    (m a + i) (1 + Δm) + d(v) (1 + Δd) + q(x − s) (1 + Δq) + f = g
 
-where m, d, q and g are the inertia, damping force, elastic force and drive of the model.
+where m, i, d, q and g are the inertia, the inertial force without acceleration, the damping force,
+the elastic force and the drive of the model.
 """
 
 from __future__ import annotations
@@ -27,8 +28,8 @@ FORCE, RATE, INERTIA, DAMPING, STIFFNESS, SHIFT = range(6)
 Δq, and shift s of the position at which the spring is at ease."""
 
 TERM_SIZE = 6
-LAW_INERTIA, LAW_DAMPING, LAW_ELASTIC, LAW_DRIVE = range(4)
-"""Places in a law's result: m, d, q and g."""
+LAW_INERTIA, LAW_DAMPING, LAW_ELASTIC, LAW_DRIVE, LAW_INERTIAL = range(5)
+"""Places in a law's result: m, d, q, g and i."""
 
 _POINTER: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
 SIGNATURE = types.void(*(types.float64,) * 5, _POINTER, _POINTER)
@@ -74,7 +75,8 @@ def compile_term(function: Callable[..., None]) -> Any:
     ----------
     function
         ``function(x, v, z, u, t, parameters, result)`` that adds to entries of ``result``, which
-        comes as zeros. It may use numbers and `math`, nothing else.
+        comes as zeros. It may use numbers, `math` and compiled functions, and
+        makes no arrays.
     """
     try:
         return numba.cfunc(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar
 
@@ -46,6 +46,31 @@ class Response:
     start: Array
     x: Array | None = None
     v: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class MotionTerm:
+    """A law of motion that is not affine in its state, for the integrator of effects.
+
+    Attributes
+    ----------
+    address
+        Address of the compiled law.
+    parameters
+        θ, and behind it the constants of the law, shape (K + C,).
+    moves
+        By how much each of θ is moved to differentiate the law, shape (K,).
+    equilibrium
+        Position at rest under an input; NaN when there is none.
+    drift_at
+        Which of θ is a drift rate that the sensor adds to every output; None for none.
+    """
+
+    address: int
+    parameters: Array
+    moves: Array
+    equilibrium: Callable[[float], float]
+    drift_at: int | None = None
 
 
 def require_choice(option: str, value: object, choices: Sequence[str]) -> None:
@@ -244,6 +269,11 @@ class Model(ABC):
 
     def motion_law(self, theta: Array) -> Law | None:
         """The coefficients of a law of motion affine in its state; None when it is not."""
+        del theta
+        return None
+
+    def motion_term(self, theta: Array) -> MotionTerm | None:
+        """The law of motion when it is not affine in its state; None when it is."""
         del theta
         return None
 

@@ -24,7 +24,7 @@ from softid.kernels.bending import (
 )
 from softid.log import Segment
 from softid.models.actuator_geometry import Actuator
-from softid.models.base import Model, Response, require_choice
+from softid.models.base import Model, MotionTerm, Response, require_choice
 from softid.models.bending_inertia import INERTIAS, KERNELS, Inertia, Kernels
 from softid.models.division import Division, held
 from softid.models.equilibrium_cautions import cautions_of
@@ -51,6 +51,9 @@ MOST_STRETCH = 0.9
 """Where the pressed wall is a tenth of its length, its stiffness is no guide to a step."""
 
 N_ANGLES = 9
+_MOVES: Array = 1e-3 * np.array([1e-3, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-2, 1.0])
+"""The law is linear in its parameters, so that a difference of any size is its derivative."""
+
 _DEE = "DEE 2022"
 
 
@@ -252,6 +255,25 @@ class Equilibrium(Actuator, Model):
             dict.fromkeys(outputs, by[:, N_DYNAMIC:]),
             begin,
         )
+
+    def motion_term(self, theta: Array) -> MotionTerm:
+        """The compiled law with its body, by which effects join the motion."""
+        from softid.kernels.bending_term import law_address, pack
+
+        body = _body(self)
+        return MotionTerm(
+            law_address(),
+            pack(theta, body),
+            _MOVES,
+            lambda pressure_kpa: float(rest_angle(pressure_kpa, theta, body)),
+            N_DYNAMIC,
+        )
+
+    def observed(self, x: Array, output: str) -> tuple[Array, Array]:
+        """The recorded angle, without drift, at positions of shape (n,), and its slope."""
+        del output
+        sign = -1.0 if self.inverted else 1.0
+        return sign * x, np.full_like(x, sign)
 
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals by the fastest motion over the reached angles."""

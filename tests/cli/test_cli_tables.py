@@ -9,7 +9,9 @@ import pytest
 from desk import Desk, Outcome
 from handmade import fit_result
 
+from softid.results import ModelSpec
 from softid_cli.main import COMMANDS
+from softid_cli.tables import model_text
 
 Cli = Callable[..., Outcome]
 
@@ -34,6 +36,19 @@ def test_an_open_interval_is_explained(softid: Cli, desk: Desk) -> None:
     told = softid("fit", "step_1.csv", "--out", "b")
     assert "[…, 0.5]" in told.out
     assert "…: no limit on this side within the bounds of the parameter" in told.out
+
+
+def test_an_option_has_its_unit_behind_its_value() -> None:
+    """The names' endings are units: a spring in N/mm is not "n per 1.1 mm"."""
+    options = {
+        "wall_mm": 2.0,
+        "spring_n_per_mm": 1.1,
+        "wall_m": 0.002,
+        "c10_pa": 17e3,
+        "chambers": 13,
+    }
+    told = model_text(ModelSpec("yeoh", options))
+    assert told == "yeoh (wall 2 mm, spring 1.1 N/mm, wall 0.002 m, c10 17000 Pa, chambers 13)"
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -15,7 +15,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
-PUBLIC = re.compile(r"softid|softid\.(fitters|models|plots)(\.\w+)?")
+PUBLIC = re.compile(r"softid|softid\.(effects|fitters|models|plots)(\.\w+)?")
 LIMIT_S = 600
 """Two minutes on an idle machine, with room for a busy one."""
 
@@ -81,7 +81,7 @@ def test_it_is_stored_clean(path: Path) -> None:
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
 def test_it_imports_public_names_alone(path: Path) -> None:
-    """Stands on softid and its three public families; names without an underscore."""
+    """Stands on softid and its four public families; names without an underscore."""
     for source in _code(path):
         for node in ast.walk(ast.parse(source)):
             names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
