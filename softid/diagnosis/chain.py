@@ -28,7 +28,7 @@ NESTED = 6.0
 """A richer form of the same law must gain this much on the plain one."""
 
 MAX_LINKS = 4
-UNWHITENING = 12
+SETTLING = 40
 PROMISE, FURTHER_PROMISE = 6.0, 15.0
 """No refit is tried when no signature promises to lower n ln(S) by this much, for a first and for a
 further cause: the promise is made for white noise and a guessed shape, and a fall that counts is
@@ -126,11 +126,14 @@ def find_chain(
         if link is None:
             break
         last = link
-        if not pays(link, first=not links) or not holds(now, link.chosen.candidate):
+        if not pays(link, first=not links):
+            break
+        extended = settled(link.chosen.plain, sigma)
+        if not holds(now, extended):
             break
         links.append(link)
         last = None
-        now = unwhitened(link.chosen.candidate, sigma)
+        now = extended
     return Chain(tuple(links), last, now)
 
 
@@ -202,12 +205,9 @@ def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:
     return tuple(best.values())
 
 
-def unwhitened(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
-    """The candidate at its optimum for white noise, from which the next round starts."""
-    at_truth = replace(candidate.prior, weight=np.zeros_like(candidate.prior.weight))
-    plain = advance(replace(candidate, whitener=None, prior=at_truth), sigma, 1)
+def settled(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
+    """The candidate brought to its optimum for white noise, from which the next round starts."""
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
-    prior = prior_about(
-        candidate.problem, plain.minimum.point, candidate.problem.free, plain.squares / n
-    )
-    return advance(replace(plain, prior=prior), sigma, UNWHITENING)
+    point, problem = candidate.minimum.point, candidate.problem
+    prior = prior_about(problem, point, problem.free, candidate.squares / n)
+    return advance(replace(candidate, prior=prior), sigma, SETTLING)

@@ -51,7 +51,7 @@ def causes_of(
     for number, link in enumerate(chain.links):
         effect = added_effect(link)
         last = number == len(chain.links) - 1
-        reached = chain.final if last else link.chosen.candidate
+        reached = chain.final if last else link.chosen.plain
         before_rows, after_rows = _first(held, previous), _first(held, reached)
         prefix = f"{effect.name}_"
         own = [p for p in after.parameters if p.name.startswith(prefix)] if after else []

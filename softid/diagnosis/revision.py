@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance, extend, prior_about
-from softid.diagnosis.chain import Chain, Link, next_link, pays, unwhitened
+from softid.diagnosis.chain import Chain, Link, next_link, pays, settled
 from softid.effects.base import Effect, Scale
 
 WITHOUT_LAP = 25
@@ -50,7 +50,7 @@ def revised(
             now = without
             continue
         links[position] = link
-        now = unwhitened(link.chosen.candidate, sigma)
+        now = settled(link.chosen.plain, sigma)
     return Chain(tuple(links), chain.last, now)
 
 

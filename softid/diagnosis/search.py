@@ -47,11 +47,15 @@ class Ranked:
     ----------
     candidate
         The candidate at its whitened optimum.
+    plain
+        The candidate at its optimum for white noise, which is the one to simulate with: whitening
+        makes slow errors cheap.
     bic
         n ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns.
     """
 
     candidate: Candidate
+    plain: Candidate
     bic: float
 
 
@@ -160,6 +164,6 @@ def rank(
         white = advance(replace(candidate, whitener=model), sigma, WHITE_LAP)
         n, k = white.minimum.normal.n, white.problem.size
         spread = max(white.squares, np.finfo(float).tiny)
-        return Ranked(white, float(n * np.log(spread / n) + k * np.log(n)))
+        return Ranked(white, candidate, float(n * np.log(spread / n) + k * np.log(n)))
 
     return sorted(in_parallel(refit, candidates), key=lambda r: r.bic)
