@@ -27,7 +27,7 @@ INDISTINCT = 8.0
 NESTED = 6.0
 """A richer form of the same law must gain this much on the plain one."""
 
-MAX_LINKS = 4
+MAX_LINKS = 3
 SETTLING = 40
 PROMISE, FURTHER_PROMISE = 6.0, 15.0
 """No refit is tried when no signature promises to lower n ln(S) by this much, for a first and for a
