@@ -239,7 +239,7 @@ def motion_kind(theta: Array) -> tuple[int, ...]:
 def as_values(theta: Array, gain: float) -> dict[str, float]:
     """Back to parameters with a gain; what is zero starts small, so that it can still grow."""
     mass, a1, b1, c1, a2, b2, c2 = theta.tolist()
-    small = SMALL_INERTIA * c2**2 / (2.0 * c1)
+    small = SMALL_INERTIA * c2 * (c2 / (2.0 * c1))  # inf, where a power would raise
     return {
         "M": max(mass, small) / gain,
         "a1": a1 / gain,
