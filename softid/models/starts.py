@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.log import Segment
+from softid.models.division import undivided
 from softid.models.second_order import Law, simulate_law
 
 Array = npt.NDArray[np.float64]
@@ -257,7 +258,9 @@ def score(
     """Residual sum of squares and the gain X that reaches it, zeros projected out."""
     cross = power = total = 0.0
     for s in stretches:
-        x = simulate_law(law(theta), s.time_s, s.input, None, derivatives=False).x[s.used]
+        plan = undivided(s.time_s, s.input)
+        found = simulate_law(law(theta), s.time_s, s.input, None, derivatives=False, plan=plan)
+        x = found.x[s.used]
         y = s.motion[s.used]
         if x.size == 0 or not np.all(np.isfinite(x)):
             continue
