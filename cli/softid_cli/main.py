@@ -37,6 +37,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
         "List the physical effects: law, meaning, signature, remedy.",
     ),
     "demo": ("softid_cli.demo", "Fit a bundled log, to see what comes out."),
+    "warmup": ("softid_cli.warmup", "Compile all kernels ahead of the first fit."),
 }
 """Command → module that holds the click command of that name, and its line in the help."""
 

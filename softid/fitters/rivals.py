@@ -2,7 +2,8 @@
 
 A perturbed restart explores the basin of an optimum and its neighbours. A motion that rings at
 another frequency lies far away, behind many false minima, and is looked for by regression on the
-data and by multiple shooting.
+data and by multiple shooting. That takes a few times as long as all before it, so it is left out
+where neither the optimum rings nor what it leaves behind swings.
 """
 
 from __future__ import annotations
@@ -34,6 +35,13 @@ LEAST_COLOUR = 0.05
 autocorrelation of 0.22 at one lag, or half of it at four."""
 
 SIGNIFICANT = 6.0
+LEAST_SWING = 0.2
+LAG_SHARE = 0.25
+"""A residual swings when its autocorrelation, over lags of up to this share of the longest segment,
+falls and rises again by `LEAST_SWING`: so it does when a tenth of its power is ringing."""
+
+LEVELS = 20
+"""Inputs at which the damping ratio of an optimum is looked at."""
 
 
 def best_rival(problem: Problem, sigma: Mapping[str, float], best: Minimum) -> tuple[Array, int]:
@@ -63,7 +71,7 @@ def best_rival(problem: Problem, sigma: Mapping[str, float], best: Minimum) -> t
         ended = search.solve(problem.unknowns(other.values_dict()), SCOUT_EVALUATIONS)
         if ended.normal.cost < cost:
             point, cost = ended.point, ended.normal.cost
-    if has_structure(problem, point):
+    if has_structure(problem, point) and (_rings(problem, point) or swings(problem, point)):
         rungs = _Ladder(problem, sigma)
         point = rungs.climbed(point, cost)
         return point, search.evaluations + rungs.evaluations
@@ -131,11 +139,7 @@ def has_structure(problem: Problem, z: Array) -> bool:
     z
         Unknowns, shape (U,).
     """
-    for name in problem.outputs:
-        blocks = problem.blocks(z, derivatives=False)
-        residuals = [
-            b.residual - b.residual.mean() for b in blocks if b.channel == name and b.residual.size
-        ]
+    for residuals in _residuals(problem, z):
         n, power = sum(r.size for r in residuals), sum(float(r @ r) for r in residuals)
         if power <= 0.0 or n <= MAX_LAG:
             continue
@@ -144,3 +148,54 @@ def has_structure(problem: Problem, z: Array) -> bool:
         if colour > max(LEAST_COLOUR, (MAX_LAG + SIGNIFICANT * np.sqrt(2.0 * MAX_LAG)) / n):
             return True
     return False
+
+
+def _rings(problem: Problem, z: Array) -> bool:
+    """Whether the damping ratio is below one at some input of the fitted range.
+
+    A motion that rings may ring at a wrong frequency, and its residual need not swing for that.
+    """
+    values = dict(zip(problem.parameters.names, problem.theta(z).tolist(), strict=True))
+    low = min(float(s.input.min()) for s in problem.segments)
+    high = max(float(s.input.max()) for s in problem.segments)
+    for level in np.linspace(low, high, LEVELS).tolist():
+        for name, (value, _) in problem.model.derived(values, (level, level)).items():
+            if name.startswith("damping_ratio") and value < 1.0:
+                return True
+    return False
+
+
+def swings(problem: Problem, z: Array) -> bool:
+    """Whether the autocorrelation of the residual falls and rises again, as that of ringing does.
+
+    What a static curve or a decay leaves behind drifts, and its autocorrelation only falls.
+
+    Parameters
+    ----------
+    problem
+        What was fitted.
+    z
+        Unknowns, shape (U,).
+    """
+    for residuals in _residuals(problem, z):
+        longest = max((r.size for r in residuals), default=0)
+        power = sum(float(r @ r) for r in residuals)
+        if power <= 0.0 or longest <= MAX_LAG:
+            continue
+        size = 2 ** int(np.ceil(np.log2(2 * longest)))
+        spectrum = sum(np.abs(np.fft.rfft(r, size)) ** 2 for r in residuals)
+        lags = 1 + int(LAG_SHARE * longest)
+        correlation = np.fft.irfft(spectrum, size)[:lags] / power
+        risen = np.maximum.accumulate(correlation[::-1])[::-1] - correlation
+        if float(risen.max()) >= LEAST_SWING:
+            return True
+    return False
+
+
+def _residuals(problem: Problem, z: Array) -> list[list[Array]]:
+    """Residuals of every segment less their means, channel by channel."""
+    blocks = problem.blocks(z, derivatives=False)
+    return [
+        [b.residual - b.residual.mean() for b in blocks if b.channel == name and b.residual.size]
+        for name in problem.outputs
+    ]

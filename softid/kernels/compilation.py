@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from softid.kernels.affine import move, move_with_derivatives, sum_products
@@ -33,3 +34,12 @@ def needs_compiling() -> bool:
         if not known:
             return True
     return False
+
+
+def cache_folder() -> Path:
+    """Where the compiled kernels are kept.
+
+    Beside the source; where that is read-only, in numba's cache folder of the user or in the folder
+    that ``NUMBA_CACHE_DIR`` names.
+    """
+    return Path(str(move.stats.cache_path))

@@ -220,7 +220,8 @@ class Muscle(Model):
         if not np.isfinite(damping) or damping <= 0.0:
             return ()
         shapes = damping_shapes(np.array([mass, 1.0, b1, c1, 0.0, 0.0, damping]))
-        return self._usable([as_values(shape, 1.0 / values["a1"]) for shape in shapes])
+        starts = [as_values(shape, 1.0 / values["a1"]) for shape in shapes]
+        return self._usable([s for s in starts if np.isfinite(list(s.values())).all()])
 
     def _motions(self, segments: Sequence[Segment], output: str) -> list[Array]:
         """Measured x up to a zero."""

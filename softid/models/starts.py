@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.log import Segment
+from softid.models.division import undivided
 from softid.models.second_order import Law, simulate_law
 
 Array = npt.NDArray[np.float64]
@@ -239,7 +240,7 @@ def motion_kind(theta: Array) -> tuple[int, ...]:
 def as_values(theta: Array, gain: float) -> dict[str, float]:
     """Back to parameters with a gain; what is zero starts small, so that it can still grow."""
     mass, a1, b1, c1, a2, b2, c2 = theta.tolist()
-    small = SMALL_INERTIA * c2**2 / (2.0 * c1)
+    small = SMALL_INERTIA * c2 * (c2 / (2.0 * c1))  # inf, where a power would raise
     return {
         "M": max(mass, small) / gain,
         "a1": a1 / gain,
@@ -257,7 +258,9 @@ def score(
     """Residual sum of squares and the gain X that reaches it, zeros projected out."""
     cross = power = total = 0.0
     for s in stretches:
-        x = simulate_law(law(theta), s.time_s, s.input, None, derivatives=False).x[s.used]
+        plan = undivided(s.time_s, s.input)
+        found = simulate_law(law(theta), s.time_s, s.input, None, derivatives=False, plan=plan)
+        x = found.x[s.used]
         y = s.motion[s.used]
         if x.size == 0 or not np.all(np.isfinite(x)):
             continue

@@ -9,7 +9,7 @@ import softid.fitters.output_error as fitter
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
-from softid.fitters.rivals import best_rival, has_structure
+from softid.fitters.rivals import best_rival, has_structure, swings
 from softid.log import Log
 from softid.models.muscle import Muscle
 from softid.synthesis import muscle_log
@@ -69,3 +69,33 @@ def test_structure_is_told_from_noise() -> None:
     whole = problem()
     assert not has_structure(whole, whole.unknowns(RINGING))
     assert has_structure(whole, whole.unknowns(RINGING | {"c2": 0.1 * RINGING["c2"]}))
+
+
+def test_a_drift_does_not_swing_and_ringing_does() -> None:
+    """A decay's autocorrelation only falls; a sine's goes to −1 and back within a period."""
+    time_s = 0.01 * np.arange(1000)
+    pressure = np.where(time_s < 1.0, 20.0, 150.0)
+
+    def left_behind(residual: np.ndarray) -> Problem:
+        noise = 0.01 * np.random.default_rng(0).standard_normal(time_s.size)
+        log = Log.from_arrays(
+            time_s,
+            {"pressure": pressure, "contraction": 5.0 + residual + noise},
+            units={"contraction": "mm"},
+        )
+        return Problem(Muscle(order="static"), Muscle(order="static").parameters(), [log])
+
+    decay = left_behind(np.exp(-time_s / 3.0))
+    ringing = left_behind(np.exp(-time_s / 3.0) + np.sin(2 * np.pi * 2.0 * time_s))
+    flat = {"a1": 1.0, "c1": 1e-9, "b1": 1e-3}
+    assert has_structure(decay, decay.unknowns(flat))
+    assert not swings(decay, decay.unknowns(flat))
+    assert swings(ringing, ringing.unknowns(flat))
+
+
+def test_rivals_of_a_law_beyond_all_numbers_are_none() -> None:
+    """A damping of 1e200 squares to more than a float holds: no rival, and no exception."""
+    degenerate = {"M": 1.0, "a1": 1.0, "b1": 1.0, "c1": 1.0, "a2": 0.0, "b2": 0.0, "c2": 1e200}
+    lost = degenerate | {"c1": 1e-200}
+    assert Muscle().alternatives(lost) == ()
+    assert all(s["c2"].value > 0.0 for s in Muscle().alternatives(degenerate | {"c2": 1.0}))

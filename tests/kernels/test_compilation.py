@@ -1,8 +1,9 @@
-"""Whether a first run has to compile."""
+"""Whether a first run has to compile, and where what it compiled is kept."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -39,3 +40,43 @@ def test_a_second_run_finds_every_kernel(tmp_path: Path) -> None:
         for _ in range(2)
     ]
     assert said == ["True", "False"]
+
+
+ROOT = Path(__file__).resolve().parents[2]
+CACHED = """
+from softid.kernels import cache_folder, needs_compiling
+print(needs_compiling(), cache_folder())
+"""
+
+
+@pytest.mark.slow
+def test_a_package_that_cannot_be_written_to_is_warmed_up_in_the_users_cache(
+    tmp_path: Path,
+) -> None:
+    """A file where the cache folder would be stops even root; numba then asks the user's folder."""
+    site, home = tmp_path / "site", tmp_path / "home"
+    for package in (ROOT / "softid", ROOT / "cli" / "softid_cli"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(package, site / package.name, ignore=ignored)
+    for folder in [site / "softid" / "kernels", site / "softid" / "effects"]:
+        (folder / "__pycache__").touch()
+    environment = {
+        name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"
+    } | {"PYTHONPATH": str(site), "HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
+
+    def told(*arguments: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, *arguments],
+            env=environment,
+            cwd=home,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+
+    home.mkdir()
+    warmed = told("-m", "softid_cli", "warmup")
+    assert "compiling for" in warmed.stderr
+    folder = warmed.stdout.split()[-1].removesuffix(".")
+    assert Path(folder).is_relative_to(home)
+    assert told("-c", CACHED).stdout.split() == ["False", folder]
