@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.whitening import Whitener
-from softid.effects import EFFECTS, effect_of
+from softid.effects import EFFECTS, ExtendedModel, divided, effect_of, extended_name
 from softid.effects.base import Effect, Scale
-from softid.effects.extended import ExtendedModel, extended_name
-from softid.effects.motion import divided
 from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
 from softid.fitters.objective import Objective, Prior
 from softid.fitters.problem import Problem
-from softid.models.division import Division
+
+if TYPE_CHECKING:
+    from softid.models.division import Division
 
 Array = npt.NDArray[np.float64]
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import Scale
 from softid.fitters.problem import Problem
-from softid.models.second_order import Law
+
+if TYPE_CHECKING:
+    from softid.models.second_order import Law
 
 Array = npt.NDArray[np.float64]
 

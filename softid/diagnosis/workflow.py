@@ -10,13 +10,14 @@ import numpy as np
 from softid.diagnoses import Diagnosis, Verdict
 from softid.diagnosis.assessment import assess, verdict_of
 from softid.diagnosis.candidates import Candidate, advance, catalogue, prior_about
-from softid.diagnosis.chain import find_chain
+from softid.diagnosis.chain import Chain, find_chain
 from softid.diagnosis.findings import alternatives_of, causes_of, evidence_of, gains_of
 from softid.diagnosis.held_out import BETTER, NO_WORSE, HeldOut, hold_out_blocks
 from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.revision import revised
 from softid.diagnosis.scale import scale_of
 from softid.diagnosis.words import restriction, worded
+from softid.effects.base import Scale
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
@@ -103,24 +104,7 @@ def diagnose(
         held = HeldOut(work.hold_out)
     base = _base(work)
     scale = scale_of(base.problem, base.minimum.point)
-    sigma = dict(work.found.optimum.sigma)
-    considered = catalogue(effects)
-
-    def holds(before: Candidate, after: Candidate) -> bool:
-        limit = BETTER if before.effects else NO_WORSE
-        return held.rms(after) <= limit * held.rms(before)
-
-    chain = find_chain(
-        base,
-        considered,
-        scale,
-        sigma,
-        holds=holds,
-        report=lambda message, fraction: report(message, 0.3 + 0.4 * fraction),
-    )
-    if len(chain.links) > 1:
-        report("checking the first causes again", 0.75)
-        chain = revised(chain, base, considered, scale, sigma)
+    chain = _searched(base, scale, work, held, effects, report)
     report("looking at what is left", 0.85)
     rng = np.random.default_rng(seed)
     remainder = assess(base, chain.final, scale, rng=rng)
@@ -146,6 +130,35 @@ def diagnose(
         issues=(*before.issues, *restriction(effects)),
     )
     return worded(found)
+
+
+def _searched(
+    base: Candidate,
+    scale: Scale,
+    work: Work,
+    held: HeldOut,
+    effects: Sequence[str],
+    report: Progress,
+) -> Chain:
+    """The chain of causes, each judged by what is held out."""
+    sigma, considered = dict(work.found.optimum.sigma), catalogue(effects)
+
+    def holds(before: Candidate, after: Candidate) -> bool:
+        limit = BETTER if before.effects else NO_WORSE
+        return held.rms(after) <= limit * held.rms(before)
+
+    chain = find_chain(
+        base,
+        considered,
+        scale,
+        sigma,
+        holds=holds,
+        report=lambda message, fraction: report(message, 0.3 + 0.4 * fraction),
+    )
+    if len(chain.links) < 2:
+        return chain
+    report("checking the first causes again", 0.75)
+    return revised(chain, base, considered, scale, sigma)
 
 
 def _base(work: Work) -> Candidate:

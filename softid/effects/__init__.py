@@ -9,7 +9,8 @@ from softid.effects.base import (
 )
 from softid.effects.building import effect_of, model_of
 from softid.effects.catalogue import EFFECTS
-from softid.effects.extended import ExtendedModel
+from softid.effects.extended import ExtendedModel, extended_name
+from softid.effects.motion import divided
 from softid.effects.registration import register_effect
 
 __all__ = [
@@ -20,7 +21,9 @@ __all__ = [
     "OutputEffect",
     "Scale",
     "StateEffect",
+    "divided",
     "effect_of",
+    "extended_name",
     "model_of",
     "register_effect",
 ]
