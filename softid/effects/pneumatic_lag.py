@@ -91,7 +91,7 @@ class SeparatePneumaticLag(PneumaticLag):
         "The residual is a pulse after every change of the input that dies out in one time on the "
         "way up and in another on the way down."
     )
-    neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "valve_flow", "asymmetric_damping")
+    neighbours: ClassVar[tuple[str, ...]] = ("valve_flow", "asymmetric_damping", "delay")
     remedy: ClassVar[str] = (
         "record the pressure inside the actuator, or vent through a wider way than the filling one"
     )

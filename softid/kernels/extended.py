@@ -14,9 +14,11 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from softid.kernels import equation, radau, small_matrix, stages, tangents, terms
 from softid.kernels.decorators import inner
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import STAGES
+from softid.kernels.sources import follow_sources
 from softid.kernels.stages import Step, advance, solve_stages
 from softid.kernels.tangents import carry
 from softid.kernels.terms import TERM_SIZE
@@ -293,3 +295,6 @@ def integrate(
     )
     solved: bool = _march(equation, course, state, tangent, states, tangents, room)
     return solved
+
+
+follow_sources(integrate, (equation, stages, tangents, small_matrix, terms, radau))

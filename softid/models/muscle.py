@@ -216,7 +216,8 @@ class Muscle(Model):
             return ()
         b1, b2 = values["b1"], values["b2"]
         mass, c1, a2, c2 = (values[name] / values["a1"] for name in ("M", "c1", "a2", "c2"))
-        damping = a2 * float(np.exp(b2 * np.log(c1) / b1)) + c2
+        with np.errstate(over="ignore"):
+            damping = a2 * float(np.exp(b2 * np.log(c1) / b1)) + c2
         if not np.isfinite(damping) or damping <= 0.0:
             return ()
         shapes = damping_shapes(np.array([mass, 1.0, b1, c1, 0.0, 0.0, damping]))

@@ -36,7 +36,7 @@ def test_without_effects_it_is_the_recorded_input() -> None:
     plan = model.plan(theta, s)
     first, stages = arriving_input([], s, plan, SCALE)
     assert first == s.input[0]
-    assert stages is plan.stage_input
+    np.testing.assert_array_equal(stages, plan.stage_input)
 
 
 def test_a_parabola_arrives_as_itself() -> None:
@@ -71,7 +71,7 @@ def test_a_single_sample_has_no_steps() -> None:
     """Nothing to integrate is no error."""
     s = segment()
     lone = replace(s, time_s=s.time_s[:1], input=s.input[:1])
-    nothing = Division(np.zeros(0, np.intp), np.zeros(0), np.zeros((0, 3)), np.zeros(0, bool))
+    nothing = Division(lone.time_s, lone.input, np.zeros(0, np.int16), "radau")
     first, stages = arriving_input([(Delay(), np.array([0.1]))], lone, nothing, SCALE)
     assert first == s.input[0]
     assert stages.shape == (0, 3)
