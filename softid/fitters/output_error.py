@@ -214,7 +214,10 @@ def _challenge(
             return best, True  # what is left is rounding, and a rival's is as likely to be less
         if not rivals or rivals[0][0].normal.cost > best.normal.cost * (1 - margin):
             return best, True
-        best = objective.solve(rivals[0][0].point, POLISH_EVALUATIONS)
+        rival = objective.solve(rivals[0][0].point, POLISH_EVALUATIONS)
+        if rival.normal.cost > best.normal.cost * (1 - margin):
+            return best, True  # it was better by its own division of the steps only
+        best = rival
     return best, False
 
 
