@@ -15,6 +15,15 @@ MAX_WORKERS = 8
 
 def in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     """Results of ``work`` for every item, in order."""
-    workers = min(MAX_WORKERS, os.cpu_count() or 1)
+    workers = min(MAX_WORKERS, _cores())
+    if workers == 1:
+        return [work(item) for item in items]
     with ThreadPoolExecutor(max_workers=workers) as pool:
         return list(pool.map(work, items))
+
+
+def _cores() -> int:
+    """Cores that this process may use, which a container or a cluster limits."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from numba import njit
 
 from softid.kernels import equation, radau, small_matrix, stages, tangents, terms
-from softid.kernels.decorators import inner
+from softid.kernels.decorators import inlined, inner
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import STAGES
 from softid.kernels.sources import follow_sources
@@ -85,7 +85,7 @@ def _room(scale: Array) -> Step:
         np.empty((size, size)),
         np.empty(size, np.int64),
         np.zeros((3, 2 + n_own, 1 + n_own)),
-        np.empty(n_own + 5),
+        np.empty(5),
     )
 
 
@@ -125,11 +125,19 @@ def _weight(c: int, j: int, piece: int, pieces: int) -> float:
     return found
 
 
-@inner
+@inlined
 def _enter(course: Course, i: int, piece: int, pieces: int, step: Step, by: Array) -> None:
     """Take the data of a piece of step ``i`` into ``step`` and ``by``."""
     wanted = by.shape[2] if course.coefficients_by.shape[0] > 0 else 0
     at = step.at
+    if pieces == 1:
+        for c in range(3):
+            at.place[0, c], at.place[1, c] = course.places[i, 0, c], course.places[i, 1, c]
+            for q in range(4):
+                at.coefficients[c, q] = course.coefficients[i, c, q]
+                for p in range(wanted):
+                    by[c, q, p] = course.coefficients_by[i, c, q, p]
+        return
     for c in range(3):
         at.place[0, c], at.place[1, c] = 0.0, 0.0
         for q in range(4):
@@ -137,11 +145,7 @@ def _enter(course: Course, i: int, piece: int, pieces: int, step: Step, by: Arra
             for p in range(wanted):
                 by[c, q, p] = 0.0
         for j in range(3):
-            weight = 1.0 if j == c else 0.0
-            if pieces > 1:
-                weight = _weight(c, j, piece, pieces)
-            elif j != c:
-                continue
+            weight = _weight(c, j, piece, pieces)
             at.place[0, c] += weight * course.places[i, 0, j]
             at.place[1, c] += weight * course.places[i, 1, j]
             for q in range(4):
@@ -150,7 +154,7 @@ def _enter(course: Course, i: int, piece: int, pieces: int, step: Step, by: Arra
                     by[c, q, p] += weight * course.coefficients_by[i, j, q, p]
 
 
-@inner
+@inlined
 def _predict(step: Step, last: Array, state: Array, follows: bool) -> None:
     """Start values of the stage rates: the last step's polynomial, or no acceleration."""
     for r in range(step.w.size // 3):
@@ -172,7 +176,7 @@ class Room(NamedTuple):
         The step at hand.
     coefficients_by
         Derivatives of the affine law's coefficients at its stages, shape (3, 4, K).
-    by, rhs
+    rhs
         As in `carry`.
     last
         Stage rates of the step before, shape (3 + 3 Z,).
@@ -182,20 +186,19 @@ class Room(NamedTuple):
 
     step: Step
     coefficients_by: Array
-    by: Array
     rhs: Array
     last: Array
     state: Array
     tangent: Array
 
 
-@inner
+@inlined
 def _copy(source: Array, target: Array) -> None:
     for i in range(source.size):
         target[i] = source[i]
 
 
-@inner
+@inlined
 def _take(
     equation: Equation,
     course: Course,
@@ -206,15 +209,19 @@ def _take(
     tangent: Array,
     room: Room,
 ) -> bool:
-    """Take step ``i`` in so many pieces; False when the stages of one cannot be found."""
+    """Take step ``i`` in so many pieces; False when the stages of one cannot be found.
+
+    ``follows`` says that the step before was alike, so that its rates and factors serve as a start.
+    """
     step, h = room.step, course.step_s[i] / pieces
+    wanted = course.coefficients_by.shape[0] > 0
     for piece in range(pieces):
         _enter(course, i, piece, pieces, step, room.coefficients_by)
         _predict(step, room.last, state, follows)
-        if not solve_stages(equation, step, state, h):
+        if not solve_stages(equation, step, state, h, follows or piece > 0, wanted):
             return False
-        if course.coefficients_by.shape[0] > 0:
-            carry(equation, step, room.coefficients_by, course.moves, room.by, room.rhs, tangent, h)
+        if wanted:
+            carry(equation, step, room.coefficients_by, course.moves, room.rhs, tangent, h)
         advance(step, state, h)
     return True
 
@@ -237,16 +244,17 @@ def _march(
             for p in range(tangent.shape[1]):
                 room.tangent[k, p] = tangent[k, p]
         alike = i > 0 and abs(course.step_s[i] / course.step_s[i - 1] - 1.0) < ALIKE
-        solved, pieces = _take(equation, course, i, 1, follows and alike, state, tangent, room), 1
-        while not solved and pieces < 1 << MAX_HALVINGS:
-            pieces *= 2
+        known, pieces = follows and alike, 1
+        while not _take(equation, course, i, pieces, known, state, tangent, room):
+            if not known:
+                pieces *= 2
+            known = False
+            if pieces > 1 << MAX_HALVINGS:
+                return False
             _copy(room.state, state)
             for k in range(tangent.shape[0]):
                 for p in range(tangent.shape[1]):
                     tangent[k, p] = room.tangent[k, p]
-            solved = _take(equation, course, i, pieces, False, state, tangent, room)
-        if not solved:
-            return False
         _copy(room.step.w, room.last)
         follows = pieces == 1
         states[i, 0], states[i, 1] = state[0], state[1]
@@ -287,7 +295,6 @@ def integrate(
     room = Room(
         step,
         np.zeros((3, 4, course.coefficients_by.shape[3])),
-        np.zeros((3, state.size - 1, course.moves.size)),
         np.zeros((step.w.size, tangent.shape[1])),
         np.zeros(step.w.size),
         state.copy(),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.decorators import inlined, inner
+from softid.kernels.decorators import inlined
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import B1, A, B
 from softid.kernels.small_matrix import factorise, solve
@@ -15,8 +15,15 @@ from softid.kernels.small_matrix import factorise, solve
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
 
-MAX_NEWTON = 12
-NEWTON_TOLERANCE = 1e-7
+MAX_NEWTON = 13
+NEWTON_TOLERANCE = 1e-9
+SLOWEST = 0.2
+"""Old factors must shrink Newton's moves by this factor at least."""
+
+LEFT = 0.1
+"""Newton's moves shrink by a factor, so what is left after a move is known before the next one: so
+much of the tolerance."""
+
 DIFFERENCE = 1e-7
 """Relative step of the numerical derivatives at the stages, and of Newton's last one."""
 
@@ -43,7 +50,7 @@ class Step(NamedTuple):
         Derivatives by x, v and the own states of the unbalanced force and of the own rates at each
         stage, shape (3, 2 + Z, 1 + Z).
     kept
-        Room for one stage's rates and parts, shape (Z + 5,).
+        Room for one stage's parts, shape (5,).
     """
 
     at: Instants
@@ -57,42 +64,10 @@ class Step(NamedTuple):
 
 
 @inlined
-def _evaluate_stage(equation: Equation, step: Step, c: int) -> None:
-    """Residual, parts and slopes at the point of one stage."""
-    at, kept = step.at, step.kept
-    points, rates, parts = at.points, at.rates, at.parts
-    n_own = points.shape[1] - 3
-    left = unbalanced(equation, at, c)
-    step.residual[c] = left
-    for k in range(n_own):
-        kept[k] = rates[c, k]
-        step.residual[3 * (k + 1) + c] = step.w[3 * (k + 1) + c] - kept[k]
-    for i in range(5):
-        kept[n_own + i] = parts[c, i]
-    for s in range(2 + n_own):
-        here = points[c, s]
-        d = DIFFERENCE * step.scale[s]
-        points[c, s] = here + d
-        moved = unbalanced(equation, at, c)
-        points[c, s] = here
-        step.slopes[c, s, 0] = (moved - left) / d
-        for k in range(n_own):
-            step.slopes[c, s, 1 + k] = (rates[c, k] - kept[k]) / d
-    for k in range(n_own):
-        rates[c, k] = kept[k]
-    for i in range(5):
-        parts[c, i] = kept[n_own + i]
-
-
-@inlined
-def linearise(equation: Equation, step: Step, state: Array, h: float) -> None:
-    """Residual and Jacobian of the stage equations at ``step.w``, from ``state`` over ``h``."""
+def _leave(equation: Equation, step: Step, state: Array, h: float) -> None:
+    """Residual of the stage equations at ``step.w``, from ``state`` over ``h``."""
+    points, w = step.at.points, step.w
     n_own = state.size - 2
-    points, slopes, matrix, w = step.at.points, step.slopes, step.matrix, step.w
-    size = w.size
-    for i in range(size):
-        for j in range(size):
-            matrix[i, j] = 0.0
     for c in range(3):
         x, a = state[0], -B1[c] * state[1] / h
         for j in range(3):
@@ -104,12 +79,48 @@ def linearise(equation: Equation, step: Step, state: Array, h: float) -> None:
             for j in range(3):
                 z += h * A[c, j] * w[3 * (k + 1) + j]
             points[c, 2 + k] = z
-        _evaluate_stage(equation, step, c)
-        heavy = step.at.parts[c, 4] * step.at.parts[c, 0] / h
+        step.residual[c] = unbalanced(equation, step.at, c)
+        for k in range(n_own):
+            row = 3 * (k + 1) + c
+            step.residual[row] = w[row] - step.at.rates[c, k]
+
+
+@inlined
+def _differentiate(equation: Equation, step: Step) -> None:
+    """Slopes at the stages whose residual `_leave` left."""
+    points, parts, kept, slopes = step.at.points, step.at.parts, step.kept, step.slopes
+    n_own = points.shape[1] - 3
+    for c in range(3):
+        for i in range(5):
+            kept[i] = parts[c, i]
+        for s in range(2 + n_own):
+            here = points[c, s]
+            d = DIFFERENCE * step.scale[s]
+            points[c, s] = here + d
+            moved = unbalanced(equation, step.at, c)
+            points[c, s] = here
+            slopes[c, s, 0] = (moved - step.residual[c]) / d
+            for k in range(n_own):
+                row = 3 * (k + 1) + c
+                rate = step.w[row] - step.residual[row]
+                slopes[c, s, 1 + k] = (step.at.rates[c, k] - rate) / d
+        for i in range(5):
+            parts[c, i] = kept[i]
+
+
+@inlined
+def _assemble(step: Step, h: float) -> None:
+    """Jacobian of the stage equations from the slopes."""
+    slopes, matrix, parts, size = step.slopes, step.matrix, step.at.parts, step.w.size
+    for i in range(size):
+        for j in range(size):
+            matrix[i, j] = 0.0
+    for c in range(3):
+        heavy = parts[c, 4] * parts[c, 0] / h
         for j in range(3):
             matrix[c, j] = heavy * B[c, j] + slopes[c, 0, 0] * h * A[c, j]
         matrix[c, c] += slopes[c, 1, 0]
-        for k in range(n_own):
+        for k in range(size // 3 - 1):
             row, first = 3 * (k + 1) + c, 3 * (k + 1)
             matrix[row, row] += 1.0
             matrix[row, c] -= slopes[c, 1, 1 + k]
@@ -119,15 +130,33 @@ def linearise(equation: Equation, step: Step, state: Array, h: float) -> None:
                 matrix[row, first + j] -= slopes[c, 2 + k, 1 + k] * h * A[c, j]
 
 
-@inner
-def solve_stages(equation: Equation, step: Step, state: Array, h: float) -> bool:
+@inlined
+def solve_stages(
+    equation: Equation, step: Step, state: Array, h: float, has_factors: bool, exact: bool
+) -> bool:
     """Find the stages by Newton's method from ``step.w``; False when it does not converge.
 
-    The factors of the last Jacobian stay in ``step``.
+    The factors that the step before left serve as long as they bring the stages nearer quickly:
+    the law changes little from step to step, and factors cost several times a residual.
+
+    Parameters
+    ----------
+    equation, step, state, h
+        The step; its ``w`` is the start and receives the solution.
+    has_factors
+        Whether ``step`` holds the factors of a step before.
+    exact
+        Whether residual, slopes and factors are wanted at the solution, for `carry`.
     """
-    for _ in range(MAX_NEWTON):
-        linearise(equation, step, state, h)
-        factorise(step.matrix, step.order)
+    before, solved = 0.0, False
+    for number in range(MAX_NEWTON):
+        _leave(equation, step, state, h)
+        if not has_factors:
+            _differentiate(equation, step)
+            _assemble(step, h)
+            factorise(step.matrix, step.order)
+        if solved:
+            return True
         solve(step.matrix, step.order, step.residual)
         worst = 0.0
         for i in range(step.w.size):
@@ -137,12 +166,17 @@ def solve_stages(equation: Equation, step: Step, state: Array, h: float) -> bool
             step.w[i] -= move
             size = step.scale[1] if i < 3 else step.scale[2 + (i - 3) // 3] / h
             worst = max(worst, abs(move) / size)
-        if worst < NEWTON_TOLERANCE:
+        shrinkage = worst / before if number > 0 else SLOWEST
+        solved = worst < NEWTON_TOLERANCE or worst * shrinkage < LEFT * NEWTON_TOLERANCE
+        if solved and not exact:
             return True
+        if solved or shrinkage > SLOWEST:
+            has_factors = False
+        before = worst
     return False
 
 
-@inner
+@inlined
 def advance(step: Step, state: Array, h: float) -> None:
     """Move the state to the end of a solved step."""
     for j in range(3):

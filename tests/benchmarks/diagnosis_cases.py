@@ -1,0 +1,239 @@
+"""Diagnoses of logs in which effects are hidden, each scored against its truth."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from softid.diagnoses import Diagnosis
+from softid.diagnosis import diagnose
+from softid.effects import EFFECTS
+from softid.synthesis import HiddenPair, hidden_pair
+from softid.synthesis.hidden import names_of
+from softid.synthesis.rig import Rig
+
+SINGLE = tuple(sorted(key for key in EFFECTS if "." not in key))
+BACKGROUND_SIZE = (0.1, 0.2)
+FROM_TRUTH = 0.2
+
+RIGS: dict[str, dict[str, Any]] = {
+    "usual": {},
+    "50 Hz": {"rate_hz": 50.0},
+    "irregular": {"jitter": 0.2},
+    "drop-outs": {"lost_fraction": 0.03, "blank_fraction": 0.03},
+    "degrees": {"unit": "deg"},
+    "coloured": {"coloured_share": 0.9, "rest_s": 30.0},
+}
+
+PAIRED = (
+    ("delay", "creep"),
+    ("pneumatic_lag", "coulomb_friction"),
+    ("hysteresis", "sensor_drift"),
+    ("creep", "stiffening"),
+    ("dead_zone", "asymmetric_damping"),
+    ("sensor_clipping", "delay"),
+    ("contact", "creep"),
+    ("valve_flow", "sensor_warmup"),
+    ("quadratic_damping", "hysteresis"),
+    ("ageing", "line_resonance"),
+    ("softening", "coulomb_friction"),
+    ("static_curve", "sensor_lag"),
+)
+"""Two effects of different kinds, every effect but two of the catalogue at least once."""
+
+TIES = (("delay", "sine"), ("pneumatic_lag", "sine"))
+"""Effects whose neighbours a protocol cannot split from them."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One diagnosis to run.
+
+    Attributes
+    ----------
+    kind
+        ``clean``, ``single``, ``other_form``, ``outside``, ``pair``, ``background`` or ``tie``.
+    names
+        What is hidden, the dominant effect first.
+    seed, size, model, protocol
+        As `hidden_pair` takes them.
+    rig
+        Key of `RIGS`.
+    """
+
+    kind: str
+    names: tuple[str, ...]
+    seed: int
+    size: float = 1.0
+    model: str = "muscle"
+    protocol: str = "rich"
+    rig: str = "usual"
+
+    @property
+    def key(self) -> str:
+        """A name that no other case has."""
+        hidden = "+".join(self.names) or "nothing"
+        parts = (self.kind, hidden, self.seed, self.size, self.model, self.protocol, self.rig)
+        return "/".join(str(part) for part in parts)
+
+    def pair(self) -> HiddenPair:
+        """The logs with their truth."""
+        values = {}
+        if self.kind == "background":
+            values = _faint(self)
+        return hidden_pair(
+            self.names,
+            seed=self.seed,
+            size=self.size,
+            model=self.model,
+            protocol=self.protocol,
+            rig=Rig(**RIGS[self.rig]),
+            values=values,
+        )
+
+
+def _faint(case: Case) -> dict[str, dict[str, float]]:
+    """Values of the background effects, drawn at a tenth to a fifth of the size."""
+    values = {}
+    for number, name in enumerate(case.names[1:]):
+        share = np.random.default_rng((case.seed, number)).uniform(*BACKGROUND_SIZE)
+        faint = hidden_pair([name], seed=case.seed, size=case.size * share, model=case.model)
+        values[name] = dict(faint.hidden[name])
+    return values
+
+
+def cases(kind: str, draws: int, seed: int, *, size: float = 1.0, rig: str = "usual") -> list[Case]:
+    """The cases of one kind.
+
+    Parameters
+    ----------
+    kind
+        As in `Case`.
+    draws
+        Draws of every hidden effect or combination; of ``clean`` ten times as many.
+    seed
+        First seed.
+    size
+        Magnitude of the effects; 1 is moderate.
+    rig
+        Key of `RIGS`.
+    """
+    return [
+        Case(kind, names, s, size=size, rig=rig, protocol=protocol)
+        for names, protocol, count in _hidden(kind, draws)
+        for s in range(seed, seed + count)
+    ]
+
+
+def _hidden(kind: str, draws: int) -> Iterator[tuple[tuple[str, ...], str, int]]:
+    if kind == "clean":
+        yield (), "rich", 10 * draws
+    elif kind == "tie":
+        for name, protocol in TIES:
+            yield (name,), protocol, draws
+    elif kind == "pair":
+        for names in PAIRED:
+            yield names, "rich", draws
+    elif kind == "background":
+        for k, name in enumerate(SINGLE):
+            others = [other for other in SINGLE if other != name]
+            yield (name, others[(3 * k) % 20], others[(7 * k + 5) % 20]), "rich", draws
+    else:
+        names = SINGLE if kind == "single" else names_of(kind)
+        for name in names:
+            yield (name,), "rich", draws
+
+
+@dataclass(frozen=True)
+class Score:
+    """What one diagnosis answered, and what was true.
+
+    Attributes
+    ----------
+    key, kind, names
+        Of the case.
+    verdict
+        The answer.
+    causes
+        Effects that it names, in their order.
+    described
+        Effects that help without being named.
+    tied
+        Effects that it says it cannot split from them.
+    snr
+        Root mean square misfit of the base over the noise.
+    gain, oracle_gain
+        Fall of the held-out error as a share of it, and what would leave nothing but noise.
+    recovered
+        Whether every parameter of the hidden effects that has a true value lies within its interval
+        or a fifth of the truth; None where nothing was named rightly.
+    seconds
+        Of the diagnosis.
+    """
+
+    key: str
+    kind: str
+    names: tuple[str, ...]
+    verdict: str
+    causes: tuple[str, ...]
+    described: tuple[str, ...]
+    tied: tuple[str, ...]
+    snr: float
+    gain: float
+    oracle_gain: float
+    recovered: bool | None
+    seconds: float
+    values: dict[str, float] = field(default_factory=dict)
+
+
+def run(case: Case) -> Score:
+    """Make the logs of a case, diagnose them and score the answer.
+
+    Parameters
+    ----------
+    case
+        What to run.
+    """
+    pair = case.pair()
+    train, hold_out = pair.logs
+    begin = time.perf_counter()
+    found = diagnose([train], hold_out=[hold_out], model=case.model)
+    seconds = time.perf_counter() - begin
+    channel = next(c for c in pair.train.sigma if "pressure" not in c)
+    inside, outside = (next(g for g in found.gains if g.held_out is h) for h in (False, True))
+    sigma = pair.train.sigma[channel]
+    misfit = inside.rmse_before**2 / sigma**2 - 1.0
+    before, after = outside.rmse_before, outside.rmse_after
+    return Score(
+        key=case.key,
+        kind=case.kind,
+        names=case.names,
+        verdict=found.verdict.value,
+        causes=tuple(c.effect for c in found.causes),
+        described=tuple(c.effect for c in found.descriptive),
+        tied=tuple(sorted({e for a in found.alternatives for e in a.effects})),
+        snr=float(np.sqrt(max(misfit, 0.0))),
+        gain=1.0 - after / before,
+        oracle_gain=max(1.0 - pair.hold_out.sigma[channel] / before, 0.0),
+        recovered=_recovered(found, pair),
+        seconds=seconds,
+        values={p.name: float(p.value) for c in found.causes for p in c.parameters},
+    )
+
+
+def _recovered(found: Diagnosis, pair: HiddenPair) -> bool | None:
+    checked = []
+    for cause in found.causes:
+        truth = pair.hidden.get(cause.effect, {})
+        for estimate in cause.parameters:
+            true = truth.get(estimate.name.removeprefix(f"{cause.effect}_"))
+            if true is not None:
+                inside = estimate.ci95 is not None and (
+                    estimate.ci95[0] <= true <= estimate.ci95[1]
+                )
+                checked.append(inside or abs(estimate.value - true) <= FROM_TRUTH * abs(true))
+    return all(checked) if checked else None

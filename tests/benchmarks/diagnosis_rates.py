@@ -1,0 +1,181 @@
+"""How often a diagnosis names the hidden cause: confusion matrix, and rates by size of the misfit.
+
+    python tests/benchmarks/diagnosis_rates.py --kinds clean,single --draws 2
+
+Results go to a file line by line, so that an interrupted run goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
+from pathlib import Path
+
+for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+
+import numpy as np
+from diagnosis_cases import RIGS, Case, Score, cases, run
+
+KINDS = ("clean", "single", "other_form", "outside", "pair", "background", "tie")
+BINS = ((0.0, 0.3), (0.3, 0.5), (0.5, 1.0), (1.0, 3.0), (3.0, np.inf))
+SEED = 52_000
+"""Far from the seeds of the tests."""
+
+
+def main() -> None:
+    """Run what is missing and print the tables."""
+    asked = _arguments()
+    wanted = [
+        case
+        for kind in asked.kinds.split(",")
+        for case in cases(kind, asked.draws, asked.seed, size=asked.size, rig=asked.rig)
+        if not asked.only or set(case.names) & set(asked.only.split(","))
+    ]
+    done = _read(asked.out)
+    missing = [case for case in wanted if case.key not in done]
+    print(f"{len(wanted)} diagnoses, {len(missing)} to run; results in {asked.out}")
+    asked.out.parent.mkdir(parents=True, exist_ok=True)
+    with asked.out.open("a") as out:
+        for score in _scores(missing, asked.workers):
+            out.write(json.dumps(asdict(score)) + "\n")
+            out.flush()
+            done[score.key] = score
+            _tell(score)
+    print_tables([done[case.key] for case in wanted if case.key in done])
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kinds", default="clean,single,outside,pair")
+    parser.add_argument("--only", default="", help="effects, separated by commas")
+    parser.add_argument("--draws", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--size", type=float, default=1.0)
+    parser.add_argument("--rig", choices=tuple(RIGS), default="usual")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--out", type=Path, default=Path("build/diagnosis_rates.jsonl"))
+    return parser.parse_args()
+
+
+def _read(path: Path) -> dict[str, Score]:
+    if not path.exists():
+        return {}
+    found = {}
+    for line in path.read_text().splitlines():
+        row = json.loads(line)
+        for name in ("names", "causes", "described", "tied"):
+            row[name] = tuple(row[name])
+        found[row["key"]] = Score(**row)
+    return found
+
+
+def _scores(missing: Sequence[Case], workers: int):  # type: ignore[no-untyped-def]
+    if workers == 1:
+        yield from map(run, missing)
+        return
+    with ProcessPoolExecutor(workers, initializer=_alone) as pool:
+        for future in as_completed([pool.submit(run, case) for case in missing]):
+            yield future.result()
+
+
+def _alone() -> None:
+    """One core for each process, so that its threads do not get in the others' way."""
+    if hasattr(os, "sched_setaffinity"):
+        cores = sorted(os.sched_getaffinity(0))
+        os.sched_setaffinity(0, {cores[os.getpid() % len(cores)]})
+
+
+def _tell(score: Score) -> None:
+    answer = "+".join(score.causes) or "-"
+    described = f" described {'+'.join(score.described)}" if score.described else ""
+    tied = f" tied {','.join(score.tied)}" if score.tied else ""
+    print(
+        f"{'ok ' if is_right(score) else 'BAD'} {score.key}: {score.verdict} {answer}{described}"
+        f"{tied} snr {score.snr:.2f} gain {score.gain:.3f}/{score.oracle_gain:.3f}"
+        f" recovered {score.recovered} {score.seconds:.1f} s",
+        flush=True,
+    )
+
+
+def is_right(score: Score) -> bool:
+    """Whether the answer is the one that an expert who knows the truth would accept."""
+    told, true = set(score.causes), set(score.names)
+    if score.kind == "clean":
+        return score.verdict == "adequate"
+    if score.kind == "outside":
+        return score.verdict in ("unknown", "partial", "adequate") and not told - true
+    if score.kind == "tie":
+        return score.verdict == "ambiguous" and true <= set(score.tied)
+    if score.kind == "background":
+        return bool(score.causes) and score.causes[0] == score.names[0]
+    if score.kind == "other_form":
+        return score.verdict != "adequate"
+    return told == true
+
+
+def is_misnamed(score: Score) -> bool:
+    """Whether one cause was named alone and is not there."""
+    return score.verdict in ("named", "partial") and bool(set(score.causes) - set(score.names))
+
+
+def print_tables(scores: Sequence[Score]) -> None:
+    """Print rates by kind and by size of the misfit, the confusion matrix, and times."""
+    for kind in KINDS:
+        mine = [s for s in scores if s.kind == kind]
+        if mine:
+            _print_kind(kind, mine)
+    singles = [s for s in scores if s.kind == "single"]
+    if singles:
+        _print_confusion(singles)
+
+
+def _print_kind(kind: str, scores: Sequence[Score]) -> None:
+    print(f"\n{kind}: {len(scores)} diagnoses")
+    print("  SNR          n   right  in the answer  misnamed  recovered  gain ≥ .98 of oracle")
+    for low, high in BINS if kind != "clean" else ((0.0, np.inf),):
+        mine = [s for s in scores if low <= s.snr < high]
+        if mine:
+            _print_bin(f"{low:.1f} to {high:.1f}", mine)
+    strong = [s for s in scores if s.snr >= 0.5]
+    if strong and kind != "clean":
+        _print_bin("0.5 and up", strong)
+    seconds = np.array([s.seconds for s in scores])
+    print(f"  time: median {np.median(seconds):.1f} s, longest {seconds.max():.1f} s")
+
+
+def _print_bin(label: str, scores: Sequence[Score]) -> None:
+    n = len(scores)
+    right = sum(is_right(s) for s in scores)
+    present = sum(set(s.names) <= set(s.causes) | set(s.tied) for s in scores)
+    wrong = sum(is_misnamed(s) for s in scores)
+    judged = [s.recovered for s in scores if s.recovered is not None]
+    named = [s for s in scores if s.oracle_gain > 0.02]
+    near = sum(s.gain >= 0.98 * s.oracle_gain for s in named)
+    print(
+        f"  {label:<11} {n:3d}  {_share(right, n)}    {_share(present, n)}        {_share(wrong, n)}"
+        f"    {_share(sum(judged), len(judged))}     {_share(near, len(named))}"
+    )
+
+
+def _share(count: int, n: int) -> str:
+    return f"{100.0 * count / n:5.1f} %" if n else "    -  "
+
+
+def _print_confusion(scores: Sequence[Score]) -> None:
+    print("\nhidden → answered (verdict and causes), how often")
+    for name in sorted({s.names[0] for s in scores}):
+        rows = Counter(
+            f"{s.verdict} {'+'.join(s.causes) or '-'}" for s in scores if s.names[0] == name
+        )
+        print(f"  {name:<20} " + "; ".join(f"{n} {what}" for what, n in rows.most_common()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
