@@ -196,12 +196,17 @@ class ExtendedModel(Model):
         return tuple(e for e in self.effects if isinstance(e, StateEffect))
 
     @cached_property
+    def _widths(self) -> tuple[int, ...]:
+        """Number of parameters of each effect."""
+        return tuple(len(effect.parameters(self.scale)) for effect in self.effects)
+
+    @cached_property
     def _split(self) -> tuple[int, int, int]:
         """Where the parameters of input, state and output effects begin."""
         counts = [len(self.model.parameters())]
         for stage in STAGES[:2]:
-            stage_effects = (e for e in self.effects if e.stage == stage)
-            counts.append(sum(len(e.parameters(self.scale)) for e in stage_effects))
+            widths = zip(self.effects, self._widths, strict=True)
+            counts.append(sum(width for effect, width in widths if effect.stage == stage))
         first, second, third = np.cumsum(counts).tolist()
         return first, second, third
 
@@ -215,8 +220,7 @@ class ExtendedModel(Model):
     def _own(self, theta: Array) -> Iterator[tuple[Effect, Array]]:
         """Every effect with its parameters."""
         at = self._split[0]
-        for effect in self.effects:
-            count = len(effect.parameters(self.scale))
+        for effect, count in zip(self.effects, self._widths, strict=True):
             yield effect, theta[at : at + count]
             at += count
 
@@ -247,7 +251,7 @@ class ExtendedModel(Model):
     def _in_order(self, by: Array) -> Array:
         """Columns of base and state parameters at their places among all parameters."""
         base, state, output = self._split
-        whole = np.zeros((by.shape[0], len(self.parameters())))
+        whole = np.zeros((by.shape[0], self._split[0] + sum(self._widths)))
         whole[:, :base] = by[:, :base]
         whole[:, state:output] = by[:, base:]
         return whole
