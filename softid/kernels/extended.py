@@ -15,7 +15,7 @@ import numpy.typing as npt
 from numba import njit
 
 from softid.kernels import equation, radau, small_matrix, stages, tangents, terms
-from softid.kernels.decorators import inner
+from softid.kernels.decorators import inlined, inner
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import STAGES
 from softid.kernels.sources import follow_sources
@@ -114,7 +114,7 @@ def unbalanced_at_rest(
     return left
 
 
-@inner
+@inlined
 def _weight(c: int, j: int, piece: int, pieces: int) -> float:
     """What the value at stage ``j`` of a step adds to that at stage ``c`` of a piece of it."""
     found = 1.0
@@ -125,7 +125,7 @@ def _weight(c: int, j: int, piece: int, pieces: int) -> float:
     return found
 
 
-@inner
+@inlined
 def _enter(course: Course, i: int, piece: int, pieces: int, step: Step, by: Array) -> None:
     """Take the data of a piece of step ``i`` into ``step`` and ``by``."""
     wanted = by.shape[2] if course.coefficients_by.shape[0] > 0 else 0
@@ -150,7 +150,7 @@ def _enter(course: Course, i: int, piece: int, pieces: int, step: Step, by: Arra
                     by[c, q, p] += weight * course.coefficients_by[i, j, q, p]
 
 
-@inner
+@inlined
 def _predict(step: Step, last: Array, state: Array, follows: bool) -> None:
     """Start values of the stage rates: the last step's polynomial, or no acceleration."""
     for r in range(step.w.size // 3):
@@ -189,13 +189,13 @@ class Room(NamedTuple):
     tangent: Array
 
 
-@inner
+@inlined
 def _copy(source: Array, target: Array) -> None:
     for i in range(source.size):
         target[i] = source[i]
 
 
-@inner
+@inlined
 def _take(
     equation: Equation,
     course: Course,
@@ -208,12 +208,13 @@ def _take(
 ) -> bool:
     """Take step ``i`` in so many pieces; False when the stages of one cannot be found."""
     step, h = room.step, course.step_s[i] / pieces
+    wanted = course.coefficients_by.shape[0] > 0
     for piece in range(pieces):
         _enter(course, i, piece, pieces, step, room.coefficients_by)
         _predict(step, room.last, state, follows)
-        if not solve_stages(equation, step, state, h):
+        if not solve_stages(equation, step, state, h, wanted):
             return False
-        if course.coefficients_by.shape[0] > 0:
+        if wanted:
             carry(equation, step, room.coefficients_by, course.moves, room.by, room.rhs, tangent, h)
         advance(step, state, h)
     return True
@@ -237,16 +238,15 @@ def _march(
             for p in range(tangent.shape[1]):
                 room.tangent[k, p] = tangent[k, p]
         alike = i > 0 and abs(course.step_s[i] / course.step_s[i - 1] - 1.0) < ALIKE
-        solved, pieces = _take(equation, course, i, 1, follows and alike, state, tangent, room), 1
-        while not solved and pieces < 1 << MAX_HALVINGS:
-            pieces *= 2
+        pieces, predicted = 1, follows and alike
+        while not _take(equation, course, i, pieces, predicted, state, tangent, room):
+            if pieces == 1 << MAX_HALVINGS:
+                return False
+            pieces, predicted = 2 * pieces, False
             _copy(room.state, state)
             for k in range(tangent.shape[0]):
                 for p in range(tangent.shape[1]):
                     tangent[k, p] = room.tangent[k, p]
-            solved = _take(equation, course, i, pieces, False, state, tangent, room)
-        if not solved:
-            return False
         _copy(room.step.w, room.last)
         follows = pieces == 1
         states[i, 0], states[i, 1] = state[0], state[1]

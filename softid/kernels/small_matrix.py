@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.decorators import inner
+from softid.kernels.decorators import inlined
 
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
 
 
-@inner
+@inlined
 def factorise(matrix: Array, order: Index) -> None:
     """LU factors with partial pivoting, in place.
 
@@ -38,7 +38,7 @@ def factorise(matrix: Array, order: Index) -> None:
                 matrix[r, c] -= matrix[r, i] * matrix[i, c]
 
 
-@inner
+@inlined
 def solve(factors: Array, order: Index, b: Array) -> None:
     """Solve in place with what `factorise` left.
 
@@ -62,7 +62,7 @@ def solve(factors: Array, order: Index, b: Array) -> None:
         b[i] /= factors[i, i]
 
 
-@inner
+@inlined
 def solve_columns(factors: Array, order: Index, b: Array) -> None:
     """Solve for many right-hand sides in place; the loops along a row of ``b`` vectorise.
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.decorators import inlined, inner
+from softid.kernels.decorators import inlined
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import B1, A, B
 from softid.kernels.small_matrix import factorise, solve
@@ -17,6 +17,15 @@ Index = npt.NDArray[np.int64]
 
 MAX_NEWTON = 12
 NEWTON_TOLERANCE = 1e-7
+SETTLED = 1e-11
+"""A move is the last when what it leaves is foreseen to be less than this share of the range."""
+
+NEAR = 1e-5
+"""Largest move that a Jacobian may be away from the stages whose derivatives it gives."""
+
+SLOW = 0.1
+"""Share of the last move from which on a held Jacobian no longer pays."""
+
 DIFFERENCE = 1e-7
 """Relative step of the numerical derivatives at the stages, and of Newton's last one."""
 
@@ -85,25 +94,45 @@ def _evaluate_stage(equation: Equation, step: Step, c: int) -> None:
 
 
 @inlined
+def _place(step: Step, state: Array, h: float, c: int) -> None:
+    """Put stage ``c`` where the unknowns say."""
+    n_own = state.size - 2
+    points, w = step.at.points, step.w
+    x, a = state[0], -B1[c] * state[1] / h
+    for j in range(3):
+        x += h * A[c, j] * w[j]
+        a += B[c, j] * w[j] / h
+    points[c, 0], points[c, 1], points[c, 2 + n_own] = x, w[c], a
+    for k in range(n_own):
+        z = state[2 + k]
+        for j in range(3):
+            z += h * A[c, j] * w[3 * (k + 1) + j]
+        points[c, 2 + k] = z
+
+
+@inlined
+def _leave(equation: Equation, step: Step, state: Array, h: float) -> None:
+    """Residual of the stage equations alone."""
+    at = step.at
+    n_own = state.size - 2
+    for c in range(3):
+        _place(step, state, h, c)
+        step.residual[c] = unbalanced(equation, at, c)
+        for k in range(n_own):
+            step.residual[3 * (k + 1) + c] = step.w[3 * (k + 1) + c] - at.rates[c, k]
+
+
+@inlined
 def linearise(equation: Equation, step: Step, state: Array, h: float) -> None:
     """Residual and Jacobian of the stage equations at ``step.w``, from ``state`` over ``h``."""
     n_own = state.size - 2
-    points, slopes, matrix, w = step.at.points, step.slopes, step.matrix, step.w
-    size = w.size
+    slopes, matrix = step.slopes, step.matrix
+    size = step.w.size
     for i in range(size):
         for j in range(size):
             matrix[i, j] = 0.0
     for c in range(3):
-        x, a = state[0], -B1[c] * state[1] / h
-        for j in range(3):
-            x += h * A[c, j] * w[j]
-            a += B[c, j] * w[j] / h
-        points[c, 0], points[c, 1], points[c, 2 + n_own] = x, w[c], a
-        for k in range(n_own):
-            z = state[2 + k]
-            for j in range(3):
-                z += h * A[c, j] * w[3 * (k + 1) + j]
-            points[c, 2 + k] = z
+        _place(step, state, h, c)
         _evaluate_stage(equation, step, c)
         heavy = step.at.parts[c, 4] * step.at.parts[c, 0] / h
         for j in range(3):
@@ -119,15 +148,25 @@ def linearise(equation: Equation, step: Step, state: Array, h: float) -> None:
                 matrix[row, first + j] -= slopes[c, 2 + k, 1 + k] * h * A[c, j]
 
 
-@inner
-def solve_stages(equation: Equation, step: Step, state: Array, h: float) -> bool:
+@inlined
+def solve_stages(equation: Equation, step: Step, state: Array, h: float, keeps: bool) -> bool:
     """Find the stages by Newton's method from ``step.w``; False when it does not converge.
 
-    The factors of the last Jacobian stay in ``step``.
+    Parameters
+    ----------
+    equation, step, state, h
+        The terms, the step with its start values, the state that it starts from, and its length.
+    keeps
+        Whether the factors of a Jacobian close to the solution are to stay in ``step``. Otherwise
+        the first Jacobian serves as long as it brings the stages nearer fast.
     """
+    held, before = False, 0.0
     for _ in range(MAX_NEWTON):
-        linearise(equation, step, state, h)
-        factorise(step.matrix, step.order)
+        if held:
+            _leave(equation, step, state, h)
+        else:
+            linearise(equation, step, state, h)
+            factorise(step.matrix, step.order)
         solve(step.matrix, step.order, step.residual)
         worst = 0.0
         for i in range(step.w.size):
@@ -137,12 +176,21 @@ def solve_stages(equation: Equation, step: Step, state: Array, h: float) -> bool
             step.w[i] -= move
             size = step.scale[1] if i < 3 else step.scale[2 + (i - 3) // 3] / h
             worst = max(worst, abs(move) / size)
-        if worst < NEWTON_TOLERANCE:
+        if worst < (SETTLED if held else NEWTON_TOLERANCE):
             return True
+        if before > 0.0:
+            share = worst / before
+            left = worst * share if held else worst * share * share
+            if left < SETTLED and share < SLOW and (worst < NEAR or not keeps):
+                return True
+            held = held and share < SLOW
+        else:
+            held = not keeps
+        before = worst
     return False
 
 
-@inner
+@inlined
 def advance(step: Step, state: Array, h: float) -> None:
     """Move the state to the end of a solved step."""
     for j in range(3):

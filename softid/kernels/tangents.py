@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.decorators import inlined, inner
+from softid.kernels.decorators import inlined
 from softid.kernels.equation import Equation, unbalanced
 from softid.kernels.radau import B1, A
 from softid.kernels.small_matrix import solve_columns
@@ -52,7 +52,7 @@ def _by_parameters(
         unbalanced(equation, at, c)
 
 
-@inner
+@inlined
 def carry(
     equation: Equation,
     step: Step,
