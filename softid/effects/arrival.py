@@ -16,11 +16,9 @@ import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
 from softid.log import Segment
-from softid.models.division import Division
+from softid.models.division import NODES_PER_STEP, Division
 
 Array = npt.NDArray[np.float64]
-
-NODES_PER_STEP = 16
 
 
 def arriving_input(
@@ -46,22 +44,19 @@ def arriving_input(
     """
     if not effects:
         return float(segment.input[0]), plan.stage_input
-    ends = np.cumsum(plan.step_s)
-    begins_s = segment.time_s[0] + ends - plan.step_s
-    fractions = np.arange(1, NODES_PER_STEP + 1) / NODES_PER_STEP
-    inner_s = begins_s[:, None] + plan.step_s[:, None] * fractions
-    time_s = np.concatenate((segment.time_s[:1], inner_s.ravel()))
-    u = np.interp(time_s, segment.time_s, segment.input)
+    from softid.kernels.arrival import gather
+
+    time_s, u = plan.nodes
     for effect, eta in effects:
         u = effect.apply(eta, time_s, u, scale)
-    nodes = np.column_stack((u[:-1:NODES_PER_STEP], u[1:].reshape(-1, NODES_PER_STEP)))
-    at_stages: Array = nodes @ _to_stages().T
+    at_stages = np.empty(((time_s.size - 1) // NODES_PER_STEP, 3))
+    gather(np.ascontiguousarray(u, np.float64), _to_stages(), at_stages)
     return float(u[0]), at_stages
 
 
 @cache
 def _to_stages() -> Array:
-    """Matrix from the values at the nodes of a step to those of the nearest parabola, (3, m)."""
+    """Matrix from the values at the nodes of a step to those of the nearest parabola, (m, 3)."""
     from softid.kernels.radau import STAGES
 
     nodes = np.linspace(0.0, 1.0, NODES_PER_STEP + 1)
@@ -70,5 +65,5 @@ def _to_stages() -> Array:
     weights[2:-1:2] = 2.0
     at_nodes = np.vander(nodes, 3)
     weighted = at_nodes.T * weights
-    matrix: Array = np.vander(STAGES, 3) @ np.linalg.solve(weighted @ at_nodes, weighted)
-    return matrix
+    matrix = np.vander(STAGES, 3) @ np.linalg.solve(weighted @ at_nodes, weighted)
+    return np.ascontiguousarray(matrix.T)

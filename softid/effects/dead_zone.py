@@ -88,10 +88,14 @@ class DeadZone(InputEffect):
         threshold, width = float(eta[0]), float(eta[0] * eta[1])
         if threshold <= 0.0:
             return np.array(u, np.float64)
-        upper = np.logaddexp(0.0, (u - threshold) / width)
-        lower = np.logaddexp(0.0, (-u - threshold) / width)
-        passed: Array = width * (upper - lower)
-        return passed
+        passed = _soft_part((u - threshold) / width) - _soft_part((-u - threshold) / width)
+        return width * passed
+
+
+def _soft_part(z: Array) -> Array:
+    """ln(1 + e^z), several times faster than `numpy.logaddexp`."""
+    found: Array = np.maximum(z, 0.0) + np.log1p(np.exp(-np.abs(z)))
+    return found
 
 
 def _at_share(scale: Scale, share: float) -> float:

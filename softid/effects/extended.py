@@ -31,7 +31,10 @@ from softid.results import ModelSpec
 Array = npt.NDArray[np.float64]
 
 DIFFERENCE = 1e-6
-"""Relative step by which parameters of input and output effects are moved to differentiate."""
+"""Relative step by which parameters of output effects are moved to differentiate."""
+
+INPUT_DIFFERENCE = 1e-4
+"""The same for input effects, between two integrations that are iterations each."""
 
 
 @dataclass(frozen=True)
@@ -196,27 +199,33 @@ class ExtendedModel(Model):
         return tuple(e for e in self.effects if isinstance(e, StateEffect))
 
     @cached_property
+    def _widths(self) -> tuple[int, ...]:
+        """Number of parameters of each effect."""
+        return tuple(len(effect.parameters(self.scale)) for effect in self.effects)
+
+    @cached_property
     def _split(self) -> tuple[int, int, int]:
         """Where the parameters of input, state and output effects begin."""
         counts = [len(self.model.parameters())]
         for stage in STAGES[:2]:
-            stage_effects = (e for e in self.effects if e.stage == stage)
-            counts.append(sum(len(e.parameters(self.scale)) for e in stage_effects))
+            widths = zip(self.effects, self._widths, strict=True)
+            counts.append(sum(width for effect, width in widths if effect.stage == stage))
         first, second, third = np.cumsum(counts).tolist()
         return first, second, third
 
     @cached_property
     def _steps(self) -> Array:
         """Steps by which the parameters are moved to differentiate, shape (K,)."""
-        declared = self.parameters().values()
-        steps: Array = np.array([DIFFERENCE * max(abs(p.value), 1e-12) for p in declared])
+        sizes = np.array([max(abs(p.value), 1e-12) for p in self.parameters().values()])
+        share = np.full(sizes.size, DIFFERENCE)
+        share[self._split[0] : self._split[1]] = INPUT_DIFFERENCE
+        steps: Array = share * sizes
         return steps
 
     def _own(self, theta: Array) -> Iterator[tuple[Effect, Array]]:
         """Every effect with its parameters."""
         at = self._split[0]
-        for effect in self.effects:
-            count = len(effect.parameters(self.scale))
+        for effect, count in zip(self.effects, self._widths, strict=True):
             yield effect, theta[at : at + count]
             at += count
 
@@ -247,7 +256,7 @@ class ExtendedModel(Model):
     def _in_order(self, by: Array) -> Array:
         """Columns of base and state parameters at their places among all parameters."""
         base, state, output = self._split
-        whole = np.zeros((by.shape[0], len(self.parameters())))
+        whole = np.zeros((by.shape[0], self._split[0] + sum(self._widths)))
         whole[:, :base] = by[:, :base]
         whole[:, state:output] = by[:, base:]
         return whole

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from softid.effects.base import Scale, StateEffect
 from softid.log import Segment
+from softid.models.arrived_input import observed, simulate_law_through
 from softid.models.base import Model, MotionTerm, Response
 from softid.models.division import Division, held
 
@@ -96,12 +97,55 @@ def simulate_motion(
     Response
         Its derivatives are by (θ, η).
     """
+    term = model.motion_term(theta)
+    law = model.motion_law(theta)
+    if term is None and law is None:
+        raise TypeError(f"{model.name} has no law of motion")
+    if law is not None and not effects:
+        motion = simulate_law_through(
+            law,
+            plan,
+            first_input,
+            stage_input,
+            start,
+            derivatives=derivatives,
+            relative=relative,
+        )
+        if motion is not None:
+            return observed(model, outputs, motion)
+    return _integrated(
+        model,
+        _gather(effects, scale, theta, eta, term),
+        theta,
+        segment,
+        outputs,
+        first_input,
+        stage_input,
+        plan,
+        start,
+        relative=relative,
+        derivatives=derivatives,
+    )
+
+
+def _integrated(
+    model: Model,
+    terms: _Terms,
+    theta: Array,
+    segment: Segment,
+    outputs: Sequence[str],
+    first_input: float,
+    stage_input: Array,
+    plan: Division,
+    start: Array | None,
+    *,
+    relative: bool,
+    derivatives: bool,
+) -> Response:
+    """The motion stage by stage, by Newton's method, as a law with terms needs it."""
     from softid.kernels.extended import Course, integrate
 
     term = model.motion_term(theta)
-    if term is None and model.motion_law(theta) is None:
-        raise TypeError(f"{model.name} has no law of motion")
-    terms = _gather(effects, scale, theta, eta, term)
     n, n_theta, n_eta = segment.time_s.size, theta.size, terms.eta.size
     since_s = segment.time_s[0] - segment.log_start_s
     from_rest = start is None or relative

@@ -22,8 +22,9 @@ Array = npt.NDArray[np.float64]
 BEND_STEP = 0.1
 """Fraction of a step at which the second derivative along it is measured."""
 
-SHORT_STEP = 1e-3
-"""Steps shorter than this share of what is plausible hardly bend; what is measured is rounding."""
+SHORT_STEP = 1e-2
+"""Steps shorter than this share of what is plausible hardly bend: the correction would be another
+hundredth of the step, and to measure it takes a simulation."""
 
 MOST_BEND = 0.75
 """A step whose acceleration is larger than this share of its velocity is too long to trust."""
@@ -142,7 +143,7 @@ def minimise(
         step *= min(1.0, LARGEST_STEP / max(float(np.max(np.abs(step) / reach)), 1e-300))
         straight = np.clip(z + step, lower, upper) - z
         predicted = float(straight @ now.gradient - 0.5 * straight @ now.matrix @ straight)
-        if bend is not None:
+        if bend is not None and float(np.max(scale * np.abs(step))) > SHORT_STEP:
             pull = bend(z, step, now)
             used += 1
             if pull is not None:
@@ -150,7 +151,7 @@ def minimise(
                 share = float(np.linalg.norm(scale * correction) / np.linalg.norm(scale * step))
                 if 2.0 * share <= MOST_BEND:
                     step = step + correction
-                elif float(np.max(scale * np.abs(step))) > SHORT_STEP:
+                else:
                     damping, growth = damping * growth, growth * 2.0
                     continue
         trial = np.clip(z + step, lower, upper)

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.levenberg_marquardt import Minimum, attainable_offset, movable
+from softid.fitters.noise_level import at_noise_level
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
 from softid.fitters.rivals import best_rival
@@ -31,6 +32,9 @@ OFFSET_TOLERANCE = 5e-2
 """Largest `attainable_offset` at which the optimum counts as reached: the estimate is then within a
 twentieth of its own white-noise standard error of it. The optimiser itself aims at a thousandth;
 where the parameters make up for each other almost exactly, rounding stops it in between."""
+
+SCOUTS = 2
+"""Starts that are scouted at a time; when one of them ends at the noise level, the last."""
 
 RESTARTS = 3
 RESTART_SPREAD = 0.3
@@ -115,11 +119,17 @@ def output_error(
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
     points = [problem.unknowns(start) for start in starts]
     report("searching from several starts", 0.1)
-    scouted = _scout(objective, points)
+    scouted: list[tuple[Minimum, Array]] = []
+    alone = False
+    for first in range(0, len(points), SCOUTS):
+        scouted = sorted([*scouted, *_scout(objective, points[first : first + SCOUTS])], key=_cost)
+        alone = bool(rounds and scouted and at_noise_level(problem, scouted[0][0]))
+        if alone:
+            break
     if not scouted:
         return _nothing(objective, points)
     report("refining the best starts", 0.3)
-    contenders = scouted[:2] if rounds else scouted[:1]
+    contenders = scouted[:2] if rounds and not alone else scouted[:1]
     limit = POLISH_EVALUATIONS if rounds else DRAFT_EVALUATIONS
     polished = []
     for found, start in contenders:
@@ -130,8 +140,10 @@ def output_error(
     best = objective.solve(best.point, limit)
     best = _reweighted(objective, best)
     report("looking for a better optimum", 0.6)
-    best, stable = _challenge(objective, best, start, rng, rounds)
-    if rounds:
+    stable = alone or rounds == 0
+    if not stable:
+        best, stable = _challenge(objective, best, start, rng, rounds)
+    if rounds and not alone:
         point, used = best_rival(problem, objective.sigma, best)
         objective.evaluations += used
         if point is not best.point:
@@ -166,9 +178,13 @@ def _scout(objective: Objective, points: Sequence[Array]) -> list[tuple[Minimum,
         objective.evaluations += own.evaluations
         return found, point
 
-    with ThreadPoolExecutor(max_workers=2) as pool:
+    with ThreadPoolExecutor(max_workers=SCOUTS) as pool:
         ended = [row for row in pool.map(run, points) if np.isfinite(row[0].normal.cost)]
-    return sorted(ended, key=lambda row: row[0].normal.cost)
+    return sorted(ended, key=_cost)
+
+
+def _cost(row: tuple[Minimum, Array]) -> float:
+    return row[0].normal.cost
 
 
 def _reweighted(objective: Objective, best: Minimum) -> Minimum:

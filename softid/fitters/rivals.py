@@ -139,7 +139,7 @@ def has_structure(problem: Problem, z: Array) -> bool:
     z
         Unknowns, shape (U,).
     """
-    for residuals in _residuals(problem, z):
+    for residuals in residuals_by_channel(problem, z):
         n, power = sum(r.size for r in residuals), sum(float(r @ r) for r in residuals)
         if power <= 0.0 or n <= MAX_LAG:
             continue
@@ -177,7 +177,7 @@ def swings(problem: Problem, z: Array) -> bool:
     z
         Unknowns, shape (U,).
     """
-    for residuals in _residuals(problem, z):
+    for residuals in residuals_by_channel(problem, z):
         longest = max((r.size for r in residuals), default=0)
         power = sum(float(r @ r) for r in residuals)
         if power <= 0.0 or longest <= MAX_LAG:
@@ -192,8 +192,16 @@ def swings(problem: Problem, z: Array) -> bool:
     return False
 
 
-def _residuals(problem: Problem, z: Array) -> list[list[Array]]:
-    """Residuals of every segment less their means, channel by channel."""
+def residuals_by_channel(problem: Problem, z: Array) -> list[list[Array]]:
+    """Residuals of every segment less their means, channel by channel.
+
+    Parameters
+    ----------
+    problem
+        What was fitted.
+    z
+        Unknowns, shape (U,).
+    """
     blocks = problem.blocks(z, derivatives=False)
     return [
         [b.residual - b.residual.mean() for b in blocks if b.channel == name and b.residual.size]

@@ -12,6 +12,7 @@ from numba import njit
 from softid.kernels import affine_steps, exponential, lanes
 from softid.kernels.lanes import (
     BY,
+    GIVEN,
     INPUT,
     LANES,
     N_COLUMNS,
@@ -32,6 +33,7 @@ from softid.kernels.lanes import (
     differentiate_radau,
     differentiate_rk4,
     fill_coefficients,
+    fill_from_stages,
     join_derivatives,
     join_states,
     reset,
@@ -263,5 +265,81 @@ def sum_products(
             gram[b, a] = gram[a, b]
 
 
-for _kernel in (move, move_with_derivatives, sum_products):
+@njit(nogil=True, error_model="numpy")
+def _load_stages(
+    w: Array, ends: Ends, time_s: Array, stage_u: Array, counts: Counts, at: Ends
+) -> None:
+    """`_load` for an input that is known at the stages of every step; ``at`` counts the steps too.
+
+    Behind the last sample the last step is repeated.
+    """
+    interval, within, step = at[0], at[1], at[2]
+    last = time_s.size - 1
+    h = 1.0
+    for lane in range(LANES):
+        for j in range(ROWS):
+            i = j * LANES + lane
+            ends[i + LANES] = -1
+            if interval < last:
+                h = (time_s[interval + 1] - time_s[interval]) / counts[interval]
+                step += 1
+                within += 1
+                if within == counts[interval]:
+                    within = 0
+                    interval += 1
+                    ends[i + LANES] = interval
+            w[STEP + i] = h
+            for c in range(3):
+                w[GIVEN[c] + i] = stage_u[step - 1, c]
+    at[0], at[1], at[2] = interval, within, step
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def move_through(
+    law: int,
+    theta: Array,
+    time_s: Array,
+    stage_u: Array,
+    counts: Counts,
+    state: Array,
+    tangent: Array,
+    x: Array,
+    v: Array,
+    by: Array,
+) -> None:
+    """Motion under an input that is given at the stages of the Radau rule, and its derivatives.
+
+    Parameters
+    ----------
+    law, theta, time_s, counts, state, tangent, x, v
+        As in `move_with_derivatives`.
+    stage_u
+        Input at the stages of every step, shape (L, 3).
+    by
+        As there; of shape (9, 0) when no derivatives are wanted.
+    """
+    w = np.zeros(SIZE)
+    ends = np.empty(POINTS, np.int64)
+    at = np.zeros(3, np.int64)
+    now, now_by = state.copy(), tangent.copy()
+    x[0], v[0] = state[0], state[1]
+    if by.shape[1]:
+        by[:, 0] = tangent[0]
+    while at[0] < time_s.size - 1:
+        _load_stages(w, ends, time_s, stage_u, counts, at)
+        fill_from_stages(w, law, theta)
+        reset(w)
+        run_radau(w, theta)
+        join_states(w, now)
+        for i in range(LANES, POINTS):
+            if ends[i] >= 0:
+                x[ends[i]] = w[X + i]
+                v[ends[i]] = w[V + i]
+        if by.shape[1]:
+            differentiate_radau(w, theta)
+            join_derivatives(w, now_by)
+            _store(w, ends, by)
+
+
+for _kernel in (move, move_with_derivatives, sum_products, move_through):
     follow_sources(_kernel, (affine_steps, exponential, lanes))

@@ -12,6 +12,9 @@ from numba import njit
 
 Array = npt.NDArray[np.float64]
 
+ALIKE = 1e-11
+"""Relative difference up to which two steps share what depends on their length."""
+
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def lag_difference(difference: float, slope: float, step_s: float, tau_s: float) -> float:
@@ -34,6 +37,12 @@ def lag_difference(difference: float, slope: float, step_s: float, tau_s: float)
     return float(difference * (1.0 + decayed) + slope * tau_s * decayed)
 
 
+@njit(nogil=True, error_model="numpy")
+def _alike(step_s: float, usual_s: float) -> bool:
+    """Whether two steps differ by the rounding of their times only."""
+    return abs(step_s - usual_s) <= ALIKE * step_s
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def lag(step_s: Array, values: Array, rising_s: float, falling_s: float) -> None:
     """First-order lag τ ẏ + y = u, with one τ where u > y and another where u < y.
@@ -53,19 +62,26 @@ def lag(step_s: Array, values: Array, rising_s: float, falling_s: float) -> None
     """
     before = values[0]
     difference = 0.0
+    usual = usual_rising = usual_falling = 0.0
     for k in range(step_s.size):
         now = values[k + 1]
         left = step_s[k]
         slope = (now - before) / left
+        if not _alike(left, usual):
+            usual = left
+            usual_rising = np.expm1(-left / rising_s) if rising_s > 0.0 else -1.0
+            usual_falling = np.expm1(-left / falling_s) if falling_s > 0.0 else -1.0
         rising = difference < 0.0 or (difference == 0.0 and slope > 0.0)
         tau = rising_s if rising else falling_s
+        decayed = usual_rising if rising else usual_falling
         if rising_s != falling_s and difference != 0.0 and (slope < 0.0) == rising and slope != 0.0:
             passing = tau * np.log1p(difference / (slope * tau)) if tau > 0.0 else 0.0
             if passing < left:
                 left -= passing
                 difference = 0.0
                 tau = falling_s if rising else rising_s
-        difference = lag_difference(difference, slope, left, tau) if tau > 0.0 else 0.0
+                decayed = np.expm1(-left / tau) if tau > 0.0 else -1.0
+        difference = difference * (1.0 + decayed) + slope * tau * decayed
         values[k + 1] = now + difference
         before = now
 
@@ -95,20 +111,23 @@ def resonance(step_s: Array, values: Array, omega: float, zeta: float) -> None:
     turning = omega * np.sqrt(abs((1.0 - zeta) * (1.0 + zeta)))
     before = values[0]
     y, v = before, 0.0
+    usual, c, s = 0.0, 1.0, 0.0
     for k in range(step_s.size):
         h = step_s[k]
         now = values[k + 1]
         slope = (now - before) / h
-        if zeta < 1.0:
-            c = np.exp(-a * h) * np.cos(turning * h)
-            s = np.exp(-a * h) * np.sin(turning * h) / turning
-        elif turning > 0.0:
-            slow = np.exp(-omega * h / (zeta + turning / omega))
-            c = 0.5 * slow * (1.0 + np.exp(-2.0 * turning * h))
-            s = -0.5 * slow * np.expm1(-2.0 * turning * h) / turning
-        else:
-            c = np.exp(-a * h)
-            s = h * np.exp(-a * h)
+        if not _alike(h, usual):
+            usual = h
+            if zeta < 1.0:
+                c = np.exp(-a * h) * np.cos(turning * h)
+                s = np.exp(-a * h) * np.sin(turning * h) / turning
+            elif turning > 0.0:
+                slow = np.exp(-omega * h / (zeta + turning / omega))
+                c = 0.5 * slow * (1.0 + np.exp(-2.0 * turning * h))
+                s = -0.5 * slow * np.expm1(-2.0 * turning * h) / turning
+            else:
+                c = np.exp(-a * h)
+                s = h * np.exp(-a * h)
         behind = 2.0 * zeta * slope / omega
         e, rate = y - before + behind, v - slope
         y = now - behind + e * c + (rate + a * e) * s

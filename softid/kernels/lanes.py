@@ -57,8 +57,7 @@ BY = 24 * POINTS
 
 ONE = BY + (N_PARAMETERS + N_STATES) * POINTS
 RESIDUAL = ONE + POINTS
-"""Share of every step's end in the cost, 0 or 1, and y and then the residual there; both follow on
-`BY`."""
+"""Share of every step's end in the cost, 0 or 1, and y and then the residual there; after `BY`."""
 
 _ZERO = RESIDUAL + POINTS
 _BY_V = _ZERO + POINTS
@@ -72,6 +71,9 @@ SIZE = _ROW_V + POINTS
 N_COLUMNS = N_PARAMETERS + N_STATES + 2
 N_PADDED = N_COLUMNS + 1
 """Columns from `BY` on that are summed, and with a last one of zeros that makes them even."""
+
+GIVEN = (_INNER + _D1, _OUTER + _D1, _START + _D1 + LANES)
+"""Where `fill_from_stages` expects the input at the three stages of every step."""
 
 SUMMING = {"contract", "arcp", "nsz", "reassoc"}
 
@@ -136,6 +138,24 @@ def _fill_oscillator(w: Array, rule: int, theta: Array) -> None:
         rise = w[_START + _E1 + i + LANES] - start
         w[_INNER + _E1 + i] = start + inner * rise
         w[_OUTER + _E1 + i] = start + SECOND_STAGE * rise
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def fill_from_stages(w: Array, law: int, theta: Array) -> None:
+    """The same where the input is known at the stages alone, and stands at `GIVEN`."""
+    b1, b2 = theta[2], theta[5]
+    for at in (_INNER, _OUTER, _START + LANES):
+        if law == OSCILLATOR:
+            for i in range(STEPS):
+                w[at + _E1 + i] = theta[7] * (w[at + _D1 + i] - b1)
+                w[at + _D1 + i] = -theta[7]
+                w[at + _E2 + i], w[at + _D2 + i] = 0.0, 0.0
+        else:
+            for i in range(STEPS):
+                u = w[at + _D1 + i]
+                e1, e2 = exponential(b1 * u), exponential(b2 * u)
+                w[at + _E1 + i], w[at + _D1 + i] = e1, u * e1
+                w[at + _E2 + i], w[at + _D2 + i] = e2, u * e2
 
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.decorators import inner
+from softid.kernels.decorators import inlined
 
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
 
 
-@inner
+@inlined
 def factorise(matrix: Array, order: Index) -> None:
-    """LU factors with partial pivoting, in place.
+    """LU factors with partial pivoting, in place; the diagonal is inverted.
 
     Parameters
     ----------
@@ -32,13 +32,16 @@ def factorise(matrix: Array, order: Index) -> None:
         if row != i:
             for c in range(n):
                 matrix[i, c], matrix[row, c] = matrix[row, c], matrix[i, c]
+        inverse = 1.0 / matrix[i, i]
+        matrix[i, i] = inverse
         for r in range(i + 1, n):
-            matrix[r, i] /= matrix[i, i]
+            factor = matrix[r, i] * inverse
+            matrix[r, i] = factor
             for c in range(i + 1, n):
-                matrix[r, c] -= matrix[r, i] * matrix[i, c]
+                matrix[r, c] -= factor * matrix[i, c]
 
 
-@inner
+@inlined
 def solve(factors: Array, order: Index, b: Array) -> None:
     """Solve in place with what `factorise` left.
 
@@ -54,15 +57,19 @@ def solve(factors: Array, order: Index, b: Array) -> None:
         row = order[i]
         b[i], b[row] = b[row], b[i]
     for i in range(n):
+        left = b[i]
         for c in range(i):
-            b[i] -= factors[i, c] * b[c]
-    for i in range(n - 1, -1, -1):
+            left -= factors[i, c] * b[c]
+        b[i] = left
+    for back in range(n):
+        i = n - 1 - back
+        left = b[i]
         for c in range(i + 1, n):
-            b[i] -= factors[i, c] * b[c]
-        b[i] /= factors[i, i]
+            left -= factors[i, c] * b[c]
+        b[i] = left * factors[i, i]
 
 
-@inner
+@inlined
 def solve_columns(factors: Array, order: Index, b: Array) -> None:
     """Solve for many right-hand sides in place; the loops along a row of ``b`` vectorise.
 
@@ -89,6 +96,6 @@ def solve_columns(factors: Array, order: Index, b: Array) -> None:
             factor = factors[i, c]
             for p in range(columns):
                 b[i, p] -= factor * b[c, p]
-        factor = 1.0 / factors[i, i]
+        factor = factors[i, i]
         for p in range(columns):
             b[i, p] *= factor

@@ -7,6 +7,7 @@ changes so much that the coefficients bend within it, or where the motion is fas
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -24,6 +25,9 @@ Rule = Literal["rk4", "radau"]
 
 RADAU_COST = 1.35
 """Cost of a Radau step in Runge–Kutta steps, with seven sensitivities and the normal matrix."""
+
+NODES_PER_STEP = 16
+"""Nodes within a step at which effects on the input act."""
 
 _CHUNK = 1 << 16
 
@@ -51,6 +55,19 @@ class Division:
     def same_as(self, other: Division) -> bool:
         """Whether both divide every interval alike and step by the same rule."""
         return self.rule == other.rule and bool(np.array_equal(self.counts, other.counts))
+
+    @cached_property
+    def nodes(self) -> tuple[Array, Array]:
+        """Times and input at the first sample and at equidistant nodes of every step.
+
+        Each of shape (1 + 16 L,); kept, since an optimiser asks for them at every evaluation.
+        """
+        from softid.kernels.arrival import spread
+
+        size = 1 + int(self.counts.sum()) * NODES_PER_STEP
+        node_s, node_u = np.empty(size), np.empty(size)
+        spread(self.time_s, self.u, self.counts, NODES_PER_STEP, node_s, node_u)
+        return held(node_s), held(node_u)
 
     @property
     def step_s(self) -> Array:

@@ -178,11 +178,19 @@ def affine_run(form: AffineForm, plan: Division, state: Array, *, from_rest: boo
     from_rest
         Whether that start follows the equilibrium when the parameters change.
     """
+    tangent = start_tangent(form, float(plan.u[0]), from_rest=from_rest)
+    rule = RK4 if plan.rule == "rk4" else RADAU
+    return AffineRun(
+        (form.kind, rule, form.theta, plan.time_s, plan.u, plan.counts, state), tangent
+    )
+
+
+def start_tangent(form: AffineForm, u: float, *, from_rest: bool) -> Array:
+    """∂(x, v)/∂(inner parameters, x₀, v₀) at the first sample, shape (2, 9)."""
     tangent = np.zeros((2, N_PARAMETERS + N_STATES))
     tangent[0, N_PARAMETERS] = tangent[1, N_PARAMETERS + 1] = 1.0
     if from_rest:
         _, a1, b1, c1, _, _, _, gain = form.theta
-        u = plan.u[0]
         if form.kind == MUSCLE:
             force = np.exp(b1 * u)
             force_by = u * force
@@ -192,10 +200,7 @@ def affine_run(form: AffineForm, plan: Division, state: Array, *, from_rest: boo
         rest = force / stiffness
         tangent[0, 1:4] = -rest * force, force_by * (1.0 - a1 * rest), -rest
         tangent[0, 1:4] /= stiffness
-    rule = RK4 if plan.rule == "rk4" else RADAU
-    return AffineRun(
-        (form.kind, rule, form.theta, plan.time_s, plan.u, plan.counts, state), tangent
-    )
+    return tangent
 
 
 def sum_law(

@@ -16,9 +16,10 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels.start_scores import add_products
 from softid.log import Segment
-from softid.models.division import undivided
-from softid.models.second_order import Law, simulate_law
+from softid.models.division import held, undivided
+from softid.models.second_order import Law
 
 Array = npt.NDArray[np.float64]
 
@@ -140,7 +141,7 @@ def _ranked(
     stretches: Sequence[Stretch], law: Callable[[Array], Law], grid: Sequence[Array]
 ) -> list[tuple[float, float, Array]]:
     """Residual sum of squares, gain and theta of every grid point, best first."""
-    scored = [(*score(stretches, law, theta), theta) for theta in grid]
+    scored = [(*row, theta) for row, theta in zip(scores(stretches, law, grid), grid, strict=True)]
     return sorted(scored, key=lambda row: row[0])
 
 
@@ -256,21 +257,25 @@ def score(
     stretches: Sequence[Stretch], law: Callable[[Array], Law], theta: Array
 ) -> tuple[float, float]:
     """Residual sum of squares and the gain X that reaches it, zeros projected out."""
-    cross = power = total = 0.0
+    return scores(stretches, law, [theta])[0]
+
+
+def scores(
+    stretches: Sequence[Stretch], law: Callable[[Array], Law], grid: Sequence[Array]
+) -> list[tuple[float, float]]:
+    """`score` of every grid point."""
+    forms = [law(theta).affine() for theta in grid]
+    thetas = np.array([form.theta for form in forms if form is not None]).reshape(len(grid), -1)
+    sums = np.zeros((len(grid), 3))
     for s in stretches:
         plan = undivided(s.time_s, s.input)
-        found = simulate_law(law(theta), s.time_s, s.input, None, derivatives=False, plan=plan)
-        x = found.x[s.used]
-        y = s.motion[s.used]
-        if x.size == 0 or not np.all(np.isfinite(x)):
-            continue
-        x, y = x - x.mean(), y - y.mean()
-        cross += float(x @ y)
-        power += float(x @ x)
-        total += float(y @ y)
-    if power <= 0.0 or cross <= 0.0:
-        return np.inf, 1.0
-    return total - cross**2 / power, cross / power
+        y, used = held(s.motion), held(s.used)
+        add_products(thetas, plan.time_s, plan.u, plan.counts, y, used, sums)
+    found = []
+    for cross, power, total in sums.tolist():
+        sound = cross > 0.0 and 0.0 < power < np.inf
+        found.append((total - cross**2 / power, cross / power) if sound else (np.inf, 1.0))
+    return found
 
 
 def _speeds(stretches: Sequence[Stretch]) -> Array:

@@ -8,6 +8,9 @@ MANY = 1e3
 """Degrees of freedom beyond which four terms of the expansion in 1/ν are exact to 1e-12; Abramowitz
 and Stegun, 26.7.5."""
 
+FEW = 4.0
+"""Degrees of freedom beyond which the same expansion is a start within a few per cent."""
+
 EXPANSION = (
     (4.0, (1.0, 1.0)),
     (96.0, (5.0, 16.0, 3.0)),
@@ -20,13 +23,16 @@ _MOST_STEPS = 200
 _MOST_TERMS = 5000
 _TINY = 1e-300
 _PRECISION = 1e-15
+_CLOSE = 1e-8
+"""Relative step after which Newton's method is exact to rounding, for its error is squared."""
 
 
 def student_quantile(freedom: float, probability: float) -> float:
     """The value that Student's t stays below with a given probability.
 
     Newton's method on P(T > t) = ½ I_x(ν/2, ½), x = ν/(ν + t²), which falls and is convex for
-    t > 0, so that a start at the normal quantile, always too small, leads there from one side.
+    t > 0, so that a start at the normal quantile, always too small, leads there from one side. So
+    does the expansion in 1/ν, from which two or three steps are left.
 
     Parameters
     ----------
@@ -43,17 +49,18 @@ def student_quantile(freedom: float, probability: float) -> float:
     t = z = _normal_quantile(probability)
     if isnan(freedom):
         return nan
-    if freedom > MANY:
+    if freedom > FEW:
         for order, (divisor, powers) in enumerate(EXPANSION, 1):
             odd = sum(c * z ** (2 * k + 1) for k, c in enumerate(reversed(powers)))
             t += odd / divisor / freedom**order
+    if freedom > MANY:
         return t
     scale = lgamma(0.5 * (freedom + 1.0)) - lgamma(0.5 * freedom) - 0.5 * log(pi * freedom)
     for _ in range(_MOST_STEPS if probability > 0.5 else 0):
         density = exp(scale - 0.5 * (freedom + 1.0) * log1p(t * t / freedom))
         step = (_upper_tail(t, freedom) - (1.0 - probability)) / density
         t += step
-        if abs(step) <= _PRECISION * abs(t) * 10.0:
+        if abs(step) <= _CLOSE * abs(t):
             break
     return t
 

@@ -1,0 +1,69 @@
+"""Whether an optimum explains its logs down to white noise, so that no other needs to be sought."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.fitters.levenberg_marquardt import Minimum
+from softid.fitters.problem import Problem
+from softid.fitters.rivals import residuals_by_channel
+
+Array = npt.NDArray[np.float64]
+
+LAGS = 20
+FEWEST = 10 * LAGS
+"""Residuals per channel from which their autocorrelation says anything."""
+
+SIGNIFICANT = 4.0
+"""Standard deviations of the χ² statistic up to which a residual counts as white."""
+
+DETERMINED = 0.1
+"""Largest standard error of a parameter, as a share of its plausible move."""
+
+
+def at_noise_level(problem: Problem, found: Minimum) -> bool:
+    """Whether the residual is white and every parameter is well determined.
+
+    The statistic is that of Box and Pierce (J. Am. Stat. Assoc. 65, 1970), n Σ ρ² over the first
+    lags. A simulation in a wrong basin leaves structure behind, and where the data hold every
+    parameter the cost is a bowl without a second floor; where they do not, another optimum may lie
+    along the flat direction although the residual is white.
+
+    Parameters
+    ----------
+    problem
+        What is fitted.
+    found
+        Where an optimiser ended.
+    """
+    normal = found.normal
+    if not np.isfinite(normal.cost) or normal.n <= normal.point.size:
+        return False
+    return _determined(problem, found) and all(
+        _white(residuals) for residuals in residuals_by_channel(problem, found.point)
+    )
+
+
+def _determined(problem: Problem, found: Minimum) -> bool:
+    normal, free = found.normal, len(problem.free)
+    scale = np.sqrt(np.diag(normal.matrix))
+    if not np.all(scale > 0.0):
+        return False
+    try:
+        inverse = np.linalg.inv(normal.matrix / np.outer(scale, scale))
+    except np.linalg.LinAlgError:
+        return False
+    variance = 2.0 * normal.cost / (normal.n - normal.point.size)
+    squares = variance * np.diag(inverse)[:free] / scale[:free] ** 2
+    limit = (DETERMINED * problem.reach()[:free]) ** 2
+    return bool(np.all((squares >= 0.0) & (squares <= limit)))
+
+
+def _white(residuals: list[Array]) -> bool:
+    n, power = sum(r.size for r in residuals), sum(float(r @ r) for r in residuals)
+    if n < FEWEST or power <= 0.0:
+        return False
+    products = (sum(float(r[k:] @ r[:-k]) for r in residuals) for k in range(1, LAGS + 1))
+    colour = sum((product / power) ** 2 for product in products)
+    return n * colour <= LAGS + SIGNIFICANT * float(np.sqrt(2.0 * LAGS))
