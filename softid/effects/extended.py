@@ -31,10 +31,10 @@ from softid.results import ModelSpec
 Array = npt.NDArray[np.float64]
 
 DIFFERENCE = 1e-6
-"""Relative step by which parameters of output effects are moved to differentiate."""
+"""Relative step by which parameters of input and output effects are moved to differentiate."""
 
-INPUT_DIFFERENCE = 1e-4
-"""The same for input effects, between two integrations that are iterations each."""
+ITERATED = 30.0
+"""The step is so much larger where the motion is found by iterations, whose ends differ."""
 
 
 @dataclass(frozen=True)
@@ -182,8 +182,9 @@ class ExtendedModel(Model):
                 by_start = self._carried(theta, segment, motion.outputs[first], by_start)
             by_parameter[name] = self._in_order(by)
             by_state[name] = by_start
+        iterated = self._state_effects or self.model.motion_law(theta[: self._split[0]]) is None
         for at in range(self._split[0], self._split[1]):
-            h = self._steps[at]
+            h = self._steps[at] * (ITERATED if iterated else 1.0)
             there = moved(_stepped(theta, at, h), derivatives=False).outputs
             for name in outputs:
                 y = self._recorded(theta, segment, there[name]) if name == first else there[name]
@@ -216,10 +217,8 @@ class ExtendedModel(Model):
     @cached_property
     def _steps(self) -> Array:
         """Steps by which the parameters are moved to differentiate, shape (K,)."""
-        sizes = np.array([max(abs(p.value), 1e-12) for p in self.parameters().values()])
-        share = np.full(sizes.size, DIFFERENCE)
-        share[self._split[0] : self._split[1]] = INPUT_DIFFERENCE
-        steps: Array = share * sizes
+        declared = self.parameters().values()
+        steps: Array = np.array([DIFFERENCE * max(abs(p.value), 1e-12) for p in declared])
         return steps
 
     def _own(self, theta: Array) -> Iterator[tuple[Effect, Array]]:
