@@ -31,6 +31,10 @@ PROMISING_SIGNATURES = 5
 """Effects of the best signatures stay for the second lap however far the first one brought them: a
 motion that integrates its force answers violently to a start that is a little off."""
 
+UNSETTLED_FIELD, UNSETTLED = 2, 1.0
+"""The effects of so many best signatures run the last lap too while they are still more than a
+standard error away from their optimum, wherever they stand."""
+
 CLEAR_LEAD = 0.5
 """One whose sum of squares above the leader's is more than this share of the base's misfit above
 the leader's drops out before the last lap."""
@@ -112,6 +116,12 @@ def race(
     leader = second[0].squares
     limit = leader + CLEAR_LEAD * max(fitted.squares - leader, 0.0)
     kept = [c for c in second[:LAST_FIELD] if c.squares <= limit]
+    unsettled = list(dict.fromkeys(s.effect.key for s in found))[:UNSETTLED_FIELD]
+    kept += [
+        c
+        for c in second
+        if c not in kept and c.effects[-1].key in unsettled and c.minimum.reach > UNSETTLED
+    ]
     kept += [form for candidate in kept[:FORMS_FIELD] for form in alternatives(candidate)]
     last = run(kept, LAST_LAP)
     report(1.0)
