@@ -121,6 +121,23 @@ def test_coverage_with_a_noisy_and_sparse_pressure() -> None:
     assert min(inside.values()) >= 78, inside
 
 
+def test_an_angle_that_is_sampled_slower_than_the_pressure() -> None:
+    """Every fourth angle of a 20 kPa step: a quarter of the information, so twice the standard
+    errors within a fifth, and each truth within four of them."""
+    log = drawn(clean(20.0), np.random.default_rng(8))
+    angle = log.channels["angle"].values.copy()
+    angle[np.arange(angle.size) % 4 > 0] = np.nan
+    channels = {"pressure": log.channels["pressure"].values, "angle": angle}
+    slow = fit(Log.from_arrays(log.time_s, channels, name="slow"), model="equilibrium")
+    full = fit(log, model="equilibrium")
+    for name, truth in TRUTH.items():
+        one, other = slow.parameter(name), full.parameter(name)
+        assert one.stderr is not None
+        assert other.stderr is not None
+        assert abs(one.value - truth) < 4.0 * one.stderr, name
+        assert one.stderr / other.stderr == pytest.approx(2.0, rel=0.2), name
+
+
 def test_drift_that_is_ignored_biases_and_modelled_does_not() -> None:
     """0.02 rad/s over 3 s with a known zero: golden a = 0.33 with the stiffness held, −0.19 with
     it free, from another record, so within 0.06; modelled, the truth within four errors."""
