@@ -115,7 +115,7 @@ def chosen_model(
             remedy=f"choose from {', '.join(MODELS)}",
         )
     own = {f.name for f in fields(MODELS[name])}
-    known = {option for option in own if not _follows_from_logs(option)}
+    known = {option for option in own if not follows_from_logs(option)}
     for option in given:
         if option in own - known:
             raise UsageError(
@@ -148,7 +148,7 @@ def _require_both(fixed_length_mm: float | None, diameter_mm: float | None) -> N
     )
 
 
-def _follows_from_logs(option: str) -> bool:
+def follows_from_logs(option: str) -> bool:
     """Units and the sense of the motion are taken from the channels at every fit."""
     return option.endswith("_unit") or option == "inverted"
 

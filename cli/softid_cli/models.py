@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import typing
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from softid.errors import UsageError
+from softid_cli.model_options import follows_from_logs
 from softid_cli.options import json_option, quiet_option
 
 if TYPE_CHECKING:
@@ -100,6 +102,25 @@ def print_description(model: Model) -> None:
     if shown:
         click.echo()
         print_rows([("parameter", "left"), ("is identified by", "left")], shown)
+    options = _option_rows(model)
+    if options:
+        click.echo()
+        print_rows([("option", "left"), ("default", "left"), ("choices", "left")], options)
+
+
+def _option_rows(model: Model) -> list[tuple[str, str, str]]:
+    """Name, default and choices of what ``--option`` sets."""
+    kinds = typing.get_type_hints(type(model))
+    rows = []
+    for field in dataclasses.fields(model):
+        if follows_from_logs(field.name):
+            continue
+        default, kind = getattr(model, field.name), kinds[field.name]
+        choices = typing.get_args(kind) if typing.get_origin(kind) is typing.Literal else ()
+        shown = "not given" if default is None else str(default).lower()
+        shown = f"{default:g}" if isinstance(default, float) else shown
+        rows.append((field.name, shown or "none", ", ".join(str(c) for c in choices)))
+    return rows
 
 
 def _bound(value: float) -> str:

@@ -98,9 +98,9 @@ def model_text(spec: ModelSpec) -> str:
     options = [
         _sized_option(name, value)
         if isinstance(value, float | int)
-        else f"{'no' if value == 'none' else value} {name.replace('_', ' ')}"
+        else f"{_worded(value)} {name.replace('_', ' ')}"
         for name, value in spec.options.items()
-        if value is not None and value is not False and not name.endswith("_unit")
+        if value not in (None, False, "") and not name.endswith("_unit")
     ]
     base = f"{spec.name} ({', '.join(options)})" if options else spec.name
     return " + ".join((base, *spec.effects))
@@ -108,10 +108,24 @@ def model_text(spec: ModelSpec) -> str:
 
 def _sized_option(name: str, value: float) -> str:
     """Name and value of an option, the unit behind the value."""
+    stem, unit = _stem_and_unit(name)
+    return f"{stem} {value:g} {unit}".rstrip()
+
+
+def _worded(value: str) -> str:
+    """The value of an option that is a text; a list of names without their units."""
+    if value == "none":
+        return "no"
+    names = [name.strip() for name in value.split(",")]
+    stems = [_stem_and_unit(name)[0] if "_" in name else name for name in names]
+    return " and ".join((", ".join(stems[:-1]), stems[-1])) if len(stems) > 1 else stems[0]
+
+
+def _stem_and_unit(name: str) -> tuple[str, str]:
     for ending, unit in _OPTION_UNITS.items():
         if name.endswith(ending):
-            return f"{name.removesuffix(ending).replace('_', ' ')} {value:g} {unit}"
-    return f"{name.replace('_', ' ')} {value:g}"
+            return name.removesuffix(ending).replace("_", " "), unit
+    return name.replace("_", " "), ""
 
 
 def with_error(value: float, stderr: float | None) -> str:
@@ -238,8 +252,12 @@ def _table(columns: Sequence[tuple[str, str]]) -> Table:
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
     for heading, side in columns:
+        # On a narrow terminal words are broken, never cut.
         table.add_column(
-            heading, justify="right" if side == "right" else "left", no_wrap=side == "right"
+            heading,
+            justify="right" if side == "right" else "left",
+            no_wrap=side == "right",
+            overflow="fold",
         )
     return table
 
@@ -249,7 +267,12 @@ def _print(*blocks: str | Table) -> None:
 
     width = None if sys.stdout.isatty() else WIDTH
     console = Console(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
+    ample = console.options.update(max_width=10 * console.width)
     for block in blocks:
+        if not isinstance(block, str):
+            wanted = console.measure(block, options=ample).maximum
+            if wanted > console.width:
+                block.padding = 0  # before any word is broken
         with console.capture() as text:
             console.print(block)
         click.echo("\n".join(line.rstrip() for line in text.get().split("\n")), nl=False)

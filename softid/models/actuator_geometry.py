@@ -30,6 +30,8 @@ LARGEST_FILE_BYTES = 100_000
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)")
 _UNIT = re.compile(r"[^\W\d]\w*(\^-?\d)?( ?[*/·. ] ?[^\W\d]\w*(\^-?\d)?)*")
 _SI = {"_m": "m", "_kg_m3": "kg/m^3", "_pa": "Pa"}
+_RANGES = {"m": (1e-6, 10.0), "kg/m^3": (1.0, 1e5), "Pa": (1.0, 1e13), "": (1, 1000)}
+"""Unit → smallest and largest value that an actuator can have; more is a slip of the unit."""
 
 
 @dataclass(frozen=True)
@@ -77,17 +79,8 @@ class Actuator:
     )
 
     def __post_init__(self) -> None:
-        for field in fields(Actuator):
-            value = getattr(self, field.name)
-            if field.name in ("assumed", "c20_pa"):
-                continue
-            if isinstance(value, str) or not np.isfinite(value) or value <= 0:
-                raise InputError(
-                    f"{field.name} must be positive",
-                    where="geometry",
-                    value=value,
-                    remedy="correct it",
-                )
+        for name in VALUES:
+            _refuse_impossible(getattr(self, name), name, f"geometry, {name}")
         unknown = sorted(set(self.assumed_names) - set(VALUES))
         if unknown:
             raise InputError(
@@ -232,6 +225,8 @@ def read_actuator(text: str, *, where: str) -> Actuator:
             remedy=f"give {', '.join(missing)}",
         )
     values = {KEYS[key]: _si(value, KEYS[key], f"{where}, {key}") for key, value in given.items()}
+    for key in given:
+        _refuse_impossible(values[KEYS[key]], KEYS[key], f"{where}, {key}")
     said = table.get("assumed", [])
     if not isinstance(said, list) or not all(isinstance(key, str) for key in said):
         raise InputError("a list of names is expected", where=f"{where}, assumed", value=said)
@@ -247,6 +242,19 @@ def _keys_of(part: str) -> tuple[str, ...]:
     first_material = VALUES.index("rubber_density_kg_m3")
     chosen = VALUES[:first_material] if part == "geometry" else VALUES[first_material:]
     return tuple(key for key, name in KEYS.items() if name in chosen)
+
+
+def _refuse_impossible(value: object, name: str, where: str) -> None:
+    """A number outside what an actuator can have; C20 may have either sign."""
+    unit = _SI.get(_STEMS[name], "")
+    low, high = (-1e13, 1e13) if name == "c20_pa" else _RANGES[unit]
+    if not isinstance(value, int | float) or not low <= value <= high:
+        raise InputError(
+            f"a value between {low:g} and {f'{high:g} {unit}'.strip()} is expected",
+            where=where,
+            value=value,
+            remedy="correct the number or its unit",
+        )
 
 
 def _refuse_unknown(given: Mapping[str, object], allowed: tuple[str, ...], where: str) -> None:

@@ -18,6 +18,9 @@ CONDITION_LIMIT = 100.0
 """Of the Jacobian with relative parameters. One step of 0.7 rad has 166, one of half that 537, and
 a large one with a small one 65: then a and b are known to a hundredth."""
 
+STIFFNESS_FACTOR = 2.0
+"""A stiffness scale further from 1 than this says more about the geometry than about the rubber."""
+
 _SCALES = (
     "chamber_width_m",
     "chamber_height_m",
@@ -71,6 +74,17 @@ def cautions_of(
                 f"{condition:.0f}): take C_m(θ) as known over the angles that were reached, "
                 "rather than its three numbers",
                 "fit a larger and a smaller step together with these",
+            )
+        )
+    stiffness = values.get("stiffness", 1.0)
+    if "stiffness" in known and not 1.0 / STIFFNESS_FACTOR <= stiffness <= STIFFNESS_FACTOR:
+        found.append(
+            Issue(
+                "geometry-does-not-match",
+                "warning",
+                f"the static angles ask for {stiffness:.3g} times the stiffness that the geometry "
+                "and the material give, so one of their values is probably wrong",
+                "check the dimensions and their units, and C10",
             )
         )
     assumed = actuator.assumed_names

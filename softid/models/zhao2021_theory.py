@@ -68,9 +68,11 @@ def printed_energy_pressure(
     chord, for over 0…λ₁·h its root turns imaginary. The three terms are Eq 18, 19 and 20.
 
     The balance has no way to give Table 2. The spring's term does not depend on the bending at all,
-    so that P → ∞ as Φ → 0: with k = 1.1 N/mm no bulge up to the half circle is held by less than
-    168 kPa, and Table 2 asks for 782 kPa and more; with k = 1.1 N/m the pressure falls, rises, and
-    never reaches 10 kPa on Table 2; without spring it stays below 0.6 kPa.
+    so that P → ∞ as Φ → 0. With k = 1.1 N/mm it falls up to the half circle, δ = π, where every
+    term is closed: e = π/2 − 2/π, W = C10·e² + C20·e⁴, A = π(h − h_a)²/8 and P = 168.169 kPa. The
+    equations could be followed past the half circle; the least there is 166.22 kPa at δ = 3.335.
+    Table 2 asks for 782 kPa and more. With k = 1.1 N/m the pressure falls, rises, and never reaches
+    10 kPa on Table 2; without spring it stays below 0.6 kPa.
 
     Parameters
     ----------

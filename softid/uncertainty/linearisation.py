@@ -95,7 +95,11 @@ class ResidualBlock:
         return np.concatenate([j[u] for j, u in zip(self.jacobians, self.used, strict=True)])
 
     def averaged(self, length: int) -> ResidualBlock:
-        """Means over stretches of ``length`` samples, unused where fewer than half are used."""
+        """Means over stretches of ``length`` samples, unused where many samples are missing.
+
+        Many is more than half of those that the fullest stretch of the segment has: a channel with
+        a slower clock than the log is missing most samples everywhere, and is used all the same.
+        """
         means = [
             _average(j, r, length) for j, r in zip(self.jacobians, self.residuals, strict=True)
         ]
@@ -110,7 +114,7 @@ def _average(jacobian: Array, residual: Array, length: int) -> tuple[Array, Arra
     divisor = np.maximum(counts, 1.0)
     mean = stretch_sums(np.where(used, residual, 0.0), length) / divisor
     slope = stretch_sums(np.where(used[:, None], jacobian, 0.0), length) / divisor[:, None]
-    return slope, np.where(counts >= length / 2.0, mean, np.nan)
+    return slope, np.where(counts >= max(1.0, counts.max(initial=0.0) / 2.0), mean, np.nan)
 
 
 def stretch_sums(values: Array, length: int) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Callable
 
@@ -9,6 +10,7 @@ import pytest
 from desk import Outcome
 
 from softid.models import MODELS
+from softid_cli.model_options import follows_from_logs
 from softid_cli.models import in_own_units
 
 Cli = Callable[..., Outcome]
@@ -33,6 +35,16 @@ def test_a_model_is_described(softid: Cli, name: str) -> None:
     for parameter in model.parameters().values():
         assert f"{parameter.name} {parameter.unit}" in words
     assert max(map(len, told.out.splitlines())) <= 80
+    options = told.out.partition("\noption")[2]
+    for field in dataclasses.fields(model):
+        assert (f"\n{field.name} " in options) == (not follows_from_logs(field.name)), field.name
+
+
+def test_the_choices_of_an_option_are_listed(softid: Cli) -> None:
+    """Stands on the model's annotations: the paper's Taylor form and the drift are found here."""
+    words = " ".join(softid("models", "equilibrium").out.split())
+    assert "kernels exact exact, taylor" in words
+    assert "drift none none, linear" in words
 
 
 def test_json_is_the_whole_catalogue(softid: Cli) -> None:

@@ -51,6 +51,32 @@ def test_an_option_has_its_unit_behind_its_value() -> None:
     assert told == "yeoh (wall 2 mm, spring 1.1 N/mm, wall 0.002 m, c10 17000 Pa, chambers 13)"
 
 
+def test_assumed_values_are_told_in_words() -> None:
+    """A list of names keeps no underscore and no unit; an empty one says nothing."""
+    assert model_text(ModelSpec("equilibrium", {"assumed": "wall_m, c10_pa, chambers"})) == (
+        "equilibrium (wall, c10 and chambers assumed)"
+    )
+    assert model_text(ModelSpec("equilibrium", {"assumed": "c10_pa"})) == (
+        "equilibrium (c10 assumed)"
+    )
+    told = model_text(ModelSpec("equilibrium", {"assumed": "", "inertia": "root-moment"}))
+    assert told == "equilibrium (root-moment inertia)"
+
+
+def test_no_word_of_a_table_is_cut(softid: Cli, desk: Desk) -> None:
+    """The widest row of an actuator's fit needs 77 of 80 columns, with single spaces between."""
+    result = fit_result()
+    wide = replace(
+        result.parameter("M"), value=4.5036e-4, stderr=6.6e-7, ci95=(4.491e-4, 4.516e-4),
+        unit="N·m·s/rad",
+    )  # fmt: skip
+    long = replace(wide, name="rest_torque", verdict="identified", reason="")
+    desk.answer = replace(result, parameters=(wide, long))
+    told = softid("fit", "step_1.csv").out
+    row = next(line for line in told.splitlines() if line.startswith("rest_torque "))
+    assert row.split()[-3:] == ["0.0004516]", "N·m·s/rad", "identified"]
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_can_be_quiet(softid: Cli, command: str) -> None:
     """A script may say --quiet to all of them."""

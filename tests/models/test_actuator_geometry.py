@@ -85,9 +85,13 @@ def test_only_the_printed_value_is_not_assumed() -> None:
         ('"2 cm"', '"20 kg"', "not a quantity in m"),
         ('"2 cm"', '"20 flops"', "not a quantity in m"),
         ('"2 cm"', '"2 9**9**9"', "a number with its unit is expected"),
-        ('"2 cm"', '"-2 cm"', "chamber_width_m must be positive"),
+        ('"2 cm"', '"-2 cm"', "actuator.toml, chamber_width: a value between 1e-06 and 10 m"),
+        ('"2 cm"', '"2e400 m"', "a value between 1e-06 and 10 m"),
+        ('"2 cm"', '"20 m"', "a value between 1e-06 and 10 m"),
+        ('"2 cm"', '"1e-200 m"', "a value between 1e-06 and 10 m"),
         ("chambers = 10", "chambers = 10.5", "a whole number is expected"),
-        ("chambers = 10", "chambers = 0", "chambers must be positive"),
+        ("chambers = 10", "chambers = 0", "chambers: a value between 1 and 1000 is expected"),
+        ("chambers = 10", "chambers = 100000000", "a value between 1 and 1000 is expected"),
         ("[material]", "[matter]", "this key is unknown"),
         ('c10 = "0', 'c30 = "0', "this key is unknown"),
         ('"rib"]', '"ribs"]', "this key is unknown"),
@@ -108,10 +112,14 @@ def test_a_missing_file_is_told(tmp_path: Path) -> None:
         load_actuator(tmp_path)
 
 
-def test_assumed_names_are_checked() -> None:
-    """params.json is edited by hand; a wrong name there is an error too."""
+def test_values_and_assumed_names_are_checked() -> None:
+    """params.json is edited by hand; a wrong name or number there is an error too."""
     with pytest.raises(InputError, match="no such value"):
         Actuator(assumed="wall")
+    with pytest.raises(InputError, match="geometry, rib_m: a value between"):
+        Actuator(rib_m=0.0)
+    with pytest.raises(InputError, match="geometry, c20_pa: a value between"):
+        Actuator(c20_pa=float("nan"))
 
 
 def test_the_file_in_the_readme_is_the_reference() -> None:

@@ -216,6 +216,18 @@ def test_cautions_name_what_is_assumed() -> None:
     assert [(i.code, i.severity) for i in known] == [("ratios-only", "info")]
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "told"), [(1.0, False), (1.9, False), (0.4, True), (9, True)]
+)
+def test_a_stiffness_far_from_one_points_at_the_geometry(stiffness: float, told: bool) -> None:
+    """The scale is 1 where geometry and material are right; a factor of two is the stated limit."""
+    values = dict(zip(NAMES, THETA.tolist(), strict=True)) | {"stiffness": stiffness}
+    model = Equilibrium.of(Actuator(assumed=""))
+    for known in (("C_d", "stiffness"), ("C_d",)):
+        codes = {i.code for i in model.cautions(values, known, None)}
+        assert ("geometry-does-not-match" in codes) == (told and "stiffness" in known)
+
+
 def test_condition_of_one_step() -> None:
     """One 20 kPa step at 200 Hz: condition 166, standard errors 5.9, 4.6 and 0.3 % at 0.2°."""
     segment = step(20.0, stop_s=6.0)

@@ -169,14 +169,32 @@ def test_impossible_dimensions_are_refused(options: dict[str, float]) -> None:
 
 
 def test_printed_energies_cannot_give_the_table() -> None:
-    """k in N/mm: at least 168 kPa for any bulge and 782 kPa on Table 2, which spans 10 to 80.
+    """k in N/mm: at least 168.169 kPa for any bulge and 782 kPa on Table 2, which spans 10 to 80.
 
-    With N/m, and without spring, the printed balance stays below 10 kPa. The bounds are those of a
-    dense grid; an independent evaluation gives 169 kPa as the least that is needed.
+    The least is at the half circle, where λ = π/2 and every term of Eq 15 to 21 is closed; at other
+    bulges the area comes from quadrature of Eq 11, the energies by hand. With N/m, and without
+    spring, the printed balance stays below 10 kPa.
     """
     highest = float(ZHAO.angle(np.array([LARGEST_BULGE_RAD])).value[0])
     grid = np.linspace(0.01, highest * (1 - 1e-9), 2000)
-    assert printed_energy_pressure(grid).min() > 168.0
+    found = printed_energy_pressure(grid)
+    assert (np.diff(found) < 0.0).all()
+    e = np.pi / 2 - 2 / np.pi
+    energy = (26 * 2 * 27 + 160 * 16) * (0.09 * e**2 + 0.02 * e**4) + 1.1 * 160**2 / 32
+    half_circle = 1e3 * energy / (26 * np.pi * 27**2 / 8)
+    assert half_circle == pytest.approx(168.1689, abs=5e-5)
+    assert found.min() == pytest.approx(half_circle, rel=1e-8)
+    for bulge in (0.7, 2.0):
+        radius = 27 / (2 * np.sin(bulge / 2))
+        depth = radius * np.cos(bulge / 2)
+        area = quad(lambda x: np.sqrt(radius**2 - x**2) - depth, -13.5, 13.5, epsabs=1e-11)[0]  # noqa: B023
+        lam = bulge / (2 * np.sin(bulge / 2))
+        e = lam - 1 / lam
+        energy = (26 * 2 * 27 + 160 * 16) * (0.09 * e**2 + 0.02 * e**4) + 1.1 * 160**2 / 32
+        angle = ZHAO.angle(np.array([bulge])).value
+        assert printed_energy_pressure(angle)[0] == pytest.approx(
+            1e3 * energy / 26 / area, rel=1e-9
+        )
     table = np.array(FINITE_ELEMENT_ANGLE_RAD)
     assert printed_energy_pressure(table).min() == pytest.approx(782.0, abs=0.5)
     for k in (1.1e-3, 0.0):

@@ -84,6 +84,15 @@ def test_averages_over_stretches() -> None:
     np.testing.assert_allclose(stretch_sums(np.arange(8.0), 3), [3.0, 12.0, 13.0])
 
 
+def test_a_channel_slower_than_the_log_is_averaged_too() -> None:
+    """Every fourth sample is there: a stretch of 4 or 8 holds one or two, and none is dropped."""
+    y = np.full(40, np.nan)
+    y[::4] = np.arange(10.0)
+    block = ResidualBlock("a", (np.ones((40, 1)),), (y,))
+    np.testing.assert_allclose(block.averaged(4).residuals[0], np.arange(10.0))
+    np.testing.assert_allclose(block.averaged(8).residuals[0], 2.0 * np.arange(5.0) + 0.5)
+
+
 def test_mistakes_are_named() -> None:
     """Shapes, empty blocks and derivatives that are not finite."""
     with pytest.raises(InputError, match="do not match"):
