@@ -7,7 +7,7 @@ BIN := .venv/bin
 STAMP := .venv/.stamp
 LINT_STAMP := .venv/.stamp-lint
 
-.PHONY: demo test test-all lint bench clean
+.PHONY: demo test test-all lint bench bench-diagnosis clean
 
 demo: $(STAMP)
 	$(BIN)/softid demo
@@ -31,6 +31,11 @@ lint: $(LINT_STAMP)
 bench: $(STAMP)
 	$(BIN)/python -m pytest -q -s --benchmark-only --benchmark-columns=median,iqr,rounds tests/benchmarks
 	for script in tests/benchmarks/*_of_*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+DRAWS ?= 2
+
+bench-diagnosis: $(STAMP)
+	$(BIN)/python tests/benchmarks/diagnosis_rates.py --kinds clean,single,other_form,outside,pair,background,tie --draws $(DRAWS)
 
 clean:
 	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

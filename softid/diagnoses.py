@@ -10,6 +10,10 @@ from softid.errors import Issue
 from softid.results import FitResult, ParameterEstimate
 
 
+NOTABLE = 0.02
+"""Structure of less than a fiftieth of a residual's power is not worth a word."""
+
+
 class Verdict(Enum):
     """Answer of a diagnosis."""
 
@@ -136,6 +140,11 @@ class Remainder:
     noise_from_rest: bool
     structured: bool
 
+    @property
+    def predictable(self) -> bool:
+        """Whether a notable part of the residual follows from the motion, beyond chance."""
+        return self.structure_share > max(self.structure_limit, NOTABLE)
+
 
 @dataclass(frozen=True)
 class Evidence:
@@ -177,7 +186,7 @@ class Diagnosis:
         The chain, in the order in which it was found; empty when nothing may be named.
     descriptive
         Laws that lower the error but may not be called causes, because too much is left that they
-        do not explain; empty unless the verdict is unknown.
+        do not explain, or because they take away too little of it.
     alternatives
         Sets of causes that cannot be split.
     remainder

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,11 @@ Array = npt.NDArray[np.float64]
 
 EXPLAINED = 0.93
 """Share of the misfit that the causes must explain when something is left."""
+
+MOSTLY, DOMINANT = 0.6, 0.3
+"""Where the rest follows from nothing that moves, causes may be named from this explained share on:
+each that takes away at least the second share of the misfit by itself. A drive without a spring adds
+up every small disturbance of its force, which no law can take away."""
 
 SMALLEST_EXCESS = 0.15
 EXCESS_SDS = 3.0
@@ -101,20 +107,42 @@ def surroundings(candidate: Candidate) -> list[Surroundings]:
     return found
 
 
-def verdict_of(links: Sequence[Link], remainder: Remainder) -> Verdict:
+def nameable(links: Sequence[Link], final: Candidate, remainder: Remainder) -> tuple[bool, ...]:
+    """Which links may be named as causes; the others are descriptions.
+
+    Parameters
+    ----------
+    links
+        The chain.
+    final
+        The model with all of them.
+    remainder
+        What it leaves.
+    """
+    if not remainder.structured or remainder.explained_share > EXPLAINED:
+        return (True,) * len(links)
+    if remainder.predictable or remainder.explained_share <= MOSTLY:
+        return (False,) * len(links)
+    squares = [*(link.squares_before for link in links), final.squares]
+    return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))
+
+
+def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remainder) -> Verdict:
     """The answer that the links and the remainder allow.
 
     Parameters
     ----------
     links
         The chain.
+    is_named
+        Which of them may be named.
     remainder
         What it leaves.
     """
     if not links:
         return Verdict.UNKNOWN if remainder.structured else Verdict.ADEQUATE
-    if remainder.structured and remainder.explained_share <= EXPLAINED:
+    if not any(is_named):
         return Verdict.UNKNOWN
-    if any(len(link.rivals) > 1 for link in links):
+    if any(len(link.rivals) > 1 for link, named in zip(links, is_named, strict=True) if named):
         return Verdict.AMBIGUOUS
     return Verdict.PARTIAL if remainder.structured else Verdict.NAMED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from softid.diagnoses import Remainder
+from softid.diagnoses import NOTABLE, Remainder
 from softid.effects import EFFECTS
 
 VARIABLES = {
@@ -16,14 +16,13 @@ VARIABLES = {
     "t": "the time",
     "x and v": "position and speed together",
 }
-NOTABLE = 0.02
-"""A variable is named when it alone predicts this share of what is left."""
-
 MOST_VARIABLES = 2
 
 
 def variables_left(remainder: Remainder) -> list[str]:
-    """The variables that predict most of what is left, in words."""
+    """The variables that predict most of what is left, in words; none where chance does as well."""
+    if not remainder.predictable:
+        return []
     ranked = sorted(remainder.by.items(), key=lambda item: -item[1])
     return [VARIABLES.get(k, k) for k, share in ranked if share > NOTABLE][:MOST_VARIABLES]
 

@@ -9,7 +9,6 @@ from dataclasses import replace
 from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
 from softid.diagnosis.classes import classes_of, splitting_experiment, why_unsplit
 from softid.diagnosis.phrases import (
-    NOTABLE,
     listed,
     lowered,
     percent,
@@ -75,6 +74,27 @@ def restriction(effects: Sequence[str]) -> tuple[Issue, ...]:
     )
 
 
+def averaged_over(count: int) -> tuple[Issue, ...]:
+    """That the logs were averaged, which hides what is faster than a mean; nothing if not.
+
+    Parameters
+    ----------
+    count
+        Samples in a mean.
+    """
+    if count == 1:
+        return ()
+    return (
+        Issue(
+            "averaged",
+            "info",
+            f"every {count} samples were averaged into one: a time constant of the motion is "
+            "longer than thirty of the means",
+            None,
+        ),
+    )
+
+
 def summarise(
     verdict: Verdict,
     *,
@@ -111,7 +131,9 @@ def summarise(
         told += _unknown(teller, descriptive or causes, remainder)
     else:
         told += _explained(teller, causes, alternatives, evidence)
-        told.append(teller.mended(causes))
+        if descriptive:
+            told.append(_described(descriptive))
+        told.append(teller.mended((*causes, *descriptive)))
         if verdict is Verdict.PARTIAL or remainder.structured:
             told += _partial(teller, remainder)
         else:
@@ -225,6 +247,12 @@ def _unknown(teller: _Teller, tried: Sequence[Cause], remainder: Remainder) -> l
     return [*told, _left(teller, remainder)]
 
 
+def _described(descriptive: Sequence[Cause]) -> str:
+    names = listed([title_of(cause.key) for cause in descriptive])
+    verb = "describes" if len(descriptive) == 1 else "describe"
+    return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
+
+
 def _partial(teller: _Teller, remainder: Remainder) -> list[str]:
     return [
         f"That is {percent(remainder.explained_share)} of the misfit above the noise.",
@@ -235,11 +263,10 @@ def _partial(teller: _Teller, remainder: Remainder) -> list[str]:
 def _left(teller: _Teller, remainder: Remainder) -> str:
     named = variables_left(remainder)
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
-    if remainder.structure_share > max(remainder.structure_limit, NOTABLE):
+    if remainder.predictable:
         told += f"is not noise: {_structure(remainder)}"
     else:
         told += "is larger than the noise, but follows from no variable that was looked at"
-        named = []
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
 
 

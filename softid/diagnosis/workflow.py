@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softid.diagnoses import Diagnosis, Verdict
-from softid.diagnosis.assessment import assess, verdict_of
+from softid.diagnoses import Diagnosis
+from softid.diagnosis.assessment import assess, nameable, verdict_of
 from softid.diagnosis.candidates import Candidate, advance, catalogue, prior_about
 from softid.diagnosis.chain import Chain, find_chain
 from softid.diagnosis.findings import alternatives_of, causes_of, evidence_of, gains_of
@@ -16,7 +17,8 @@ from softid.diagnosis.held_out import BETTER, NO_WORSE, HeldOut, hold_out_blocks
 from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.revision import revised
 from softid.diagnosis.scale import scale_of
-from softid.diagnosis.words import restriction, worded
+from softid.diagnosis.thinning import samples_to_average, thinned
+from softid.diagnosis.words import averaged_over, restriction, worded
 from softid.effects.base import Scale
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.output_error import Optimum
@@ -88,48 +90,65 @@ def diagnose(
     report = progress or (lambda message, fraction: None)
     log_set = LogSet(tuple(without_input_noise(log) for log in as_log_set(logs)))
     hold_out = tuple(without_input_noise(log) for log in hold_out)
-    held = HeldOut(hold_out)
-    trained = log_set
-    if not hold_out:
-        trained, held = hold_out_blocks(log_set)
-    work = identify(
-        trained.logs,
-        model=model,
-        hold_out=hold_out,
-        parameters=parameters,
-        seed=seed,
-        progress=lambda message, fraction: report(message, 0.3 * fraction),
-    )
-    if hold_out:
-        held = HeldOut(work.hold_out)
-    base = _base(work)
-    scale = scale_of(base.problem, base.minimum.point)
+
+    begin = _Beginning(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
+    work, held, base, scale = begin(log_set, hold_out)
+    count = samples_to_average((*log_set, *hold_out), scale.motion_s)
+    if count > 1:
+        log_set = LogSet(tuple(thinned(log, count) for log in log_set))
+        work, held, base, scale = begin(log_set, [thinned(log, count) for log in hold_out])
     chain = _searched(base, scale, work, held, effects, report)
     report("looking at what is left", 0.85)
     rng = np.random.default_rng(seed)
     remainder = assess(base, chain.final, scale, rng=rng)
-    verdict = verdict_of(chain.links, remainder)
+    is_named = nameable(chain.links, chain.final, remainder)
+    verdict = verdict_of(chain.links, is_named, remainder)
     report("computing errors", 0.9)
     before = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
     after = _fit_of(chain.final, work, seed) if chain.links else None
-    causes = causes_of(chain, base, after, held, rng)
-    alternatives = alternatives_of(chain.links)
-    named = verdict is not Verdict.UNKNOWN
+    told = list(zip(causes_of(chain, base, after, held, rng), is_named, strict=True))
+    named = [link for link, sure in zip(chain.links, is_named, strict=True) if sure]
     found = Diagnosis(
         verdict=verdict,
         summary="",
         base=before,
         extended=after,
-        causes=causes if named else (),
-        descriptive=() if named else causes,
-        alternatives=alternatives if named else (),
+        causes=tuple(cause for cause, sure in told if sure),
+        descriptive=tuple(cause for cause, sure in told if not sure),
+        alternatives=alternatives_of(named),
         remainder=remainder,
         gains=gains_of(base, chain.final, held, before),
         evidence=evidence_of(chain),
         next_experiment=None,
-        issues=(*before.issues, *restriction(effects)),
+        issues=(*before.issues, *restriction(effects), *averaged_over(count)),
     )
     return worded(found)
+
+
+@dataclass(frozen=True)
+class _Beginning:
+    """The base fit and what is held out, as asked for."""
+
+    model: Model | str | None
+    parameters: ParameterSet | lmfit.Parameters | None
+    seed: int
+    progress: Progress
+
+    def __call__(
+        self, log_set: LogSet, hold_out: Sequence[Log]
+    ) -> tuple[Work, HeldOut, Candidate, Scale]:
+        trained, held = (log_set, None) if hold_out else hold_out_blocks(log_set)
+        work = identify(
+            trained.logs,
+            model=self.model,
+            hold_out=hold_out,
+            parameters=self.parameters,
+            seed=self.seed,
+            progress=self.progress,
+        )
+        base = _base(work)
+        scale = scale_of(base.problem, base.minimum.point)
+        return work, held or HeldOut(work.hold_out), base, scale
 
 
 def _searched(

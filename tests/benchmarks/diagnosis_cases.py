@@ -171,8 +171,12 @@ class Score:
     recovered
         Whether every parameter of the hidden effects that has a true value lies within its interval
         or a fifth of the truth; None where nothing was named rightly.
-    seconds
-        Of the diagnosis.
+    seconds, cpu_seconds
+        Of the diagnosis, by the clock and of the processor.
+    values
+        Parameters of the causes.
+    explained, structure, structure_limit
+        Of the remainder.
     """
 
     key: str
@@ -187,6 +191,10 @@ class Score:
     oracle_gain: float
     recovered: bool | None
     seconds: float
+    cpu_seconds: float
+    explained: float
+    structure: float
+    structure_limit: float
     values: dict[str, float] = field(default_factory=dict)
 
 
@@ -200,9 +208,9 @@ def run(case: Case) -> Score:
     """
     pair = case.pair()
     train, hold_out = pair.logs
-    begin = time.perf_counter()
+    begin, begin_cpu = time.perf_counter(), time.process_time()
     found = diagnose([train], hold_out=[hold_out], model=case.model)
-    seconds = time.perf_counter() - begin
+    seconds, cpu_seconds = time.perf_counter() - begin, time.process_time() - begin_cpu
     channel = next(c for c in pair.train.sigma if "pressure" not in c)
     inside, outside = (next(g for g in found.gains if g.held_out is h) for h in (False, True))
     sigma = pair.train.sigma[channel]
@@ -221,6 +229,10 @@ def run(case: Case) -> Score:
         oracle_gain=max(1.0 - pair.hold_out.sigma[channel] / before, 0.0),
         recovered=_recovered(found, pair),
         seconds=seconds,
+        cpu_seconds=cpu_seconds,
+        explained=float(found.remainder.explained_share),
+        structure=float(found.remainder.structure_share),
+        structure_limit=float(found.remainder.structure_limit),
         values={p.name: float(p.value) for c in found.causes for p in c.parameters},
     )
 

@@ -4,6 +4,7 @@
 
 Results go to a file line by line, so that an interrupted run goes on where it stopped.
 """
+# ruff: noqa: E402, T201 (a script that prints its result, and keeps other threads from its own)
 
 from __future__ import annotations
 
@@ -99,7 +100,9 @@ def _tell(score: Score) -> None:
     print(
         f"{'ok ' if is_right(score) else 'BAD'} {score.key}: {score.verdict} {answer}{described}"
         f"{tied} snr {score.snr:.2f} gain {score.gain:.3f}/{score.oracle_gain:.3f}"
-        f" recovered {score.recovered} {score.seconds:.1f} s",
+        f" recovered {score.recovered} explained {score.explained:.2f} structure"
+        f" {score.structure:.2f}/{score.structure_limit:.2f} {score.seconds:.1f} s"
+        f" ({score.cpu_seconds:.1f} s CPU)",
         flush=True,
     )
 
@@ -147,7 +150,9 @@ def _print_kind(kind: str, scores: Sequence[Score]) -> None:
     if strong and kind != "clean":
         _print_bin("0.5 and up", strong)
     seconds = np.array([s.seconds for s in scores])
-    print(f"  time: median {np.median(seconds):.1f} s, longest {seconds.max():.1f} s")
+    cpu = np.array([s.cpu_seconds for s in scores])
+    print(f"  time: median {np.median(seconds):.1f} s, longest {seconds.max():.1f} s;", end=" ")
+    print(f"of the processor: median {np.median(cpu):.1f} s, longest {cpu.max():.1f} s")
 
 
 def _print_bin(label: str, scores: Sequence[Score]) -> None:
@@ -159,8 +164,8 @@ def _print_bin(label: str, scores: Sequence[Score]) -> None:
     named = [s for s in scores if s.oracle_gain > 0.02]
     near = sum(s.gain >= 0.98 * s.oracle_gain for s in named)
     print(
-        f"  {label:<11} {n:3d}  {_share(right, n)}    {_share(present, n)}        {_share(wrong, n)}"
-        f"    {_share(sum(judged), len(judged))}     {_share(near, len(named))}"
+        f"  {label:<11} {n:3d}  {_share(right, n)}    {_share(present, n)}        "
+        f"{_share(wrong, n)}    {_share(sum(judged), len(judged))}     {_share(near, len(named))}"
     )
 
 
