@@ -9,7 +9,6 @@ from enum import Enum
 from softid.errors import Issue
 from softid.results import FitResult, ParameterEstimate
 
-
 NOTABLE = 0.02
 """Structure of less than a fiftieth of a residual's power is not worth a word."""
 

@@ -22,8 +22,8 @@ EXPLAINED = 0.93
 
 MOSTLY, DOMINANT = 0.6, 0.3
 """Where the rest follows from nothing that moves, causes may be named from this explained share on:
-each that takes away at least the second share of the misfit by itself. A drive without a spring adds
-up every small disturbance of its force, which no law can take away."""
+each that takes away at least the second share of the misfit by itself. A drive without a spring
+adds up every small disturbance of its force, which no law can take away."""
 
 SMALLEST_EXCESS = 0.15
 EXCESS_SDS = 3.0
