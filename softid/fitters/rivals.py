@@ -89,7 +89,8 @@ class _Ladder:
     def climbed(self, point: Array, cost: float) -> Array:
         """The first rival that costs less than ``cost`` and leaves no structure, or the cheapest.
 
-        Only starts that explain the shortest pieces better than ``point`` go on, the best first.
+        The optimum goes through the pieces too, which may lead it out of its false minimum. Of the
+        other starts only those go on that explain the shortest pieces about as well, best first.
         """
         problem = self.problem
         rings = problem.model.ringing(problem.segments, problem.outputs[0])
@@ -98,10 +99,12 @@ class _Ladder:
         names = problem.parameters.names
         incumbent = dict(zip(names, problem.theta(point).tolist(), strict=True))
         cut, *longer = (PiecewiseProblem(problem, count) for count in PIECES)
-        limit = WORTH_PURSUING * self._led(cut, incumbent)[0]
-        ranked = sorted((self._led(cut, s.values_dict()) for s in rings), key=lambda row: row[0])
+        own = self._led(cut, incumbent)
+        others = [self._led(cut, start.values_dict()) for start in rings]
+        limit = WORTH_PURSUING * own[0]
+        ranked = sorted([own, *others], key=lambda row: row[0])
         for short, values in ranked[:MOST_PURSUED]:
-            if short >= limit:
+            if short > limit:
                 break
             for pieces in longer:
                 values = self._led(pieces, values)[1]
@@ -115,7 +118,9 @@ class _Ladder:
     def _led(
         self, pieces: PiecewiseProblem, values: Mapping[str, float]
     ) -> tuple[float, Mapping[str, float]]:
-        ended = self._solved(pieces, pieces.started(values))
+        at_first_samples = Objective(pieces, self.sigma)(pieces.started(values))
+        self.evaluations += 1
+        ended = self._solved(pieces, pieces.with_best_states(at_first_samples))
         theta = pieces.theta(ended.point).tolist()
         return ended.normal.cost, dict(zip(pieces.parameters.names, theta, strict=True))
 
