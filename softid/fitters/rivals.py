@@ -29,6 +29,9 @@ this many times what the optimum costs there."""
 
 BETTER = 0.999
 MOST_PURSUED = 6
+SORTING_EVALUATIONS = 20
+"""Evaluations over the shortest pieces by which the starts are put in order."""
+
 MAX_LAG = 20
 LEAST_COLOUR = 0.05
 """Sum of the squared autocorrelations over the first lags from which a residual has structure: an
@@ -99,16 +102,16 @@ class _Ladder:
         names = problem.parameters.names
         incumbent = dict(zip(names, problem.theta(point).tolist(), strict=True))
         cut, *longer = (PiecewiseProblem(problem, count) for count in PIECES)
-        own = self._led(cut, incumbent)
-        others = [self._led(cut, start.values_dict()) for start in rings]
+        own = self._led(cut, incumbent, SCOUT_EVALUATIONS)
+        others = [self._led(cut, start.values_dict(), SORTING_EVALUATIONS) for start in rings]
         limit = WORTH_PURSUING * own[0]
         ranked = sorted([own, *others], key=lambda row: row[0])
         for short, values in ranked[:MOST_PURSUED]:
             if short > limit:
                 break
             for pieces in longer:
-                values = self._led(pieces, values)[1]
-            ended = self._solved(problem, problem.unknowns(values))
+                values = self._led(pieces, values, SCOUT_EVALUATIONS)[1]
+            ended = self._solved(problem, problem.unknowns(values), SCOUT_EVALUATIONS)
             if ended.normal.cost < cost:
                 point, cost = ended.point, ended.normal.cost
                 if not has_structure(problem, point):
@@ -116,17 +119,20 @@ class _Ladder:
         return point
 
     def _led(
-        self, pieces: PiecewiseProblem, values: Mapping[str, float]
+        self,
+        pieces: PiecewiseProblem,
+        values: Mapping[str, float],
+        evaluations: int,
     ) -> tuple[float, Mapping[str, float]]:
         at_first_samples = Objective(pieces, self.sigma)(pieces.started(values))
         self.evaluations += 1
-        ended = self._solved(pieces, pieces.with_best_states(at_first_samples))
+        ended = self._solved(pieces, pieces.with_best_states(at_first_samples), evaluations)
         theta = pieces.theta(ended.point).tolist()
         return ended.normal.cost, dict(zip(pieces.parameters.names, theta, strict=True))
 
-    def _solved(self, problem: Problem, z: Array) -> Minimum:
+    def _solved(self, problem: Problem, z: Array, evaluations: int) -> Minimum:
         search = Objective(problem, self.sigma)
-        ended = search.solve(z, SCOUT_EVALUATIONS)
+        ended = search.solve(z, evaluations)
         self.evaluations += search.evaluations
         return ended
 
