@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.levenberg_marquardt import Normal
 from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]
@@ -71,6 +72,24 @@ class PiecewiseProblem(Problem):
             if np.isfinite(rest) and slope != 0.0:
                 z[at] = (segment.outputs[name][here][0] - zero - rest) / slope
         return z
+
+    def with_best_states(self, at: Normal) -> Array:
+        """Unknowns with all zeros and initial states at their optimum for the same parameters.
+
+        Both stand linearly in a linear motion, so that one solve finds them, however far they are;
+        left to the optimiser they would hold back the first steps of all unknowns.
+
+        Parameters
+        ----------
+        at
+            Cost and normal equations at the unknowns.
+        """
+        moved = at.point.copy()
+        linear = slice(len(self.free), None)
+        if np.isfinite(at.cost):
+            solved = np.linalg.lstsq(at.matrix[linear, linear], at.gradient[linear], rcond=None)
+            moved[linear] += solved[0]
+        return moved
 
     def _slope(self, theta: Array, segment: int, name: str) -> float:
         """∂(output)/∂(first state) at the start of a piece."""

@@ -29,6 +29,9 @@ this many times what the optimum costs there."""
 
 BETTER = 0.999
 MOST_PURSUED = 6
+SORTING_EVALUATIONS = 20
+"""Evaluations over the shortest pieces by which the starts are put in order."""
+
 MAX_LAG = 20
 LEAST_COLOUR = 0.05
 """Sum of the squared autocorrelations over the first lags from which a residual has structure: an
@@ -89,7 +92,8 @@ class _Ladder:
     def climbed(self, point: Array, cost: float) -> Array:
         """The first rival that costs less than ``cost`` and leaves no structure, or the cheapest.
 
-        Only starts that explain the shortest pieces better than ``point`` go on, the best first.
+        The optimum goes through the pieces too, which may lead it out of its false minimum. Of the
+        other starts only those go on that explain the shortest pieces about as well, best first.
         """
         problem = self.problem
         rings = problem.model.ringing(problem.segments, problem.outputs[0])
@@ -98,14 +102,16 @@ class _Ladder:
         names = problem.parameters.names
         incumbent = dict(zip(names, problem.theta(point).tolist(), strict=True))
         cut, *longer = (PiecewiseProblem(problem, count) for count in PIECES)
-        limit = WORTH_PURSUING * self._led(cut, incumbent)[0]
-        ranked = sorted((self._led(cut, s.values_dict()) for s in rings), key=lambda row: row[0])
+        own = self._led(cut, incumbent, SCOUT_EVALUATIONS)
+        others = [self._led(cut, start.values_dict(), SORTING_EVALUATIONS) for start in rings]
+        limit = WORTH_PURSUING * own[0]
+        ranked = sorted([own, *others], key=lambda row: row[0])
         for short, values in ranked[:MOST_PURSUED]:
-            if short >= limit:
+            if short > limit:
                 break
             for pieces in longer:
-                values = self._led(pieces, values)[1]
-            ended = self._solved(problem, problem.unknowns(values))
+                values = self._led(pieces, values, SCOUT_EVALUATIONS)[1]
+            ended = self._solved(problem, problem.unknowns(values), SCOUT_EVALUATIONS)
             if ended.normal.cost < cost:
                 point, cost = ended.point, ended.normal.cost
                 if not has_structure(problem, point):
@@ -113,15 +119,20 @@ class _Ladder:
         return point
 
     def _led(
-        self, pieces: PiecewiseProblem, values: Mapping[str, float]
+        self,
+        pieces: PiecewiseProblem,
+        values: Mapping[str, float],
+        evaluations: int,
     ) -> tuple[float, Mapping[str, float]]:
-        ended = self._solved(pieces, pieces.started(values))
+        at_first_samples = Objective(pieces, self.sigma)(pieces.started(values))
+        self.evaluations += 1
+        ended = self._solved(pieces, pieces.with_best_states(at_first_samples), evaluations)
         theta = pieces.theta(ended.point).tolist()
         return ended.normal.cost, dict(zip(pieces.parameters.names, theta, strict=True))
 
-    def _solved(self, problem: Problem, z: Array) -> Minimum:
+    def _solved(self, problem: Problem, z: Array, evaluations: int) -> Minimum:
         search = Objective(problem, self.sigma)
-        ended = search.solve(z, SCOUT_EVALUATIONS)
+        ended = search.solve(z, evaluations)
         self.evaluations += search.evaluations
         return ended
 

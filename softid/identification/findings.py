@@ -72,19 +72,9 @@ def issues_of(
             message = f"{e.name} is {e.verdict}: {e.reason}"
             severity: Severity = "warning" if e.verdict == "not identified" else "info"
             found.append(Issue(e.verdict.replace(" ", "-"), severity, message, e.remedy or None))
-    for row in statistics:
-        if row.fit_percent < POOR_FIT_PERCENT:
-            where = "fitted" if row.in_sample else "held out"
-            found.append(
-                Issue(
-                    "poor-fit",
-                    "warning",
-                    f"{row.log} ({where}): the model explains {row.channel} only to "
-                    f"{row.fit_percent:.0f} %, leaving {row.rmse * row.display_factor:.3g} "
-                    f"{row.display_unit} rms",
-                    "look at the residual plots for what is missing",
-                )
-            )
+    found += [
+        _poor_fit(row, statistics) for row in statistics if row.fit_percent < POOR_FIT_PERCENT
+    ]
     found += [
         Issue(
             "coloured-residual",
@@ -96,3 +86,28 @@ def issues_of(
         if not noise.white
     ]
     return found
+
+
+def _poor_fit(row: FitStatistics, statistics: Sequence[FitStatistics]) -> Issue:
+    """What is left on a log that the model follows badly, or that has next to nothing to follow."""
+    where = "fitted" if row.in_sample else "held out"
+    unit, factor = row.display_unit, row.display_factor
+    spread = row.rmse / row.nrmse if row.nrmse > 0.0 else np.inf
+    elsewhere = [r.rmse for r in statistics if r.in_sample and r.channel == row.channel]
+    usual = float(np.median(elsewhere)) if elsewhere else 0.0
+    if not row.in_sample and spread < usual:
+        return Issue(
+            "nothing-to-score",
+            "warning",
+            f"{row.log} ({where}): {row.channel} moves by only {spread * factor:.3g} {unit} rms, "
+            f"less than the {usual * factor:.3g} {unit} that the model leaves on the usual fitted "
+            f"log, so its fit % says nothing; {row.rmse * factor:.3g} {unit} rms are left",
+            "hold out a log in which the actuator moves",
+        )
+    return Issue(
+        "poor-fit",
+        "warning",
+        f"{row.log} ({where}): the model explains {row.channel} only to "
+        f"{row.fit_percent:.0f} %, leaving {row.rmse * factor:.3g} {unit} rms",
+        "look at the residual plots for what is missing",
+    )

@@ -16,7 +16,12 @@ from softid.quality import dropout_mask
 
 def as_log_set(logs: Log | Sequence[Log]) -> LogSet:
     """One log or several as a `LogSet`."""
-    return LogSet((logs,) if isinstance(logs, Log) else tuple(logs))
+    return LogSet(as_logs(logs))
+
+
+def as_logs(logs: Log | Sequence[Log]) -> tuple[Log, ...]:
+    """One log or several, or none, as a tuple."""
+    return (logs,) if isinstance(logs, Log) else tuple(logs)
 
 
 def require_excitation(logs: LogSet) -> None:

@@ -19,6 +19,7 @@ from softid.identification.limits import simpler_model
 from softid.identification.preparation import (
     adapted_model,
     as_log_set,
+    as_logs,
     named_model,
     require_channels,
     require_excitation,
@@ -43,7 +44,7 @@ def fit(
     *,
     model: Model | str | None = None,
     preferred: Sequence[Model] = (),
-    hold_out: Sequence[Log] = (),
+    hold_out: Log | Sequence[Log] = (),
     parameters: ParameterSet | lmfit.Parameters | None = None,
     seed: int = 0,
     progress: Progress | None = None,
@@ -64,7 +65,8 @@ def fit(
         Without a model: models to be compared first, such as one with the user's geometry; any
         other must predict 5 % better.
     hold_out
-        Logs that are scored and not fitted; only their zero and initial state are estimated.
+        One log or several that are scored and not fitted; only their zero and initial state are
+        estimated.
     parameters
         Bounds, fixed values, ties and start values, as a `ParameterSet` or lmfit ``Parameters``
         (which may name only some) of the named model.
@@ -137,7 +139,7 @@ def identify(
     logs: Log | Sequence[Log],
     *,
     model: Model | str | None = None,
-    hold_out: Sequence[Log] = (),
+    hold_out: Log | Sequence[Log] = (),
     parameters: ParameterSet | lmfit.Parameters | None = None,
     preferred: Sequence[Model] = (),
     seed: int = 0,
@@ -156,7 +158,7 @@ def identify(
         As `fit`.
     """
     log_set = LogSet(tuple(without_dropouts(log) for log in as_log_set(logs)))
-    held = tuple(without_dropouts(log) for log in hold_out)
+    held = tuple(without_dropouts(log) for log in as_logs(hold_out))
     _check_hold_out(log_set, held)
     if model is None and parameters is not None:
         raise UsageError(

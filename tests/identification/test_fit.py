@@ -84,7 +84,8 @@ def test_a_fit_that_stops_at_once_is_no_success(monkeypatch: pytest.MonkeyPatch)
     """With one evaluation per run the optimiser cannot move: the result must not claim it did."""
     for name in ("SCOUT_EVALUATIONS", "POLISH_EVALUATIONS", "DRAFT_EVALUATIONS"):
         monkeypatch.setattr(output_error, name, 1)
-    monkeypatch.setattr(rivals, "SCOUT_EVALUATIONS", 1)
+    for name in ("SCOUT_EVALUATIONS", "SORTING_EVALUATIONS"):
+        monkeypatch.setattr(rivals, name, 1)
     result = fit(load(DATA / "demo_step.csv"), model="muscle")
     assert not result.success
     assert result.issues[0].code == "not-converged"
@@ -186,3 +187,23 @@ def test_a_log_cannot_be_fitted_and_held_out(tmp_path: Path) -> None:
     again.write_bytes((DATA / "demo_step.csv").read_bytes())
     with pytest.raises(UsageError, match="the same samples as demo_step"):
         fit(load(DATA / "demo_step.csv"), model="muscle", hold_out=[load(again)])
+
+
+def test_a_held_out_log_without_motion_is_told_from_one_badly_followed() -> None:
+    """Held at one pressure the output is the sensor's noise: a fit of 0 % is no fault of the model.
+
+    The fitted log has a slow wave of 2 mm that no pressure explains, far more than 0.3 mm of noise.
+    """
+    moving = pair(random_muscle_truth(np.random.default_rng(3)), 3)[0]
+    y = moving.channels["contraction"].values + 2.0 * np.sin(3.0 * moving.time_s)
+    noise = 0.3 * np.random.default_rng(0).standard_normal(moving.time_s.size)
+    pressure = moving.channels["pressure"].values
+    fitted, still = (
+        Log.from_arrays(
+            moving.time_s, {"pressure": p, "contraction": x}, outputs=("contraction",), name=name
+        )
+        for name, p, x in (("fitted", pressure, y), ("still", 0.0 * pressure + 100.0, noise))
+    )
+    found = {i.code: i.message for i in fit(fitted, model="muscle", hold_out=still).issues}
+    assert "still (held out): contraction moves by only 0.3" in found["nothing-to-score"]
+    assert "poor-fit" not in found
