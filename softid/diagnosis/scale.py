@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
+LONGEST_SHARE, SHIFTS = 0.1, 200
+"""An output is late by a tenth of its log at most; so many shifts are tried."""
+
 FAST_QUANTILE = 0.99
 """The largest speed is what is exceeded for a hundredth of the time only."""
 
@@ -91,14 +94,32 @@ def _force(law: Law | None, u: Array, x_span: float) -> float:
 
 
 def _slowness(law: Law | None, u: Array, problem: Problem) -> float:
-    """Typical time constant of the motion, at least one sampling interval."""
+    """Typical time constant of the motion, or how late the output comes where a law has none."""
     period_s = float(np.median(np.diff(problem.segments[0].time_s)))
-    if law is None:
-        return period_s
-    damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
-    if stiffness > 0.0:
-        return max(damping / stiffness, period_s)
-    return max(law.mass / damping if damping > 0.0 else period_s, period_s)
+    late_s = 0.0
+    if law is not None:
+        damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
+        if stiffness > 0.0:
+            late_s = damping / stiffness
+        elif damping > 0.0:
+            late_s = law.mass / damping
+    if late_s <= period_s:
+        late_s = max(_lateness(problem, k) for k in range(len(problem.segments)))
+    return max(late_s, period_s)
+
+
+def _lateness(problem: Problem, k: int) -> float:
+    """Shift of the input at which the output follows it best, in seconds."""
+    segment = problem.segments[k]
+    first = problem.outputs[0]
+    used = segment.used[first]
+    time_s, y = segment.time_s[used], segment.outputs[first][used]
+    longest_s = LONGEST_SHARE * float(np.ptp(segment.time_s))
+    shifts = np.linspace(0.0, longest_s, SHIFTS)
+    moved = [np.interp(time_s - s, segment.time_s, segment.input) for s in shifts]
+    with np.errstate(all="ignore"):
+        alike = [abs(np.corrcoef(shifted, y)[0, 1]) for shifted in moved]
+    return float(shifts[int(np.argmax(np.nan_to_num(alike)))])
 
 
 def _travel(v: Array, time_s: Array) -> float:

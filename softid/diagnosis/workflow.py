@@ -146,7 +146,7 @@ class _Beginning:
             seed=self.seed,
             progress=self.progress,
         )
-        base = _base(work)
+        base = _base(work, self.model)
         scale = scale_of(base.problem, base.minimum.point)
         return work, held or HeldOut(work.hold_out), base, scale
 
@@ -180,14 +180,16 @@ def _searched(
     return revised(chain, base, considered, scale, sigma)
 
 
-def _base(work: Work) -> Candidate:
+def _base(work: Work, asked: Model | str | None) -> Candidate:
     """The base fit as the candidate without effects, with every term that its limit had dropped.
+
+    What was asked for by the user stays dropped.
 
     A term that cannot be seen behind a misfit may be seen once its cause is in the model: without
     it another effect would take its place.
     """
     optimum = work.found.optimum
-    problem, z = _whole_problem(work), optimum.unknowns
+    problem, z = _whole_problem(work, asked), optimum.unknowns
     if problem is not work.found.problem:
         z = problem.unknowns(_whole_values(work, problem))
     size = problem.size
@@ -200,13 +202,15 @@ def _base(work: Work) -> Candidate:
     )
 
 
-def _whole_problem(work: Work) -> Problem:
-    """The problem of the model of full order."""
+def _whole_problem(work: Work, asked: Model | str | None) -> Problem:
+    """The problem of the model of full order, or of the order that was asked for."""
     problem = work.found.problem
     options = dict(problem.model.spec().options)
-    if options.get("order") not in ("first", "static"):
+    wanted = asked.spec().options if isinstance(asked, Model) else {}
+    order = wanted.get("order", "second")
+    if options.get("order", order) == order:
         return problem
-    whole: Model = MODELS[problem.model.name](**(options | {"order": "second"}))
+    whole: Model = MODELS[problem.model.name](**(options | {"order": order}))
     return Problem(whole, work.found.wishes.over(whole.parameters()), work.logs.logs)
 
 
