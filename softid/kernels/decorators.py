@@ -15,3 +15,6 @@ on disk as part of the kernel that calls it."""
 
 inlined: Any = njit(forceinline=True, **_OPTIONS)
 """The same, written out where it is called."""
+
+merged: Any = njit(inline="always", **_OPTIONS)
+"""The same for a long function that is called once: it is not compiled by itself first."""

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from numba import njit
 
 from softid.kernels import equation, radau, small_matrix, stages, tangents, terms
-from softid.kernels.decorators import inlined, inner
+from softid.kernels.decorators import inlined, inner, merged
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import STAGES
 from softid.kernels.sources import follow_sources
@@ -125,7 +125,7 @@ def _weight(c: int, j: int, piece: int, pieces: int) -> float:
     return found
 
 
-@inlined
+@merged
 def _enter(course: Course, i: int, piece: int, pieces: int, step: Step, by: Array) -> None:
     """Take the data of a piece of step ``i`` into ``step`` and ``by``."""
     wanted = by.shape[2] if course.coefficients_by.shape[0] > 0 else 0
@@ -195,7 +195,7 @@ def _copy(source: Array, target: Array) -> None:
         target[i] = source[i]
 
 
-@inlined
+@merged
 def _take(
     equation: Equation,
     course: Course,
