@@ -26,6 +26,9 @@ NEAR = 1e-5
 SLOW = 0.1
 """Share of the last move from which on a held Jacobian no longer pays."""
 
+WITHIN = 1e-2
+"""Largest move after which a Jacobian is held at all; farther away Newton's own pace is needed."""
+
 DIFFERENCE = 1e-7
 """Relative step of the numerical derivatives at the stages, and of Newton's last one."""
 
@@ -160,7 +163,7 @@ def solve_stages(equation: Equation, step: Step, state: Array, h: float, keeps: 
         Whether the factors of a Jacobian close to the solution are to stay in ``step``. Otherwise
         the first Jacobian serves as long as it brings the stages nearer fast.
     """
-    held, before = False, 0.0
+    held, holds, before = False, not keeps, 0.0
     for _ in range(MAX_NEWTON):
         if held:
             _leave(equation, step, state, h)
@@ -183,9 +186,8 @@ def solve_stages(equation: Equation, step: Step, state: Array, h: float, keeps: 
             left = worst * share if held else worst * share * share
             if left < SETTLED and share < SLOW and (worst < NEAR or not keeps):
                 return True
-            held = held and share < SLOW
-        else:
-            held = not keeps
+            holds = holds and (share < SLOW or not held)
+        held = holds and worst < WITHIN
         before = worst
     return False
 
