@@ -265,7 +265,7 @@ def scores(
 ) -> list[tuple[float, float]]:
     """`score` of every grid point."""
     forms = [law(theta).affine() for theta in grid]
-    thetas = np.array([form.theta for form in forms if form is not None]).reshape(len(grid), -1)
+    thetas = np.array([form.theta for form in forms if form is not None]).reshape(len(grid), 8)
     sums = np.zeros((len(grid), 3))
     for s in stretches:
         plan = undivided(s.time_s, s.input)

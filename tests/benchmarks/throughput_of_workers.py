@@ -1,0 +1,125 @@
+"""Print how much more two workers get done than one, beside what the machine itself allows.
+
+Run from the root of the project::
+
+    python tests/benchmarks/throughput_of_workers.py
+
+One worker and two take turns, so that neighbours on the machine slow both alike; the median over
+the rounds is printed. The first line is the machine's own ceiling: two processes that only count.
+Threads share one interpreter, so what a candidate or a start does outside the compiled kernels is
+not shared out; processes share nothing, and fit whole logs.
+"""
+# ruff: noqa: T201 (a script that prints its result)
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+from work import NAMES, TRUTH, log_of
+
+import softid
+from softid.effects import EFFECTS, ExtendedModel, Scale
+from softid.fitters.objective import Objective
+from softid.fitters.problem import Problem
+from softid.models.muscle import Muscle
+
+COUNTS = 3_000_000
+JOBS = 6
+SAMPLES = 10_000
+EVALUATIONS = 20
+
+Work = Callable[[int], object]
+
+
+def count(_: int) -> int:
+    total = 0
+    for k in range(COUNTS):
+        total += k
+    return total
+
+
+def fit_of_a_log(seed: int) -> None:
+    softid.fit(log_of(1000, exact=False), model="muscle", seed=seed)
+
+
+def run_of_a_start() -> Work:
+    model = Muscle()
+    problem = Problem(model, model.parameters(), [log_of(SAMPLES, exact=False)])
+    guesses = model.guess(problem.segments, "contraction")
+    points = [problem.unknowns(guess.values_dict()) for guess in guesses]
+
+    def run(k: int) -> None:
+        Objective(problem, {"contraction": 1.0}).solve(points[k % len(points)], 30)
+
+    return run
+
+
+def evaluation_of_a_candidate() -> Work:
+    scale = Scale(0, 240, 0, 70, 300, 8, 0, 70, 0.005, 50, 0.2, 800)
+    model = ExtendedModel(Muscle(), (EFFECTS["creep"](),), scale)
+    (segment,) = log_of(SAMPLES, exact=False).segments()
+    theta = model.parameters().values_vector()
+    theta[: len(NAMES)] = TRUTH
+    plan = model.plan(theta, segment)
+
+    def run(_: int) -> None:
+        model.response(theta, segment, ("contraction",), start=None, derivatives=True, plan=plan)
+
+    return run
+
+
+def evaluation_of_the_muscle() -> Work:
+    model = Muscle()
+    problem = Problem(model, model.parameters(), [log_of(100_000, exact=False)])
+    z = problem.unknowns(dict(zip(NAMES, TRUTH.tolist(), strict=True)))
+    objective = Objective(problem, {"contraction": 1.0})
+    objective.plans = problem.plans(z)
+    return lambda _: [objective(z) for _ in range(EVALUATIONS)]
+
+
+def ratio(one: Executor, two: Executor, work: Work, rounds: int) -> float:
+    """Median throughput of two workers over that of one."""
+    for pool in (one, two):
+        list(pool.map(work, range(2)))
+    found = [
+        elapsed(one.map(work, range(JOBS))) / elapsed(two.map(work, range(JOBS)))
+        for _ in range(rounds)
+    ]
+    return float(np.median(found))
+
+
+def elapsed(results: Iterable[object]) -> float:
+    began = time.perf_counter()
+    list(results)
+    return time.perf_counter() - began
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=7)
+    rounds = parser.parse_args().rounds
+    context = get_context("spawn")
+    print("two workers over one, median of", rounds, "rounds")
+    with (
+        ProcessPoolExecutor(1, mp_context=context) as one,
+        ProcessPoolExecutor(2, mp_context=context) as two,
+    ):
+        print(f"counting, processes (the machine's ceiling): {ratio(one, two, count, rounds):.2f}")
+        print(f"fits of several logs, processes: {ratio(one, two, fit_of_a_log, rounds):.2f}")
+    with ThreadPoolExecutor(1) as single, ThreadPoolExecutor(2) as double:
+        for what, work in (
+            ("evaluations of the muscle, threads", evaluation_of_the_muscle()),
+            ("starts of one fit, threads", run_of_a_start()),
+            ("candidates of a diagnosis, threads", evaluation_of_a_candidate()),
+        ):
+            print(f"{what}: {ratio(single, double, work, rounds):.2f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
