@@ -94,6 +94,7 @@ def find_chain(
     sigma: Mapping[str, float],
     *,
     holds: Callable[[Candidate, Candidate], bool],
+    is_noise: Callable[[Candidate], bool],
     report: Callable[[str, float], None] = lambda message, fraction: None,
     max_links: int = MAX_LINKS,
 ) -> Chain:
@@ -111,6 +112,9 @@ def find_chain(
         Weight of each output channel.
     holds
         Whether a candidate is no worse than another on what was held out.
+    is_noise
+        Whether what a candidate leaves looks like noise: a further cause would have nothing to
+        explain but small errors of the first one's law.
     report
         Called with a sentence and the fraction done.
     max_links
@@ -134,6 +138,8 @@ def find_chain(
         links.append(link)
         last = None
         now = extended
+        if is_noise(now):
+            break
     return Chain(tuple(links), last, now)
 
 

@@ -97,7 +97,7 @@ def diagnose(
     if count > 1:
         log_set = LogSet(tuple(thinned(log, count) for log in log_set))
         work, held, base, scale = begin(log_set, [thinned(log, count) for log in hold_out])
-    chain = _searched(base, scale, work, held, effects, report)
+    chain = _searched(base, scale, work, held, effects, report, seed)
     report("looking at what is left", 0.85)
     rng = np.random.default_rng(seed)
     remainder = assess(base, chain.final, scale, rng=rng)
@@ -158,6 +158,7 @@ def _searched(
     held: HeldOut,
     effects: Sequence[str],
     report: Progress,
+    seed: int,
 ) -> Chain:
     """The chain of causes, each judged by what is held out."""
     sigma, considered = dict(work.found.optimum.sigma), catalogue(effects)
@@ -166,12 +167,16 @@ def _searched(
         limit = BETTER if before.effects else NO_WORSE
         return held.rms(after) <= limit * held.rms(before)
 
+    def is_noise(now: Candidate) -> bool:
+        return not assess(base, now, scale, rng=np.random.default_rng(seed)).structured
+
     chain = find_chain(
         base,
         considered,
         scale,
         sigma,
         holds=holds,
+        is_noise=is_noise,
         report=lambda message, fraction: report(message, 0.3 + 0.4 * fraction),
     )
     if len(chain.links) < 2:

@@ -8,6 +8,8 @@ from softid.diagnoses import Verdict
 from softid.diagnosis import diagnose
 from softid.effects import EFFECTS
 from softid.synthesis import hidden_pair
+from softid.synthesis.hidden import names_of
+from softid.synthesis.rig import Rig
 
 FROM_TRUTH = 0.2
 """A parameter counts as recovered within its interval or a fifth of the truth."""
@@ -49,6 +51,65 @@ def hide_and_find(name: str, seed: int) -> None:
 def test_a_hidden_effect_is_found(name: str) -> None:
     """Stands on the generator's truth; the seed is arbitrary."""
     hide_and_find(name, seed=7)
+
+
+def test_two_hidden_effects_are_both_found() -> None:
+    """Stands on the generator's truth: a lag and a drift hide each other in nothing."""
+    assert set(told_of(["sensor_drift", "delay"], seed=7)) == {"sensor_drift", "delay"}
+
+
+def test_what_the_catalogue_does_not_know_is_not_named() -> None:
+    """Stands on the generator's truth: a gain that swings in time is no effect of the catalogue."""
+    assert told_of(["periodic_gain"], seed=7) == ()
+
+
+def test_a_slow_sine_does_not_split_delay_and_lag() -> None:
+    """Stands on algebra: at one frequency a delay and a lag turn the phase alike."""
+    pair = hidden_pair(["delay"], seed=7, protocol="sine")
+    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
+    assert found.verdict is Verdict.AMBIGUOUS
+    assert {"delay", "pneumatic_lag"} <= set(found.alternatives[0].effects)
+
+
+def told_of(names: list[str], seed: int) -> tuple[str, ...]:
+    pair = hidden_pair(names, seed=seed)
+    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
+    return tuple(cause.effect for cause in found.causes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 108))
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["delay", "creep"],
+        ["pneumatic_lag", "coulomb_friction"],
+        ["hysteresis", "sensor_drift"],
+        ["sensor_clipping", "contact"],
+    ],
+    ids="+".join,
+)
+def test_pairs_are_found(names: list[str], seed: int) -> None:
+    """Stands on the generator's truth, for eight draws of pairs of different kinds."""
+    assert set(told_of(names, seed)) == set(names)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 104))
+@pytest.mark.parametrize("name", names_of("outside"))
+def test_nothing_outside_the_catalogue_is_misnamed(name: str, seed: int) -> None:
+    """Stands on the generator's truth: none of these laws is in the catalogue."""
+    assert told_of([name], seed) == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 108))
+def test_clean_data_stay_adequate(seed: int) -> None:
+    """Stands on the generator's truth, with noise that is white and with 90 % coloured noise."""
+    for rig in (Rig(), Rig(coloured_share=0.9, rest_s=30.0)):
+        pair = hidden_pair([], seed=seed, rig=rig)
+        found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
+        assert found.verdict is Verdict.ADEQUATE
 
 
 @pytest.mark.slow
