@@ -230,6 +230,7 @@ def advance(
     *,
     substeps: int = FINE,
     tolerance: float = TOLERANCE,
+    straight: bool = False,
 ) -> Candidate:
     """Take a candidate nearer to its optimum.
 
@@ -245,6 +246,9 @@ def advance(
         At most so many steps in a sampling interval.
     tolerance
         Stop within this many standard errors of the optimum.
+    straight
+        Whether steps go straight instead of along the bend of the response, which costs another
+        simulation each.
     """
     objective = WhitenedObjective(candidate.problem, sigma, candidate.whitener)
     candidate = _tempered(candidate)
@@ -260,7 +264,7 @@ def advance(
         candidate.problem.reach(),
         evaluations=evaluations,
         tolerance=tolerance,
-        bend=objective.bend,
+        bend=None if straight else objective.bend,
     )
     return replace(candidate, minimum=found)
 

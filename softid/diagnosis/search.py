@@ -35,7 +35,7 @@ UNSETTLED_FIELD, UNSETTLED = 2, 1.0
 """The effects of so many best signatures run the last lap too while they are still more than a
 standard error away from their optimum, wherever they stand."""
 
-CLEAR_LEAD = 0.5
+CLEAR_LEAD = 0.2
 """One whose sum of squares above the leader's is more than this share of the base's misfit above
 the leader's drops out before the last lap."""
 
@@ -98,14 +98,21 @@ def race(
     report(0.1)
 
     def run(
-        candidates: Sequence[Candidate], evaluations: int, substeps: int = FINE
+        candidates: Sequence[Candidate], evaluations: int, substeps: int, *, straight: bool = False
     ) -> list[Candidate]:
         return in_parallel(
-            lambda c: advance(c, sigma, evaluations, substeps=substeps, tolerance=RACING_TOLERANCE),
+            lambda c: advance(
+                c,
+                sigma,
+                evaluations,
+                substeps=substeps,
+                tolerance=RACING_TOLERANCE,
+                straight=straight,
+            ),
             candidates,
         )
 
-    best = _best_of_each(run(entrants, FIRST_LAP, COARSE))
+    best = _best_of_each(run(entrants, FIRST_LAP, COARSE, straight=True))
     report(0.5)
     promising = {s.effect.key for s in found[:PROMISING_SIGNATURES]}
     field = [c for k, c in enumerate(best) if k < SECOND_FIELD or c.effects[-1].key in promising]
@@ -122,8 +129,9 @@ def race(
         for c in second
         if c not in kept and c.effects[-1].key in unsettled and c.minimum.reach > UNSETTLED
     ]
-    kept += [form for candidate in kept[:FORMS_FIELD] for form in alternatives(candidate)]
-    last = run(kept, LAST_LAP)
+    forms = [form for candidate in kept[:FORMS_FIELD] for form in alternatives(candidate)]
+    kept += [form for form in run(forms, SECOND_LAP, COARSE) if form.squares <= limit]
+    last = run(kept, LAST_LAP, FINE)
     report(1.0)
     return _best_of_each(last)
 

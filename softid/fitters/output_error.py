@@ -92,6 +92,7 @@ def output_error(
     *,
     rng: np.random.Generator,
     rounds: int = MAX_ROUNDS,
+    thorough: bool = True,
     progress: Progress | None = None,
 ) -> Optimum:
     """Fit a problem from several starts.
@@ -107,6 +108,8 @@ def output_error(
     rounds
         How often at most a better optimum is looked for; 0 makes a draft: one contender, few
         evaluations, no search for a better one.
+    thorough
+        As in `best_rival`.
     progress
         Called with a sentence and the fraction done.
 
@@ -144,7 +147,7 @@ def output_error(
     if not stable:
         best, stable = _challenge(objective, best, start, rng, rounds)
     if rounds and not alone:
-        point, used = best_rival(problem, objective.sigma, best)
+        point, used = best_rival(problem, objective.sigma, best, thorough=thorough)
         objective.evaluations += used
         if point is not best.point:
             start = point

@@ -47,7 +47,9 @@ LEVELS = 20
 """Inputs at which the damping ratio of an optimum is looked at."""
 
 
-def best_rival(problem: Problem, sigma: Mapping[str, float], best: Minimum) -> tuple[Array, int]:
+def best_rival(
+    problem: Problem, sigma: Mapping[str, float], best: Minimum, *, thorough: bool = True
+) -> tuple[Array, int]:
     """Look for a better basin where the residual of an optimum has structure.
 
     Parameters
@@ -56,6 +58,8 @@ def best_rival(problem: Problem, sigma: Mapping[str, float], best: Minimum) -> t
         What was fitted, and the weights of the channels.
     best
         The optimum.
+    thorough
+        Whether ringing motions are looked for, which takes the longest.
 
     Returns
     -------
@@ -74,6 +78,8 @@ def best_rival(problem: Problem, sigma: Mapping[str, float], best: Minimum) -> t
         ended = search.solve(problem.unknowns(other.values_dict()), SCOUT_EVALUATIONS)
         if ended.normal.cost < cost:
             point, cost = ended.point, ended.normal.cost
+    if not thorough:
+        return point, search.evaluations
     if has_structure(problem, point) and (_rings(problem, point) or swings(problem, point)):
         rungs = _Ladder(problem, sigma)
         point = rungs.climbed(point, cost)

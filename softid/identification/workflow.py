@@ -143,6 +143,7 @@ def identify(
     parameters: ParameterSet | lmfit.Parameters | None = None,
     preferred: Sequence[Model] = (),
     seed: int = 0,
+    thorough: bool = True,
     progress: Progress | None = None,
 ) -> Work:
     """Find the optimum of `fit`, without errors and scores.
@@ -151,6 +152,8 @@ def identify(
     ----------
     logs, model, hold_out, parameters, preferred, seed, progress
         As in `fit`.
+    thorough
+        Whether a motion that rings is looked for where the residual has structure.
 
     Raises
     ------
@@ -181,7 +184,7 @@ def identify(
         wishes = Wishes.of(named.parameters(), parameters)
         require_channels(named, log_set)
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
-    found = _identify(adapted, log_set, wishes, starts, rng, report)
+    found = _identify(adapted, log_set, wishes, starts, rng, report, thorough=thorough)
     return Work(found, log_set, held, choice)
 
 
@@ -205,6 +208,8 @@ def _identify(
     starts: Sequence[Mapping[str, float]] | None,
     rng: np.random.Generator,
     report: Progress,
+    *,
+    thorough: bool,
 ) -> Identified:
     """Fit, and continue with the model's limit while a term cannot be seen.
 
@@ -219,7 +224,9 @@ def _identify(
     if starts is None:
         guesses = model.guess(problem.segments, logs.outputs[0])
         starts = [guess.values_dict() for guess in guesses]
-    optimum = output_error(problem, wishes.starts(overlaid, starts), rng=rng, progress=report)
+    optimum = output_error(
+        problem, wishes.starts(overlaid, starts), rng=rng, thorough=thorough, progress=report
+    )
     period_s = float(np.median([log.period_s for log in logs]))
     input_range = fitted_range(logs)[logs.input]
     unseen: dict[str, str] = {}
@@ -237,7 +244,7 @@ def _identify(
         overlaid = wishes.over(limit.parameters())
         values |= {n: p.value for n, p in overlaid.items() if p.fixed}
         problem = Problem(limit, overlaid, logs.logs)
-        optimum = output_error(problem, [values], rng=rng, progress=report)
+        optimum = output_error(problem, [values], rng=rng, thorough=thorough, progress=report)
     return Identified(problem, optimum, unseen, wishes)
 
 

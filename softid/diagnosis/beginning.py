@@ -1,0 +1,147 @@
+"""Where a diagnosis begins: the base fit, what is held out, and the sizes of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from softid.diagnosis.candidates import Candidate, advance, prior_about
+from softid.diagnosis.held_out import HeldOut, hold_out_blocks
+from softid.diagnosis.scale import scale_of
+from softid.effects.base import Scale
+from softid.fitters.levenberg_marquardt import Minimum, Normal
+from softid.fitters.problem import Problem
+from softid.identification.workflow import Work, identify
+from softid.log import Log, LogSet
+from softid.models import MODELS
+from softid.models.base import Model
+from softid.parameters import ParameterSet
+
+if TYPE_CHECKING:
+    import lmfit
+
+Progress = Callable[[str, float], None]
+
+RESTORING_LAP = 15
+HIDDEN_PERIODS = 0.1
+"""A restored term dies out within a tenth of the sampling interval."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """The base and what it is judged by.
+
+    Attributes
+    ----------
+    work
+        The base fit as `softid.fit` makes it.
+    base
+        The same as the candidate without effects.
+    scale
+        Sizes of its motion.
+    held
+        What is held out.
+    """
+
+    work: Work
+    base: Candidate
+    scale: Scale
+    held: HeldOut
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the user asked for.
+
+    Attributes
+    ----------
+    model, parameters, seed, progress
+        As in `diagnose`.
+    """
+
+    model: Model | str | None
+    parameters: ParameterSet | lmfit.Parameters | None
+    seed: int
+    progress: Progress
+
+    def begin(self, logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> Beginning:
+        """Fit the base.
+
+        Parameters
+        ----------
+        logs
+            Logs to explain; blocks of them are held out when no log is.
+        hold_out
+            Logs that judge.
+        thorough
+            As in `identify`.
+        """
+        trained, held = (logs, None) if hold_out else hold_out_blocks(logs)
+        work = identify(
+            trained.logs,
+            model=self.model,
+            hold_out=hold_out,
+            parameters=self.parameters,
+            seed=self.seed,
+            thorough=thorough,
+            progress=self.progress,
+        )
+        base = _base(work, self.model)
+        scale = scale_of(base.problem, base.minimum.point)
+        return Beginning(work, base, scale, held or HeldOut(work.hold_out))
+
+
+def _base(work: Work, asked: Model | str | None) -> Candidate:
+    """The base fit as the candidate without effects, with every term that its limit had dropped.
+
+    What was asked for by the user stays dropped.
+
+    A term that cannot be seen behind a misfit may be seen once its cause is in the model: without
+    it another effect would take its place.
+    """
+    optimum = work.found.optimum
+    problem, z = _whole_problem(work, asked), optimum.unknowns
+    if problem is not work.found.problem:
+        z = problem.unknowns(_whole_values(work, problem))
+    size = problem.size
+    empty = Normal(z, optimum.cost, np.zeros(size), np.eye(size), problem.n_samples)
+    variance = 2.0 * optimum.cost / max(problem.n_samples - size, 1)
+    prior = prior_about(problem, z, problem.free, variance)
+    candidate = Candidate((), problem, Minimum(z, empty, 0, 0.0), prior)
+    return advance(
+        candidate, dict(optimum.sigma), RESTORING_LAP if z is not optimum.unknowns else 1
+    )
+
+
+def _whole_problem(work: Work, asked: Model | str | None) -> Problem:
+    """The problem of the model of full order, or of the order that was asked for."""
+    problem = work.found.problem
+    options = dict(problem.model.spec().options)
+    wanted = asked.spec().options if isinstance(asked, Model) else {}
+    order = wanted.get("order", "second")
+    if options.get("order", order) == order:
+        return problem
+    whole: Model = MODELS[problem.model.name](**(options | {"order": order}))
+    return Problem(whole, work.found.wishes.over(whole.parameters()), work.logs.logs)
+
+
+def _whole_values(work: Work, problem: Problem) -> dict[str, float]:
+    """Fitted values, with a restored term as large as it may be without being seen."""
+    fitted = work.found.problem
+    theta = fitted.theta(work.found.optimum.unknowns)
+    values = dict(zip(fitted.parameters.names, theta.tolist(), strict=True))
+    law = fitted.model.motion_law(theta)
+    if law is None:
+        return values
+    u = np.concatenate([segment.input for segment in problem.segments])
+    damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
+    hidden_s = HIDDEN_PERIODS * float(np.median([log.period_s for log in work.logs]))
+    slow = damping if damping > 0.0 else hidden_s * stiffness
+    restored = {"M": hidden_s * slow, "N": slow, "c2": slow, "a2": 0.1 * slow}
+    for name in problem.free:
+        if values.get(name, 0.0) == 0.0 and name in restored:
+            values[name] = restored[name]
+    return values
