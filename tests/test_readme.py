@@ -37,7 +37,7 @@ def test_help_is_the_programs(
 
 def test_the_main_help_is_there() -> None:
     """The comparison above would pass on a README without any help."""
-    assert [arguments for arguments, _ in HELP.findall(README)] == ["--help", "fit --help"]
+    assert [arguments for arguments, _ in HELP.findall(README)] == ["--help"]
 
 
 def test_every_exit_code_is_explained() -> None:

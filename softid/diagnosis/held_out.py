@@ -23,6 +23,10 @@ BLOCK_SHARE = 0.04
 FIRST_SHARE = 0.1
 """Nothing is held out of the first tenth, from which initial states are found."""
 
+GOLDEN_RATIO = 0.618
+"""Each fifth of the log has its block elsewhere, so that the blocks do not fall on the same part of
+every cycle."""
+
 DRAWS = 999
 BOOTSTRAP_BLOCKS = 24
 """Blocks into which held-out samples fall for the interval of the gain."""
@@ -128,8 +132,10 @@ def _blocks(log: Log) -> BoolArray:
     held = np.zeros(n, bool)
     u = log.channels[log.input].values
     length = max(int(BLOCK_SHARE * n), 1)
-    for centre in np.linspace(FIRST_SHARE, 1.0, BLOCKS + 1)[1:] - 0.5 * (1 - FIRST_SHARE) / BLOCKS:
-        first = min(int(centre * n), n - length)
+    stratum = (1.0 - FIRST_SHARE) / BLOCKS
+    for k in range(BLOCKS):
+        place = (0.5 + k * GOLDEN_RATIO) % 1.0
+        first = int((FIRST_SHARE + k * stratum + place * (stratum - BLOCK_SHARE)) * n)
         held[first : first + length] = True
     low, high = u[~held].min(), u[~held].max()
     held &= (u >= low) & (u <= high)

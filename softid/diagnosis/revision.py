@@ -12,6 +12,8 @@ from softid.diagnosis.chain import Chain, Link, next_link, pays, settled
 from softid.effects.base import Effect, Scale
 
 WITHOUT_LAP = 25
+PROMISING = 6
+"""Effects of so many best signatures are asked again, besides those that were ranked."""
 
 
 def revised(
@@ -44,7 +46,7 @@ def revised(
         mine = _added(links[position])
         others = [effect for effect in now.effects if effect.name != mine.name]
         without = _without(now, base, others, scale, sigma)
-        link = next_link(without, effects, scale, sigma)
+        link = next_link(without, _contenders(links[position], effects), scale, sigma)
         if link is None or not pays(link, first=False):
             del links[position]
             now = without
@@ -52,6 +54,13 @@ def revised(
         links[position] = link
         now = settled(link.chosen.plain, sigma)
     return Chain(tuple(links), chain.last, now)
+
+
+def _contenders(link: Link, effects: Sequence[Effect]) -> list[Effect]:
+    """Effects that did well in a link's round, or whose signature promised most there."""
+    names = {effect.name for row in link.ranked for effect in row.candidate.effects}
+    names |= {signature.effect.name for signature in link.signatures[:PROMISING]}
+    return [effect for effect in effects if effect.name in names]
 
 
 def _added(link: Link) -> Effect:

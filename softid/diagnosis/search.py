@@ -31,9 +31,12 @@ PROMISING_SIGNATURES = 5
 """Effects of the best signatures stay for the second lap however far the first one brought them: a
 motion that integrates its force answers violently to a start that is a little off."""
 
-UNSETTLED_FIELD, UNSETTLED = 2, 1.0
-"""The effects of so many best signatures run the last lap too while they are still more than a
-standard error away from their optimum, wherever they stand."""
+UNSETTLED, MORE_LAPS = 1.0, 2
+"""Those that are more than a standard error away from their optimum after the second lap run it
+again, up to so many times, before anyone drops out: some begin worse than the base."""
+
+FAVOURITES = 2
+"""The effects of so many best signatures that are still not settled run the last lap too."""
 
 CLEAR_LEAD = 0.2
 """One whose sum of squares above the leader's is more than this share of the base's misfit above
@@ -116,18 +119,22 @@ def race(
     report(0.5)
     promising = {s.effect.key for s in found[:PROMISING_SIGNATURES]}
     field = [c for k, c in enumerate(best) if k < SECOND_FIELD or c.effects[-1].key in promising]
-    second = _by_squares(run(field, SECOND_LAP, COARSE))
+    second = run(field, SECOND_LAP, COARSE)
+    for _ in range(MORE_LAPS):
+        resting = [c for c in second if c.minimum.reach <= UNSETTLED]
+        second = resting + run([c for c in second if c not in resting], SECOND_LAP, COARSE)
+    second = _by_squares(second)
     report(0.7)
     if not second or n * np.log(fitted.squares / second[0].squares) < SMALLEST_GAIN:
         return second[:1]
     leader = second[0].squares
     limit = leader + CLEAR_LEAD * max(fitted.squares - leader, 0.0)
     kept = [c for c in second[:LAST_FIELD] if c.squares <= limit]
-    unsettled = list(dict.fromkeys(s.effect.key for s in found))[:UNSETTLED_FIELD]
+    favourites = list(dict.fromkeys(s.effect.key for s in found))[:FAVOURITES]
     kept += [
         c
         for c in second
-        if c not in kept and c.effects[-1].key in unsettled and c.minimum.reach > UNSETTLED
+        if c not in kept and c.effects[-1].key in favourites and c.minimum.reach > UNSETTLED
     ]
     forms = [form for candidate in kept[:FORMS_FIELD] for form in alternatives(candidate)]
     kept += [form for form in run(forms, SECOND_LAP, COARSE) if form.squares <= limit]

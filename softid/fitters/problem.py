@@ -31,6 +31,10 @@ REST_FRACTION = 0.02
 LOG_REACH = 2.0
 LINEAR_REACH = 3.0
 FREE_REACH = 1e3
+BOUNDED_REACH = 0.05
+"""Share of the distance of its bounds that a value moves at most: a step that carries the place of a
+kink across the range says nothing of what happens in between."""
+
 _LOG_FLOOR = 1e-300
 
 
@@ -136,12 +140,15 @@ class Problem:
     def reach(self) -> Array:
         """How far each unknown may plausibly move from where it is, shape (U,).
 
-        A factor of e² where the scale is logarithmic, a few times the value where it is linear;
-        anything for zeros and states, which the data always pin down.
+        A factor of e² where the scale is logarithmic, a few times the value where it is linear, but
+        no more than a part of what its bounds allow; anything for zeros and states, which the data
+        always pin down.
         """
         far = np.full(self.size, FREE_REACH)
         values = np.array([self.parameters[name].value for name in self.free])
         linear = LINEAR_REACH * np.maximum(np.abs(values), 1.0)
+        rows = [self.parameters[name] for name in self.free]
+        linear = np.minimum(linear, [BOUNDED_REACH * (p.upper - p.lower) for p in rows])
         far[: len(self.free)] = np.where(self._log_scaled, LOG_REACH, linear)
         return far
 
