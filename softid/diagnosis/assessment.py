@@ -21,9 +21,9 @@ EXPLAINED = 0.93
 """Share of the misfit that the causes must explain when something is left."""
 
 MOSTLY, DOMINANT = 0.6, 0.3
-"""Where the rest follows from nothing that moves, causes may be named from this explained share on:
-each that takes away at least the second share of the misfit by itself. A drive without a spring
-adds up every small disturbance of its force, which no law can take away."""
+"""A drive without a spring adds up every small disturbance of its force, which no law can take away.
+Where the rest follows from nothing that moves, its causes may be named from this explained share
+on: each that takes away at least the second share of the misfit by itself."""
 
 SMALLEST_EXCESS = 0.15
 EXCESS_SDS = 3.0
@@ -121,7 +121,7 @@ def nameable(links: Sequence[Link], final: Candidate, remainder: Remainder) -> t
     """
     if not remainder.structured or remainder.explained_share > EXPLAINED:
         return (True,) * len(links)
-    if remainder.predictable or remainder.explained_share <= MOSTLY:
+    if remainder.predictable or remainder.explained_share <= MOSTLY or _has_spring(final):
         return (False,) * len(links)
     squares = [*(link.squares_before for link in links), final.squares]
     return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))

@@ -32,8 +32,8 @@ LOG_REACH = 2.0
 LINEAR_REACH = 3.0
 FREE_REACH = 1e3
 BOUNDED_REACH = 0.05
-"""Share of the distance of its bounds that a value moves at most: a step that carries the place of a
-kink across the range says nothing of what happens in between."""
+"""Share of the distance of its bounds that a value moves at most: a step that carries the place of
+a kink across the range says nothing of what happens in between."""
 
 _LOG_FLOOR = 1e-300
 
