@@ -21,7 +21,7 @@ EXPLAINED = 0.93
 """Share of the misfit that the causes must explain when something is left."""
 
 MOSTLY, DOMINANT = 0.6, 0.3
-"""A drive without a spring adds up every small disturbance of its force, which no law can take away.
+"""A drive without a spring adds up every small disturbance of its force, which no law takes away.
 Where the rest follows from nothing that moves, its causes may be named from this explained share
 on: each that takes away at least the second share of the misfit by itself."""
 
@@ -125,6 +125,16 @@ def nameable(links: Sequence[Link], final: Candidate, remainder: Remainder) -> t
         return (False,) * len(links)
     squares = [*(link.squares_before for link in links), final.squares]
     return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))
+
+
+def _has_spring(final: Candidate) -> bool:
+    """Whether anything pulls the motion back to a rest."""
+    problem = final.problem
+    law = problem.model.motion_law(problem.theta(final.minimum.point))
+    if law is None:
+        return True
+    u = np.concatenate([segment.input for segment in problem.segments])
+    return bool(np.any(law.coefficients(u)[1] > 0.0))
 
 
 def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remainder) -> Verdict:

@@ -31,6 +31,9 @@ PROMISING_SIGNATURES = 5
 """Effects of the best signatures stay for the second lap however far the first one brought them: a
 motion that integrates its force answers violently to a start that is a little off."""
 
+FAR = 5.0
+"""So do those that are still so many standard errors away."""
+
 UNSETTLED, MORE_LAPS = 1.0, 2
 """Those that are more than a standard error away from their optimum after the second lap run it
 again, up to so many times, before anyone drops out: some begin worse than the base."""
@@ -118,7 +121,11 @@ def race(
     best = _best_of_each(run(entrants, FIRST_LAP, COARSE, straight=True))
     report(0.5)
     promising = {s.effect.key for s in found[:PROMISING_SIGNATURES]}
-    field = [c for k, c in enumerate(best) if k < SECOND_FIELD or c.effects[-1].key in promising]
+    field = [
+        c
+        for k, c in enumerate(best)
+        if k < SECOND_FIELD or c.effects[-1].key in promising or c.minimum.reach > FAR
+    ]
     second = run(field, SECOND_LAP, COARSE)
     for _ in range(MORE_LAPS):
         resting = [c for c in second if c.minimum.reach <= UNSETTLED]
