@@ -265,6 +265,7 @@ def advance(
         evaluations=evaluations,
         tolerance=tolerance,
         bend=None if straight else objective.bend,
+        damping=candidate.minimum.damping,
     )
     return replace(candidate, minimum=found)
 
@@ -296,7 +297,7 @@ def _moved(candidate: Candidate, change: Mapping[str, float]) -> Candidate:
             p = problem.parameters[name]
             inside = float(np.clip(change[name], p.lower, p.upper))
             z[k] = np.log(inside) if p.scale == "log" else inside
-    return replace(candidate, minimum=replace(candidate.minimum, point=z))
+    return replace(candidate, minimum=replace(candidate.minimum, point=z, damping=None))
 
 
 def _lag_for_inertia(candidate: Candidate) -> dict[str, float]:

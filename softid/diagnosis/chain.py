@@ -216,4 +216,5 @@ def settled(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     point, problem = candidate.minimum.point, candidate.problem
     prior = prior_about(problem, point, problem.free, candidate.squares / n)
-    return advance(replace(candidate, prior=prior), sigma, SETTLING)
+    begin = replace(candidate.minimum, damping=None)
+    return advance(replace(candidate, minimum=begin, prior=prior), sigma, SETTLING)

@@ -82,6 +82,6 @@ def _without(
     z = np.concatenate((z, now.minimum.point[len(now.problem.free) :]))
     n = max(problem.n_samples - problem.size, 1)
     prior = prior_about(problem, z, problem.free, now.squares / n)
-    placed = replace(now.minimum, point=z)
+    placed = replace(now.minimum, point=z, damping=None)
     candidate = Candidate(tuple(others), problem, placed, prior)
     return advance(candidate, sigma, WITHOUT_LAP)

@@ -226,7 +226,7 @@ def candidate_from(
     for k, name in enumerate(problem.free):
         centre[k] = known.get(name, centre[k])
     prior = prior_about(problem, centre, fitted.problem.free, variance)
-    placed = replace(fitted.minimum, point=best, evaluations=0, reach=np.inf)
+    placed = replace(fitted.minimum, point=best, evaluations=0, reach=np.inf, damping=None)
     return Candidate((*fitted.effects, signature.effect), problem, placed, prior)
 
 

@@ -193,7 +193,8 @@ def rank(
     model = whitener or whitener_of(best.problem, best.minimum.point, sigma)
 
     def refit(candidate: Candidate) -> Ranked:
-        white = advance(replace(candidate, whitener=model), sigma, WHITE_LAP)
+        begin = replace(candidate.minimum, damping=None)
+        white = advance(replace(candidate, minimum=begin, whitener=model), sigma, WHITE_LAP)
         n, k = white.minimum.normal.n, white.problem.size
         spread = max(white.squares, np.finfo(float).tiny)
         return Ranked(white, candidate, float(n * np.log(spread / n) + k * np.log(n)))

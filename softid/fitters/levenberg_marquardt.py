@@ -88,12 +88,15 @@ class Minimum:
         Number of evaluations.
     reach
         `attainable_offset` at the end.
+    damping
+        Damping at the end, with which another run would go on; None before the first run.
     """
 
     point: Array
     normal: Normal
     evaluations: int
     reach: float
+    damping: float | None = None
 
 
 def minimise(
@@ -106,6 +109,7 @@ def minimise(
     evaluations: int,
     tolerance: float,
     bend: Callable[[Array, Array, Normal], Array | None] | None = None,
+    damping: float | None = None,
 ) -> Minimum:
     """Minimise ½‖r(z)‖² within bounds.
 
@@ -125,15 +129,18 @@ def minimise(
     bend
         (z, v, normal) → Jᵀ∂²ŷ/∂v², the second derivative of the simulated response along v seen
         from the parameters, shape (U,); None, or a None result, for no acceleration.
+    damping
+        That of a run that goes on; None begins anew.
     """
     z = np.clip(start, lower, upper)
     now = evaluate(z)
     z = now.point
     used = 1
-    damping, growth = INITIAL_DAMPING, 2.0
+    growth = 2.0
     progress = _Progress()
     scale = 1.0 / reach
-    damping *= float(np.max(np.diag(now.matrix) * reach**2, initial=0.0))
+    if damping is None:
+        damping = INITIAL_DAMPING * float(np.max(np.diag(now.matrix) * reach**2, initial=0.0))
     while used < evaluations and np.isfinite(now.cost) and z.size:
         moving = movable(z, now.gradient, lower, upper)
         offset = attainable_offset(now, moving, reach)
@@ -171,9 +178,9 @@ def minimise(
         else:
             damping, growth = damping * growth, growth * 2.0
     if not np.isfinite(now.cost):
-        return Minimum(z, now, used, np.inf)
+        return Minimum(z, now, used, np.inf, damping)
     moving = movable(z, now.gradient, lower, upper)
-    return Minimum(z, now, used, attainable_offset(now, moving, reach))
+    return Minimum(z, now, used, attainable_offset(now, moving, reach), damping)
 
 
 def movable(z: Array, gradient: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
