@@ -10,10 +10,7 @@ import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 from softid.diagnosis.held_out import (
-    BLOCK_SHARE,
-    BLOCKS,
     BOOTSTRAP_BLOCKS,
-    FIRST_SHARE,
     HeldOut,
     gain_interval,
     hold_out_blocks,
@@ -41,9 +38,9 @@ def test_blocks_of_a_log(samples: int) -> None:
     pressure[: samples // 10 + 2 : 2], pressure[1 : samples // 10 + 2 : 2] = -1.0, 101.0
     trained, held = hold_out_blocks(LogSet((driven(pressure),)))
     (block,) = held.blocks
-    assert not block[: int(FIRST_SHARE * samples)].any()
-    assert np.count_nonzero(np.diff(block.astype(int)) == 1) == BLOCKS
-    assert block.sum() == BLOCKS * max(int(BLOCK_SHARE * samples), 1)
+    assert not block[: samples // 10].any()
+    assert np.count_nonzero(np.diff(block.astype(int)) == 1) == 5
+    assert block.sum() == 5 * max(samples // 25, 1)
     assert np.array_equal(trained.logs[0].masked, block)
     assert held.whole[0].masked is not None
     assert not held.whole[0].masked.any()
@@ -79,8 +76,11 @@ def test_what_was_masked_stays_masked() -> None:
 
 
 def test_errors_in_blocks() -> None:
-    """Known truth: the model is exact but for 0.3 rad that stand on the held-out samples alone."""
-    log = linear_log()
+    """Known truth: the model is exact but for 0.3 rad that stand on the held-out samples alone.
+
+    The sensor's zero of 0.5 rad is known from the rest.
+    """
+    log = linear_log(added=0.5)
     _, held = hold_out_blocks(LogSet((log,)))
     angle = log.channels["angle"].values + np.where(held.blocks[0], 0.3, 0.0)
     trained, held = hold_out_blocks(LogSet((with_angle(log, angle),)))

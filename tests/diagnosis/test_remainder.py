@@ -75,10 +75,13 @@ def test_noise_of_any_colour_is_no_structure(phi: float) -> None:
 
 
 def test_slow_noise_reaches_more_by_chance() -> None:
-    """The limit goes with the colour: white noise has none to speak of."""
+    """The limit goes with the colour: white noise has none.
+
+    On samples that were seen, 50 coefficients of 3000 samples would find 1.5 % of it.
+    """
     white = np.random.default_rng(0).standard_normal(TIME_S.size)
     slow = np.cumsum(white)
-    assert look(white).limit < 0.02
+    assert look(white).limit < 0.005
     assert look(slow - slow.mean()).limit > 0.1
 
 

@@ -84,16 +84,20 @@ def test_a_static_law_takes_how_late_the_output_comes(late_samples: int) -> None
     assert found == pytest.approx(max(late_samples * PERIOD_S, PERIOD_S), abs=1.01 * step_s)
 
 
-def test_an_output_that_stands_still_is_not_late() -> None:
-    """Nothing follows anything: one period, and sizes that nothing divides by zero with."""
+@pytest.mark.parametrize("swing", [0.0, 1.0])
+def test_an_output_that_stands_still_is_not_late(swing: float) -> None:
+    """Nothing follows anything: one period, and sizes that nothing divides by zero with.
+
+    Under a constant input even the simulated position has no span.
+    """
     time_s = PERIOD_S * np.arange(200)
-    log = Log.from_arrays(time_s, {"pressure": np.sin(time_s), "angle": np.zeros(200)})
+    pressure = 50.0 + swing * np.sin(time_s)
+    log = Log.from_arrays(time_s, {"pressure": pressure, "angle": np.zeros(200)})
     static = Oscillator(order="static", x_unit="rad", u_unit="kPa")
     problem = Problem(static, static.parameters(), [log])
-    scale = scale_of(problem, problem.unknowns({"Q": 1e14}))
+    scale = scale_of(problem, problem.unknowns({"Q": 50.0}))
     assert scale.motion_s == pytest.approx(PERIOD_S)
-    assert scale.x_span > 0.0
-    assert scale.v_max > 0.0
+    assert min(scale.x_span, scale.v_max, scale.force, scale.travel) > 0.0
 
 
 def test_travel_and_speed() -> None:

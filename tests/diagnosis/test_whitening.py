@@ -70,7 +70,9 @@ def test_runs_that_are_too_short_are_left_out() -> None:
     """A run of no more samples than coefficients has no innovation."""
     three = Whitener({KEY: np.array([0.1, 0.1, 0.1])}, {KEY: 1.0})
     used = np.array([True] * 3 + [False] + [True] * 4 + [False])
-    white = three.apply(np.ones((7, 2)), used, log=0, channel="angle")
+    rows = np.ones((7, 2))
+    rows[:3] = 99.0
+    white = three.apply(rows, used, log=0, channel="angle")
     assert white == pytest.approx(np.full((1, 2), 0.7))
     nothing = three.apply(np.ones((3, 2)), used[:4], log=0, channel="angle")
     assert nothing.shape == (0, 2)
