@@ -91,17 +91,28 @@ class HeldOut:
         return found
 
     def _in_blocks(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
-        fitted = candidate.problem
-        problem = Problem(fitted.model, fitted.parameters, self.whole)
-        if problem.size != fitted.size:  # a mask changed what counts as rest at a start
-            return []
+        """From the initial states of the fit: without the mask another start may count as rest."""
+        fitted, z = candidate.problem, candidate.minimum.point
+        theta = fitted.theta(z)
+        segments = [(k, segment) for k, log in enumerate(self.whole) for segment in log.segments()]
         found = []
-        for block in problem.blocks(candidate.minimum.point, derivatives=False):
-            segment = problem.segments[block.segment]
-            used = segment.used[block.channel]
-            held = self.blocks[problem.owner[block.segment]][segment.start : segment.stop]
-            measured = segment.outputs[block.channel][used & held]
-            found.append((segment.log_name, block.channel, measured, block.residual[held[used]]))
+        for at, (log, segment) in enumerate(segments):
+            with np.errstate(all="ignore"):
+                response = fitted.model.response(
+                    theta,
+                    segment,
+                    fitted.outputs,
+                    start=fitted.start(z, at),
+                    derivatives=False,
+                    relative=fitted.has_equilibrium,
+                )
+            block = self.blocks[log][segment.start : segment.stop]
+            for name in fitted.outputs:
+                held = segment.used[name] & block
+                measured = segment.outputs[name][held]
+                zero = z[fitted.zero_position(log, name)] if fitted.zeros else 0.0
+                residual = measured - response.outputs[name][held] - zero
+                found.append((segment.log_name, name, measured, residual))
         return found
 
 

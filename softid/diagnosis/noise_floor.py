@@ -78,7 +78,7 @@ def noise_floor(
         [np.diff(run, 2) for r in residuals for run in contiguous_runs(r) if run.size > 2]
         or [np.zeros(1)]
     )
-    sigma = 1.4826 * float(np.median(np.abs(second))) / np.sqrt(6.0)
+    sigma = float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0))
     return NoiseFloor(sigma**2, float(np.sqrt(7.0 / max(second.size, 1))), from_rest=False)
 
 

@@ -154,9 +154,9 @@ def screen(
             plans = limited_plans(problem, z, COARSE)
             blocks = problem.blocks(z, derivatives=False, plans=plans)
             rows = [b.residual / sigma[b.channel] for b in blocks]
-        whole = measured - np.concatenate(rows) - residual.simulated
-        change = residual.without_basis(whole)
-        power = float(change @ change)
+            whole = measured - np.concatenate(rows) - residual.simulated
+            change = residual.without_basis(whole)
+            power = float(change @ change)
         if not np.isfinite(power) or power <= 0.0:
             return None
         along = float(residual.rows @ change)

@@ -20,7 +20,7 @@ from softid.diagnosis.thinning import samples_to_average, thinned
 from softid.diagnosis.words import averaged_over, restriction, worded
 from softid.fitters.output_error import Optimum
 from softid.identification.assembly import Identified, assemble
-from softid.identification.preparation import as_log_set
+from softid.identification.preparation import as_log_set, without_dropouts
 from softid.identification.wishes import Wishes
 from softid.identification.workflow import Work
 from softid.log import Log, LogSet
@@ -82,8 +82,8 @@ def diagnose(
         As `softid.fit`.
     """
     report = progress or (lambda message, fraction: None)
-    log_set = LogSet(tuple(without_input_noise(log) for log in as_log_set(logs)))
-    hold_out = tuple(without_input_noise(log) for log in hold_out)
+    log_set = LogSet(tuple(_cleaned(log) for log in as_log_set(logs)))
+    hold_out = tuple(_cleaned(log) for log in hold_out)
 
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     start = asked.begin(log_set, hold_out, thorough=False)
@@ -121,6 +121,11 @@ def diagnose(
         issues=(*before.issues, *restriction(effects), *averaged_over(count)),
     )
     return worded(found)
+
+
+def _cleaned(log: Log) -> Log:
+    """The log as it is fitted, averaged and judged by: a drop-out must be in none of the three."""
+    return without_dropouts(without_input_noise(log))
 
 
 def _searched(

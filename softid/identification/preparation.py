@@ -64,9 +64,11 @@ def require_excitation(logs: LogSet) -> None:
 def without_dropouts(log: Log) -> Log:
     """Leave drop-outs of the outputs out of the residuals, and say so.
 
-    Missing samples are left out already; these are samples that hold a wrong number.
+    Missing and masked samples are left out already; these are samples that hold a wrong number.
     """
     dropped = dropout_mask(log)
+    if log.masked is not None:
+        dropped &= ~log.masked
     for name in log.outputs:
         dropped &= np.isfinite(log.channels[name].values)
     count = int(dropped.sum())

@@ -68,9 +68,9 @@ class Law(ABC):
         return None
 
     def equilibrium(self, u: float) -> float:
-        """Position x = F/Q at constant input."""
+        """Position x = F/Q at constant input; NaN without a spring."""
         _, stiffness, force = self.coefficients(np.array([u]))
-        return float(force[0] / stiffness[0])
+        return float(force[0] / stiffness[0]) if stiffness[0] != 0.0 else np.nan
 
     def equilibrium_by(self, u: float) -> Array:
         """∂(F/Q)/∂θ at constant input, shape (K,)."""

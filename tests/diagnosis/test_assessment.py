@@ -1,0 +1,138 @@
+"""What is left of a misfit, and which verdict follows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from handmade_diagnosis import remainder
+from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
+
+from softid.diagnoses import Remainder, Verdict
+from softid.diagnosis.assessment import assess, nameable, surroundings, verdict_of
+from softid.diagnosis.candidates import Candidate
+from softid.diagnosis.chain import Link
+from softid.diagnosis.scale import scale_of
+
+PREDICTABLE = remainder(structured=True, explained=0.7)
+RANDOM = replace(PREDICTABLE, structure_share=0.01)
+
+
+def link(squares_before: float, *rivals: str) -> Any:
+    """A link of which only the sum of squares and the rivals are looked at."""
+    none: Any = None
+    return Link(none, (), none, rivals or ("delay",), (), squares_before)
+
+
+def model(squares: float) -> Any:
+    return SimpleNamespace(squares=squares)
+
+
+@pytest.mark.parametrize(
+    ("left", "named"),
+    [
+        (remainder(structured=False, explained=0.1), (True, True)),
+        (replace(RANDOM, explained_share=0.94), (True, True)),
+        (replace(PREDICTABLE, explained_share=0.94), (True, True)),
+        (replace(PREDICTABLE, explained_share=0.93), (False, False)),
+        (replace(RANDOM, explained_share=0.93), (True, False)),
+        (replace(RANDOM, explained_share=0.61), (True, False)),
+        (replace(RANDOM, explained_share=0.60), (False, False)),
+    ],
+)
+def test_what_may_be_named(left: Remainder, named: tuple[bool, ...]) -> None:
+    """Stands on the rule: nothing is left; almost all; a random rest; a rest that has a cause.
+
+    The links take 0.6 and 0.2 of the misfit, on both sides of the 0.3 that a dominant one needs.
+    """
+    assert nameable([link(100.0), link(40.0)], model(20.0), left) == named
+
+
+def test_a_dominant_link_is_measured_against_the_whole_misfit() -> None:
+    """The second takes nine tenths of what the first left, which is a twentieth of the whole."""
+    left = replace(RANDOM, explained_share=0.8)
+    assert nameable([link(100.0), link(5.0)], model(0.5), left) == (True, False)
+    assert nameable([link(100.0), link(70.0)], model(40.0), left) == (True, True)
+    assert nameable([], model(100.0), left) == ()
+
+
+@pytest.mark.parametrize(
+    ("links", "named", "structured", "verdict"),
+    [
+        ([], [], False, Verdict.ADEQUATE),
+        ([], [], True, Verdict.UNKNOWN),
+        ([("delay",)], [False], True, Verdict.UNKNOWN),
+        ([("delay",)], [False], False, Verdict.UNKNOWN),
+        ([("delay",)], [True], False, Verdict.NAMED),
+        ([("delay",)], [True], True, Verdict.PARTIAL),
+        ([("delay", "creep")], [True], False, Verdict.AMBIGUOUS),
+        ([("delay", "creep")], [True], True, Verdict.AMBIGUOUS),
+        ([("delay",), ("creep", "ageing")], [True, True], False, Verdict.AMBIGUOUS),
+        ([("delay",), ("creep", "ageing")], [True, False], True, Verdict.PARTIAL),
+        ([("delay", "creep"), ("ageing",)], [False, True], False, Verdict.NAMED),
+    ],
+)
+def test_verdict(
+    links: list[tuple[str, ...]], named: list[bool], structured: bool, verdict: Verdict
+) -> None:
+    """Every branch: rivals of a link that is not named make nothing ambiguous."""
+    left = remainder(structured=structured, explained=0.8)
+    assert verdict_of([link(1.0, *rivals) for rivals in links], named, left) is verdict
+
+
+def bent(added: float) -> tuple[Candidate, Candidate]:
+    """Bases at the truth: one whose log is the truth with noise, one with a sine on it."""
+    samples = 4000
+    swing = added * np.sin(2.0 * np.pi * np.arange(samples) / (5.0 * RATE_HZ))
+    clean = linear_problem([linear_log(noise=0.01, samples=samples)])
+    wrong = linear_problem([linear_log(noise=0.01, samples=samples, added=swing)])
+    return (
+        standing(clean, clean.unknowns(TRUTH)),
+        standing(wrong, wrong.unknowns(TRUTH)),
+    )
+
+
+def test_noise_alone_leaves_nothing() -> None:
+    """Known truth: white noise of 0.01 rad, whose variance is known to a few hundredths."""
+    clean, _ = bent(0.0)
+    scale = scale_of(clean.problem, clean.minimum.point)
+    left = assess(clean, clean, scale, rng=np.random.default_rng(0))
+    assert left.structured is False
+    assert left.explained_share == 1.0
+    assert left.rms == pytest.approx(0.01, rel=0.05)
+    assert abs(left.excess) < 0.15
+
+
+def test_a_misfit_of_known_size() -> None:
+    """Closed form: a sine of 0.05 rad on noise of 0.01 has an excess of ½·25 = 12.5.
+
+    The cause takes all of it or none of it; the noise's variance is known to 5 %.
+    """
+    clean, wrong = bent(0.05)
+    scale = scale_of(wrong.problem, wrong.minimum.point)
+    none, every = (
+        assess(wrong, final, scale, rng=np.random.default_rng(0)) for final in (wrong, clean)
+    )
+    assert none.structured is True
+    assert none.explained_share == pytest.approx(0.0, abs=1e-9)
+    assert none.excess == pytest.approx(12.5, rel=0.15)
+    assert type(none.excess) is float
+    assert every.structured is False
+    assert every.explained_share > 0.98
+
+
+def test_surroundings_show_where_nothing_was_used() -> None:
+    """Residual and motion at every sample; NaN where masked, noise-free zeros elsewhere."""
+    log = linear_log()
+    masked = np.zeros(len(log), bool)
+    masked[300:340] = True
+    problem = linear_problem([log.with_masked(masked)])
+    (part,) = surroundings(standing(problem, problem.unknowns(TRUTH)))
+    assert np.array_equal(np.isnan(part.residual), masked)
+    assert np.nanmax(np.abs(part.residual)) < 1e-6
+    assert part.x == pytest.approx(log.channels["angle"].values, abs=1e-6)
+    assert np.max(np.abs(np.gradient(part.x, part.time_s)[5:-5] - part.v[5:-5])) < 0.5
+    assert np.array_equal(part.u, log.pressure_kpa)

@@ -1,0 +1,171 @@
+"""The chain of causes: what counts, what is as good, and when it ends."""
+
+from __future__ import annotations
+
+import pytest
+from handmade_rounds import candidate, link, ranked
+from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
+
+from softid.diagnosis.candidates import Candidate
+from softid.diagnosis.chain import _rivals, find_chain, next_link, pays, settled
+from softid.diagnosis.scale import scale_of
+from softid.diagnosis.screening import screen
+from softid.effects import effect_of
+from softid.effects.base import Scale
+
+DRIFT = effect_of("sensor_drift")
+RATE, SIZE = 0.003, 0.05
+
+
+@pytest.mark.parametrize(
+    ("fall", "first", "further"),
+    [(17.9, False, False), (18.1, True, False), (29.9, True, False), (30.1, True, True)],
+)
+def test_how_far_the_bic_must_fall(fall: float, first: bool, further: bool) -> None:
+    """Stands on the two limits, 18 for the first cause and 30 for every further one."""
+    assert pays(link(fall), first=True) is first
+    assert pays(link(fall), first=False) is further
+
+
+@pytest.mark.parametrize(("after", "counts"), [(98.9, True), (99.1, False)])
+def test_a_further_cause_takes_a_hundredth(after: float, counts: bool) -> None:
+    """However far the BIC of many samples falls; of the first cause that is not asked."""
+    assert pays(link(500.0, after=after), first=False) is counts
+    assert pays(link(500.0, after=after), first=True)
+
+
+@pytest.mark.parametrize(("gain", "key"), [(5.9, ""), (6.1, "separate")])
+def test_a_richer_law_must_gain_on_the_plain_one(gain: float, key: str) -> None:
+    """The plain lag stays the answer while two time constants gain less than 6 of BIC."""
+    rows = [
+        ranked(("pneumatic_lag.separate",), 0.0),
+        ranked(("pneumatic_lag",), gain),
+        ranked(("creep",), gain + 20.0),
+    ]
+    best, names = _rivals(rows, candidate(()))
+    assert best.candidate.effects[0].variant == key
+    assert names == ("pneumatic_lag",)
+
+
+def test_a_richer_law_without_a_plain_one_is_taken() -> None:
+    """When the plain form has dropped out of the race there is nothing to prefer."""
+    rows = [ranked(("pneumatic_lag.separate",), 0.0), ranked(("creep",), 1.0)]
+    best, names = _rivals(rows, candidate(()))
+    assert best is rows[0]
+    assert names == ("pneumatic_lag", "creep")
+
+
+def test_rivals_are_those_within_eight() -> None:
+    """By the name of the cause, each once, the best first."""
+    rows = [
+        ranked(("delay",), 0.0),
+        ranked(("pneumatic_lag.separate",), 3.0),
+        ranked(("pneumatic_lag",), 5.0),
+        ranked(("sensor_lag",), 7.9),
+        ranked(("creep",), 8.1),
+    ]
+    best, names = _rivals(rows, candidate(()))
+    assert best is rows[0]
+    assert names == ("delay", "pneumatic_lag", "sensor_lag")
+
+
+def test_rivals_are_measured_from_what_was_chosen() -> None:
+    """Against the plain form, not against the richer one that it is preferred to."""
+    rows = [
+        ranked(("pneumatic_lag.separate",), 0.0),
+        ranked(("pneumatic_lag",), 5.0),
+        ranked(("delay",), 12.0),
+    ]
+    assert _rivals(rows, candidate(()))[1] == ("pneumatic_lag", "delay")
+
+
+def test_effects_that_were_there_are_no_rivals() -> None:
+    """In a second round only what each candidate adds is compared."""
+    rows = [ranked(("delay", "creep"), 0.0), ranked(("delay", "ageing"), 2.0)]
+    best, names = _rivals(rows, candidate(("delay",)))
+    assert best is rows[0]
+    assert names == ("creep", "ageing")
+
+
+def beginning(rate: float, size: float) -> tuple[Candidate, Scale]:
+    """The base at its optimum under a drift and a parabola of the reading, with noise."""
+    time_s = linear_log().time_s
+    added = rate * time_s + size * (time_s / time_s[-1]) ** 2
+    problem = linear_problem([linear_log(noise=0.01, added=added)])
+    z = problem.unknowns(TRUTH)
+    return settled(standing(problem, z), SIGMA), scale_of(problem, z)
+
+
+def test_nothing_is_tried_where_nothing_is_promised() -> None:
+    """White noise alone: a curve of time promises a χ² of one degree, far below 6.
+
+    A drift promises hundreds, and is tried.
+    """
+    base, scale = beginning(0.0, 0.0)
+    assert screen(base, [DRIFT], scale, SIGMA)[0].drop < 0.006 * base.squares
+    assert next_link(base, [DRIFT], scale, SIGMA) is None
+    base, scale = beginning(RATE, 0.0)
+    found = next_link(base, [DRIFT], scale, SIGMA)
+    assert found is not None
+    assert found.rivals == ("sensor_drift",)
+    assert found.chosen.plain.parameters["sensor_drift_rate"] == pytest.approx(RATE, rel=0.1)
+    assert found.squares_before == base.squares
+
+
+def test_a_chain_finds_both_causes_and_ends() -> None:
+    """Known truth: two curves of time that are both there, in 1000 samples of known noise.
+
+    What is left is the noise, 1000·(0.01/σ)² with σ = 0.01, within four times √2000.
+    """
+    base, scale = beginning(RATE, SIZE)
+    told: list[tuple[str, float]] = []
+    chain = find_chain(
+        base,
+        [DRIFT, Bow()],
+        scale,
+        SIGMA,
+        holds=lambda before, after: True,
+        report=lambda message, fraction: told.append((message, fraction)),
+    )
+    assert {key for link_ in chain.links for key in link_.chosen.candidate.keys} == {
+        "sensor_drift",
+        "bow",
+    }
+    assert chain.final.squares == pytest.approx(1000.0, abs=180.0)
+    assert chain.last is None
+    assert [message for message, _ in told][:2] == ["looking for cause 1", "looking for cause 2"]
+    assert [fraction for _, fraction in told] == sorted(fraction for _, fraction in told)
+
+
+def test_what_is_held_out_may_refuse_a_link() -> None:
+    """The round is kept as evidence, and the model stays without it."""
+    base, scale = beginning(RATE, 0.0)
+    asked = []
+
+    def never(before: Candidate, after: Candidate) -> bool:
+        asked.append((before.keys, after.keys))
+        return False
+
+    chain = find_chain(base, [DRIFT], scale, SIGMA, holds=never)
+    assert asked == [((), ("sensor_drift",))]
+    assert chain.links == ()
+    assert chain.last is not None
+    assert chain.final is base
+
+
+def test_no_more_links_than_allowed() -> None:
+    """The limit ends the chain with no round behind it."""
+    base, scale = beginning(RATE, SIZE)
+    chain = find_chain(
+        base, [DRIFT, Bow()], scale, SIGMA, holds=lambda before, after: True, max_links=1
+    )
+    assert len(chain.links) == 1
+    assert chain.last is None
+
+
+def test_an_effect_is_added_once() -> None:
+    """With every effect of the catalogue in the model there is no further round."""
+    base, scale = beginning(RATE, 0.0)
+    found = next_link(base, [DRIFT], scale, SIGMA)
+    assert found is not None
+    assert next_link(found.chosen.plain, [DRIFT], scale, SIGMA) is None

@@ -1,0 +1,131 @@
+"""The verb `diagnose` on linear logs whose truth is known, with few effects, so that it is fast."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log
+
+from softid.diagnoses import Verdict
+from softid.diagnosis import diagnose
+from softid.diagnosis.workflow import _base, _Beginning
+from softid.log import Log, LogSet
+from softid.models import Oscillator
+
+RATE = 0.01
+"""rad/s: 0.2 rad over the log of 20 s, under noise of 0.01."""
+
+TWO = ("sensor_drift", "delay")
+
+
+def drifting(seed: int = 0, rate: float = RATE) -> Log:
+    return linear_log(noise=0.01, seed=seed, added=rate * linear_log().time_s)
+
+
+@pytest.mark.parametrize("judge", ["blocks", "log"])
+def test_a_drift_is_named_with_its_rate(judge: str) -> None:
+    """Known truth: the rate and the parameters within their intervals, the error down to the noise.
+
+    The interval of the gain covers 1 − 0.01/rms of the base, as the noise cannot be gained.
+    """
+    hold_out = [drifting(seed=1)] if judge == "log" else []
+    found = diagnose(drifting(), hold_out=hold_out, model="oscillator", effects=TWO)
+    assert found.verdict is Verdict.NAMED
+    (cause,) = found.causes
+    assert (cause.key, found.descriptive, found.alternatives) == ("sensor_drift", (), ())
+    (rate,) = cause.parameters
+    assert rate.ci95 is not None
+    assert rate.ci95[0] <= RATE <= rate.ci95[1]
+    assert cause.delta_bic > 100.0
+    assert cause.holdout_rmse_after == pytest.approx(0.01, rel=0.2)
+    assert found.extended is not None
+    for name, true in TRUTH.items():
+        interval = found.extended.parameter(name).ci95
+        assert interval is not None
+        assert interval[0] <= true <= interval[1], name
+    if cause.gain_ci95 is not None:
+        low, high = cause.gain_ci95
+        assert low <= 1.0 - 0.01 / cause.holdout_rmse_before <= high
+    assert [gain.held_out for gain in found.gains] == [False, True]
+    assert found.remainder.explained_share > 0.95
+
+
+def test_noise_alone_is_adequate() -> None:
+    """Nothing is wrong, so nothing is named, and the judge's error is the noise."""
+    found = diagnose(linear_log(noise=0.01), model="oscillator", effects=TWO)
+    assert found.verdict is Verdict.ADEQUATE
+    assert (found.causes, found.extended) == ((), None)
+    (held,) = [gain for gain in found.gains if gain.held_out]
+    assert held.rmse_after == held.rmse_before == pytest.approx(0.01, rel=0.2)
+
+
+def test_the_same_seed_gives_the_same_answer() -> None:
+    """No clock and no shared generator decide anything."""
+    one, two = (
+        diagnose(drifting(), model="oscillator", effects=["sensor_drift"], seed=3) for _ in range(2)
+    )
+    assert one.causes == two.causes
+    assert one.remainder == two.remainder
+    assert one.gains == two.gains
+
+
+def test_what_was_left_aside_is_told() -> None:
+    """A catalogue of one effect, and a log of which means were taken, are no secrets."""
+    few = diagnose(drifting(), model="oscillator", effects=["sensor_drift"])
+    assert "few-effects" in {issue.code for issue in few.issues}
+    long_s = np.arange(13000) / 500.0
+    pressure = np.where(long_s % 10.0 < 5.0, 0.0, 50.0 + 20.0 * np.sin(long_s))
+    slow = TRUTH | {"N": 100.0}
+    angle = linear_angle(long_s, pressure, slow) + RATE * long_s
+    angle += 0.01 * np.random.default_rng(0).standard_normal(long_s.size)
+    log = Log.from_arrays(long_s, {"pressure": pressure, "angle": angle})
+    found = diagnose(log, model="oscillator", effects=["sensor_drift"])
+    assert "averaged" in {issue.code for issue in found.issues}
+    assert sum(gain.n for gain in found.gains) == 13000 // 3
+    (rate,) = found.causes[0].parameters
+    assert rate.ci95 is not None
+    assert rate.ci95[0] <= RATE <= rate.ci95[1]
+
+
+def test_drop_outs_do_not_judge() -> None:
+    """Samples that the fit leaves out as drop-outs are left out where blocks are held out, too.
+
+    A wrong number of 3 rad among the 200 held-out samples alone would be an rms of 0.2 rad.
+    """
+    log = drifting()
+    angle = np.array(log.channels["angle"].values)
+    for at in (194, 205, 560, 925):
+        angle[at] = -3.0
+    channel = replace(log.channels["angle"], values=angle)
+    faulty = replace(log, channels=dict(log.channels) | {"angle": channel})
+    found = diagnose(faulty, model="oscillator", effects=["sensor_drift"])
+    (issue,) = [issue for issue in found.issues if issue.code == "drop-out"]
+    assert "4 samples" in issue.message
+    assert found.verdict is Verdict.NAMED
+    assert found.causes[0].holdout_rmse_after == pytest.approx(0.01, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("asked", "order"), [("oscillator", "second"), (Oscillator(order="first"), "first")]
+)
+def test_a_term_that_the_limit_dropped_is_restored(asked: str | Oscillator, order: str) -> None:
+    """Slow ramps show no inertia, so the fit is of first order; the search has the inertia back.
+
+    It is still too small to be seen, a few sampling intervals of M/N at most, and the fit is as
+    good. An order that was asked for stays.
+    """
+    time_s = np.arange(1000) / RATE_HZ
+    pressure = np.interp(time_s, [2, 4, 8, 9, 12, 15, 20], [0, 60, 30, 50, 10, 40, 0])
+    angle = linear_angle(time_s, pressure, {"M": 1e-6, "N": 50.0, "Q": 50.0})
+    angle += 0.01 * np.random.default_rng(0).standard_normal(1000)
+    log = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
+    work, *_ = _Beginning(asked, None, 0, lambda message, fraction: None)(LogSet((log,)), ())
+    assert work.found.problem.model.spec().options["order"] == "first"
+    base = _base(work, asked)
+    assert base.problem.model.spec().options["order"] == order
+    assert base.problem.free == (("M",) if order == "second" else ()) + ("N", "Q")
+    assert base.squares <= 2.0 * work.found.optimum.cost * 1.001
+    if order == "second":
+        assert 0.0 < base.parameters["M"] / base.parameters["N"] < 3.0 / RATE_HZ

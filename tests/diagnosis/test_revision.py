@@ -1,0 +1,97 @@
+"""Earlier links of a chain, seen again in the light of the later ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, standing
+
+from softid.diagnosis.candidates import Candidate
+from softid.diagnosis.chain import Chain, Link, next_link, settled
+from softid.diagnosis.revision import revised
+from softid.diagnosis.scale import scale_of
+from softid.effects import effect_of
+from softid.effects.base import Scale
+
+DRIFT = effect_of("sensor_drift")
+
+
+@dataclass(frozen=True)
+class Swing(Bow):
+    """Half a swing over the log, + c sin(π t/T): near a parabola once a drift is free as well."""
+
+    name: ClassVar[str] = "swing"
+    changes_sign: ClassVar[bool] = True
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Add the swing."""
+        swung: Array = y + eta[0] * np.sin(np.pi * time_s / scale.duration_s)
+        return swung
+
+
+CATALOGUE = (DRIFT, Bow(), Swing())
+
+
+def base_with(*, rate: float = 0.0, size: float = 0.0) -> tuple[Candidate, Scale]:
+    time_s = linear_log().time_s
+    added = rate * time_s + size * (time_s / time_s[-1]) ** 2
+    problem = linear_problem([linear_log(noise=0.01, added=added)])
+    z = problem.unknowns(TRUTH)
+    return settled(standing(problem, z), SIGMA), scale_of(problem, z)
+
+
+def chained(base: Candidate, scale: Scale, *keys: str) -> Chain:
+    """A chain of given causes in a given order, whatever would have been found."""
+    known = {effect.key: effect for effect in CATALOGUE}
+    links: list[Link] = []
+    now = base
+    for key in keys:
+        link = next_link(now, [known[key]], scale, SIGMA)
+        assert link is not None
+        links.append(link)
+        now = settled(link.chosen.plain, SIGMA)
+    return Chain(tuple(links), None, now)
+
+
+def test_true_causes_stay() -> None:
+    """Both are there: each is found again with the other in the model, and the end is the same."""
+    base, scale = base_with(rate=0.01, size=0.2)
+    before = chained(base, scale, "sensor_drift", "bow")
+    after = revised(before, base, (DRIFT, Bow()), scale, SIGMA)
+    assert len(after.links) == 2
+    assert set(after.final.keys) == {"sensor_drift", "bow"}
+    assert after.final.squares == pytest.approx(before.final.squares, rel=1e-3)
+    assert after.final.parameters["sensor_drift_rate"] == pytest.approx(0.01, abs=0.002)
+
+
+def test_a_first_cause_that_the_second_explains_is_dropped() -> None:
+    """Only the parabola is there. A drift came first for want of it, and pays no more."""
+    base, scale = base_with(size=0.2)
+    before = chained(base, scale, "sensor_drift", "bow")
+    after = revised(before, base, (DRIFT, Bow()), scale, SIGMA)
+    assert [link.chosen.candidate.keys for link in after.links] == [("sensor_drift", "bow")]
+    assert after.final.keys == ("bow",)
+    assert after.final.parameters["bow_c"] == pytest.approx(0.2, abs=0.01)
+    assert after.final.squares == pytest.approx(1000.0, abs=180.0)
+
+
+def test_a_wrong_first_cause_is_exchanged() -> None:
+    """A parabola and a drift are there; half a swing came first and stood for the parabola."""
+    base, scale = base_with(rate=0.02, size=0.5)
+    before = chained(base, scale, "swing", "sensor_drift")
+    after = revised(before, base, CATALOGUE, scale, SIGMA)
+    assert set(after.final.keys) == {"sensor_drift", "bow"}
+    assert after.final.squares < before.final.squares
+    assert after.final.squares == pytest.approx(1000.0, abs=180.0)
+
+
+def test_a_single_link_is_not_asked_again() -> None:
+    """Nothing came after it that could change the answer."""
+    base, scale = base_with(rate=0.01)
+    before = chained(base, scale, "sensor_drift")
+    after = revised(before, base, CATALOGUE, scale, SIGMA)
+    assert after.links == before.links
+    assert after.final is before.final

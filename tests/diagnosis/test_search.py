@@ -1,0 +1,144 @@
+"""The race of candidate causes, and their comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from handmade_rounds import candidate
+from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
+
+from softid.diagnosis.chain import settled
+from softid.diagnosis.scale import scale_of
+from softid.diagnosis.screening import Signature
+from softid.diagnosis.search import _best_of_each, _by_squares, _starts, race, rank
+from softid.diagnosis.whitening import Whitener
+from softid.effects import effect_of
+
+DRIFT = effect_of("sensor_drift")
+NOTHING = np.zeros(0)
+
+
+def promises(*rows: tuple[str, float]) -> list[Signature]:
+    made = [Signature(effect_of(key), {}, drop, NOTHING) for key, drop in rows]
+    return sorted(made, key=lambda s: -s.drop)
+
+
+@pytest.mark.parametrize(
+    ("drops", "run"),
+    [
+        ([10.0, 3.1], [10.0, 3.1]),
+        ([10.0, 2.9], [10.0]),
+        ([10.0, 9.0, 8.0], [10.0, 9.0]),
+        ([0.0, 0.0], [0.0, 0.0]),
+    ],
+)
+def test_two_starts_at_most_and_the_second_only_if_it_promises(
+    drops: Sequence[float], run: Sequence[float]
+) -> None:
+    """Stands on the share of 0.3 of the best start's drop."""
+    chosen = _starts(promises(*(("creep", drop) for drop in drops)))
+    assert [s.drop for s in chosen] == list(run)
+
+
+def test_starts_are_counted_for_each_effect() -> None:
+    """Every effect runs, however little it promises against the others; a variant is another."""
+    chosen = _starts(
+        promises(
+            ("creep", 100.0),
+            ("delay", 1.0),
+            ("delay", 0.9),
+            ("delay", 0.8),
+            ("pneumatic_lag", 50.0),
+            ("pneumatic_lag.separate", 5.0),
+        )
+    )
+    assert [(s.effect.key, s.drop) for s in chosen] == [
+        ("creep", 100.0),
+        ("pneumatic_lag", 50.0),
+        ("pneumatic_lag.separate", 5.0),
+        ("delay", 1.0),
+        ("delay", 0.9),
+    ]
+
+
+def test_the_best_of_each_cause_stays() -> None:
+    """By the sum of squares; what ran away is out even where nothing else is left of its cause."""
+    rows = [
+        candidate(("delay",), 9.0),
+        candidate(("creep",), 5.0),
+        candidate(("delay",), 4.0),
+        candidate(("ageing",), np.inf),
+        candidate(("creep", "delay"), 1.0),
+        candidate(("creep",), np.nan),
+    ]
+    assert [(c.keys, c.squares) for c in _best_of_each(rows)] == [
+        (("creep", "delay"), 1.0),
+        (("delay",), 4.0),
+        (("creep",), 5.0),
+    ]
+    assert [c.squares for c in _by_squares(rows)] == [1.0, 4.0, 5.0, 9.0]
+
+
+def test_the_race_goes_to_the_true_cause() -> None:
+    """Known truth: a parabola of 0.05 under noise of 0.01, against a straight drift."""
+    time_s = linear_log().time_s
+    log = linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)
+    problem = linear_problem([log])
+    z = problem.unknowns(TRUTH)
+    base = settled(standing(problem, z), SIGMA)
+    told: list[float] = []
+    found = race(base, [DRIFT, Bow()], scale_of(problem, z), SIGMA, report=told.append)
+    assert found[0].keys == ("bow",)
+    assert found[0].parameters["bow_c"] == pytest.approx(0.05, abs=0.01)
+    assert found[0].squares < base.squares
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+def test_a_race_that_nobody_wins_ends_early() -> None:
+    """On white noise two laps show that nothing is gained; one candidate is handed back."""
+    problem = linear_problem([linear_log(noise=0.01)])
+    z = problem.unknowns(TRUTH)
+    base = settled(standing(problem, z), SIGMA)
+    told: list[float] = []
+    found = race(base, [DRIFT, Bow()], scale_of(problem, z), SIGMA, report=told.append)
+    assert len(found) == 1
+    assert told[-1] < 1.0
+
+
+def test_bic_by_hand() -> None:
+    """Closed form n ln(S/n) + k ln n with S of the white rows: n = 1000, k = 4 unknowns.
+
+    A noise model of half the size makes S four times larger for all alike.
+    """
+    problem = linear_problem([linear_log(noise=0.01)])
+    base = settled(standing(problem, problem.unknowns(TRUTH)), SIGMA)
+    n, k = 1000, problem.size
+    for sigma, factor in ((0.01, 1.0), (0.005, 4.0)):
+        white = Whitener({(0, "angle"): NOTHING}, {(0, "angle"): sigma})
+        (row,) = rank([base], SIGMA, whitener=white)
+        wanted = n * np.log(factor * base.squares / n) + k * np.log(n)
+        assert row.bic == pytest.approx(wanted, abs=0.01)
+        assert row.plain is base
+
+
+def test_the_noise_model_is_that_of_the_best() -> None:
+    """What the worse candidate leaves is no noise: all are whitened by what the best one leaves.
+
+    The base leaves a parabola of 0.05 m on noise of 0.01; the noise that is used is the latter.
+    """
+    time_s = linear_log().time_s
+    log = linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)
+    problem = linear_problem([log])
+    z = problem.unknowns(TRUTH)
+    base = settled(standing(problem, z), SIGMA)
+    best = race(base, [Bow()], scale_of(problem, z), SIGMA)[0]
+    first, second = rank([base, best], SIGMA)
+    assert first.candidate.keys == ("bow",)
+    assert second.candidate.keys == ()
+    whitener = first.candidate.whitener
+    assert whitener is second.candidate.whitener
+    assert whitener is not None
+    assert whitener.sigma[0, "angle"] == pytest.approx(0.01, rel=0.1)

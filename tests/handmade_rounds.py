@@ -1,0 +1,37 @@
+"""Rounds of a search built by hand: effects, sums of squares and BIC, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from softid.diagnosis.chain import Link
+from softid.diagnosis.search import Ranked
+from softid.effects import effect_of
+
+
+def candidate(keys: Sequence[str], squares: float = 100.0) -> Any:
+    """Something with effects and a sum of squares; infinite for one that ran away."""
+    effects = tuple(effect_of(key) for key in keys)
+    normal = SimpleNamespace(cost=0.5 * squares if np.isfinite(squares) else np.inf)
+    return SimpleNamespace(
+        effects=effects,
+        keys=tuple(effect.key for effect in effects),
+        squares=squares,
+        minimum=SimpleNamespace(normal=normal),
+    )
+
+
+def ranked(keys: Sequence[str], bic: float, squares: float = 100.0) -> Ranked:
+    """A row of a ranking."""
+    made = candidate(keys, squares)
+    return Ranked(made, made, bic)
+
+
+def link(fall: float, *, before: float = 100.0, after: float = 50.0) -> Link:
+    """A round in which a delay lowers the BIC by so much."""
+    base, chosen = ranked((), 0.0, before), ranked(("delay",), -fall, after)
+    return Link(base, (chosen, base), chosen, ("delay",), (), before)
