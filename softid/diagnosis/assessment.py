@@ -20,10 +20,11 @@ Array = npt.NDArray[np.float64]
 EXPLAINED = 0.93
 """Share of the misfit that the causes must explain when something is left."""
 
-MOSTLY, DOMINANT = 0.6, 0.3
-"""A drive without a spring adds up every small disturbance of its force, which no law takes away.
-Where the rest follows from nothing that moves, its causes may be named from this explained share
-on: each that takes away at least the second share of the misfit by itself."""
+MOSTLY, DOMINANT, HALF = 0.6, 0.3, 0.5
+"""Measured logs hold small disturbances that no law takes away, which a drive without a spring even
+adds up. Where the rest follows from nothing that moves, causes may be named from this explained
+share on: each that takes away at least the second share of the misfit by itself, if together they
+take away the third share of the error on what is held out."""
 
 SMALLEST_EXCESS = 0.15
 EXCESS_SDS = 3.0
@@ -107,7 +108,9 @@ def surroundings(candidate: Candidate) -> list[Surroundings]:
     return found
 
 
-def nameable(links: Sequence[Link], final: Candidate, remainder: Remainder) -> tuple[bool, ...]:
+def nameable(
+    links: Sequence[Link], final: Candidate, remainder: Remainder, *, gain: float
+) -> tuple[bool, ...]:
     """Which links may be named as causes; the others are descriptions.
 
     Parameters
@@ -118,23 +121,15 @@ def nameable(links: Sequence[Link], final: Candidate, remainder: Remainder) -> t
         The model with all of them.
     remainder
         What it leaves.
+    gain
+        Share by which the error on what is held out falls.
     """
     if not remainder.structured or remainder.explained_share > EXPLAINED:
         return (True,) * len(links)
-    if remainder.predictable or remainder.explained_share <= MOSTLY or _has_spring(final):
+    if remainder.predictable or remainder.explained_share <= MOSTLY or gain < HALF:
         return (False,) * len(links)
     squares = [*(link.squares_before for link in links), final.squares]
     return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))
-
-
-def _has_spring(final: Candidate) -> bool:
-    """Whether anything pulls the motion back to a rest."""
-    problem = final.problem
-    law = problem.model.motion_law(problem.theta(final.minimum.point))
-    if law is None:
-        return True
-    u = np.concatenate([segment.input for segment in problem.segments])
-    return bool(np.any(law.coefficients(u)[1] > 0.0))
 
 
 def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remainder) -> Verdict:

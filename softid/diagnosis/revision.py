@@ -9,6 +9,7 @@ import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance, extend, prior_about
 from softid.diagnosis.chain import Chain, Link, next_link, pays, settled
+from softid.diagnosis.screening import Signature, screen
 from softid.effects.base import Effect, Scale
 
 WITHOUT_LAP = 25
@@ -46,7 +47,11 @@ def revised(
         mine = _added(links[position])
         others = [effect for effect in now.effects if effect.name != mine.name]
         without = _without(now, base, others, scale, sigma)
-        link = next_link(without, _contenders(links[position], effects), scale, sigma)
+        taken = {effect.name for effect in others}
+        left = [effect for effect in effects if effect.name not in taken]
+        promising = screen(without, left, scale, sigma)
+        contenders = _contenders(links[position], promising, effects)
+        link = next_link(without, contenders, scale, sigma)
         if link is None or not pays(link, first=False):
             del links[position]
             now = without
@@ -56,10 +61,12 @@ def revised(
     return Chain(tuple(links), chain.last, now)
 
 
-def _contenders(link: Link, effects: Sequence[Effect]) -> list[Effect]:
-    """Effects that did well in a link's round, or whose signature promised most there."""
+def _contenders(
+    link: Link, promising: Sequence[Signature], effects: Sequence[Effect]
+) -> list[Effect]:
+    """Effects that did well in a link's round, or whose signature promises most now."""
     names = {effect.name for row in link.ranked for effect in row.candidate.effects}
-    names |= {signature.effect.name for signature in link.signatures[:PROMISING]}
+    names |= set(list(dict.fromkeys(s.effect.name for s in promising))[:PROMISING])
     return [effect for effect in effects if effect.name in names]
 
 

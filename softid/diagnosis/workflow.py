@@ -155,7 +155,8 @@ def _searched(
         chain = revised(chain, start.base, considered, start.scale, sigma)
     report("looking at what is left", 0.85)
     remainder = left_by(chain.final)
-    return chain, remainder, nameable(chain.links, chain.final, remainder)
+    gain = 1.0 - start.held.rms(chain.final) / start.held.rms(start.base)
+    return chain, remainder, nameable(chain.links, chain.final, remainder, gain=gain)
 
 
 def _fit_of(final: Candidate, work: Work, seed: int) -> FitResult:

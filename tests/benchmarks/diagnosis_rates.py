@@ -115,7 +115,7 @@ def is_right(score: Score) -> bool:
     if score.kind == "outside":
         return score.verdict in ("unknown", "partial", "adequate") and not told - true
     if score.kind == "tie":
-        return score.verdict == "ambiguous" and true <= set(score.tied)
+        return true <= told | set(score.tied)
     if score.kind == "background":
         return bool(score.causes) and score.causes[0] == score.names[0]
     if score.kind == "other_form":

@@ -48,15 +48,22 @@ def test_what_may_be_named(left: Remainder, named: tuple[bool, ...]) -> None:
 
     The links take 0.6 and 0.2 of the misfit, on both sides of the 0.3 that a dominant one needs.
     """
-    assert nameable([link(100.0), link(40.0)], model(20.0), left) == named
+    assert nameable([link(100.0), link(40.0)], model(20.0), left, gain=0.55) == named
 
 
 def test_a_dominant_link_is_measured_against_the_whole_misfit() -> None:
     """The second takes nine tenths of what the first left, which is a twentieth of the whole."""
     left = replace(RANDOM, explained_share=0.8)
-    assert nameable([link(100.0), link(5.0)], model(0.5), left) == (True, False)
-    assert nameable([link(100.0), link(70.0)], model(40.0), left) == (True, True)
-    assert nameable([], model(100.0), left) == ()
+    assert nameable([link(100.0), link(5.0)], model(0.5), left, gain=0.9) == (True, False)
+    assert nameable([link(100.0), link(70.0)], model(40.0), left, gain=0.9) == (True, True)
+    assert nameable([], model(100.0), left, gain=0.0) == ()
+
+
+def test_a_random_rest_allows_no_name_without_a_gain() -> None:
+    """What is held out must lose half of its error."""
+    left = replace(RANDOM, explained_share=0.8)
+    assert nameable([link(100.0)], model(20.0), left, gain=0.51) == (True,)
+    assert nameable([link(100.0)], model(20.0), left, gain=0.49) == (False,)
 
 
 @pytest.mark.parametrize(

@@ -125,6 +125,7 @@ def test_a_chain_finds_both_causes_and_ends() -> None:
         scale,
         SIGMA,
         holds=lambda before, after: True,
+        is_noise=lambda now: False,
         report=lambda message, fraction: told.append((message, fraction)),
     )
     assert {key for link_ in chain.links for key in link_.chosen.candidate.keys} == {
@@ -146,7 +147,7 @@ def test_what_is_held_out_may_refuse_a_link() -> None:
         asked.append((before.keys, after.keys))
         return False
 
-    chain = find_chain(base, [DRIFT], scale, SIGMA, holds=never)
+    chain = find_chain(base, [DRIFT], scale, SIGMA, holds=never, is_noise=lambda now: False)
     assert asked == [((), ("sensor_drift",))]
     assert chain.links == ()
     assert chain.last is not None
@@ -157,10 +158,37 @@ def test_no_more_links_than_allowed() -> None:
     """The limit ends the chain with no round behind it."""
     base, scale = beginning(RATE, SIZE)
     chain = find_chain(
-        base, [DRIFT, Bow()], scale, SIGMA, holds=lambda before, after: True, max_links=1
+        base,
+        [DRIFT, Bow()],
+        scale,
+        SIGMA,
+        holds=lambda before, after: True,
+        is_noise=lambda now: False,
+        max_links=1,
     )
     assert len(chain.links) == 1
     assert chain.last is None
+
+
+def test_a_rest_that_looks_like_noise_ends_the_chain() -> None:
+    """Two effects are there, but after the first nothing seems to be left to explain."""
+    base, scale = beginning(RATE, SIZE)
+    asked: list[int] = []
+
+    def is_noise(now: Candidate) -> bool:
+        asked.append(len(now.effects))
+        return True
+
+    chain = find_chain(
+        base,
+        [DRIFT, Bow()],
+        scale,
+        SIGMA,
+        holds=lambda before, after: True,
+        is_noise=is_noise,
+    )
+    assert asked == [1]
+    assert len(chain.links) == 1
 
 
 def test_an_effect_is_added_once() -> None:

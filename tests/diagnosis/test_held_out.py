@@ -127,10 +127,10 @@ def test_a_drift_in_the_first_rest_leaves_a_judge() -> None:
     the end of that rest takes just enough of it away.
     """
     time_s = np.arange(2000) / RATE_HZ
-    pressure = np.where(time_s < 9.0, 0.0, 50.0 + 20.0 * np.sin(time_s))
+    pressure = np.where(time_s < 12.06, 0.0, 50.0 + 20.0 * np.sin(time_s))
     log = driven(pressure)
     span = float(np.ptp(log.channels["angle"].values))
-    creep = np.where(time_s < 9.0, 0.0215 * span * time_s / 9.0, 0.0)
+    creep = np.where(time_s < 12.06, 0.0207 * span * time_s / 12.06, 0.0)
     trained, held = hold_out_blocks(
         LogSet((with_angle(log, log.channels["angle"].values + creep),))
     )
