@@ -30,6 +30,9 @@ SEEN = 1e-6
 FRACTIONS = (1.0, 0.4, 0.1)
 """Fractions of a proposed start that are tried, with and without the base moved along."""
 
+LIGHTER = (1.0, 0.1, 0.01)
+"""Shares of the base's inertia with which an effect that takes time begins."""
+
 SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE = 0.05, 5.0
 """A start's amplitude is scaled by what the residual asks for, within these factors."""
 
@@ -221,13 +224,61 @@ def candidate_from(
             inside = np.clip(moved, lower, upper)
             starts.append(start_unknowns(problem, fitted.problem, inside, named))
     best = min(starts, key=lambda z: _squares(problem, z, sigma))
+    return _placed(fitted, signature.effect, problem, best, variance)
+
+
+def takes_time(effect: Effect, scale: Scale) -> bool:
+    """Whether an effect makes the response late, as an inertia does, outside the motion itself."""
+    if effect.stage == "state" or effect.amplitude is None:
+        return False
+    return effect.parameters(scale)[effect.amplitude].unit == "s"
+
+
+def late_candidate(
+    fitted: Candidate, effect: Effect, scale: Scale, sigma: Mapping[str, float], variance: float
+) -> Candidate:
+    """A candidate at the best of an effect's own starts, with the inertia as it is or lighter.
+
+    A base that was fitted to a late response is late itself, by too large an inertia: far from
+    where it belongs, a signature says little.
+
+    Parameters
+    ----------
+    fitted
+        The base, or a candidate that already has effects.
+    effect
+        The effect to add, one that `takes_time`.
+    scale
+        Sizes of the base fit.
+    sigma
+        Weight of each output channel.
+    variance
+        Variance of the weighted residual, for the prior.
+    """
+    problem = extend(fitted.problem, (effect,), scale)
+    at = [k for k, name in enumerate(fitted.problem.free) if name == "M"]
+    starts = []
+    for values in effect.starts(scale):
+        for share in LIGHTER if at else LIGHTER[:1]:
+            point = fitted.minimum.point.copy()
+            point[at] += np.log(share)
+            named = named_values(effect, values)
+            starts.append(start_unknowns(problem, fitted.problem, point, named))
+    best = min(starts, key=lambda z: _squares(problem, z, sigma))
+    return _placed(fitted, effect, problem, best, variance)
+
+
+def _placed(
+    fitted: Candidate, effect: Effect, problem: Problem, best: Array, variance: float
+) -> Candidate:
+    """The candidate at a start; the prior holds what was known where it was fitted."""
     centre = best.copy()
-    known = dict(zip(fitted.problem.free, point.tolist(), strict=False))
+    known = dict(zip(fitted.problem.free, fitted.minimum.point.tolist(), strict=False))
     for k, name in enumerate(problem.free):
         centre[k] = known.get(name, centre[k])
     prior = prior_about(problem, centre, fitted.problem.free, variance)
     placed = replace(fitted.minimum, point=best, evaluations=0, reach=np.inf, damping=None)
-    return Candidate((*fitted.effects, signature.effect), problem, placed, prior)
+    return Candidate((*fitted.effects, effect), problem, placed, prior)
 
 
 def _squares(problem: Problem, z: Array, sigma: Mapping[str, float]) -> float:

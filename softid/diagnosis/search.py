@@ -9,7 +9,13 @@ import numpy as np
 
 from softid.diagnosis.candidates import COARSE, FINE, Candidate, advance, alternatives
 from softid.diagnosis.parallel import in_parallel
-from softid.diagnosis.screening import Signature, candidate_from, screen
+from softid.diagnosis.screening import (
+    Signature,
+    candidate_from,
+    late_candidate,
+    screen,
+    takes_time,
+)
 from softid.diagnosis.whitening import Whitener, whitener_of
 from softid.effects.base import Effect, Scale
 
@@ -101,6 +107,8 @@ def race(
     entrants = in_parallel(
         lambda s: candidate_from(fitted, s, scale, sigma, variance), _starts(found)
     )
+    late = [effect for effect in effects if takes_time(effect, scale)]
+    entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
     report(0.1)
 
     def run(
