@@ -47,7 +47,7 @@ again, up to so many times, before anyone drops out: some begin worse than the b
 FAVOURITES = 2
 """The effects of so many best signatures that are still not settled run the last lap too."""
 
-CLEAR_LEAD = 0.2
+CLEAR_LEAD, UNSETTLED_LEAD = 0.2, 0.5
 """One whose sum of squares above the leader's is more than this share of the base's misfit above
 the leader's drops out before the last lap."""
 
@@ -143,8 +143,14 @@ def race(
     if not second or n * np.log(fitted.squares / second[0].squares) < SMALLEST_GAIN:
         return second[:1]
     leader = second[0].squares
-    limit = leader + CLEAR_LEAD * max(fitted.squares - leader, 0.0)
-    kept = [c for c in second[:LAST_FIELD] if c.squares <= limit]
+    limit, far = (
+        leader + share * max(fitted.squares - leader, 0.0) for share in (CLEAR_LEAD, UNSETTLED_LEAD)
+    )
+    kept = [
+        c
+        for c in second[:LAST_FIELD]
+        if c.squares <= (far if c.minimum.reach > UNSETTLED else limit)
+    ]
     favourites = list(dict.fromkeys(s.effect.key for s in found))[:FAVOURITES]
     kept += [
         c
