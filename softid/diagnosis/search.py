@@ -110,58 +110,75 @@ def race(
     late = [effect for effect in effects if takes_time(effect, scale)]
     entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
     report(0.1)
-
-    def run(
-        candidates: Sequence[Candidate], evaluations: int, substeps: int, *, straight: bool = False
-    ) -> list[Candidate]:
-        return in_parallel(
-            lambda c: advance(
-                c,
-                sigma,
-                evaluations,
-                substeps=substeps,
-                tolerance=RACING_TOLERANCE,
-                straight=straight,
-            ),
-            candidates,
-        )
-
-    best = _best_of_each(run(entrants, FIRST_LAP, COARSE, straight=True))
+    promising = list(dict.fromkeys(s.effect.key for s in found))
+    first = _best_of_each(_run(entrants, sigma, FIRST_LAP, COARSE, straight=True))
     report(0.5)
-    promising = {s.effect.key for s in found[:PROMISING_SIGNATURES]}
-    field = [
-        c
-        for k, c in enumerate(best)
-        if k < SECOND_FIELD or c.effects[-1].key in promising or c.minimum.reach > FAR
-    ]
-    second = run(field, SECOND_LAP, COARSE)
-    for _ in range(MORE_LAPS):
-        resting = [c for c in second if c.minimum.reach <= UNSETTLED]
-        second = resting + run([c for c in second if c not in resting], SECOND_LAP, COARSE)
-    second = _by_squares(second)
+    second = _second_lap(first, promising, sigma)
     report(0.7)
     if not second or n * np.log(fitted.squares / second[0].squares) < SMALLEST_GAIN:
         return second[:1]
     leader = second[0].squares
-    limit, far = (
-        leader + share * max(fitted.squares - leader, 0.0) for share in (CLEAR_LEAD, UNSETTLED_LEAD)
-    )
-    kept = [
-        c
-        for c in second[:LAST_FIELD]
-        if c.squares <= (far if c.minimum.reach > UNSETTLED else limit)
-    ]
-    favourites = list(dict.fromkeys(s.effect.key for s in found))[:FAVOURITES]
-    kept += [
-        c
-        for c in second
-        if c not in kept and c.effects[-1].key in favourites and c.minimum.reach > UNSETTLED
-    ]
+    misfit = max(fitted.squares - leader, 0.0)
+    limit = leader + CLEAR_LEAD * misfit
+    kept = _last_field(second, promising, limit, leader + UNSETTLED_LEAD * misfit)
     forms = [form for candidate in kept[:FORMS_FIELD] for form in alternatives(candidate)]
-    kept += [form for form in run(forms, SECOND_LAP, COARSE) if form.squares <= limit]
-    last = run(kept, LAST_LAP, FINE)
+    kept += [form for form in _run(forms, sigma, SECOND_LAP, COARSE) if form.squares <= limit]
+    last = _run(kept, sigma, LAST_LAP, FINE)
     report(1.0)
     return _best_of_each(last)
+
+
+def _run(
+    candidates: Sequence[Candidate],
+    sigma: Mapping[str, float],
+    evaluations: int,
+    substeps: int,
+    *,
+    straight: bool = False,
+) -> list[Candidate]:
+    """One lap of all candidates, on all cores."""
+    return in_parallel(
+        lambda c: advance(
+            c,
+            sigma,
+            evaluations,
+            substeps=substeps,
+            tolerance=RACING_TOLERANCE,
+            straight=straight,
+        ),
+        candidates,
+    )
+
+
+def _second_lap(
+    first: Sequence[Candidate], promising: Sequence[str], sigma: Mapping[str, float]
+) -> list[Candidate]:
+    """Those that stay after the first lap, once more, and the unsettled among them again."""
+    favoured = promising[:PROMISING_SIGNATURES]
+    field = [
+        c
+        for k, c in enumerate(first)
+        if k < SECOND_FIELD or c.effects[-1].key in favoured or c.minimum.reach > FAR
+    ]
+    second = _run(field, sigma, SECOND_LAP, COARSE)
+    for _ in range(MORE_LAPS):
+        resting = [c for c in second if c.minimum.reach <= UNSETTLED]
+        moving = [c for c in second if c.minimum.reach > UNSETTLED]
+        second = resting + _run(moving, sigma, SECOND_LAP, COARSE)
+    return _by_squares(second)
+
+
+def _last_field(
+    second: Sequence[Candidate], promising: Sequence[str], limit: float, unsettled_limit: float
+) -> list[Candidate]:
+    """Those that stay after the second lap: near the leader, or still on their way."""
+    kept = []
+    for k, candidate in enumerate(second):
+        is_unsettled = candidate.minimum.reach > UNSETTLED
+        near = k < LAST_FIELD and candidate.squares <= (unsettled_limit if is_unsettled else limit)
+        if near or (is_unsettled and candidate.effects[-1].key in promising[:FAVOURITES]):
+            kept.append(candidate)
+    return kept
 
 
 def _starts(signatures: Sequence[Signature]) -> list[Signature]:
