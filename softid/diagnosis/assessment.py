@@ -26,6 +26,10 @@ adds up. Where the rest follows from nothing that moves, causes may be named fro
 share on: each that takes away at least the second share of the misfit by itself, if together they
 take away the third share of the error on what is held out."""
 
+LEAST_NOISE = 1e-9
+"""Share of the base's misfit that the noise is at least: recordings that repeat their values show
+none."""
+
 SMALLEST_EXCESS = 0.15
 EXCESS_SDS = 3.0
 """The residual is larger than the noise when its variance is so far above it: pressure noise and
@@ -54,7 +58,8 @@ def assess(
         scale.motion_s,
     )
     structure = structure_of(after, scale.motion_s, rng=rng)
-    excess, excess_before = _excess(after, floor), _excess(before, floor)
+    least = max(floor.variance, LEAST_NOISE * _power(before), np.finfo(float).tiny)
+    excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
     explained = 1.0
     if excess_before > _largest_excess(floor):
         explained = float(np.clip(1.0 - max(excess, 0.0) / excess_before, 0.0, 1.0))
@@ -79,10 +84,9 @@ def _largest_excess(floor: NoiseFloor) -> float:
     return SMALLEST_EXCESS + EXCESS_SDS * floor.relative_sd
 
 
-def _excess(parts: Sequence[Surroundings], floor: NoiseFloor) -> float:
+def _power(parts: Sequence[Surroundings]) -> float:
     residual = np.concatenate([p.residual for p in parts])
-    power = float(np.nanmean(residual**2))
-    return power / max(floor.variance, 1e-12 * power, 1e-300) - 1.0
+    return float(np.nanmean(residual**2))
 
 
 def surroundings(candidate: Candidate) -> list[Surroundings]:

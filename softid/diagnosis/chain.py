@@ -28,6 +28,9 @@ NESTED = 6.0
 """A richer form of the same law must gain this much on the plain one."""
 
 MAX_LINKS = 3
+MOST_TRIED = 3
+"""When what is held out refuses the best contender, so many are tried in all."""
+
 SETTLING = 40
 PROMISE, FURTHER_PROMISE = 6.0, 15.0
 """No refit is tried when no signature promises to lower n ln(S) by this much, for a first and for a
@@ -130,17 +133,41 @@ def find_chain(
         if link is None:
             break
         last = link
-        if not pays(link, first=not links):
+        found = _first_that_holds(link, now, sigma, holds, first=not links)
+        if found is None:
             break
-        extended = settled(link.chosen.plain, sigma)
-        if not holds(now, extended):
-            break
+        link, extended = found
         links.append(link)
         last = None
         now = extended
         if is_noise(now):
             break
     return Chain(tuple(links), last, now)
+
+
+def _first_that_holds(
+    link: Link,
+    now: Candidate,
+    sigma: Mapping[str, float],
+    holds: Callable[[Candidate, Candidate], bool],
+    *,
+    first: bool,
+) -> tuple[Link, Candidate] | None:
+    """The best contender that pays and is no worse on what was held out, with its model."""
+    others = [
+        row
+        for row in link.ranked
+        if row not in (link.before, link.chosen) and row.bic >= link.chosen.bic
+    ]
+    for row in (link.chosen, *others[: MOST_TRIED - 1]):
+        rivals = link.rivals if row is link.chosen else (row.candidate.effects[-1].name,)
+        tried = replace(link, chosen=row, rivals=rivals)
+        if not pays(tried, first=first):
+            return None
+        extended = settled(row.plain, sigma)
+        if holds(now, extended):
+            return tried, extended
+    return None
 
 
 def next_link(
