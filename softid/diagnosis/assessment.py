@@ -57,7 +57,7 @@ def assess(
         [p.time_s for p in after],
         scale.motion_s,
     )
-    structure = structure_of(after, scale.motion_s, rng=rng)
+    structure = structure_of(after, scale.motion_s, rng=rng, wanders=not _has_spring(final))
     least = max(floor.variance, LEAST_NOISE * _power(before), np.finfo(float).tiny)
     excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
     explained = 1.0
@@ -82,6 +82,16 @@ def _is_structured(structure: Structure, excess: float, floor: NoiseFloor) -> bo
 
 def _largest_excess(floor: NoiseFloor) -> float:
     return SMALLEST_EXCESS + EXCESS_SDS * floor.relative_sd
+
+
+def _has_spring(candidate: Candidate) -> bool:
+    """Whether anything pulls the motion back to a rest."""
+    problem = candidate.problem
+    law = problem.model.motion_law(problem.theta(candidate.minimum.point))
+    if law is None:
+        return True
+    u = np.concatenate([segment.input for segment in problem.segments])
+    return bool(np.any(law.coefficients(u)[1] > 0.0))
 
 
 def _power(parts: Sequence[Surroundings]) -> float:

@@ -76,7 +76,11 @@ class Structure:
 
 
 def structure_of(
-    parts: Sequence[Surroundings], motion_s: float, *, rng: np.random.Generator
+    parts: Sequence[Surroundings],
+    motion_s: float,
+    *,
+    rng: np.random.Generator,
+    wanders: bool = False,
 ) -> Structure:
     """Look for structure in the residuals of all segments.
 
@@ -88,10 +92,15 @@ def structure_of(
         Time constant of the motion, the unit of the lags.
     rng
         Draws the shifts.
+    wanders
+        Whether nothing pulls the motion back to a rest. Then it adds up every small disturbance,
+        and that its residual follows from the time says nothing.
     """
     features = [_features(part, motion_s) for part in parts]
-    groups = features[0][1]
+    groups = dict(features[0][1])
     matrix = np.concatenate([f for f, _ in features])
+    if wanders:
+        matrix[:, groups.pop("t")] = 0.0
     matrix = _standardised(matrix)
     residual = np.concatenate([part.residual for part in parts])
     used = np.isfinite(residual)

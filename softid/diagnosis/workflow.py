@@ -152,7 +152,9 @@ def _searched(
     )
     if len(chain.links) > 1:
         report("checking the first causes again", 0.75)
-        chain = revised(chain, start.base, considered, start.scale, sigma)
+        again = revised(chain, start.base, considered, start.scale, sigma)
+        if start.held.rms(again.final) <= NO_WORSE * start.held.rms(chain.final):
+            chain = again
     report("looking at what is left", 0.85)
     remainder = left_by(chain.final)
     gain = 1.0 - start.held.rms(chain.final) / start.held.rms(start.base)

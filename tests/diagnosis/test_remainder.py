@@ -85,6 +85,23 @@ def test_slow_noise_reaches_more_by_chance() -> None:
     assert look(slow - slow.mean()).limit > 0.1
 
 
+def test_a_wandering_drive_is_not_asked_for_the_time() -> None:
+    """A slow course in white noise follows from the time, and from nothing else that is looked at.
+
+    What position and input still make of it by chance is a small part.
+    """
+    noise = np.random.default_rng(1).standard_normal(TIME_S.size)
+    residual = of_power(np.cos(np.pi * TIME_S / TIME_S[-1])) + 0.5 * noise
+    part = Surroundings(TIME_S, X, V, PRESSURE, residual)
+    kept, without = (
+        structure_of([part], MOTION_S, rng=np.random.default_rng(0), wanders=wanders)
+        for wanders in (False, True)
+    )
+    assert kept.by["t"] > 0.5
+    assert "t" not in without.by
+    assert without.share < 0.3 * kept.share
+
+
 def test_unused_samples_and_several_segments() -> None:
     """NaN is left out, and a second segment adds to the first: the share stays the known one."""
     noise = np.random.default_rng(2).standard_normal((2, TIME_S.size))
