@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 import softid.fitters.output_error as fitter
+from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
@@ -64,7 +66,14 @@ def test_a_ringing_muscle_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     found, ratio = searched(whole)
     assert found.status.success
     assert ratio == pytest.approx(1.0, abs=1e-4)
-    monkeypatch.setattr(fitter, "best_rival", lambda problem, sigma, best: (best.point, 0))
+
+    def no_rival(
+        problem: Problem, sigma: object, best: Minimum, *, thorough: bool
+    ) -> tuple[npt.NDArray[np.float64], int]:
+        del problem, sigma, thorough
+        return best.point, 0
+
+    monkeypatch.setattr(fitter, "best_rival", no_rival)
     assert searched(whole)[1] > 5.0
 
 
