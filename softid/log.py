@@ -78,7 +78,7 @@ class Segment:
 class Log:
     """One recording.
 
-    Sampling may be irregular: nothing in softid resamples the output. Where the clock stalls for
+    Sampling may be irregular: no fit resamples the output. Where the clock stalls for
     longer than `stall_s`, the log falls into segments, each with its own initial state.
 
     Attributes

@@ -97,10 +97,8 @@ class Asked:
 def _base(work: Work, asked: Model | str | None) -> Candidate:
     """The base fit as the candidate without effects, with every term that its limit had dropped.
 
-    What was asked for by the user stays dropped.
-
     A term that cannot be seen behind a misfit may be seen once its cause is in the model: without
-    it another effect would take its place.
+    it another effect would take its place. What the user asked to drop stays dropped.
     """
     optimum = work.found.optimum
     problem, z = _whole_problem(work, asked), optimum.unknowns

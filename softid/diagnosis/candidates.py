@@ -51,28 +51,6 @@ class TemperedPrior(Prior):
 
 
 @dataclass(frozen=True, eq=False)
-class Base:
-    """The fit that a diagnosis starts from.
-
-    Attributes
-    ----------
-    problem
-        The model and the logs, with what is held out masked.
-    unknowns
-        Where the fit ended, shape (U,).
-    scale
-        Sizes of its motion.
-    sigma
-        Weight of each output channel.
-    """
-
-    problem: Problem
-    unknowns: Array
-    scale: Scale
-    sigma: Mapping[str, float]
-
-
-@dataclass(frozen=True, eq=False)
 class Candidate:
     """The base with effects, somewhere on its way to the optimum.
 

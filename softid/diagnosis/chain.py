@@ -66,6 +66,15 @@ class Link:
     squares_before: float
 
     @property
+    def added(self) -> Effect:
+        """The effect that the link adds."""
+        return self.added_by(self.chosen)
+
+    def added_by(self, row: Ranked) -> Effect:
+        """The effect that a contender of the round adds."""
+        return _added(row, self.before.candidate.keys)
+
+    @property
     def delta_bic(self) -> float:
         """Fall of the BIC."""
         return self.before.bic - self.chosen.bic
@@ -160,7 +169,7 @@ def _first_that_holds(
         if row not in (link.before, link.chosen) and row.bic >= link.chosen.bic
     ]
     for row in (link.chosen, *others[: MOST_TRIED - 1]):
-        rivals = link.rivals if row is link.chosen else (row.candidate.effects[-1].name,)
+        rivals = link.rivals if row is link.chosen else (link.added_by(row).name,)
         tried = replace(link, chosen=row, rivals=rivals)
         if not pays(tried, first=first):
             return None
@@ -210,12 +219,15 @@ def pays(link: Link, *, first: bool) -> bool:
     return link.delta_bic > CONTINUE and after < (1.0 - SMALLEST_DROP) * before
 
 
+def _added(row: Ranked, known: Sequence[str]) -> Effect:
+    return next(e for e in row.candidate.effects if e.key not in known)
+
+
 def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str, ...]]:
     """The best candidate, the plain form before a richer one, and what explains as well."""
 
     def added(row: Ranked) -> Effect:
-        known = set(now.keys)
-        return next(e for e in row.candidate.effects if e.key not in known)
+        return _added(row, now.keys)
 
     best = ranked[0]
     plain = next(

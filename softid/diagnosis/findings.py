@@ -11,17 +11,10 @@ from softid.diagnoses import Alternative, Cause, Evidence, Gain
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import Chain, Link
 from softid.diagnosis.held_out import HeldOut, gain_interval
-from softid.effects.base import Effect
 from softid.residuals import fit_percent
 from softid.results import FitResult
 
 Array = npt.NDArray[np.float64]
-
-
-def added_effect(link: Link) -> Effect:
-    """The effect that a link adds."""
-    known = set(link.before.candidate.keys)
-    return next(e for e in link.chosen.candidate.effects if e.key not in known)
 
 
 def causes_of(
@@ -49,7 +42,7 @@ def causes_of(
     found = []
     previous = base
     for number, link in enumerate(chain.links):
-        effect = added_effect(link)
+        effect = link.added
         last = number == len(chain.links) - 1
         reached = chain.final if last else link.chosen.plain
         before_rows, after_rows = _first(held, previous), _first(held, reached)
@@ -148,8 +141,7 @@ def alternatives_of(links: Sequence[Link]) -> tuple[Alternative, ...]:
         bic: dict[str, float] = {}
         for row in link.ranked:
             if row is not link.before and row.candidate.keys != link.before.candidate.keys:
-                known = set(link.before.candidate.keys)
-                name = next(e.name for e in row.candidate.effects if e.key not in known)
+                name = link.added_by(row).name
                 bic[name] = min(bic.get(name, np.inf), row.bic - link.chosen.bic)
         found.append(
             Alternative(link.rivals, {name: max(bic[name], 0.0) for name in link.rivals}, "")
@@ -168,11 +160,10 @@ def evidence_of(chain: Chain) -> tuple[Evidence, ...]:
     rounds = [*chain.links, *([chain.last] if chain.last is not None else [])]
     found = []
     for number, link in enumerate(rounds, start=1):
-        known = set(link.before.candidate.keys)
         ranked = {
-            next(e.key for e in row.candidate.effects if e.key not in known): row
+            link.added_by(row).key: row
             for row in link.ranked
-            if len(row.candidate.effects) > len(known)
+            if len(row.candidate.effects) > len(link.before.candidate.effects)
         }
         whole = max(link.before.candidate.squares, 1e-300)
         for signature in link.signatures:

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnoses import NOTABLE
+
 Array = npt.NDArray[np.float64]
 
 BLOCKS = 12
@@ -21,9 +23,6 @@ SHIFTS = 59
 KNOTS = 7
 RIDGE = 1e-3
 """Penalty of the smooth function, as a share of the data's weight."""
-
-SMALLEST_SHARE = 0.02
-"""Structure of less than a fiftieth of the residual's power is not called structure."""
 
 LAGS = (0.1, 0.5, 2.0)
 """Lags of the input in units of the motion's time constant."""
@@ -72,7 +71,7 @@ class Structure:
     @property
     def significant(self) -> bool:
         """Whether there is structure that chance does not explain."""
-        return self.share > max(self.limit, SMALLEST_SHARE)
+        return self.share > max(self.limit, NOTABLE)
 
 
 def structure_of(

@@ -44,7 +44,7 @@ def revised(
     """
     links, now = list(chain.links), chain.final
     for position in range(len(links) - 2, -1, -1):
-        mine = _added(links[position])
+        mine = links[position].added
         others = [effect for effect in now.effects if effect.name != mine.name]
         without = _without(now, base, others, scale, sigma)
         taken = {effect.name for effect in others}
@@ -68,11 +68,6 @@ def _contenders(
     names = {effect.name for row in link.ranked for effect in row.candidate.effects}
     names |= set(list(dict.fromkeys(s.effect.name for s in promising))[:PROMISING])
     return [effect for effect in effects if effect.name in names]
-
-
-def _added(link: Link) -> Effect:
-    known = set(link.before.candidate.keys)
-    return next(e for e in link.chosen.candidate.effects if e.key not in known)
 
 
 def _without(

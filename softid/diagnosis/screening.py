@@ -30,7 +30,7 @@ SEEN = 1e-6
 FRACTIONS = (1.0, 0.4, 0.1)
 """Fractions of a proposed start that are tried, with and without the base moved along."""
 
-LIGHTER = (1.0, 0.1, 0.01)
+INERTIA_SHARES = (1.0, 0.1, 0.01)
 """Shares of the base's inertia with which an effect that takes time begins."""
 
 SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE = 0.05, 5.0
@@ -259,7 +259,7 @@ def late_candidate(
     at = [k for k, name in enumerate(fitted.problem.free) if name == "M"]
     starts = []
     for values in effect.starts(scale):
-        for share in LIGHTER if at else LIGHTER[:1]:
+        for share in INERTIA_SHARES if at else INERTIA_SHARES[:1]:
             point = fitted.minimum.point.copy()
             point[at] += np.log(share)
             named = named_values(effect, values)

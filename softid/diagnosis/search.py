@@ -48,8 +48,8 @@ FAVOURITES = 2
 """The effects of so many best signatures that are still not settled run the last lap too."""
 
 CLEAR_LEAD, UNSETTLED_LEAD = 0.2, 0.5
-"""One whose sum of squares above the leader's is more than this share of the base's misfit above
-the leader's drops out before the last lap."""
+"""One whose sum of squares above the leader's is more than the first share of the base's misfit
+above the leader's drops out before the last lap; for one that is not settled it is the second."""
 
 SMALLEST_GAIN = 4.0
 """When nobody has lowered n ln(S) by this much after two laps, the race is over."""

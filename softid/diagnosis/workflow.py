@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from softid.diagnoses import Diagnosis, Remainder
 from softid.diagnosis.assessment import assess, nameable, verdict_of
-from softid.diagnosis.beginning import Asked, Beginning
+from softid.diagnosis.beginning import Asked, Beginning, Progress
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import Chain, find_chain
 from softid.diagnosis.findings import alternatives_of, causes_of, evidence_of, gains_of
@@ -30,8 +30,6 @@ from softid.results import FitResult, FitStatus
 
 if TYPE_CHECKING:
     import lmfit
-
-Progress = Callable[[str, float], None]
 
 BETTER_BASE = 0.98
 """Another optimum of the base counts when it leaves so much less than the first."""
@@ -84,7 +82,6 @@ def diagnose(
     report = progress or (lambda message, fraction: None)
     log_set = LogSet(tuple(_cleaned(log) for log in as_log_set(logs)))
     hold_out = tuple(_cleaned(log) for log in hold_out)
-
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     start = asked.begin(log_set, hold_out, thorough=False)
     count = samples_to_average((*log_set, *hold_out), start.scale.motion_s)

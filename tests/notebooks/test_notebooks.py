@@ -76,7 +76,8 @@ def test_it_is_stored_clean(path: Path) -> None:
         if cell["cell_type"] == "code":
             assert cell["outputs"] == []
             assert cell["execution_count"] is None
-    assert not re.search(r"(/home/|/work/|/tmp/|/root/|/Users/|[A-Z]:\\\\)", text)
+    assert not re.search(r"(/home/|/tmp/|/root/|/Users/|[A-Z]:\\\\)", text)
+    assert str(ROOT) not in text
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
