@@ -12,6 +12,9 @@ from softid.results import FitResult, ParameterEstimate
 NOTABLE = 0.02
 """Structure of less than a fiftieth of a residual's power is not worth a word."""
 
+CARRIED = 0.7
+"""Causes of which less than this share of the held-out misfit goes do not carry over."""
+
 
 class Verdict(Enum):
     """Answer of a diagnosis."""
@@ -128,6 +131,9 @@ class Remainder:
         Whether rest stretches told the noise; otherwise slow noise looks like a misfit.
     structured
         Whether there is more than chance.
+    held_out_share
+        Share of the misfit above the noise that the chain explains on what was held out; 1 when
+        nothing but noise is left there.
     """
 
     rms: float
@@ -138,6 +144,12 @@ class Remainder:
     excess: float
     noise_from_rest: bool
     structured: bool
+    held_out_share: float = 1.0
+
+    @property
+    def carries_over(self) -> bool:
+        """Whether the chain explains what was held out, too."""
+        return self.held_out_share > CARRIED
 
     @property
     def predictable(self) -> bool:

@@ -12,16 +12,19 @@ from softid.diagnosis.chain import Link
 from softid.diagnosis.search import Ranked
 from softid.effects import effect_of
 
+SAMPLES, UNKNOWNS = 10_000, 6
 
-def candidate(keys: Sequence[str], squares: float = 100.0) -> Any:
+
+def candidate(keys: Sequence[str], squares: float = 100.0, *, reach: float = 0.0) -> Any:
     """Something with effects and a sum of squares; infinite for one that ran away."""
     effects = tuple(effect_of(key) for key in keys)
-    normal = SimpleNamespace(cost=0.5 * squares if np.isfinite(squares) else np.inf)
+    cost = 0.5 * squares if np.isfinite(squares) else np.inf
     return SimpleNamespace(
         effects=effects,
         keys=tuple(effect.key for effect in effects),
         squares=squares,
-        minimum=SimpleNamespace(normal=normal),
+        minimum=SimpleNamespace(normal=SimpleNamespace(cost=cost, n=SAMPLES), reach=reach),
+        problem=SimpleNamespace(size=UNKNOWNS),
     )
 
 

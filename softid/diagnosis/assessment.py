@@ -30,6 +30,10 @@ LEAST_NOISE = 1e-9
 """Share of the base's misfit that the noise is at least: recordings that repeat their values show
 none."""
 
+FAINT = 0.5
+"""A held-out error counts as noise while its square is no more than this share above the noise's:
+parameters are a little off on other logs."""
+
 SMALLEST_EXCESS = 0.15
 EXCESS_SDS = 3.0
 """The residual is larger than the noise when its variance is so far above it: pressure noise and
@@ -76,8 +80,31 @@ def assess(
     )
 
 
+def held_out_share(before: float, after: float, remainder: Remainder) -> float:
+    """Share of the held-out misfit above the noise that goes; 1 when only noise is left.
+
+    Parameters
+    ----------
+    before, after
+        Root mean square error of the first and the last model on what was held out.
+    remainder
+        What the last model leaves on the fitted samples.
+    """
+    noise = remainder.rms**2 / max(1.0 + remainder.excess, 1.0)
+    left, whole = after**2 - noise, before**2 - noise
+    if not np.isfinite(left) or left <= FAINT * noise:
+        return 1.0
+    return float(np.clip(1.0 - left / whole, 0.0, 1.0)) if whole > 0.0 else 0.0
+
+
 def _is_structured(structure: Structure, excess: float, floor: NoiseFloor) -> bool:
-    return structure.significant or excess > _largest_excess(floor)
+    """Whether more is left than noise.
+
+    Slow noise follows from the motion by chance once in twenty times. Where rests tell how large it
+    is, a structure must make the residual larger than it.
+    """
+    shows = not floor.from_rest or excess > floor.relative_sd
+    return (structure.significant and shows) or excess > _largest_excess(floor)
 
 
 def _largest_excess(floor: NoiseFloor) -> float:
@@ -138,6 +165,8 @@ def nameable(
     gain
         Share by which the error on what is held out falls.
     """
+    if not remainder.carries_over:
+        return (False,) * len(links)
     if not remainder.structured or remainder.explained_share > EXPLAINED:
         return (True,) * len(links)
     if remainder.predictable or remainder.explained_share <= MOSTLY or gain < HALF:

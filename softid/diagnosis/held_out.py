@@ -72,13 +72,22 @@ class HeldOut:
         return self._in_blocks(candidate)
 
     def rms(self, candidate: Candidate) -> float:
-        """Root mean square of the first output's residual over everything held out."""
+        """Root mean square of the first output's residual over what can judge.
+
+        Of other logs that are the samples whose input lies within the range that was fitted, if
+        there are any: beyond it no law of the curve is known.
+        """
         first = candidate.problem.outputs[0]
-        rows = [r for _, channel, _, r in self.errors(candidate) if channel == first]
+        errors = self._on_logs(candidate, _fitted_range(candidate)) if self.logs else []
+        errors = errors or self.errors(candidate)
+        rows = [r for _, channel, _, r in errors if channel == first]
         joined = np.concatenate(rows) if rows else np.empty(0)
         return float(np.sqrt(np.mean(joined**2))) if joined.size else float("nan")
 
-    def _on_logs(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
+    def _on_logs(
+        self, candidate: Candidate, within: tuple[float, float] = (-np.inf, np.inf)
+    ) -> list[tuple[str, str, Array, Array]]:
+        """Of the samples whose input lies within limits; no row where there are none."""
         model = candidate.problem.model
         fixed = model.parameters().with_fixed(candidate.parameters)
         problem = Problem(model, fixed, self.logs)
@@ -86,8 +95,12 @@ class HeldOut:
         found = []
         for block in problem.blocks(optimum.unknowns, derivatives=False):
             segment = problem.segments[block.segment]
-            measured = segment.outputs[block.channel][segment.used[block.channel]]
-            found.append((segment.log_name, block.channel, measured, block.residual))
+            used = segment.used[block.channel]
+            measured, u = segment.outputs[block.channel][used], segment.input[used]
+            judges = (u >= within[0]) & (u <= within[1])
+            if judges.any():
+                row = (measured[judges], block.residual[judges])
+                found.append((segment.log_name, block.channel, *row))
         return found
 
     def _in_blocks(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
@@ -114,6 +127,11 @@ class HeldOut:
                 residual = measured - response.outputs[name][held] - zero
                 found.append((segment.log_name, name, measured, residual))
         return found
+
+
+def _fitted_range(candidate: Candidate) -> tuple[float, float]:
+    u = np.concatenate([segment.input for segment in candidate.problem.segments])
+    return float(u.min()), float(u.max())
 
 
 def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOut]:

@@ -17,8 +17,8 @@ Array = npt.NDArray[np.float64]
 REST_S = 20.0
 """Shortest rest, in one piece and after the motion has died out, that shows the noise's colour."""
 
-SETTLED = 10.0
-"""Time constants after which the motion counts as dead."""
+SETTLED = 5.0
+"""Time constants after which the motion counts as dead: less than a hundredth is left."""
 
 STILL = 0.02
 """The input rests while it stays within this share of its span."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +20,7 @@ from softid.diagnoses import NOTABLE
 Array = npt.NDArray[np.float64]
 
 BLOCKS = 12
-SHIFTS = 59
+SHIFTS = 199
 KNOTS = 7
 RIDGE = 1e-3
 """Penalty of the smooth function, as a share of the data's weight."""
@@ -106,12 +107,13 @@ def structure_of(
     fold = _folds([part.time_s for part in parts])
     everything = _Smooth(matrix[used], fold[used])
     rows = residual[used]
-    share = everything.predicted_share(rows)
-    null = [everything.predicted_share(_shifted(rows, rng)) for _ in range(SHIFTS)]
-    by = {
-        name: max(_Smooth(matrix[used][:, columns], fold[used]).predicted_share(rows), 0.0)
-        for name, columns in groups.items()
-    }
+    share = float(everything.predicted_shares(rows[:, None])[0])
+    shifted = np.column_stack([_shifted(rows, rng) for _ in range(SHIFTS)])
+    by = {}
+    for name, columns in groups.items():
+        alone = _Smooth(matrix[used][:, columns], fold[used])
+        by[name] = max(float(alone.predicted_shares(rows[:, None])[0]), 0.0)
+    null = everything.predicted_shares(shifted)
     return Structure(max(share, 0.0), float(np.quantile(null, 0.95)), by)
 
 
@@ -126,24 +128,36 @@ class _Smooth:
     """Ridge regression on some blocks, judged on the others; the same for many residuals."""
 
     def __init__(self, matrix: Array, fold: npt.NDArray[np.intp]) -> None:
-        self._parts = []
-        grams = [matrix[fold == k].T @ matrix[fold == k] for k in range(BLOCKS)]
+        order = np.argsort(fold, kind="stable")
+        edges = np.searchsorted(fold[order], np.arange(BLOCKS + 1))
+        self._order = order
+        self._slices = [slice(*ends) for ends in pairwise(edges.tolist()) if ends[0] < ends[1]]
+        self._parts = [matrix[order[part]] for part in self._slices]
+        grams = [part.T @ part for part in self._parts]
         whole = np.sum(grams, axis=0)
         ridge = RIDGE * matrix.shape[0] * np.eye(matrix.shape[1])
-        for k in range(BLOCKS):
-            inside = fold == k
-            if inside.any():
-                inverse = np.linalg.inv(whole - grams[k] + ridge)
-                self._parts.append((inside, matrix[inside], matrix[~inside], inverse))
+        self._inverses = [np.linalg.inv(whole - gram + ridge) for gram in grams]
 
-    def predicted_share(self, rows: Array) -> float:
-        """1 − Σ(e − ê)²/Σe² over the blocks, each predicted from the others."""
-        left = 0.0
-        for inside, here, elsewhere, inverse in self._parts:
-            predicted = here @ (inverse @ (elsewhere.T @ rows[~inside]))
-            left += float(np.sum((rows[inside] - predicted) ** 2))
-        power = float(rows @ rows)
-        return 1.0 - left / power if power > 0.0 else 0.0
+    def predicted_shares(self, rows: Array) -> Array:
+        """1 − Σ(e − ê)²/Σe² over the blocks, each predicted from the others.
+
+        ``rows`` holds one residual in each column, shape (n, S); the result has shape (S,).
+        """
+        sorted_rows = rows[self._order]
+        own = [
+            part.T @ sorted_rows[where]
+            for part, where in zip(self._parts, self._slices, strict=True)
+        ]
+        whole = np.sum(own, axis=0)
+        left = np.zeros(rows.shape[1])
+        for part, where, inverse, mine in zip(
+            self._parts, self._slices, self._inverses, own, strict=True
+        ):
+            error = sorted_rows[where] - part @ (inverse @ (whole - mine))
+            left += np.einsum("ns,ns->s", error, error)
+        power = np.einsum("ns,ns->s", rows, rows)
+        shares: Array = np.where(power > 0.0, 1.0 - left / np.maximum(power, 1e-300), 0.0)
+        return shares
 
 
 def _folds(times: Sequence[Array]) -> npt.NDArray[np.intp]:

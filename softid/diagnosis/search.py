@@ -171,11 +171,16 @@ def _second_lap(
 def _last_field(
     second: Sequence[Candidate], promising: Sequence[str], limit: float, unsettled_limit: float
 ) -> list[Candidate]:
-    """Those that stay after the second lap: near the leader, or still on their way."""
+    """Those that stay after the second lap: near the leader, or still on their way.
+
+    The leader's neighbours stay, too, when they are near: it is them that it is taken for.
+    """
     kept = []
+    neighbours = second[0].effects[-1].neighbours
     for k, candidate in enumerate(second):
         is_unsettled = candidate.minimum.reach > UNSETTLED
-        near = k < LAST_FIELD and candidate.squares <= (unsettled_limit if is_unsettled else limit)
+        asked = k < LAST_FIELD or candidate.effects[-1].name in neighbours
+        near = asked and candidate.squares <= (unsettled_limit if is_unsettled else limit)
         if near or (is_unsettled and candidate.effects[-1].key in promising[:FAVOURITES]):
             kept.append(candidate)
     return kept

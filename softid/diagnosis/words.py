@@ -18,7 +18,6 @@ from softid.diagnosis.phrases import (
     variables_left,
 )
 from softid.effects import EFFECTS
-from softid.errors import Issue
 from softid.results import FitResult, ParameterEstimate
 
 MOST_PARAMETERS = 3
@@ -50,49 +49,6 @@ def worded(found: Diagnosis) -> Diagnosis:
         next_experiment=following,
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
-
-
-def restriction(effects: Sequence[str]) -> tuple[Issue, ...]:
-    """What a search among some effects cannot say; nothing for the whole catalogue.
-
-    Parameters
-    ----------
-    effects
-        Keys of the effects that were considered; empty for all.
-    """
-    left_out = [key for key in EFFECTS if effects and key not in effects]
-    if not left_out:
-        return ()
-    return (
-        Issue(
-            "few-effects",
-            "warning",
-            f"only {listed(list(effects))} {'was' if len(effects) == 1 else 'were'} considered: "
-            "another effect may explain the logs as well or better",
-            "diagnose again without --effects",
-        ),
-    )
-
-
-def averaged_over(count: int) -> tuple[Issue, ...]:
-    """That the logs were averaged, which hides what is faster than a mean; nothing if not.
-
-    Parameters
-    ----------
-    count
-        Samples in a mean.
-    """
-    if count == 1:
-        return ()
-    return (
-        Issue(
-            "averaged",
-            "info",
-            f"every {count} samples were averaged into one: a time constant of the motion is "
-            "longer than thirty of the means",
-            None,
-        ),
-    )
 
 
 def summarise(
@@ -225,10 +181,10 @@ class _Teller:
 def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
     left = teller.size(remainder.rms)
     noise = "the noise of the rests" if remainder.noise_from_rest else "noise"
+    why = "it is no larger" if remainder.predictable else _structure(remainder)
     told = [
         "None of the effects tried explains more of it than chance would.",
-        f"What is left, {left} rms on the fitted samples, looks like {noise}: "
-        f"{_structure(remainder)}.",
+        f"What is left, {left} rms on the fitted samples, looks like {noise}: {why}.",
     ]
     if not remainder.noise_from_rest:
         told.append("No long rest shows the noise alone, so a slow misfit could hide in it.")
@@ -239,12 +195,20 @@ def _unknown(teller: _Teller, tried: Sequence[Cause], remainder: Remainder) -> l
     told = ["Something is missing, and no effect of the catalogue can be named for it."]
     if tried:
         names = " with ".join(title_of(cause.key) for cause in tried)
-        told.append(
-            f"The best description, {names}, takes away "
-            f"{percent(remainder.explained_share)} of the misfit above the noise, which is too "
-            "little for a cause."
-        )
+        told.append(f"The best description, {names}, takes away {_taken(remainder)}.")
+    if not remainder.structured:
+        left = teller.size(remainder.rms)
+        return [*told, f"What is left on the fitted samples, {left} rms, looks like noise."]
     return [*told, _left(teller, remainder)]
+
+
+def _taken(remainder: Remainder) -> str:
+    """How much of the misfit goes, and why that names no cause."""
+    taken = f"{percent(remainder.explained_share)} of the misfit above the noise"
+    if remainder.carries_over:
+        return f"{taken}, which is too little for a cause"
+    held = percent(remainder.held_out_share)
+    return f"{taken} on the fitted samples but {held} of it on those held out: no law carries over"
 
 
 def _described(descriptive: Sequence[Cause]) -> str:

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from softid.diagnoses import Diagnosis, Remainder
-from softid.diagnosis.assessment import assess, nameable, verdict_of
+from softid.diagnosis.assessment import assess, held_out_share, nameable, verdict_of
 from softid.diagnosis.beginning import Asked, Beginning, Progress
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import Chain, find_chain
 from softid.diagnosis.findings import alternatives_of, causes_of, evidence_of, gains_of
 from softid.diagnosis.held_out import BETTER, NO_WORSE
+from softid.diagnosis.indistinct import with_rivals_in_misfit
 from softid.diagnosis.input_noise import without_input_noise
+from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.revision import revised
 from softid.diagnosis.thinning import samples_to_average, thinned
-from softid.diagnosis.words import averaged_over, restriction, worded
+from softid.diagnosis.words import worded
 from softid.fitters.output_error import Optimum
 from softid.identification.assembly import Identified, assemble
 from softid.identification.preparation import as_log_set, without_dropouts
@@ -110,7 +113,7 @@ def diagnose(
         extended=after,
         causes=tuple(cause for cause, sure in told if sure),
         descriptive=tuple(cause for cause, sure in told if not sure),
-        alternatives=alternatives_of(named),
+        alternatives=alternatives_of(named or chain.links),
         remainder=remainder,
         gains=gains_of(base, chain.final, held, before),
         evidence=evidence_of(chain),
@@ -154,8 +157,15 @@ def _searched(
             chain = again
     report("looking at what is left", 0.85)
     remainder = left_by(chain.final)
-    gain = 1.0 - start.held.rms(chain.final) / start.held.rms(start.base)
-    return chain, remainder, nameable(chain.links, chain.final, remainder, gain=gain)
+    if remainder.structured:
+        chain = replace(chain, links=tuple(with_rivals_in_misfit(link) for link in chain.links))
+    before, after = start.held.rms(start.base), start.held.rms(chain.final)
+    remainder = replace(remainder, held_out_share=held_out_share(before, after, remainder))
+    return (
+        chain,
+        remainder,
+        nameable(chain.links, chain.final, remainder, gain=1.0 - after / before),
+    )
 
 
 def _fit_of(final: Candidate, work: Work, seed: int) -> FitResult:

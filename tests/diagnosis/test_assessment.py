@@ -12,9 +12,18 @@ from handmade_diagnosis import remainder
 from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
 
 from softid.diagnoses import Remainder, Verdict
-from softid.diagnosis.assessment import assess, nameable, surroundings, verdict_of
+from softid.diagnosis.assessment import (
+    _is_structured,
+    assess,
+    held_out_share,
+    nameable,
+    surroundings,
+    verdict_of,
+)
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import Link
+from softid.diagnosis.noise_floor import NoiseFloor
+from softid.diagnosis.remainder import Structure
 from softid.diagnosis.scale import scale_of
 
 PREDICTABLE = remainder(structured=True, explained=0.7)
@@ -64,6 +73,27 @@ def test_a_random_rest_allows_no_name_without_a_gain() -> None:
     left = replace(RANDOM, explained_share=0.8)
     assert nameable([link(100.0)], model(20.0), left, gain=0.51) == (True,)
     assert nameable([link(100.0)], model(20.0), left, gain=0.49) == (False,)
+
+
+def test_what_does_not_carry_over_is_not_named() -> None:
+    """Noise alone is left on the fitted samples, but on others most of the misfit stays."""
+    left = remainder(structured=False, explained=1.0)
+    for share, named in ((0.71, True), (0.69, False)):
+        told = nameable([link(100.0)], model(1.0), replace(left, held_out_share=share), gain=0.5)
+        assert told == (named,)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "share"),
+    [(3.0, 1.0, 1.0), (3.0, 1.2, 1.0), (3.0, 2.0, 1.0 - 3.0 / 8.0), (3.0, 4.0, 0.0)],
+)
+def test_share_of_the_held_out_misfit(before: float, after: float, share: float) -> None:
+    """Closed form: 1 - (after² - noise²)/(before² - noise²), 1 within half a noise variance.
+
+    The rest of 1 has an excess of 0: it is the noise.
+    """
+    left = replace(remainder(structured=False, explained=1.0), rms=1.0, excess=0.0)
+    assert held_out_share(before, after, left) == pytest.approx(share)
 
 
 @pytest.mark.parametrize(
@@ -129,6 +159,18 @@ def test_a_misfit_of_known_size() -> None:
     assert type(none.excess) is float
     assert every.structured is False
     assert every.explained_share > 0.98
+
+
+@pytest.mark.parametrize(
+    ("from_rest", "excess", "structured"),
+    [(True, 0.09, False), (True, 0.11, True), (False, -0.5, True)],
+)
+def test_a_structure_of_known_noise_must_show(
+    from_rest: bool, excess: float, structured: bool
+) -> None:
+    """Where rests tell the variance to 10 %, a structure must make the residual so much larger."""
+    found = Structure(0.2, 0.1, {})
+    assert _is_structured(found, excess, NoiseFloor(1.0, 0.1, from_rest)) is structured
 
 
 def test_surroundings_show_where_nothing_was_used() -> None:

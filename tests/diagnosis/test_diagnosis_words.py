@@ -8,7 +8,8 @@ import pytest
 from handmade_diagnosis import DELAY, FRICTION, diagnosis, odd_diagnosis
 
 from softid.diagnoses import Diagnosis, Verdict
-from softid.diagnosis.words import restriction, summarise, what_next
+from softid.diagnosis.remarks import restriction
+from softid.diagnosis.words import summarise, what_next
 from softid.effects import EFFECTS
 
 
@@ -106,6 +107,24 @@ def test_unknown_names_no_cause() -> None:
     assert "The best description, dry friction, takes away 60 %" in text
     assert "The cause" not in text
     assert "In hardware" not in text
+
+
+def test_what_does_not_carry_over_is_no_cause() -> None:
+    """The share on what is held out is told beside that on the fitted samples."""
+    found = diagnosis(Verdict.UNKNOWN)
+    text = told(replace(found, remainder=replace(found.remainder, held_out_share=0.37)))
+    assert "60 % of the misfit above the noise on the fitted samples but 37 % of it" in text
+    quiet = replace(found.remainder, held_out_share=0.37, structured=False)
+    assert "looks like noise" in told(replace(found, remainder=quiet))
+
+
+def test_slow_noise_of_the_size_of_a_rest_is_noise() -> None:
+    """A structure that does not make the residual larger is not told as one."""
+    found = diagnosis(Verdict.ADEQUATE)
+    left = replace(found.remainder, structure_share=0.13, structure_limit=0.04)
+    text = told(replace(found, remainder=left))
+    assert "looks like the noise of the rests: it is no larger." in text
+    assert "13 %" not in text
 
 
 def test_a_chain_tells_each_link() -> None:

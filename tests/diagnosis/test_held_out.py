@@ -109,6 +109,26 @@ def test_errors_on_held_out_logs() -> None:
     assert abs(float(np.mean(residual))) < 1e-6
 
 
+def test_beyond_the_fitted_range_nothing_judges() -> None:
+    """Errors of 0.5 rad above 60 kPa, the largest input that was fitted, and 0.01 rad below.
+
+    The list of errors has them all.
+    """
+    time_s = np.arange(1000) / RATE_HZ
+    fitted = driven(30.0 + 30.0 * np.sin(time_s))
+    higher = driven(50.0 + 50.0 * np.sin(time_s), name="higher")
+    beyond = higher.pressure_kpa > 60.0
+    rng = np.random.default_rng(0)
+    noise = np.where(beyond, 0.5, 0.01) * rng.standard_normal(time_s.size)
+    judge = with_angle(higher, higher.channels["angle"].values + noise)
+    problem = linear_problem([fitted])
+    held = HeldOut((judge,))
+    candidate = standing(problem, problem.unknowns(TRUTH))
+    ((_, _, _, residual),) = held.errors(candidate)
+    assert residual.size == time_s.size
+    assert held.rms(candidate) < 0.1 < np.sqrt(np.mean(residual**2))
+
+
 def test_the_parameters_are_not_fitted_to_what_judges() -> None:
     """An actuator that is twice as stiff misses by what the formula says, whatever the zero."""
     log = linear_log()

@@ -63,10 +63,10 @@ def test_colour_is_paid_for() -> None:
 
 
 @pytest.mark.parametrize(
-    ("still_s", "from_rest"), [(21.0 + 10.0 * MOTION_S, True), (19.0 + 10.0 * MOTION_S, False)]
+    ("still_s", "from_rest"), [(21.0 + 5.0 * MOTION_S, True), (19.0 + 5.0 * MOTION_S, False)]
 )
 def test_a_rest_is_long_and_settled(still_s: float, from_rest: bool) -> None:
-    """Twenty seconds must be left after ten time constants in which the motion dies out."""
+    """Twenty seconds must be left after five time constants in which the motion dies out."""
     time_s = PERIOD_S * np.arange(4000)
     u = np.where(time_s < 40.0, 50.0 * np.sin(time_s), 0.0)
     u = np.where(time_s >= 40.0 + still_s, 50.0 * np.sin(time_s), u)

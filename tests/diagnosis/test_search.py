@@ -12,7 +12,14 @@ from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standin
 from softid.diagnosis.chain import settled
 from softid.diagnosis.scale import scale_of
 from softid.diagnosis.screening import Signature
-from softid.diagnosis.search import _best_of_each, _by_squares, _starts, race, rank
+from softid.diagnosis.search import (
+    _best_of_each,
+    _by_squares,
+    _last_field,
+    _starts,
+    race,
+    rank,
+)
 from softid.diagnosis.whitening import Whitener
 from softid.effects import effect_of
 
@@ -79,6 +86,17 @@ def test_the_best_of_each_cause_stays() -> None:
         (("creep",), 5.0),
     ]
     assert [c.squares for c in _by_squares(rows)] == [1.0, 4.0, 5.0, 9.0]
+
+
+def test_neighbours_of_the_leader_stay() -> None:
+    """Four stay, and further down those for which the leader is easily taken, if they are near."""
+    keys = ("pneumatic_lag", "creep", "ageing", "softening", "sensor_drift", "delay")
+    field = [candidate((key,), 10.0 + k) for k, key in enumerate(keys)]
+    assert "delay" in effect_of("pneumatic_lag").neighbours
+    kept = [c.keys[0] for c in _last_field(field, (), 20.0, 20.0)]
+    assert kept == [*keys[:4], "delay"]
+    kept = [c.keys[0] for c in _last_field(field, (), 14.0, 14.0)]
+    assert kept == list(keys[:4])
 
 
 def test_the_race_goes_to_the_true_cause() -> None:
