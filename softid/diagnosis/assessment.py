@@ -61,7 +61,7 @@ def assess(
         [p.time_s for p in after],
         scale.motion_s,
     )
-    structure = structure_of(after, scale.motion_s, rng=rng, wanders=not _has_spring(final))
+    structure = structure_of(after, scale.motion_s, rng=rng, wanders=not has_spring(final))
     least = max(floor.variance, LEAST_NOISE * _power(before), np.finfo(float).tiny)
     excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
     explained = 1.0
@@ -111,8 +111,14 @@ def _largest_excess(floor: NoiseFloor) -> float:
     return SMALLEST_EXCESS + EXCESS_SDS * floor.relative_sd
 
 
-def _has_spring(candidate: Candidate) -> bool:
-    """Whether anything pulls the motion back to a rest."""
+def has_spring(candidate: Candidate) -> bool:
+    """Whether anything pulls the motion back to a rest.
+
+    Parameters
+    ----------
+    candidate
+        A fit.
+    """
     problem = candidate.problem
     law = problem.model.motion_law(problem.theta(candidate.minimum.point))
     if law is None:

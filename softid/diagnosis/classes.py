@@ -151,20 +151,27 @@ def classes_of(effects: Sequence[str]) -> tuple[EquivalenceClass, ...]:
     return tuple(c for c in CLASSES if names & set(c.effects))
 
 
-def why_unsplit(effects: Sequence[str]) -> str:
+def why_unsplit(effects: Sequence[str], *, alike: bool = True) -> str:
     """Why causes are not told apart, and what would do it, in plain sentences.
 
     Parameters
     ----------
     effects
-        Names of the causes that explain the logs equally well, the best first.
+        Names of the causes that are not told apart, the best first.
+    alike
+        Whether they explain the logs equally well; otherwise they differ by less than what all of
+        them leave.
 
     Examples
     --------
     >>> print(why_unsplit(["delay", "pneumatic_lag"]).split(". ")[1])
     A chirp from slow to fast would tell them apart best.
     """
-    sentences = ["After a refit of all other parameters they explain these logs equally well"]
+    sentences = [
+        "After a refit of all other parameters they explain these logs equally well"
+        if alike
+        else "What none of them explains outweighs the little by which they differ"
+    ]
     split = splitting_experiment(effects)
     if split is None:
         sentences.append("No experiment is known that would tell them apart")

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
+from softid.diagnosis.chain import INDISTINCT
 from softid.diagnosis.classes import classes_of, splitting_experiment, why_unsplit
 from softid.diagnosis.phrases import (
     listed,
@@ -32,7 +33,8 @@ def worded(found: Diagnosis) -> Diagnosis:
         A diagnosis in numbers; words that it has already stay, but for the paragraph.
     """
     alternatives = tuple(
-        a if a.why else replace(a, why=why_unsplit(a.effects)) for a in found.alternatives
+        a if a.why else replace(a, why=why_unsplit(a.effects, alike=_are_alike(a)))
+        for a in found.alternatives
     )
     following = found.next_experiment or what_next(
         found.verdict, alternatives=alternatives, remainder=found.remainder
@@ -49,6 +51,10 @@ def worded(found: Diagnosis) -> Diagnosis:
         next_experiment=following,
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
+
+
+def _are_alike(alternative: Alternative) -> bool:
+    return max(alternative.delta_bic.values(), default=0.0) < INDISTINCT
 
 
 def summarise(

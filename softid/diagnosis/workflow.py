@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from softid.diagnoses import Diagnosis, Remainder
-from softid.diagnosis.assessment import assess, held_out_share, nameable, verdict_of
+from softid.diagnosis.assessment import assess, has_spring, held_out_share, nameable, verdict_of
 from softid.diagnosis.beginning import Asked, Beginning, Progress
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import Chain, find_chain
@@ -18,6 +18,7 @@ from softid.diagnosis.held_out import BETTER, NO_WORSE
 from softid.diagnosis.indistinct import with_rivals_in_misfit
 from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.remarks import averaged_over, restriction
+from softid.diagnosis.residual_set import sets_left
 from softid.diagnosis.revision import revised
 from softid.diagnosis.thinning import samples_to_average, thinned
 from softid.diagnosis.words import worded
@@ -118,7 +119,12 @@ def diagnose(
         gains=gains_of(base, chain.final, held, before),
         evidence=evidence_of(chain),
         next_experiment=None,
-        issues=(*before.issues, *restriction(effects), *averaged_over(count)),
+        issues=(
+            *before.issues,
+            *restriction(effects),
+            *averaged_over(count),
+            *(sets_left(log_set) if has_spring(base) else ()),
+        ),
     )
     return worded(found)
 
