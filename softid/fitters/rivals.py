@@ -8,7 +8,7 @@ where neither the optimum rings nor what it leaves behind swings.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -39,9 +39,19 @@ autocorrelation of 0.22 at one lag, or half of it at four."""
 
 SIGNIFICANT = 6.0
 LEAST_SWING = 0.2
+SWING_ERRORS = 4.0
 LAG_SHARE = 0.25
-"""A residual swings when its autocorrelation, over lags of up to this share of the longest segment,
-falls and rises again by `LEAST_SWING`: so it does when a tenth of its power is ringing."""
+"""A residual swings when its autocorrelation, over lags of up to this share of a segment, falls and
+rises again by `LEAST_SWING`: so it does when a tenth of its power is ringing. Of n samples of white
+noise it has a standard error of 1/√n, and must rise by `SWING_ERRORS` of these."""
+
+RETURN_SHARE = 0.5
+"""Lags are looked at up to this share of that at which the input comes back. What it leaves behind
+within half of that time of a step or a turn is then no swing, and a ringing of three quarters of
+that time is seen."""
+
+ACTIVITY_SHARE = 0.005
+"""Share of a segment over which the change of the input is its activity."""
 
 LEVELS = 20
 """Inputs at which the damping ratio of an optimum is looked at."""
@@ -185,7 +195,9 @@ def _rings(problem: Problem, z: Array) -> bool:
 def swings(problem: Problem, z: Array) -> bool:
     """Whether the autocorrelation of the residual falls and rises again, as that of ringing does.
 
-    What a static curve or a decay leaves behind drifts, and its autocorrelation only falls.
+    What a static curve or a decay leaves behind drifts, and its autocorrelation only falls. What
+    a step of the input leaves behind comes back with the next step, so that only lags short against
+    the way to there are looked at.
 
     Parameters
     ----------
@@ -194,19 +206,57 @@ def swings(problem: Problem, z: Array) -> bool:
     z
         Unknowns, shape (U,).
     """
-    for residuals in residuals_by_channel(problem, z):
-        longest = max((r.size for r in residuals), default=0)
-        power = sum(float(r @ r) for r in residuals)
-        if power <= 0.0 or longest <= MAX_LAG:
-            continue
-        size = 2 ** int(np.ceil(np.log2(2 * longest)))
-        spectrum = sum(np.abs(np.fft.rfft(r, size)) ** 2 for r in residuals)
-        lags = 1 + int(LAG_SHARE * longest)
-        correlation = np.fft.irfft(spectrum, size)[:lags] / power
-        risen = np.maximum.accumulate(correlation[::-1])[::-1] - correlation
-        if float(risen.max()) >= LEAST_SWING:
-            return True
+    blocks = list(problem.blocks(z, derivatives=False))
+    for name in problem.outputs:
+        of_channel = [b for b in blocks if b.channel == name and b.residual.size > MAX_LAG]
+        residuals = [b.residual - b.residual.mean() for b in of_channel]
+        segments = (problem.segments[b.segment] for b in of_channel)
+        reaches = [_own_lags(segment.input[segment.used[name]]) for segment in segments]
+        for reach in sorted(set(reaches)):
+            alike = [r for r, own in zip(residuals, reaches, strict=True) if own >= reach]
+            least = max(LEAST_SWING, SWING_ERRORS / np.sqrt(sum(r.size for r in alike)))
+            if _rises_at(alike, reach, least) is not None:
+                return True
     return False
+
+
+def _own_lags(values: Array) -> int:
+    """Lags, in samples, up to which a swing of the residual is no return of the input.
+
+    The input has come back where its autocorrelation, or that of its activity, has risen again:
+    after the way from step to step, or half a period of a sine.
+    """
+    most = int(LAG_SHARE * values.size)
+    apart = max(1, int(ACTIVITY_SHARE * values.size))
+    activity = np.abs(values[apart:] - values[:-apart])
+    returns = [
+        _rises_at([looked_at - looked_at.mean()], most, LEAST_SWING)
+        for looked_at in (values, activity)
+    ]
+    return int(min([most, *(RETURN_SHARE * lag for lag in returns if lag is not None)]))
+
+
+def _rises_at(series: Sequence[Array], lags: int, least: float) -> int | None:
+    """The first lag at which the joint autocorrelation has risen again by ``least``, if any does.
+
+    Parameters
+    ----------
+    series
+        Stretches without their means, each of shape (n,).
+    lags
+        Largest lag that is looked at, in samples.
+    least
+        Smallest rise after a fall.
+    """
+    power = sum(float(r @ r) for r in series)
+    longest = max((r.size for r in series), default=0)
+    if power <= 0.0 or lags < 1:
+        return None
+    size = 2 ** int(np.ceil(np.log2(2 * longest)))
+    spectrum = sum(np.abs(np.fft.rfft(r, size)) ** 2 for r in series)
+    correlation = np.fft.irfft(spectrum, size)[: lags + 1] / power
+    risen = correlation - np.minimum.accumulate(correlation) >= least
+    return int(np.argmax(risen)) if risen.any() else None
 
 
 def residuals_by_channel(problem: Problem, z: Array) -> list[list[Array]]:

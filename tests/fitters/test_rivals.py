@@ -105,26 +105,62 @@ def test_structure_is_told_from_noise() -> None:
     assert has_structure(whole, whole.unknowns(RINGING | {"c2": 0.1 * RINGING["c2"]}))
 
 
+STATIC = {"a1": 1.0, "c1": 1e-9, "b1": 1e-3}
+"""A curve so flat that what is added to a constant output is left behind as it is."""
+
+TIME_S = 0.01 * np.arange(4000)
+SQUARE = np.where(TIME_S % 8.0 < 4.0, 150.0, 20.0)
+SINE = 85.0 + 65.0 * np.sin(2 * np.pi * 0.25 * TIME_S)
+SINCE_STEP_S = TIME_S % 4.0
+
+
+def left_behind(residual: np.ndarray, pressure: np.ndarray) -> Problem:
+    """A problem whose residual at `STATIC` is the given one and a hundredth of noise."""
+    noise = 0.01 * np.random.default_rng(0).standard_normal(residual.size)
+    log = Log.from_arrays(
+        TIME_S,
+        {"pressure": pressure, "contraction": 5.0 + residual + noise},
+        units={"contraction": "mm"},
+    )
+    model = Muscle(order="static")
+    return Problem(model, model.parameters(), [log])
+
+
+def swings_left(residual: np.ndarray, pressure: np.ndarray) -> bool:
+    left = left_behind(residual, pressure)
+    assert has_structure(left, left.unknowns(STATIC))
+    return swings(left, left.unknowns(STATIC))
+
+
 def test_a_drift_does_not_swing_and_ringing_does() -> None:
     """A decay's autocorrelation only falls; a sine's goes to −1 and back within a period."""
-    time_s = 0.01 * np.arange(1000)
-    pressure = np.where(time_s < 1.0, 20.0, 150.0)
+    pressure = np.where(TIME_S < 1.0, 20.0, 150.0)
+    decay = np.exp(-TIME_S / 8.0)
+    assert not swings_left(decay, pressure)
+    assert swings_left(decay + np.sin(2 * np.pi * 2.0 * TIME_S), pressure)
 
-    def left_behind(residual: np.ndarray) -> Problem:
-        noise = 0.01 * np.random.default_rng(0).standard_normal(time_s.size)
-        log = Log.from_arrays(
-            time_s,
-            {"pressure": pressure, "contraction": 5.0 + residual + noise},
-            units={"contraction": "mm"},
-        )
-        return Problem(Muscle(order="static"), Muscle(order="static").parameters(), [log])
 
-    decay = left_behind(np.exp(-time_s / 3.0))
-    ringing = left_behind(np.exp(-time_s / 3.0) + np.sin(2 * np.pi * 2.0 * time_s))
-    flat = {"a1": 1.0, "c1": 1e-9, "b1": 1e-3}
-    assert has_structure(decay, decay.unknowns(flat))
-    assert not swings(decay, decay.unknowns(flat))
-    assert swings(ringing, ringing.unknowns(flat))
+@pytest.mark.parametrize("sign", [np.sign(SQUARE - 85.0), np.ones_like(TIME_S)])
+def test_what_every_step_leaves_behind_does_not_swing(sign: np.ndarray) -> None:
+    """Spikes of 0.3 s, of the step's sign or all of one: they come back with the steps, after 4 s.
+
+    A look at all lags sees their autocorrelation fall to zero or below and rise to 0.9 or 0.
+    """
+    assert not swings_left(sign * np.exp(-SINCE_STEP_S / 0.3), SQUARE)
+
+
+def test_ringing_after_every_step_swings() -> None:
+    """A damping ratio of 0.1 at 1 Hz: the second extreme is half of the first, long before 4 s."""
+    ringing = np.exp(-0.63 * SINCE_STEP_S) * np.cos(2 * np.pi * SINCE_STEP_S)
+    assert swings_left(ringing * np.sign(SQUARE - 85.0), SQUARE)
+
+
+def test_a_bent_curve_under_a_sine_does_not_swing() -> None:
+    """Second and third harmonics of 0.25 Hz come back with it; 3 Hz comes back before."""
+    phase = 2 * np.pi * 0.25 * TIME_S
+    assert not swings_left(np.cos(2 * phase), SINE)
+    assert not swings_left(np.cos(2 * phase) + 0.3 * np.sin(3 * phase), SINE)
+    assert swings_left(np.cos(2 * phase) + 0.7 * np.sin(12 * phase), SINE)
 
 
 def test_rivals_of_a_law_beyond_all_numbers_are_none() -> None:
