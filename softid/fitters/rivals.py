@@ -1,9 +1,11 @@
-"""Rivals of an optimum that leaves structure behind: other forms of damping, and ringing motions.
+"""Rivals of an optimum: other forms of damping, and ringing motions where structure is left.
 
-A perturbed restart explores the basin of an optimum and its neighbours. A motion that rings at
-another frequency lies far away, behind many false minima, and is looked for by regression on the
-data and by multiple shooting. That takes a few times as long as all before it, so it is left out
-where neither the optimum rings nor what it leaves behind swings.
+A perturbed restart explores the basin of an optimum and its neighbours. Damping of another form
+lies beyond, and differs by so little that a false optimum may leave white noise behind. A motion
+that rings at another frequency lies far away, behind many false minima, and is looked for by
+regression on the data and by multiple shooting. That takes a few times as long as all before it, so
+it is left out where nothing but noise is left, and where neither the optimum rings nor what it
+leaves behind swings.
 """
 
 from __future__ import annotations
@@ -60,7 +62,7 @@ LEVELS = 20
 def best_rival(
     problem: Problem, sigma: Mapping[str, float], best: Minimum, *, thorough: bool = True
 ) -> tuple[Array, int]:
-    """Look for a better basin where the residual of an optimum has structure.
+    """Look for a better basin than that of an optimum.
 
     Parameters
     ----------
@@ -69,7 +71,8 @@ def best_rival(
     best
         The optimum.
     thorough
-        Whether ringing motions are looked for, which takes the longest.
+        Whether ringing motions are looked for, which takes the longest, and other forms of damping
+        even where the residual is white.
 
     Returns
     -------
@@ -77,7 +80,9 @@ def best_rival(
         The unknowns of a rival with a cost below 99.9 %, or else those of the optimum, shape (U,),
         and the simulations of all logs that it took.
     """
-    if not problem.free or not problem.model.start_states or not has_structure(problem, best.point):
+    if not problem.free or not problem.model.start_states:
+        return best.point, 0
+    if not thorough and not has_structure(problem, best.point):
         return best.point, 0
     search = Objective(problem, sigma)
     names = problem.parameters.names
