@@ -80,6 +80,22 @@ def test_a_curve_that_explodes_does_not_flatten_the_levels() -> None:
     assert figure.axes[0].get_ylim()[1] < 110.0
 
 
+def test_a_curve_far_from_all_levels_is_said_to_be_elsewhere() -> None:
+    """At 1e9 rad it is on no readable axis: the levels fill the plot, and the legend says why."""
+    x = np.linspace(0.0, 120.0, 121)
+    figure = draw_static_curve(
+        x,
+        1e9 + x,
+        [levels("a", in_sample=True)],
+        fitted_range=(0.0, 80.0),
+        input=PRESSURE,
+        output=ANGLE,
+    )
+    assert figure.axes[0].get_ylim()[1] < 60.0
+    assert "model at rest, out of the plot" in labels(figure)
+    assert "extrapolated" not in labels(figure)
+
+
 @pytest.mark.parametrize(
     ("factor", "scale"), [(1.2, "linear"), (30.0, "log"), (1e9, "log"), (np.inf, "log")]
 )
