@@ -10,6 +10,7 @@ from softid.excitation import Stretch
 from softid.quality.findings import ChannelReport, Dropout, Role, SignCheck
 from softid.quality.holding import Hold
 from softid.quality.sampling import Gap, Sampling
+from softid.units import CHANNEL_QUANTITY
 
 ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}
 MUCH_JITTER = 0.2
@@ -121,6 +122,13 @@ def _of_channel(channel: ChannelReport) -> Iterator[Issue]:
                 "error",
                 f"{channel.name} is constant at {_shown(channel, channel.low)} throughout",
                 "check the sensor and its wiring, or choose another --output",
+            )
+        elif channel.role == "other" and channel.name in CHANNEL_QUANTITY:
+            yield Issue(
+                "dead-channel",
+                "info",
+                f"{channel.name} is constant at {_shown(channel, channel.low)} throughout",
+                "check the sensor and its wiring, if it was to move",
             )
         return
     yield from _of_dropouts(channel)
