@@ -30,6 +30,9 @@ WORTH_PURSUING = 1.02
 """A rival is dropped when over the shortest pieces, where no simulation falls out of step, it costs
 this many times what the optimum costs there."""
 
+SAME = 1e-3
+"""Two starts whose costs over the same pieces differ by no more than this share have met."""
+
 BETTER = 0.999
 MOST_PURSUED = 6
 SORTING_EVALUATIONS = 20
@@ -128,17 +131,33 @@ class _Ladder:
         others = [self._led(cut, start.values_dict(), SORTING_EVALUATIONS) for start in rings]
         limit = WORTH_PURSUING * own[0]
         ranked = sorted([own, *others], key=lambda row: row[0])
+        reached: list[list[float]] = [[] for _ in longer]
         for short, values in ranked[:MOST_PURSUED]:
             if short > limit:
                 break
-            for pieces in longer:
-                values = self._led(pieces, values, SCOUT_EVALUATIONS)[1]
-            ended = self._solved(problem, problem.unknowns(values), SCOUT_EVALUATIONS)
+            led = self._led_on(longer, values, reached)
+            if led is None:
+                continue
+            ended = self._solved(problem, problem.unknowns(led), SCOUT_EVALUATIONS)
             if ended.normal.cost < cost:
                 point, cost = ended.point, ended.normal.cost
                 if not has_structure(problem, point):
                     break
         return point
+
+    def _led_on(
+        self,
+        longer: Sequence[PiecewiseProblem],
+        values: Mapping[str, float],
+        reached: Sequence[list[float]],
+    ) -> Mapping[str, float] | None:
+        """Where the longer pieces lead; None where another start has come by the same point."""
+        for pieces, costs in zip(longer, reached, strict=True):
+            cost, values = self._led(pieces, values, SCOUT_EVALUATIONS)
+            if any(abs(cost - other) <= SAME * other for other in costs):
+                return None
+            costs.append(cost)
+        return values
 
     def _led(
         self,

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pytest
 
 import softid.fitters.output_error as fitter
+import softid.fitters.rivals as rivals
 from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.output_error import Optimum, output_error
@@ -86,6 +87,21 @@ def test_a_false_optimum_is_left_by_way_of_the_pieces() -> None:
     found, ratio = searched(problem(UNSTABLE), UNSTABLE)
     assert found.status.success
     assert ratio == pytest.approx(1.0, abs=1e-4)
+
+
+def test_starts_that_have_met_go_on_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Starts with three shapes of damping meet over longer pieces: fewer simulations, same end."""
+    whole = problem()
+    objective = Objective(whole, {"contraction": 1.0})
+    best = objective.solve(whole.unknowns(RINGING | {"M": 0.05}), 30)
+    monkeypatch.setattr(rivals, "WORTH_PURSUING", 1e3)
+    monkeypatch.setattr(rivals, "has_structure", lambda problem, z: True)  # no start is the last
+    point, used = best_rival(whole, objective.sigma, best)
+    assert point is not best.point
+    monkeypatch.setattr(rivals, "SAME", -1.0)
+    alone, all_used = best_rival(whole, objective.sigma, best)
+    assert used < 0.95 * all_used
+    assert objective(point).cost == pytest.approx(objective(alone).cost, rel=1e-3)
 
 
 def test_no_ringing_is_looked_for_in_white_noise() -> None:
