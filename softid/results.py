@@ -367,6 +367,10 @@ class Validation:
         As in `FitResult`, one entry per log.
     issues
         Extrapolation, logs that were in the fit, and the like.
+    fitted_range
+        Channel → smallest and largest value in the fitted logs, where the model states it.
+    fitted_range
+        Channel → smallest and largest value in the logs that were fitted.
     """
 
     model: ModelSpec
@@ -379,3 +383,4 @@ class Validation:
     simulations: tuple[Simulation, ...]
     issues: tuple[Issue, ...] = ()
     fingerprints: Mapping[str, str] = field(default_factory=dict)
+    fitted_range: Mapping[str, tuple[float, float]] = field(default_factory=dict)

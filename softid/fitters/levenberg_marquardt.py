@@ -155,7 +155,8 @@ def minimise(
             used += 1
             if pull is not None:
                 correction = -0.5 * _step(replace(now, gradient=pull), moving, scale, damping)
-                share = float(np.linalg.norm(scale * correction) / np.linalg.norm(scale * step))
+                with np.errstate(over="ignore"):  # a correction beyond all numbers is too large
+                    share = float(np.linalg.norm(scale * correction) / np.linalg.norm(scale * step))
                 if 2.0 * share <= MOST_BEND:
                     step = step + correction
                 else:

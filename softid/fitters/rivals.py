@@ -1,14 +1,16 @@
-"""Rivals of an optimum that leaves structure behind: other forms of damping, and ringing motions.
+"""Rivals of an optimum: other forms of damping, and ringing motions where structure is left.
 
-A perturbed restart explores the basin of an optimum and its neighbours. A motion that rings at
-another frequency lies far away, behind many false minima, and is looked for by regression on the
-data and by multiple shooting. That takes a few times as long as all before it, so it is left out
-where neither the optimum rings nor what it leaves behind swings.
+A perturbed restart explores the basin of an optimum and its neighbours. Damping of another form
+lies beyond, and differs by so little that a false optimum may leave white noise behind. A motion
+that rings at another frequency lies far away, behind many false minima, and is looked for by
+regression on the data and by multiple shooting. That takes a few times as long as all before it, so
+it is left out where nothing but noise is left, and where neither the optimum rings nor what it
+leaves behind swings.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -20,12 +22,16 @@ from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]
 
-PIECES = (60, 15, 4)
-"""Pieces into which all segments are cut together, in turn."""
+PIECES = (64, 32, 16, 8, 4, 2)
+"""Pieces into which all segments are cut together, in turn. Over twice the time a motion that kept
+step falls out of it by no more than twice as much."""
 
 WORTH_PURSUING = 1.02
 """A rival is dropped when over the shortest pieces, where no simulation falls out of step, it costs
 this many times what the optimum costs there."""
+
+SAME = 1e-3
+"""Two starts whose costs over the same pieces differ by no more than this share have met."""
 
 BETTER = 0.999
 MOST_PURSUED = 6
@@ -39,9 +45,19 @@ autocorrelation of 0.22 at one lag, or half of it at four."""
 
 SIGNIFICANT = 6.0
 LEAST_SWING = 0.2
+SWING_ERRORS = 4.0
 LAG_SHARE = 0.25
-"""A residual swings when its autocorrelation, over lags of up to this share of the longest segment,
-falls and rises again by `LEAST_SWING`: so it does when a tenth of its power is ringing."""
+"""A residual swings when its autocorrelation, over lags of up to this share of a segment, falls and
+rises again by `LEAST_SWING`: so it does when a tenth of its power is ringing. Of n samples of white
+noise it has a standard error of 1/√n, and must rise by `SWING_ERRORS` of these."""
+
+RETURN_SHARE = 0.5
+"""Lags are looked at up to this share of that at which the input comes back. What it leaves behind
+within half of that time of a step or a turn is then no swing, and a ringing of three quarters of
+that time is seen."""
+
+ACTIVITY_SHARE = 0.005
+"""Share of a segment over which the change of the input is its activity."""
 
 LEVELS = 20
 """Inputs at which the damping ratio of an optimum is looked at."""
@@ -50,7 +66,7 @@ LEVELS = 20
 def best_rival(
     problem: Problem, sigma: Mapping[str, float], best: Minimum, *, thorough: bool = True
 ) -> tuple[Array, int]:
-    """Look for a better basin where the residual of an optimum has structure.
+    """Look for a better basin than that of an optimum.
 
     Parameters
     ----------
@@ -59,7 +75,8 @@ def best_rival(
     best
         The optimum.
     thorough
-        Whether ringing motions are looked for, which takes the longest.
+        Whether ringing motions are looked for, which takes the longest, and other forms of damping
+        even where the residual is white.
 
     Returns
     -------
@@ -67,7 +84,9 @@ def best_rival(
         The unknowns of a rival with a cost below 99.9 %, or else those of the optimum, shape (U,),
         and the simulations of all logs that it took.
     """
-    if not problem.free or not problem.model.start_states or not has_structure(problem, best.point):
+    if not problem.free or not problem.model.start_states:
+        return best.point, 0
+    if not thorough and not has_structure(problem, best.point):
         return best.point, 0
     search = Objective(problem, sigma)
     names = problem.parameters.names
@@ -112,17 +131,33 @@ class _Ladder:
         others = [self._led(cut, start.values_dict(), SORTING_EVALUATIONS) for start in rings]
         limit = WORTH_PURSUING * own[0]
         ranked = sorted([own, *others], key=lambda row: row[0])
+        reached: list[list[float]] = [[] for _ in longer]
         for short, values in ranked[:MOST_PURSUED]:
             if short > limit:
                 break
-            for pieces in longer:
-                values = self._led(pieces, values, SCOUT_EVALUATIONS)[1]
-            ended = self._solved(problem, problem.unknowns(values), SCOUT_EVALUATIONS)
+            led = self._led_on(longer, values, reached)
+            if led is None:
+                continue
+            ended = self._solved(problem, problem.unknowns(led), SCOUT_EVALUATIONS)
             if ended.normal.cost < cost:
                 point, cost = ended.point, ended.normal.cost
                 if not has_structure(problem, point):
                     break
         return point
+
+    def _led_on(
+        self,
+        longer: Sequence[PiecewiseProblem],
+        values: Mapping[str, float],
+        reached: Sequence[list[float]],
+    ) -> Mapping[str, float] | None:
+        """Where the longer pieces lead; None where another start has come by the same point."""
+        for pieces, costs in zip(longer, reached, strict=True):
+            cost, values = self._led(pieces, values, SCOUT_EVALUATIONS)
+            if any(abs(cost - other) <= SAME * other for other in costs):
+                return None
+            costs.append(cost)
+        return values
 
     def _led(
         self,
@@ -185,7 +220,9 @@ def _rings(problem: Problem, z: Array) -> bool:
 def swings(problem: Problem, z: Array) -> bool:
     """Whether the autocorrelation of the residual falls and rises again, as that of ringing does.
 
-    What a static curve or a decay leaves behind drifts, and its autocorrelation only falls.
+    What a static curve or a decay leaves behind drifts, and its autocorrelation only falls. What
+    a step of the input leaves behind comes back with the next step, so that only lags short against
+    the way to there are looked at.
 
     Parameters
     ----------
@@ -194,19 +231,57 @@ def swings(problem: Problem, z: Array) -> bool:
     z
         Unknowns, shape (U,).
     """
-    for residuals in residuals_by_channel(problem, z):
-        longest = max((r.size for r in residuals), default=0)
-        power = sum(float(r @ r) for r in residuals)
-        if power <= 0.0 or longest <= MAX_LAG:
-            continue
-        size = 2 ** int(np.ceil(np.log2(2 * longest)))
-        spectrum = sum(np.abs(np.fft.rfft(r, size)) ** 2 for r in residuals)
-        lags = 1 + int(LAG_SHARE * longest)
-        correlation = np.fft.irfft(spectrum, size)[:lags] / power
-        risen = np.maximum.accumulate(correlation[::-1])[::-1] - correlation
-        if float(risen.max()) >= LEAST_SWING:
-            return True
+    blocks = list(problem.blocks(z, derivatives=False))
+    for name in problem.outputs:
+        of_channel = [b for b in blocks if b.channel == name and b.residual.size > MAX_LAG]
+        residuals = [b.residual - b.residual.mean() for b in of_channel]
+        segments = (problem.segments[b.segment] for b in of_channel)
+        reaches = [_own_lags(segment.input[segment.used[name]]) for segment in segments]
+        for reach in sorted(set(reaches)):
+            alike = [r for r, own in zip(residuals, reaches, strict=True) if own >= reach]
+            least = max(LEAST_SWING, SWING_ERRORS / np.sqrt(sum(r.size for r in alike)))
+            if _rises_at(alike, reach, least) is not None:
+                return True
     return False
+
+
+def _own_lags(values: Array) -> int:
+    """Lags, in samples, up to which a swing of the residual is no return of the input.
+
+    The input has come back where its autocorrelation, or that of its activity, has risen again:
+    after the way from step to step, or half a period of a sine.
+    """
+    most = int(LAG_SHARE * values.size)
+    apart = max(1, int(ACTIVITY_SHARE * values.size))
+    activity = np.abs(values[apart:] - values[:-apart])
+    returns = [
+        _rises_at([looked_at - looked_at.mean()], most, LEAST_SWING)
+        for looked_at in (values, activity)
+    ]
+    return int(min([most, *(RETURN_SHARE * lag for lag in returns if lag is not None)]))
+
+
+def _rises_at(series: Sequence[Array], lags: int, least: float) -> int | None:
+    """The first lag at which the joint autocorrelation has risen again by ``least``, if any does.
+
+    Parameters
+    ----------
+    series
+        Stretches without their means, each of shape (n,).
+    lags
+        Largest lag that is looked at, in samples.
+    least
+        Smallest rise after a fall.
+    """
+    power = sum(float(r @ r) for r in series)
+    longest = max((r.size for r in series), default=0)
+    if power <= 0.0 or lags < 1:
+        return None
+    size = 2 ** int(np.ceil(np.log2(2 * longest)))
+    spectrum = sum(np.abs(np.fft.rfft(r, size)) ** 2 for r in series)
+    correlation = np.fft.irfft(spectrum, size)[: lags + 1] / power
+    risen = correlation - np.minimum.accumulate(correlation) >= least
+    return int(np.argmax(risen)) if risen.any() else None
 
 
 def residuals_by_channel(problem: Problem, z: Array) -> list[list[Array]]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.effects import model_of
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import Objective
-from softid.fitters.output_error import output_error
+from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
 from softid.identification.errors_of_fit import errors_of
 from softid.identification.preparation import as_log_set
@@ -18,6 +19,10 @@ from softid.log import Log
 from softid.parameters import ParameterSet
 from softid.results import FitResult
 from softid.uncertainty.profile import ProfileResult, profile
+
+Array = npt.NDArray[np.float64]
+
+REFIT_EVALUATIONS = 200
 
 
 def profile_parameter(
@@ -69,17 +74,9 @@ def profile_parameter(
             f"{name} does not change the response, or only together with others",
             remedy="fix it, or fit logs that show it",
         )
-    values = result.values
-
-    def refit(held: float) -> float:
-        fixed = parameters.with_fixed({name: held})
-        rival = Problem(model, fixed, log_set.logs)
-        found = Objective(rival, optimum.sigma).solve(rival.unknowns(values | {name: held}), 200)
-        return 2.0 * found.normal.cost
-
     p = parameters[name]
     return profile(
-        refit,
+        _Valley(problem, name, optimum, result.values).refit,
         p.value,
         sd=float(covariance.sd[row] or 0.0),
         cost_per_variance=float(covariance.cost_per_variance[row]),
@@ -89,6 +86,42 @@ def profile_parameter(
         upper=p.upper,
         degrees_of_freedom=float(covariance.degrees_of_freedom[row] or np.inf),
     )
+
+
+class _Valley:
+    """Refits along one parameter, which start from the optimum and from the nearest refit before.
+
+    A valley that bends has left the other parameters of the optimum behind, and a start there may
+    end in a false minimum.
+    """
+
+    def __init__(
+        self, problem: Problem, name: str, optimum: Optimum, values: Mapping[str, float]
+    ) -> None:
+        self._problem = problem
+        self._name = name
+        self._sigma = optimum.sigma
+        self._values = dict(values)
+        own = problem.free.index(name)
+        self._found = {float(values[name]): np.delete(optimum.unknowns, own)}
+
+    def refit(self, held: float) -> float:
+        """Least cost Σ (r/σ)² with the parameter held at a value."""
+        fixed = self._problem.parameters.with_fixed({self._name: held})
+        rival = Problem(self._problem.model, fixed, self._problem.logs)
+        starts = (rival.unknowns(self._values | {self._name: held}), self._nearest(held))
+        ended = [Objective(rival, self._sigma).solve(start, REFIT_EVALUATIONS) for start in starts]
+        best = min(ended, key=lambda found: found.normal.cost)
+        if np.isfinite(best.normal.cost):
+            self._found[held] = best.point
+        return 2.0 * best.normal.cost
+
+    def _nearest(self, held: float) -> Array:
+        """What was found at the nearest value on the way from the optimum."""
+        first = self._values[self._name]
+        low, high = sorted((first, held))
+        between = [value for value in self._found if low <= value <= high]
+        return self._found[max(between, key=lambda value: abs(value - first))]
 
 
 def _as_fitted(declared: ParameterSet, result: FitResult) -> ParameterSet:

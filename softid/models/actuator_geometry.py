@@ -314,9 +314,15 @@ def _content(path: Path) -> str:
                 remedy="name a TOML file with the tables [geometry] and [material]",
             )
         return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except OSError as error:
         raise InputError(
-            f"the geometry cannot be read: {error}",
+            f"the geometry cannot be read ({(error.strerror or str(error)).lower()})",
             where=str(path),
             remedy="check the path and its permissions",
+        ) from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            "the geometry is not text in UTF-8",
+            where=f"{path}, byte {error.start + 1}",
+            remedy="name a TOML file with the tables [geometry] and [material]",
         ) from error

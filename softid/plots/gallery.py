@@ -319,7 +319,7 @@ def draw_all(result: FitResult | Validation) -> Iterator[tuple[str, Figure]]:
         follows the name.
     """
     fit = result if isinstance(result, FitResult) else None
-    ranges = fit.fitted_range.get(fit.input) if fit else None
+    ranges = result.fitted_range.get(result.input)
     taken: set[str] = set()
     several = len(result.outputs) > 1
     for simulation, score in scored(result):

@@ -30,6 +30,9 @@ Array = npt.NDArray[np.float64]
 HIGHEST = 3.0
 """The plot ends at this many thresholds."""
 
+POINTS_BETWEEN = 16
+"""Points of the curve from one point of the profile to the next."""
+
 LOG_RATIO = 10.0
 """Positive values that span more than this factor get a logarithmic axis."""
 
@@ -76,27 +79,18 @@ def draw_profile(
         y_label="rise of the cost",
     )
     there = np.isfinite(values) & np.isfinite(cost_rise)
-    handles: list[Artist] = list(
-        axes.plot(
-            values[there],
-            cost_rise[there],
-            color=SIMULATED,
-            lw=1.6,
-            marker="o",
-            ms=5.5,
-            label="others refitted",
-            zorder=3,
-        )
-    )
-    if (
-        there.any()
-        and values[there].min() > 0
-        and np.ptp(np.log(values[there])) > np.log(LOG_RATIO)
-    ):
+    tried, rise = values[there], cost_rise[there]
+    logarithmic = bool(tried.size and tried.min() > 0 and np.ptp(np.log(tried)) > np.log(LOG_RATIO))
+    if logarithmic:
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(LogLocator(numticks=8))
         axes.xaxis.set_minor_locator(NullLocator())
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.plot(tried, rise, color=SIMULATED, ls="none", marker="o", ms=5.5, zorder=3)
+    axes.plot(*_between(tried, rise, logarithmic=logarithmic), color=SIMULATED, lw=1.6, zorder=3)
+    handles: list[Artist] = [
+        Line2D([], [], color=SIMULATED, lw=1.6, marker="o", ms=5.5, label="others refitted")
+    ]
     handles.append(
         axes.axhline(threshold, color=INK, lw=1.2, ls=(0, (5, 3)), label="95 % threshold")
     )
@@ -116,7 +110,24 @@ def draw_profile(
         handles.append(Patch(facecolor=PALE, edgecolor=FAINT, label="95 % interval"))
         open_sides = [w for w, end in zip(("below", "above"), ci95, strict=True) if end is None]
         if open_sides:
-            remark = f"no limit {' and '.join(open_sides)}: the logs do not set one"
+            remark = f"open {' and '.join(open_sides)}: the logs set no limit there"
             handles.append(Line2D([], [], ls="none", label=remark))
     finish(figure, title or f"Profile of {name}", handles, rows=2)
     return figure
+
+
+def _between(values: Array, rise: Array, *, logarithmic: bool) -> tuple[Array, Array]:
+    """The curve through the points of a profile.
+
+    The root of the rise, negative before the least point, is straight for a parabola and nearly so
+    for any other valley.
+    """
+    if values.size < 2:
+        return values, rise
+    at = np.log(values) if logarithmic else values
+    root = np.sqrt(np.maximum(rise, 0.0))
+    root[: int(np.argmin(rise))] *= -1.0
+    shares = np.linspace(0.0, 1.0, POINTS_BETWEEN, endpoint=False)
+    fine = np.append((at[:-1, None] + shares * np.diff(at)[:, None]).ravel(), at[-1])
+    curve = np.interp(fine, at, root) ** 2
+    return (np.exp(fine) if logarithmic else fine), curve

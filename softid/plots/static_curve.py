@@ -32,6 +32,7 @@ from softid.plots.traces import decimate, padded_limits
 
 Array = npt.NDArray[np.float64]
 
+BEYOND_LABEL = "extrapolated"
 BEYOND_DASHES = (0, (4, 3))
 _MARKER = {1: "^", -1: "v", 0: "o"}
 _MEANING = {1: "settled after a rise", -1: "settled after a fall", 0: "first level"}
@@ -116,7 +117,9 @@ def draw_static_curve(
     if levels:
         handles.append(Line2D([], [], color=FAINT, lw=1.5, label="measured path"))
     handles += _draw_levels(axes, levels, input, output)
-    _set_limits(axes, curve_input, curve_output, levels, input, output)
+    if not _set_limits(axes, curve_input, curve_output, levels, input, output):
+        handles[0].set_label("model at rest, out of the plot")
+        handles = [handle for handle in handles if handle.get_label() != BEYOND_LABEL]
     finish(figure, title, handles, rows=2)
     return figure
 
@@ -137,7 +140,7 @@ def draw_split_curve(
             color=SIMULATED,
             lw=1.6,
             ls=BEYOND_DASHES,
-            label="extrapolated",
+            label=BEYOND_LABEL,
         )
     return handles
 
@@ -190,8 +193,8 @@ def _set_limits(
     levels: Sequence[Levels],
     input: Display,
     output: Display,
-) -> None:
-    """Hold all that was measured and what of the curve is near it."""
+) -> bool:
+    """Hold all that was measured and what of the curve is near it, if any is: whether it is."""
     across = padded_limits(x, *(log.path_input for log in levels), margin=0.02)
     own = padded_limits(*(log.path_output for log in levels), *(log.output for log in levels))
     both = padded_limits(y, *(log.path_output for log in levels))
@@ -200,4 +203,8 @@ def _set_limits(
     if own and both:
         room = own[1] - own[0]
         low, high = max(both[0], own[0] - room), min(both[1], own[1] + room)
+        near = bool(np.any((y >= low) & (y <= high)))
+        low, high = (low, high) if near else own
         axes.set_ylim(low * output.factor, high * output.factor)
+        return near
+    return True

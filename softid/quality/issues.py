@@ -10,6 +10,7 @@ from softid.excitation import Stretch
 from softid.quality.findings import ChannelReport, Dropout, Role, SignCheck
 from softid.quality.holding import Hold
 from softid.quality.sampling import Gap, Sampling
+from softid.units import CHANNEL_QUANTITY
 
 ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}
 MUCH_JITTER = 0.2
@@ -57,6 +58,8 @@ def list_issues(
         if channel.role in WATCHED:
             found += _of_channel(channel)
             found += [] if at_rest else _of_size(channel)
+        elif channel.dead and channel.name in CHANNEL_QUANTITY:
+            found.append(_of_dead_neighbour(channel))
     found += [_of_sign(check) for check in signs if check.inverted]
     return tuple(sorted(found, key=lambda issue: ORDER[issue.severity]))
 
@@ -126,6 +129,15 @@ def _of_channel(channel: ChannelReport) -> Iterator[Issue]:
     yield from _of_dropouts(channel)
     yield from _of_faults(channel)
     yield from _of_texture(channel)
+
+
+def _of_dead_neighbour(channel: ChannelReport) -> Issue:
+    return Issue(
+        "dead-channel",
+        "info",
+        f"{channel.name} is constant at {_shown(channel, channel.low)} throughout",
+        "check the sensor and its wiring, if it was to move",
+    )
 
 
 def _of_dropouts(channel: ChannelReport) -> Iterator[Issue]:

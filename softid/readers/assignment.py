@@ -122,7 +122,7 @@ def find_channels(
         else:
             channels[name] = named
             free.remove(columns[0])
-    issues = [_left_raw(name, problem) for name, problem in problems.items()]
+    issues = [_left_raw(name, problem, table) for name, problem in problems.items()]
     if table.only_on_request:
         free = [k for k in free if table.head.names[k] in needed]
     _add_raw(table, free, channels, issues)
@@ -344,10 +344,11 @@ def finite(values: Array) -> Array:
     return np.where(np.abs(values) <= LARGEST_NUMBER, values, np.nan)
 
 
-def _left_raw(name: str, problem: InputError) -> Issue:
+def _left_raw(name: str, problem: InputError, table: Table) -> Issue:
+    lost = problem in table.head.unaligned.values()  # it is in the file, and nothing else is it
     return Issue(
         "channel-not-settled",
-        "info",
+        "warning" if lost else "info",
         f"{problem.where}: {problem.what}, so no column was taken as {name}",
         problem.remedy,
     )

@@ -160,9 +160,8 @@ def _decompressed(path: Path, data: bytes) -> bytes:
                     raise too_large(path, f"over {SIZE_LIMIT_BYTES / MEGABYTE:.0f} MB unpacked")
     except EOFError:
         raise InputError(
-            "the gzip file ends too early",
+            f"the gzip file ends too early, after {len(data)} bytes",
             where=str(path),
-            value=f"{total} bytes unpacked",
             remedy="copy it again from where it was recorded, or unpack what is left with zcat",
         ) from None
     except (gzip.BadGzipFile, zlib.error) as error:

@@ -11,6 +11,9 @@ from softid.errors import IdentificationError, UsageError
 from softid.parameters import Scale
 from softid.uncertainty.student import student_quantile
 
+Point = tuple[float, float]
+"""Position in the coordinate that is searched, and the excess there."""
+
 CI_METHOD = "profile"
 """Name of this method in results."""
 
@@ -25,6 +28,15 @@ TOLERANCE = 0.01
 
 MAX_REFINEMENTS = 30
 """Refits for one limit once it is bracketed; three to five are usual."""
+
+COLLAPSED = 1e-3
+"""A bracket this narrow, as a share of its distance from the optimum, holds a jump of the cost."""
+
+MAX_JUMPS = 6
+"""How often a side is followed on beyond a jump of the cost."""
+
+STEPS_ON = (0.125, 0.06, 0.03, 0.015)
+"""Steps beyond a jump that are tried, as shares of the way from the optimum to it."""
 
 NORMAL_95 = 1.959963984540054
 """Two-sided 95 % quantile of the normal law."""
@@ -91,13 +103,16 @@ def profile(
     Student's 97.5 % quantile.
 
     Each side is bracketed by steps that double from one standard deviation, then refined on the
-    square root of the rise, which is nearly straight.
+    square root of the rise, which is nearly straight. Where the rise jumps over the threshold, the
+    side is walked on from the last point before the jump, so that a refit that was led into a false
+    minimum by a far start does not pass for a limit; a jump that stays is one.
 
     Parameters
     ----------
     refit
         Least cost Σ (w r)² with the parameter held at a value in its own unit; may return a
-        number that is not finite where no fit is found, which counts as outside.
+        number that is not finite where no fit is found, which counts as outside. It may start from
+        what it found at the values before.
     value
         Optimum, in its own unit.
     sd, cost_per_variance, degrees_of_freedom
@@ -218,41 +233,70 @@ class _Search:
 
     def limit(self, sd: float, sign: float, bound: float) -> float | None:
         """Limit on one side, or None when there is none."""
-        end = self._end(bound, sign)
-        inside, at_inside = self._start, -self._quantile
-        step = sd * self._quantile
+        end, position = self._end(bound, sign), self._start
+        bracket = self._bracketed((self._start, -self._quantile), sd * self._quantile, sign, end)
+        for _ in range(MAX_JUMPS):
+            if bracket is None:
+                return None
+            position, last = self._refine(*bracket)
+            step = self._step_on(last, sign, end) if last else None
+            if last is None or step is None:
+                break
+            bracket = self._bracketed(last, step, sign, end)
+        return self.own(position)
+
+    def _bracketed(
+        self, inside: Point, step: float, sign: float, end: float
+    ) -> tuple[Point, Point] | None:
+        """Points next to the limit on either side; None where the side ends below the threshold."""
+        first = inside[0]
         for _ in range(MAX_DOUBLINGS + 1):
-            trial = self._start + sign * step
+            trial = first + sign * step
             stopped = sign * (trial - end) >= 0.0
             trial = end if stopped else trial
-            if trial == self._start:
+            if trial == first:
                 return None
             at_trial = self.excess(trial)
             if at_trial >= 0.0:
-                return self.own(self._refine(inside, at_inside, trial, at_trial))
+                return inside, (trial, at_trial)
             if stopped:
                 return None
-            inside, at_inside, step = trial, at_trial, 2.0 * step
+            inside, step = (trial, at_trial), 2.0 * step
         return None
 
-    def _refine(self, inside: float, low: float, outside: float, high: float) -> float:
-        """Root between two points by the Illinois rule, by halving while one side is infinite."""
+    def _step_on(self, last: Point, sign: float, end: float) -> float | None:
+        """A step from the last point before a jump that stays below the threshold, if any does."""
+        for share in STEPS_ON:
+            step = share * abs(last[0] - self._start)
+            trial = last[0] + sign * step
+            if sign * (trial - end) < 0.0 and self.excess(trial) < 0.0:
+                return step
+        return None
+
+    def _refine(self, inside: Point, outside: Point) -> tuple[float, Point | None]:
+        """Root between two points by the Illinois rule, by halving while one side is infinite.
+
+        With it comes the last point before a jump, where there is no root but a jump.
+        """
         close = TOLERANCE * self._quantile
+        (near, low), (far, high) = inside, outside
         if high <= close:
-            return outside
+            return far, None
         last = 0
         for _ in range(MAX_REFINEMENTS):
+            if abs(far - near) <= COLLAPSED * abs(far - self._start):
+                break
             share = -low / (high - low) if np.isfinite(high) else 0.5
-            trial = inside + share * (outside - inside)
+            trial = near + share * (far - near)
             found = self.excess(trial)
             if abs(found) <= close:
-                return trial
+                return trial, None
             if found < 0.0:
-                inside, low = trial, found
+                near, low = trial, found
                 high = high / 2.0 if last < 0 else high
                 last = -1
             else:
-                outside, high = trial, found
+                far, high = trial, found
                 low = low / 2.0 if last > 0 else low
                 last = 1
-        return outside
+        return far, (near, self.excess(near))

@@ -95,6 +95,7 @@ def validate(
         simulations=simulations,
         issues=(*scored.issues, *_issues(log_set.logs, scored, in_sample)),
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in log_set},
+        fitted_range=scored.ranges,
     )
 
 

@@ -114,11 +114,11 @@ def test_two_gigabytes(softid: Cli, tmp_path: Path) -> None:
 
 def test_no_permission(softid: Cli, tmp_path: Path) -> None:
     """Refused by the system, not by a check of ours."""
-    if os.geteuid() == 0:
-        pytest.skip("root may read and write everything")
     path = tmp_path / "closed.csv"
     path.write_bytes(log(ROWS))
     path.chmod(0)
+    if os.access(path, os.R_OK):
+        pytest.skip("this user may read everything")
     refuse(softid("fit", "closed.csv"), "closed.csv", "there is no permission to read it")
 
 

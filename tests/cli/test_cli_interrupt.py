@@ -71,7 +71,7 @@ MOMENTS = {
 
 
 def run(setup: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    arguments = ["fit", str(LOG), "--model", "polynomial"]
+    arguments = ["fit", str(LOG), "--model", "polynomial", "--quiet"]
     code = INTERRUPT_AT.format(setup=setup, arguments=arguments)
     path = os.pathsep.join([str(ROOT), str(ROOT / "cli")])
     return subprocess.run(
@@ -99,7 +99,10 @@ def test_an_interrupted_run(tmp_path: Path, moment: str) -> None:
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Ctrl-C is no signal here")
 def test_too_late_to_interrupt(tmp_path: Path) -> None:
-    """All is written and printed: the run has succeeded, and says nothing else."""
+    """All is written and printed: the run has succeeded, and says nothing of the signal.
+
+    Progress is not shown, for how much of it there is depends on how busy the machine is.
+    """
     told = run(ONCE_DONE, tmp_path)
     assert (told.returncode, told.stderr) == (0, "")
     assert (tmp_path / "softid-out" / "demo_step" / "params.json").exists()

@@ -5,8 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+from handmade import fit_result
+
 from softid.synthesis import bundled_datasets
+from softid.uncertainty.profile import ProfileResult
 from softid_cli.main import run
+from softid_cli.profiles import print_profiles
 
 LOG = str(bundled_datasets() / "data" / "oscillator_steps.csv")
 
@@ -22,6 +27,15 @@ def test_a_profile_is_printed_drawn_and_recorded(tmp_path: Path) -> None:
     low, high = profile["ci95"]
     # The truth of the bundled log is 0.68; both ends are finite since the log oscillates.
     assert 0.6 < low < high < 0.75
+
+
+def test_an_open_side_is_called_open(capsys: pytest.CaptureFixture[str]) -> None:
+    """The word of the documentation, and the side."""
+    profile = ProfileResult((0.1, 0.2, 0.5), (0.3, 0.0, 4.0), 3.84, (None, 0.49), 2)
+    print_profiles(fit_result(), {"M": profile})
+    told = " ".join(capsys.readouterr().out.split())
+    assert "[…, 0.49]" in told
+    assert "open below: the logs set no limit there" in told
 
 
 def test_an_unknown_profile_is_refused_in_a_sentence(tmp_path: Path) -> None:

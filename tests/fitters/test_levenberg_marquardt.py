@@ -202,3 +202,22 @@ def test_movable() -> None:
     z = np.array([0.0, 0.0, 1.0, 1.0, 0.0])
     gradient = np.array([-1.0, 1.0, -1.0, 1.0, 1.0])
     assert movable(z, gradient, lower, upper).tolist() == [False, True, True, False, False]
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_correction_beyond_all_numbers_is_left_out() -> None:
+    """Its square is no number; nobody is warned of that, and the linear minimum is found."""
+    matrix = np.array([[1.0, 0.2], [0.0, 2.0], [0.5, 1.0]])
+    target = matrix @ np.array([4.0, -3.0])
+    evaluate = linear(matrix, target)
+    found = minimise(
+        evaluate,
+        np.zeros(2),
+        np.full(2, -FAR),
+        np.full(2, FAR),
+        np.full(2, 3.0),
+        evaluations=200,
+        tolerance=1e-8,
+        bend=lambda z, step, now: np.full(2, 1e200) if np.abs(z).max() < 1.0 else None,
+    )
+    assert found.point == pytest.approx([4.0, -3.0], rel=1e-6)

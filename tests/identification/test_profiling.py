@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from softid.errors import UsageError
 from softid.identification import fit
 from softid.identification.profiling import profile_parameter
 from softid.log import Log
+from softid.readers import load
 
 
 def first_order_log(hold_s: float, *, seed: int = 3) -> Log:
@@ -68,3 +71,16 @@ def test_a_parameter_that_was_not_free_is_refused() -> None:
     result = fit(log, model="oscillator")
     with pytest.raises(UsageError, match="G was not free"):
         profile_parameter(result, log, "G")
+
+
+def test_a_valley_that_bends_is_followed(measured: Path) -> None:
+    """Starts at the optimum alone end in a false minimum beyond M = 2.9, at half of the threshold.
+
+    The limit lies where the cost has risen to the threshold, within 1 % of its root.
+    """
+    logs = [load(measured / "two-segment-arm" / f"{name}.csv") for name in ("Jan5_1", "apr4_1")]
+    found = profile_parameter(fit(logs, model="muscle"), logs, "M")
+    assert found.unbounded_below
+    assert found.ci95[1] is not None
+    rise = dict(zip(found.values, found.cost_rise, strict=True))[found.ci95[1]]
+    assert np.sqrt(rise / found.threshold) == pytest.approx(1.0, abs=0.0101)

@@ -80,6 +80,22 @@ def test_a_curve_that_explodes_does_not_flatten_the_levels() -> None:
     assert figure.axes[0].get_ylim()[1] < 110.0
 
 
+def test_a_curve_far_from_all_levels_is_said_to_be_elsewhere() -> None:
+    """At 1e9 rad it is on no readable axis: the levels fill the plot, and the legend says why."""
+    x = np.linspace(0.0, 120.0, 121)
+    figure = draw_static_curve(
+        x,
+        1e9 + x,
+        [levels("a", in_sample=True)],
+        fitted_range=(0.0, 80.0),
+        input=PRESSURE,
+        output=ANGLE,
+    )
+    assert figure.axes[0].get_ylim()[1] < 60.0
+    assert "model at rest, out of the plot" in labels(figure)
+    assert "extrapolated" not in labels(figure)
+
+
 @pytest.mark.parametrize(
     ("factor", "scale"), [(1.2, "linear"), (30.0, "log"), (1e9, "log"), (np.inf, "log")]
 )
@@ -174,6 +190,17 @@ def test_shades_grow_darker_with_the_correlation() -> None:
     assert shades[1, 0] < shades[2, 1] < shades[2, 0]
 
 
+def test_between_its_points_a_profile_is_a_parabola() -> None:
+    """Three points of (v − 3)²: straight lines would be off by 1 half-way to either side."""
+    figure = draw_profile(
+        np.array([1.0, 3.0, 5.0]), np.array([4.0, 0.0, 4.0]), name="b2", unit="", threshold=4.0
+    )
+    drawn = max(figure.axes[0].lines, key=lambda line: len(line.get_xdata()))
+    v, rise = np.asarray(drawn.get_xdata()), np.asarray(drawn.get_ydata())
+    assert v.size > 20
+    np.testing.assert_allclose(rise, (v - 3.0) ** 2, atol=1e-12)
+
+
 def test_profile_shows_threshold_and_interval() -> None:
     """A parabola over a log-scaled parameter; the lower side has no end and says so."""
     values = np.geomspace(1e-5, 1e-2, 13)
@@ -193,6 +220,6 @@ def test_profile_shows_threshold_and_interval() -> None:
     assert axes.get_xscale() == "log"
     assert np.asarray(axes.lines[0].get_ydata()).size == 12
     assert any(np.allclose(line.get_ydata(), 3.84) for line in axes.lines[1:])
-    assert any("no limit below" in text for text in labels(figure))
+    assert any("open below" in text for text in labels(figure))
     assert axes.get_ylim()[1] > 3.84
     png_bytes(figure)

@@ -150,6 +150,16 @@ def test_a_dead_output() -> None:
     assert found.issues[0] is issue
 
 
+def test_a_dead_channel_beside_the_output() -> None:
+    """Its name says that it measures something, so a constant is told, though nobody fits it."""
+    log = staircase_log()
+    torque = replace(log.channels["angle"], name="torque", values=np.full(len(log), 3.0))
+    found = inspect(replace(log, channels={**log.channels, "torque": torque}))
+    (issue,) = [i for i in found.issues if i.code == "dead-channel"]
+    assert issue.severity == "info"
+    assert issue.message.startswith("torque is constant at ")
+
+
 @pytest.mark.parametrize("rate_hz", [50.0, 200.0])
 @pytest.mark.parametrize("factor", [2, 3, 7])
 def test_a_held_output(factor: int, rate_hz: float) -> None:

@@ -214,8 +214,8 @@ def test_a_thousand_rows_load_at_once_and_without_heavy_imports(write_log: Write
 
 @pytest.mark.parametrize("last", ["1.5", "", "NA"])
 def test_long_files_take_seconds(write_log: WriteFile, last: str) -> None:
-    """100,000 rows in less than 2 s (0.1 to 0.3 s measured), so a million takes a few seconds."""
+    """100,000 rows in less than 2 s of processor time (0.1 to 0.3 s measured)."""
     path = write_log(big_text(100_000, last))
-    start = time.perf_counter()
+    start = time.process_time()
     assert len(load(path)) == 100_000
-    assert time.perf_counter() - start < 2.0
+    assert time.process_time() - start < 2.0

@@ -90,6 +90,7 @@ def test_an_odd_array_that_nobody_needs_is_told(write_log: WriteFile) -> None:
     told = {issue.code: issue.message for issue in log.issues}
     assert "left out gains (3 long), torque_nmm (7 long)" in told["column-left-out"]
     assert "so no column was taken as torque" in told["channel-not-settled"]
+    assert {i.severity for i in log.issues if i.code == "channel-not-settled"} == {"warning"}
 
 
 def test_texts_are_named_when_they_are_asked_for(write_log: WriteFile) -> None:

@@ -134,6 +134,39 @@ def test_a_refit_that_fails_counts_as_outside() -> None:
     assert np.inf in found.cost_rise
 
 
+def test_a_refit_that_falls_from_the_valley_sets_no_limit() -> None:
+    """Rise (log v)²; a refit further than 0.7 from all before falls into a minimum that costs 400.
+
+    Bracketing from the right and from the left both end at such a fall, below the limits e^{± 1.96}
+    unless the side is followed on from there.
+    """
+    found_at = [0.0]
+
+    def refit(v: float) -> float:
+        at = float(np.log(v))
+        if min(abs(at - other) for other in found_at) > 0.7:
+            return 400.0
+        found_at.append(at)
+        return at**2
+
+    found = profile(refit, 1.0, sd=9.0, cost_per_variance=1.0, optimum_cost=0.0, scale="log")
+    assert found.ci95 == pytest.approx((np.exp(-1.96), np.exp(1.96)), rel=0.02)
+    assert 400.0 in found.cost_rise
+
+
+def test_a_jump_that_stays_is_a_limit() -> None:
+    """No start near v = 2 finds a fit beyond it: a few steps on are tried, then it is the limit."""
+    tried: list[float] = []
+
+    def refit(v: float) -> float:
+        tried.append(v)
+        return (v - 1.0) ** 2 if v < 2.0 else 400.0
+
+    found = profile(refit, 1.0, sd=1.0, cost_per_variance=1.0, optimum_cost=0.0)
+    assert found.ci95[1] == pytest.approx(2.0, abs=0.01)
+    assert len(tried) < 35
+
+
 def test_a_better_optimum_is_reported() -> None:
     """The least cost is at 2.96, not at the value profiled from."""
     found = profile(

@@ -42,6 +42,7 @@ def test_a_file_scores_as_the_fit_itself(fitted: FitResult, tmp_path: Path) -> N
     saved = validate(load_params(tmp_path / "params.json"), log)
     for a, b in zip(direct.simulations, saved.simulations, strict=True):
         assert b.outputs["contraction"] == pytest.approx(a.outputs["contraction"], rel=1e-12)
+    assert direct.fitted_range == saved.fitted_range == fitted.fitted_range
 
 
 def test_a_fitted_log_is_known_by_its_bytes(fitted: FitResult) -> None:
