@@ -12,14 +12,32 @@ from softid.diagnosis.screening import Signature, screen
 from softid.diagnosis.search import Ranked, race, rank
 from softid.effects.base import Effect, Scale
 
-DETECT = 18.0
-"""Fall of the whitened BIC from which the first cause counts as found."""
 
-CONTINUE = 30.0
-"""Fall from which a further one does."""
+@dataclass(frozen=True)
+class Demand:
+    """What a cause must bring to count.
 
-SMALLEST_DROP = 0.01
-"""Share of the sum of squares that a further cause must take away."""
+    Attributes
+    ----------
+    promise
+        Fall of n ln(S) that some signature must promise before anything is refitted. The promise is
+        made for white noise and a guessed shape, and a fall that counts is many times larger.
+    bic
+        Fall of the whitened BIC.
+    share
+        Share of the sum of squares that must go.
+    """
+
+    promise: float
+    bic: float
+    share: float
+
+
+FIRST = Demand(promise=6.0, bic=18.0, share=0.0)
+FURTHER = Demand(promise=15.0, bic=30.0, share=0.01)
+BEHIND_NOISE = Demand(promise=30.0, bic=60.0, share=0.02)
+"""Of a first cause, of a further one, and of one where what is left already looks like noise: small
+errors of the first one's law would else be taken for a cause."""
 
 INDISTINCT = 8.0
 """Candidates within this BIC of the best explain the logs as well."""
@@ -32,10 +50,6 @@ MOST_TRIED = 3
 """When what is held out refuses the best contender, so many are tried in all."""
 
 SETTLING = 40
-PROMISE, FURTHER_PROMISE = 6.0, 15.0
-"""No refit is tried when no signature promises to lower n ln(S) by this much, for a first and for a
-further cause: the promise is made for white noise and a guessed shape, and a fall that counts is
-many times larger."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,32 +139,30 @@ def find_chain(
     holds
         Whether a candidate is no worse than another on what was held out.
     is_noise
-        Whether what a candidate leaves looks like noise: a further cause would have nothing to
-        explain but small errors of the first one's law.
+        Whether what a candidate leaves looks like noise, so that more is asked of a further cause.
     report
         Called with a sentence and the fraction done.
     max_links
         No more causes than this.
     """
     links: list[Link] = []
-    now = base
+    now, demand = base, FIRST
     last: Link | None = None
     while len(links) < max_links:
         number = len(links)
         report(f"looking for cause {number + 1}", number / max_links)
-        link = next_link(now, effects, scale, sigma)
+        link = next_link(now, effects, scale, sigma, demand)
         if link is None:
             break
         last = link
-        found = _first_that_holds(link, now, sigma, holds, first=not links)
+        found = _first_that_holds(link, now, sigma, holds, demand)
         if found is None:
             break
         link, extended = found
         links.append(link)
         last = None
         now = extended
-        if is_noise(now):
-            break
+        demand = BEHIND_NOISE if is_noise(now) else FURTHER
     return Chain(tuple(links), last, now)
 
 
@@ -159,8 +171,7 @@ def _first_that_holds(
     now: Candidate,
     sigma: Mapping[str, float],
     holds: Callable[[Candidate, Candidate], bool],
-    *,
-    first: bool,
+    demand: Demand,
 ) -> tuple[Link, Candidate] | None:
     """The best contender that pays and is no worse on what was held out, with its model."""
     others = [
@@ -171,7 +182,7 @@ def _first_that_holds(
     for row in (link.chosen, *others[: MOST_TRIED - 1]):
         rivals = link.rivals if row is link.chosen else (link.added_by(row).name,)
         tried = replace(link, chosen=row, rivals=rivals)
-        if not pays(tried, first=first):
+        if not pays(tried, demand):
             return None
         extended = settled(row.plain, sigma)
         if holds(now, extended):
@@ -180,18 +191,20 @@ def _first_that_holds(
 
 
 def next_link(
-    now: Candidate, effects: Sequence[Effect], scale: Scale, sigma: Mapping[str, float]
+    now: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+    demand: Demand,
 ) -> Link | None:
-    """One round; None when nothing in the catalogue promises anything."""
+    """One round; None when nothing in the catalogue promises enough."""
     taken = {effect.name for effect in now.effects}
     left = [effect for effect in effects if effect.name not in taken]
     if not left:
         return None
     signatures = screen(now, left, scale, sigma)
     share = max((s.drop for s in signatures), default=0.0) / max(now.squares, 1e-300)
-    if -now.problem.n_samples * np.log1p(-min(share, 0.999)) < (
-        FURTHER_PROMISE if now.effects else PROMISE
-    ):
+    if -now.problem.n_samples * np.log1p(-min(share, 0.999)) < demand.promise:
         return None
     contenders = race(now, left, scale, sigma, signatures=signatures)
     ranked = rank([*contenders, now], sigma)
@@ -203,20 +216,19 @@ def next_link(
     return Link(before, tuple(ranked), chosen, rivals, _best_promises(signatures), now.squares)
 
 
-def pays(link: Link, *, first: bool) -> bool:
-    """Whether a link lowers the BIC enough to count.
+def pays(link: Link, demand: Demand) -> bool:
+    """Whether a link brings enough to count.
 
     Parameters
     ----------
     link
         The link.
-    first
-        Whether it is the first cause, of which less is asked.
+    demand
+        What is asked of it.
     """
-    if first:
-        return link.delta_bic > DETECT
     before, after = link.before.candidate.squares, link.chosen.candidate.squares
-    return link.delta_bic > CONTINUE and after < (1.0 - SMALLEST_DROP) * before
+    takes = demand.share == 0.0 or after < (1.0 - demand.share) * before
+    return link.delta_bic > demand.bic and takes
 
 
 def _added(row: Ranked, known: Sequence[str]) -> Effect:

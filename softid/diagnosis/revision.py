@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance, extend, prior_about
-from softid.diagnosis.chain import Chain, Link, next_link, pays, settled
+from softid.diagnosis.chain import FURTHER, Chain, Link, next_link, pays, settled
 from softid.diagnosis.screening import Signature, screen
 from softid.effects.base import Effect, Scale
 
@@ -51,8 +51,8 @@ def revised(
         left = [effect for effect in effects if effect.name not in taken]
         promising = screen(without, left, scale, sigma)
         contenders = _contenders(links[position], promising, effects)
-        link = next_link(without, contenders, scale, sigma)
-        if link is None or not pays(link, first=False):
+        link = next_link(without, contenders, scale, sigma, FURTHER)
+        if link is None or not pays(link, FURTHER):
             del links[position]
             now = without
             continue

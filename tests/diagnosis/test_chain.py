@@ -7,7 +7,17 @@ from handmade_rounds import candidate, link, ranked
 from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
 
 from softid.diagnosis.candidates import Candidate
-from softid.diagnosis.chain import _rivals, find_chain, next_link, pays, settled
+from softid.diagnosis.chain import (
+    BEHIND_NOISE,
+    FIRST,
+    FURTHER,
+    Demand,
+    _rivals,
+    find_chain,
+    next_link,
+    pays,
+    settled,
+)
 from softid.diagnosis.scale import scale_of
 from softid.diagnosis.screening import screen
 from softid.effects import effect_of
@@ -18,20 +28,27 @@ RATE, SIZE = 0.003, 0.05
 
 
 @pytest.mark.parametrize(
-    ("fall", "first", "further"),
-    [(17.9, False, False), (18.1, True, False), (29.9, True, False), (30.1, True, True)],
+    ("fall", "demands"),
+    [
+        (17.9, ()),
+        (18.1, (FIRST,)),
+        (29.9, (FIRST,)),
+        (30.1, (FIRST, FURTHER)),
+        (59.9, (FIRST, FURTHER)),
+        (60.1, (FIRST, FURTHER, BEHIND_NOISE)),
+    ],
 )
-def test_how_far_the_bic_must_fall(fall: float, first: bool, further: bool) -> None:
-    """Stands on the two limits, 18 for the first cause and 30 for every further one."""
-    assert pays(link(fall), first=True) is first
-    assert pays(link(fall), first=False) is further
+def test_how_far_the_bic_must_fall(fall: float, demands: tuple[Demand, ...]) -> None:
+    """Stands on the limits: 18 for the first cause, 30 for a further one, 60 behind noise."""
+    for demand in (FIRST, FURTHER, BEHIND_NOISE):
+        assert pays(link(fall), demand) is (demand in demands)
 
 
 @pytest.mark.parametrize(("after", "counts"), [(98.9, True), (99.1, False)])
 def test_a_further_cause_takes_a_hundredth(after: float, counts: bool) -> None:
     """However far the BIC of many samples falls; of the first cause that is not asked."""
-    assert pays(link(500.0, after=after), first=False) is counts
-    assert pays(link(500.0, after=after), first=True)
+    assert pays(link(500.0, after=after), FURTHER) is counts
+    assert pays(link(500.0, after=after), FIRST)
 
 
 @pytest.mark.parametrize(("gain", "key"), [(5.9, ""), (6.1, "separate")])
@@ -103,9 +120,9 @@ def test_nothing_is_tried_where_nothing_is_promised() -> None:
     """
     base, scale = beginning(0.0, 0.0)
     assert screen(base, [DRIFT], scale, SIGMA)[0].drop < 0.006 * base.squares
-    assert next_link(base, [DRIFT], scale, SIGMA) is None
+    assert next_link(base, [DRIFT], scale, SIGMA, FIRST) is None
     base, scale = beginning(RATE, 0.0)
-    found = next_link(base, [DRIFT], scale, SIGMA)
+    found = next_link(base, [DRIFT], scale, SIGMA, FIRST)
     assert found is not None
     assert found.rivals == ("sensor_drift",)
     assert found.chosen.plain.parameters["sensor_drift_rate"] == pytest.approx(RATE, rel=0.1)
@@ -170,30 +187,33 @@ def test_no_more_links_than_allowed() -> None:
     assert chain.last is None
 
 
-def test_a_rest_that_looks_like_noise_ends_the_chain() -> None:
-    """Two effects are there, but after the first nothing seems to be left to explain."""
-    base, scale = beginning(RATE, SIZE)
-    asked: list[int] = []
+@pytest.mark.parametrize(("rate", "links"), [(RATE, 2), (0.5 * RATE, 1)])
+def test_more_is_asked_of_a_cause_behind_noise(rate: float, links: int) -> None:
+    """Two effects are there, but after the first nothing seems to be left to explain.
 
-    def is_noise(now: Candidate) -> bool:
-        asked.append(len(now.effects))
-        return True
-
-    chain = find_chain(
-        base,
-        [DRIFT, Bow()],
-        scale,
-        SIGMA,
-        holds=lambda before, after: True,
-        is_noise=is_noise,
-    )
-    assert asked == [1]
-    assert len(chain.links) == 1
+    A plain second one is found all the same; one whose BIC falls by about 41 is found only where
+    something is seen to be left.
+    """
+    base, scale = beginning(rate, SIZE)
+    found = [
+        find_chain(
+            base,
+            [DRIFT, Bow()],
+            scale,
+            SIGMA,
+            holds=lambda before, after: True,
+            is_noise=is_noise,
+        )
+        for is_noise in (lambda now: True, lambda now: False)
+    ]
+    assert [len(chain.links) for chain in found] == [links, 2]
+    if links == 1:
+        assert 30.0 < found[1].links[1].delta_bic < 60.0
 
 
 def test_an_effect_is_added_once() -> None:
     """With every effect of the catalogue in the model there is no further round."""
     base, scale = beginning(RATE, 0.0)
-    found = next_link(base, [DRIFT], scale, SIGMA)
+    found = next_link(base, [DRIFT], scale, SIGMA, FIRST)
     assert found is not None
-    assert next_link(found.chosen.plain, [DRIFT], scale, SIGMA) is None
+    assert next_link(found.chosen.plain, [DRIFT], scale, SIGMA, FIRST) is None

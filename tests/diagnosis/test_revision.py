@@ -10,7 +10,7 @@ import pytest
 from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, standing
 
 from softid.diagnosis.candidates import Candidate
-from softid.diagnosis.chain import Chain, Link, next_link, settled
+from softid.diagnosis.chain import FURTHER, Chain, Link, next_link, settled
 from softid.diagnosis.revision import revised
 from softid.diagnosis.scale import scale_of
 from softid.effects import effect_of
@@ -49,7 +49,7 @@ def chained(base: Candidate, scale: Scale, *keys: str) -> Chain:
     links: list[Link] = []
     now = base
     for key in keys:
-        link = next_link(now, [known[key]], scale, SIGMA)
+        link = next_link(now, [known[key]], scale, SIGMA, FURTHER)
         assert link is not None
         links.append(link)
         now = settled(link.chosen.plain, SIGMA)
