@@ -120,11 +120,13 @@ class Problem:
             self._start_from.append(None if rest else position)
             position += 0 if rest else len(self.model.start_states)
         self.size = position
+        counts = (int(s.used[name].sum()) for s in self.segments for name in self.outputs)
+        self._n_samples = sum(counts)
 
     @property
     def n_samples(self) -> int:
         """Number of residuals over all channels."""
-        return sum(int(s.used[name].sum()) for s in self.segments for name in self.outputs)
+        return self._n_samples
 
     def bounds(self) -> tuple[Array, Array]:
         """Bounds of the unknowns, each of shape (U,)."""

@@ -12,10 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from softid.kernels import equation, radau, small_matrix, stages, tangents, terms
-from softid.kernels.decorators import inlined, inner
+from softid.kernels.decorators import inlined, inner, kernel
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import STAGES
 from softid.kernels.sources import follow_sources
@@ -65,7 +64,7 @@ class Course(NamedTuple):
     moves: Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _room(scale: Array) -> Step:
     n_own = scale.size - 2
     size = 3 + 3 * n_own
@@ -89,7 +88,7 @@ def _room(scale: Array) -> Step:
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def unbalanced_at_rest(
     equation: Equation, coefficients: Array, x: float, z: Array, u: float, t: float
 ) -> float:
@@ -264,7 +263,7 @@ def _march(
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def integrate(
     equation: Equation,
     course: Course,

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from softid.kernels.decorators import kernel
 
 Array = npt.NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def coefficients(pressure_bar: Array, theta: Array) -> tuple[Array, Array, Array]:
     """N, Q and P at the given pressures.
 
@@ -32,7 +33,7 @@ def coefficients(pressure_bar: Array, theta: Array) -> tuple[Array, Array, Array
     return damping, stiffness, force
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def coefficient_derivatives(pressure_bar: Array, theta: Array) -> tuple[Array, Array, Array]:
     """∂N/∂θ, ∂Q/∂θ and ∂P/∂θ at the given pressures, each of shape (L, 7)."""
     a1, b1, a2, b2 = theta[1], theta[2], theta[4], theta[5]

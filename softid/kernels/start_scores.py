@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from softid.kernels import affine, affine_steps, exponential, lanes
 from softid.kernels.affine import move
+from softid.kernels.decorators import kernel
 from softid.kernels.lanes import MUSCLE, RADAU
 from softid.kernels.sources import follow_sources
 
@@ -16,7 +16,7 @@ Counts = npt.NDArray[np.int16]
 BoolArray = npt.NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def add_products(
     thetas: Array,
     time_s: Array,
