@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.effects import model_of
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
@@ -52,6 +51,8 @@ def profile_parameter(
         The parameter does not change the response at all.
     """
     log_set = as_log_set(logs)
+    from softid.effects import model_of  # twenty modules, which few fits need
+
     model = model_of(result.model)
     parameters = _as_fitted(model.parameters(), result)
     if name not in parameters.free:

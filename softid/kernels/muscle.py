@@ -27,9 +27,13 @@ def coefficients(pressure_bar: Array, theta: Array) -> tuple[Array, Array, Array
         N = a2·exp(b2·p) + c2, Q = a1·exp(b1·p) + c1 and P = exp(b1·p), each of shape (L,).
     """
     a1, b1, c1, a2, b2, c2 = theta[1], theta[2], theta[3], theta[4], theta[5], theta[6]
-    force = np.exp(b1 * pressure_bar)
-    stiffness = a1 * force + c1
-    damping = a2 * np.exp(b2 * pressure_bar) + c2
+    n = pressure_bar.size
+    damping, stiffness, force = np.empty(n), np.empty(n), np.empty(n)
+    for i in range(n):
+        p = pressure_bar[i]
+        force[i] = np.exp(b1 * p)
+        stiffness[i] = a1 * force[i] + c1
+        damping[i] = a2 * np.exp(b2 * p) + c2
     return damping, stiffness, force
 
 
