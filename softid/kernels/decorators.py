@@ -12,6 +12,13 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+_OPTIONS: dict[str, Any] = {
+    "nogil": True,
+    "error_model": "numpy",
+    "_nrt": False,
+    "fastmath": {"contract", "nsz"},
+}
+
 
 def kernel(function: F) -> Dispatcher[F]:
     """Compile a function that is called from Python, and keep it on disk.
@@ -22,6 +29,19 @@ def kernel(function: F) -> Dispatcher[F]:
         What to compile.
     """
     compiled = njit(cache=True, nogil=True, error_model="numpy")(function)
+    load_alone(compiled)
+    return compiled
+
+
+def bare_kernel(function: F) -> Dispatcher[F]:
+    """`kernel` for a function that makes no arrays, as `inner`.
+
+    Parameters
+    ----------
+    function
+        What to compile.
+    """
+    compiled: Dispatcher[F] = njit(cache=True, **_OPTIONS)(function)
     load_alone(compiled)
     return compiled
 
@@ -53,8 +73,6 @@ def load_alone(compiled: Any) -> None:
 
     cache.load_overload = load_overload
 
-
-_OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
 
 inner: Any = njit(**_OPTIONS)
 """For a function that is called within a step. It counts no references to its arrays, which would

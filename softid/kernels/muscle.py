@@ -57,3 +57,43 @@ def coefficient_derivatives(pressure_bar: Array, theta: Array) -> tuple[Array, A
         damping_by[i, 5] = a2 * p * e2
         damping_by[i, 6] = 1.0
     return damping_by, stiffness_by, force_by
+
+
+@kernel
+def pack(pressure_kpa: Array, theta: Array, packed: Array, by: Array) -> None:
+    """M, N, Q and P at the stages of many steps, and their derivatives.
+
+    Parameters
+    ----------
+    pressure_kpa
+        Pressures, shape (L, 3).
+    theta
+        As in `coefficients`.
+    packed
+        Receives the coefficients, shape (L, 3, 4).
+    by
+        Receives ∂(M, N, Q, P)/∂θ and a zero, shape (L, 3, 4, 8); of length 0 when none are wanted.
+    """
+    mass, a1, b1, c1 = theta[0], theta[1], theta[2], theta[3]
+    a2, b2, c2 = theta[4], theta[5], theta[6]
+    wanted = by.shape[0] > 0
+    for i in range(pressure_kpa.shape[0]):
+        for c in range(3):
+            p = pressure_kpa[i, c] / 100.0
+            e1, e2 = np.exp(b1 * p), np.exp(b2 * p)
+            packed[i, c, 0] = mass
+            packed[i, c, 1] = a2 * e2 + c2
+            packed[i, c, 2] = a1 * e1 + c1
+            packed[i, c, 3] = e1
+            if wanted:
+                for q in range(4):
+                    for k in range(8):
+                        by[i, c, q, k] = 0.0
+                by[i, c, 0, 0] = 1.0
+                by[i, c, 1, 4] = e2
+                by[i, c, 1, 5] = a2 * p * e2
+                by[i, c, 1, 6] = 1.0
+                by[i, c, 2, 1] = e1
+                by[i, c, 2, 2] = a1 * p * e1
+                by[i, c, 2, 3] = 1.0
+                by[i, c, 3, 2] = p * e1

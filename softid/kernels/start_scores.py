@@ -39,6 +39,7 @@ def add_products(
     sums
         Σxy, Σxx and Σyy are added, shape (G, 3); where a motion is not finite nothing is.
     """
+    law, rule = np.int64(MUSCLE), np.int64(RADAU)  # bare constants would compile `move` once more
     x, v, state = np.empty(u.size), np.empty(u.size), np.zeros(2)
     n, y_mean, y_power = 0, 0.0, 0.0
     for i in range(u.size):
@@ -54,7 +55,7 @@ def add_products(
     for g in range(thetas.shape[0]):
         force = np.exp(thetas[g, 2] * u[0])
         state[0] = force / (thetas[g, 1] * force + thetas[g, 3])
-        move(MUSCLE, RADAU, thetas[g], time_s, u, counts, state, x, v)
+        move(law, rule, thetas[g], time_s, u, counts, state, x, v)
         mean, cross, power = 0.0, 0.0, 0.0
         for i in range(u.size):
             if used[i]:
