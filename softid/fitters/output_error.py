@@ -126,11 +126,10 @@ def output_error(
     """
     report = progress or (lambda message, fraction: None)
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
-    points = [problem.unknowns(start) for start in starts]
     report("searching from several starts", 0.1)
-    scouted, alone = _search(objective, points, alone_if_white=rounds > 0)
+    scouted, alone = _search(objective, starts, alone_if_white=rounds > 0)
     if not scouted:
-        return _nothing(objective, points)
+        return _nothing(objective, [problem.unknowns(start) for start in starts[:1]])
     report("refining the best starts", 0.3)
     contenders = scouted[:2] if rounds and not alone else scouted[:1]
     limit = POLISH_EVALUATIONS if rounds else DRAFT_EVALUATIONS
@@ -172,7 +171,7 @@ def _span(problem: Problem, name: str) -> float:
 
 
 def _search(
-    objective: Objective, points: Sequence[Array], *, alone_if_white: bool
+    objective: Objective, starts: Sequence[Mapping[str, float]], *, alone_if_white: bool
 ) -> tuple[list[tuple[Minimum, Array]], bool]:
     """Scouts from the starts in turn, best first, and whether one has ended at the noise level."""
     thinned: ThinnedProblem | None = None
@@ -181,11 +180,12 @@ def _search(
         length, first = thinning(objective.problem), 1
         thinned = ThinnedProblem(objective.problem, length) if length > 1 else None
     scouted: list[tuple[Minimum, Array]] = []
-    edges = [0, *range(first, len(points), SCOUTS), len(points)]
+    edges = [0, *range(first, len(starts), SCOUTS), len(starts)]
     for begin, end in itertools.pairwise(edges):
         alone = begin == 0 and alone_if_white
         limit = (FIRST_TIMES if alone else 1) * SCOUT_EVALUATIONS
-        found = _scout(objective, points[begin:end], limit, thinned)
+        points = [objective.problem.unknowns(start) for start in starts[begin:end]]
+        found = _scout(objective, points, limit, thinned)
         scouted = sorted([*scouted, *found], key=_cost)
         if alone_if_white and scouted and at_noise_level(objective.problem, scouted[0][0]):
             return scouted, True

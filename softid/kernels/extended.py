@@ -91,7 +91,7 @@ def _room(scale: Array) -> Step:
 
 @bare_kernel
 def _left_at_rest(equation: Equation, at: Instants) -> float:
-    left: float = unbalanced(equation, at, 0)
+    left: float = unbalanced(equation, at, np.int64(0))
     return left
 
 
@@ -266,11 +266,11 @@ def _march(
         _copy(state, room.state)
         _copy_all(tangent, room.tangent)
         alike = i > 0 and abs(course.step_s[i] / course.step_s[i - 1] - 1.0) < ALIKE
-        known, pieces = follows and alike, np.int64(1)
-        while not _take(equation, course, i, pieces, known, state, tangent, room):
-            if not known:
+        known, tries, pieces = follows and alike, np.int64(0), np.int64(1)
+        while not _take(equation, course, i, pieces, known and tries == 0, state, tangent, room):
+            if tries > 0 or not known:
                 pieces *= 2
-            known = False
+            tries += 1
             if pieces > 1 << MAX_HALVINGS:
                 return False
             _copy(room.state, state)
