@@ -39,7 +39,7 @@ def add_products(
     sums
         Σxy, Σxx and Σyy are added, shape (G, 3); where a motion is not finite nothing is.
     """
-    law, rule = np.int64(MUSCLE), np.int64(RADAU)  # bare constants would compile `move` once more
+    law, rule = int(MUSCLE), int(RADAU)  # bare constants would compile `move` once more
     x, v, state = np.empty(u.size), np.empty(u.size), np.zeros(2)
     n, y_mean, y_power = 0, 0.0, 0.0
     for i in range(u.size):
