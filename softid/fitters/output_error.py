@@ -42,6 +42,9 @@ the noise level, the last."""
 FIRST_TIMES = 2
 """The most promising start, which usually is the only one, gets so many times the evaluations."""
 
+ROUGH_TOLERANCE = 0.1
+"""`attainable_offset` at which a run through block averages ends: their optimum is another one."""
+
 RESTARTS = 3
 RESTART_SPREAD = 0.3
 MAX_ROUNDS = 4
@@ -207,12 +210,12 @@ def _scout(
         begin = point
         if thinned is not None:
             rough = Objective(thinned, objective.sigma)
-            led = rough.solve(point, limit)
+            led = rough.solve(point, limit, tolerance=ROUGH_TOLERANCE)
             begin = led.point if np.isfinite(led.normal.cost) else point
             objective.evaluations += rough.evaluations
         own = Objective(objective.problem, objective.sigma)
         own.prior = objective.prior
-        found = own.solve(begin, limit if thinned is None else SCOUT_EVALUATIONS)
+        found = own.solve(begin, limit)
         objective.evaluations += own.evaluations
         return found, point
 

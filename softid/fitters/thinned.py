@@ -17,7 +17,11 @@ from softid.log import Segment
 Array = npt.NDArray[np.float64]
 
 SAMPLES = 2000
-"""Residuals that are left, about."""
+"""Residuals that are left, about, or more where the blocks would become too long."""
+
+LONGEST = 8
+"""Most samples in a block. A log of 100,000 samples in blocks of 50, longer than its motion takes,
+led beside the basin, and the fit took twice as long as without."""
 
 LEAST_BLOCKS = 20
 """Fewest blocks of a segment; the averages of shorter ones would lose their transients."""
@@ -44,7 +48,7 @@ class ThinnedProblem(Problem):
 def thinning(problem: Problem) -> int:
     """Samples in a block of averages; 1 where the problem is small or its segments are short."""
     shortest = min((s.time_s.size for s in problem.segments), default=0)
-    return max(1, min(problem.n_samples // SAMPLES, shortest // LEAST_BLOCKS))
+    return max(1, min(problem.n_samples // SAMPLES, shortest // LEAST_BLOCKS, LONGEST))
 
 
 def _averaged(segment: Segment, length: int) -> Segment:

@@ -10,7 +10,7 @@ import pytest
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
-from softid.fitters.thinned import SAMPLES, ThinnedProblem, thinning
+from softid.fitters.thinned import LONGEST, SAMPLES, ThinnedProblem, thinning
 from softid.log import Log
 from softid.models.muscle import NAMES, Muscle
 from softid.synthesis import muscle_log, random_muscle_truth
@@ -52,6 +52,8 @@ def test_short_problems_stay_whole() -> None:
     assert thinning(problem_of(log)) == 1
     long = problem_of(staircase(1000.0))
     assert thinning(long) == long.n_samples // SAMPLES > 1
+    longer = problem_of(staircase(4000.0))
+    assert thinning(longer) == LONGEST < longer.n_samples // SAMPLES
     first = long.segments[0]
     long.segments.append(replace(first, time_s=first.time_s[:30]))
     assert thinning(long) == 1
