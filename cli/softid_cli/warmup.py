@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from itertools import product
+from multiprocessing import get_context
 from typing import TYPE_CHECKING
 
 import click
@@ -29,34 +32,63 @@ def warmup(quiet: bool) -> None:
     """Compile all kernels now and say where they are kept.
 
     Fits small made-up logs with every model that has kernels and simulates every effect. What is
-    compiled already is only loaded. Worth a line in the recipe of a container or a CI image.
+    compiled already is only loaded. Worth a line in the recipe of a container or a CI image. Where
+    there are two processors, a second process compiles what effects in the motion need.
     """
     from softid.kernels import cache_folder
 
-    with progress(quiet=quiet) as report:
-        jobs = list(_jobs())
-        for k, (what, run) in enumerate(jobs):
+    helper = None
+    if (os.cpu_count() or 1) > 1:
+        helper = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+        beside = helper.submit(_compile_state_effects)
+    try:
+        with progress(quiet=quiet) as report:
+            jobs = list(_jobs())
+            for k, (what, run) in enumerate(jobs):
+                if report is not None:
+                    report(f"compiling for {what}", k / (len(jobs) + 1))
+                run()
             if report is not None:
-                report(f"compiling for {what}", k / len(jobs))
-            run()
+                report("compiling for effects in the motion", len(jobs) / (len(jobs) + 1))
+            if helper is None:
+                _compile_state_effects()
+            else:
+                beside.result()
+    finally:
+        if helper is not None:
+            helper.shutdown(cancel_futures=True)
     click.echo(f"All kernels are compiled. They are kept in {cache_folder()}.")
+
+
+def _compile_state_effects() -> None:
+    """Simulate every effect in the equation of motion, which all run on one large kernel."""
+    for _, run in _effects(inside=True):
+        run()
 
 
 def _jobs() -> Iterator[Job]:
     """What compiles everything between them, with the words for it."""
-    from softid.effects import EFFECTS
     from softid.identification import fit
     from softid.models.equilibrium import Equilibrium
-    from softid.models.muscle import Muscle
-    from softid.models.oscillator import Oscillator
 
     log = _drawn()
     (segment,) = log.segments()
     yield "fits of the muscle", partial(fit, log, model="muscle")
     yield "fits of the oscillator", partial(fit, log, model="oscillator")
     yield "equilibrium", partial(_moved, Equilibrium(), segment)
+    yield from _effects(inside=False)
+
+
+def _effects(*, inside: bool) -> Iterator[Job]:
+    """Simulations of the effects that act inside the equation of motion, or of all others."""
+    from softid.effects import EFFECTS, StateEffect
+    from softid.models.muscle import Muscle
+    from softid.models.oscillator import Oscillator
+
+    (segment,) = _drawn().segments()
     for key, base in product(EFFECTS, (Muscle(), Oscillator())):
-        yield "effects", partial(_extended, base, key, segment)
+        if issubclass(EFFECTS[key], StateEffect) == inside:
+            yield "effects", partial(_extended, base, key, segment)
 
 
 def _drawn() -> Log:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import Scale, StateEffect
+from softid.kernels.small_matrix import LANES
 from softid.log import Segment
 from softid.models.arrived_input import observed, simulate_law_through
 from softid.models.base import Model, MotionTerm, Response
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-BLOCK = 2048
+BLOCK = 1024
 DIFFERENCE = 1e-7
 REST_ITERATIONS = 50
 REST_TOLERANCE = 1e-12
@@ -161,17 +162,22 @@ def _integrated(
         if follows:
             state[2 + k] = state[0]
             tangent[2 + k] = tangent[0]
-    motion, by = np.empty((n, 2)), np.zeros((n, tangent.shape[1]))
+    motion, by = np.empty((n, 2)), np.empty((n, tangent.shape[1]))
     motion[0], by[0] = state[:2], tangent[0]
-    places = np.stack((stage_times(segment.time_s, plan) - segment.log_start_s, stage_input), 1)
+    places = np.empty((len(stage_input), 2, 3))
+    np.subtract(plan.stage_s, segment.log_start_s, out=places[:, 0])
+    places[:, 1] = stage_input
     equation = terms.equation(theta, term)
     sample = 1
     for first in range(0, plan.step_s.size, BLOCK):
         block = slice(first, first + BLOCK)
         coefficients, coefficients_by = _packed(model, theta, stage_input[block], derivatives)
+        reached = np.flatnonzero(plan.ends[block])
+        stop = sample + reached.size
         length = coefficients.shape[0]
-        states = np.empty((length, 2))
-        tangents = np.empty((length if derivatives else 0, tangent.shape[1]))
+        undivided = reached.size == length  # then what is found needs no copy
+        states = motion[sample:stop] if undivided else np.empty((length, 2))
+        tangents = by[sample:stop] if undivided else np.empty((length, tangent.shape[1]))
         course = Course(
             plan.step_s[block],
             places[block],
@@ -180,15 +186,15 @@ def _integrated(
             terms.scale,
             terms.moves,
         )
-        solved = integrate(equation, course, state, tangent, states, tangents)
+        wanted = tangents if derivatives else tangents[:0]
+        solved = integrate(equation, course, state, tangent, states, wanted)
         if not solved:
-            motion[sample:] = np.nan
+            motion[sample:], by[sample:] = np.nan, 0.0
             break
-        reached = np.flatnonzero(plan.ends[block])
-        stop = sample + reached.size
-        motion[sample:stop] = states[reached]
-        if derivatives:
-            by[sample:stop] = tangents[reached]
+        if not undivided:
+            motion[sample:stop] = states[reached]
+            if derivatives:
+                by[sample:stop] = tangents[reached]
         sample = stop
     found = _response(model, outputs, motion, by, terms, n_theta, derivatives=derivatives)
     return found if term is None else _drifting(found, term, theta, segment.time_s)
@@ -217,8 +223,9 @@ def _response(
 ) -> Response:
     values, by_parameter, by_state = {}, {}, {}
     x, v = motion.T
-    kept = np.concatenate((np.arange(n_theta), n_theta + terms.columns))
-    starts = by.shape[1] - 2 + np.arange(len(model.start_states))
+    kept = _span(np.concatenate((np.arange(n_theta), n_theta + terms.columns)))
+    first = by.shape[1] - 2
+    starts = slice(first, first + len(model.start_states))
     for name in outputs:
         values[name], slope = model.observed(x, name)
         if derivatives:
@@ -227,6 +234,12 @@ def _response(
     if not derivatives:
         return Response(values, None, None, motion[0], x, v)
     return Response(values, by_parameter, by_state, motion[0], x, v)
+
+
+def _span(columns: npt.NDArray[np.int64]) -> slice | npt.NDArray[np.int64]:
+    """Columns as a slice where they follow each other, which spares a copy."""
+    count = int(columns.size)
+    return slice(0, count) if np.array_equal(columns, np.arange(count)) else columns
 
 
 def _gather(
@@ -245,7 +258,7 @@ def _gather(
         constants = effect.constants(scale)
         values.extend((*eta[at : at + count].tolist(), *constants))
         sizes.extend(max(abs(p.value), 1e-12) for p in declared.values())
-        sizes.extend(1.0 for _ in constants)
+        sizes.extend(0.0 for _ in constants)  # nobody asks how the motion goes with them
         at += count
         begins.append(len(values))
         own.append(len(follows) if effect.has_state else -1)
@@ -268,19 +281,8 @@ def _packed(model: Model, theta: Array, u: Array, derivatives: bool) -> tuple[Ar
     """m, n, q and f at inputs of shape (L, 3), and their derivatives."""
     law = model.motion_law(theta)
     if law is None:  # the kernel calls the law itself
-        return np.zeros((*u.shape, 4)), np.zeros((u.shape[0] if derivatives else 0, 3, 4, 0))
-    flat = u.ravel()
-    packed = np.empty((*u.shape, 4))
-    packed[..., 0] = law.mass
-    for k, values in enumerate(law.coefficients(flat)):
-        packed[..., 1 + k] = values.reshape(u.shape)
-    if not derivatives:
-        return packed, np.zeros((0, 3, 4, 0))
-    by = np.empty((*u.shape, 4, theta.size))
-    by[..., 0, :] = law.mass_by
-    for k, columns in enumerate(law.derivatives(flat)):
-        by[..., 1 + k, :] = columns.reshape(*u.shape, -1)
-    return packed, by
+        return np.zeros((*u.shape, 4)), np.zeros((len(u) if derivatives else 0, 3, 4, 0, LANES))
+    return law.packed(u, derivatives=derivatives)
 
 
 def _unbalanced(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: float) -> float:
@@ -322,7 +324,8 @@ def _rest_by(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> t
     if law is not None and not terms.addresses.size:
         by[: theta.size] = law.equilibrium_by(u)
         return x, by
-    for k, step in enumerate(terms.moves):
+    for k in np.flatnonzero(terms.moves).tolist():
+        step = terms.moves[k]
         if k < theta.size:
             moved = theta.copy()
             moved[k] += step
@@ -354,25 +357,6 @@ def rest(
     """
     terms = _gather(effects, scale, theta, eta, model.motion_term(theta))
     return _rest_position(model, terms, theta, u, 0.0)
-
-
-def stage_times(time_s: Array, plan: Division) -> Array:
-    """Times at the stages of every step, shape (L, 3).
-
-    Parameters
-    ----------
-    time_s
-        Sample times, shape (n,).
-    plan
-        Division of the intervals between them.
-    """
-    from softid.kernels.radau import STAGES as NODES
-
-    owner = np.repeat(np.arange(plan.counts.size), plan.counts)
-    last = np.cumsum(plan.counts)
-    within = np.arange(owner.size) - (last - plan.counts)[owner]
-    begins = time_s[:-1][owner] + within * plan.step_s
-    return begins[:, None] + plan.step_s[:, None] * NODES[None, :]
 
 
 def divided(time_s: Array, u: Array, counts: npt.NDArray[np.intp]) -> Division:

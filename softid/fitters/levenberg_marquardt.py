@@ -217,10 +217,13 @@ def attainable_offset(
     if not np.isfinite(normal.cost):
         return float("inf")
     variance = max(2.0 * normal.cost / max(normal.n - count, 1), floor**2, 1e-300)
-    matrix = normal.matrix[np.ix_(moving, moving)] + np.diag(variance / reach[moving] ** 2)
+    matrix = _among(normal.matrix, moving)
+    diagonal = matrix.diagonal() + variance / reach[moving] ** 2
     gradient = normal.gradient[moving]
-    scale = 1.0 / np.sqrt(np.diag(matrix))
-    solution = _solve(matrix * np.outer(scale, scale), gradient * scale)
+    scale = 1.0 / np.sqrt(diagonal)
+    scaled = matrix * scale * scale[:, None]
+    np.fill_diagonal(scaled, 1.0)
+    solution = _solve(scaled, gradient * scale)
     gain = max(float(solution @ (gradient * scale)), 0.0)
     return float(np.sqrt(gain / count / variance))
 
@@ -244,10 +247,16 @@ class _Progress:
 
 def _step(normal: Normal, moving: npt.NDArray[np.bool_], scale: Array, damping: float) -> Array:
     d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
-    matrix = normal.matrix[np.ix_(moving, moving)] / np.outer(d, d)
+    matrix = _among(normal.matrix, moving) / d / d[:, None]
+    matrix.flat[:: d.size + 1] += damping
     step = np.zeros(moving.size)
-    step[moving] = _solve(matrix + damping * np.eye(d.size), normal.gradient[moving] / d) / d
+    step[moving] = _solve(matrix, normal.gradient[moving] / d) / d
     return step
+
+
+def _among(matrix: Array, moving: npt.NDArray[np.bool_]) -> Array:
+    """Rows and columns of the unknowns that move."""
+    return matrix if moving.all() else matrix[np.ix_(moving, moving)]
 
 
 def _solve(matrix: Array, vector: Array) -> Array:

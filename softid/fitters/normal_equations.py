@@ -161,10 +161,13 @@ def _pieces(
     problem: Problem, z: Array, plans: Sequence[Division | None] | None, *, keep: bool
 ) -> list[Piece]:
     found: list[Piece] = []
-    chain = problem.chain(z)
+    theta = problem.theta(z)
+    chain = problem.chain(z, theta)
     for k in range(len(problem.segments)):
         plan = plans[k] if plans is not None else None
-        summed = [_products(problem, z, k, name, plan, keep=keep) for name in problem.outputs]
+        summed = [
+            _products(problem, z, theta, k, name, plan, keep=keep) for name in problem.outputs
+        ]
         if any(products is None for products in summed):
             blocks = problem.blocks(z, derivatives=True, plans=plans, only=k)
             found.extend(_from_block(problem, block, keep=keep) for block in blocks)
@@ -176,11 +179,18 @@ def _pieces(
 
 
 def _products(
-    problem: Problem, z: Array, segment: int, channel: str, plan: Division | None, *, keep: bool
+    problem: Problem,
+    z: Array,
+    theta: Array,
+    segment: int,
+    channel: str,
+    plan: Division | None,
+    *,
+    keep: bool,
 ) -> Products | None:
     place = problem.zero_position(problem.owner[segment], channel)
     return problem.model.products(
-        problem.theta(z),
+        theta,
         problem.segments[segment],
         channel,
         start=problem.start(z, segment),

@@ -88,7 +88,7 @@ class Objective:
         self.evaluations += 1
         return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
 
-    def solve(self, start: Array, evaluations: int) -> Minimum:
+    def solve(self, start: Array, evaluations: int, *, tolerance: float = TOLERANCE) -> Minimum:
         """Minimise from a start, planning the substeps anew until the plan stays."""
         lower, upper = self.problem.bounds()
         reach = self.problem.reach()
@@ -105,7 +105,7 @@ class Objective:
                 upper,
                 reach,
                 evaluations=evaluations,
-                tolerance=TOLERANCE,
+                tolerance=tolerance,
                 bend=self.bend,
             )
             point = found.point

@@ -9,6 +9,7 @@ restarts must not find anything better.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from softid.fitters.noise_level import at_noise_level
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
 from softid.fitters.rivals import best_rival
+from softid.fitters.thinned import ThinnedProblem, thinning
 from softid.results import FitStatus
 
 Array = npt.NDArray[np.float64]
@@ -34,7 +36,14 @@ twentieth of its own white-noise standard error of it. The optimiser itself aims
 where the parameters make up for each other almost exactly, rounding stops it in between."""
 
 SCOUTS = 2
-"""Starts that are scouted at a time; when one of them ends at the noise level, the last."""
+"""Starts that are scouted at a time, after the most promising one alone; when one of them ends at
+the noise level, the last."""
+
+FIRST_TIMES = 2
+"""The most promising start, which usually is the only one, gets so many times the evaluations."""
+
+ROUGH_TOLERANCE = 0.1
+"""`attainable_offset` at which a run through block averages ends: their optimum is another one."""
 
 RESTARTS = 3
 RESTART_SPREAD = 0.3
@@ -120,17 +129,10 @@ def output_error(
     """
     report = progress or (lambda message, fraction: None)
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
-    points = [problem.unknowns(start) for start in starts]
     report("searching from several starts", 0.1)
-    scouted: list[tuple[Minimum, Array]] = []
-    alone = False
-    for first in range(0, len(points), SCOUTS):
-        scouted = sorted([*scouted, *_scout(objective, points[first : first + SCOUTS])], key=_cost)
-        alone = bool(rounds and scouted and at_noise_level(problem, scouted[0][0]))
-        if alone:
-            break
+    scouted, alone = _search(objective, starts, alone_if_white=rounds > 0)
     if not scouted:
-        return _nothing(objective, points)
+        return _nothing(objective, [problem.unknowns(start) for start in starts[:1]])
     report("refining the best starts", 0.3)
     contenders = scouted[:2] if rounds and not alone else scouted[:1]
     limit = POLISH_EVALUATIONS if rounds else DRAFT_EVALUATIONS
@@ -171,19 +173,58 @@ def _span(problem: Problem, name: str) -> float:
     return float(np.ptp(joined)) if joined.size and np.ptp(joined) > 0 else 1.0
 
 
-def _scout(objective: Objective, points: Sequence[Array]) -> list[tuple[Minimum, Array]]:
-    """Short runs from every start, best first; the compiled kernels release the lock."""
+def _search(
+    objective: Objective, starts: Sequence[Mapping[str, float]], *, alone_if_white: bool
+) -> tuple[list[tuple[Minimum, Array]], bool]:
+    """Scouts from the starts in turn, best first, and whether one has ended at the noise level."""
+    thinned: ThinnedProblem | None = None
+    first = SCOUTS
+    if alone_if_white:
+        length, first = thinning(objective.problem), 1
+        thinned = ThinnedProblem(objective.problem, length) if length > 1 else None
+    scouted: list[tuple[Minimum, Array]] = []
+    edges = [0, *range(first, len(starts), SCOUTS), len(starts)]
+    for begin, end in itertools.pairwise(edges):
+        alone = begin == 0 and alone_if_white
+        limit = (FIRST_TIMES if alone else 1) * SCOUT_EVALUATIONS
+        points = [objective.problem.unknowns(start) for start in starts[begin:end]]
+        found = _scout(objective, points, limit, thinned)
+        scouted = sorted([*scouted, *found], key=_cost)
+        if alone_if_white and scouted and at_noise_level(objective.problem, scouted[0][0]):
+            return scouted, True
+    return scouted, False
+
+
+def _scout(
+    objective: Objective,
+    points: Sequence[Array],
+    limit: int,
+    thinned: ThinnedProblem | None = None,
+) -> list[tuple[Minimum, Array]]:
+    """Short runs from every start, best first; the compiled kernels release the lock.
+
+    Where there is a thinned problem they lead through it, and go on over all samples from there.
+    """
 
     def run(point: Array) -> tuple[Minimum, Array]:
+        begin = point
+        if thinned is not None:
+            rough = Objective(thinned, objective.sigma)
+            led = rough.solve(point, limit, tolerance=ROUGH_TOLERANCE)
+            begin = led.point if np.isfinite(led.normal.cost) else point
+            objective.evaluations += rough.evaluations
         own = Objective(objective.problem, objective.sigma)
         own.prior = objective.prior
-        found = own.solve(point, SCOUT_EVALUATIONS)
+        found = own.solve(begin, limit)
         objective.evaluations += own.evaluations
         return found, point
 
-    with ThreadPoolExecutor(max_workers=SCOUTS) as pool:
-        ended = [row for row in pool.map(run, points) if np.isfinite(row[0].normal.cost)]
-    return sorted(ended, key=_cost)
+    if len(points) == 1:
+        rows = [run(points[0])]
+    else:
+        with ThreadPoolExecutor(max_workers=SCOUTS) as pool:
+            rows = list(pool.map(run, points))
+    return sorted((row for row in rows if np.isfinite(row[0].normal.cost)), key=_cost)
 
 
 def _cost(row: tuple[Minimum, Array]) -> float:
@@ -227,7 +268,7 @@ def _challenge(
             size = np.minimum(reach / 2.0, np.maximum(np.abs(point[:n_free]), 1.0))
             point[:n_free] += RESTART_SPREAD * size * rng.standard_normal(n_free)
             points.append(point)
-        rivals = _scout(objective, points)
+        rivals = _scout(objective, points, SCOUT_EVALUATIONS)
         margin = min(BETTER, BETTER_SAMPLES / max(best.normal.n, 1))
         if best.normal.cost <= 0.5 * best.normal.n * RESIDUAL_FLOOR**2:
             return best, True  # what is left is rounding, and a rival's is as likely to be less

@@ -120,11 +120,13 @@ class Problem:
             self._start_from.append(None if rest else position)
             position += 0 if rest else len(self.model.start_states)
         self.size = position
+        counts = (int(s.used[name].sum()) for s in self.segments for name in self.outputs)
+        self._n_samples = sum(counts)
 
     @property
     def n_samples(self) -> int:
         """Number of residuals over all channels."""
-        return sum(int(s.used[name].sum()) for s in self.segments for name in self.outputs)
+        return self._n_samples
 
     def bounds(self) -> tuple[Array, Array]:
         """Bounds of the unknowns, each of shape (U,)."""
@@ -246,9 +248,9 @@ class Problem:
         values[self._free_index] = free
         return values if self._tied is None else self._tied(values)
 
-    def chain(self, z: Array) -> Array:
-        """∂θ/∂(free unknowns), shape (K, F)."""
-        theta = self.theta(z)
+    def chain(self, z: Array, theta: Array | None = None) -> Array:
+        """∂θ/∂(free unknowns), shape (K, F); ``theta`` is θ at ``z`` where it is known already."""
+        theta = self.theta(z) if theta is None else theta
         chain = np.zeros((theta.size, len(self.free)))
         slope = np.where(self._log_scaled, theta[self._free_index], 1.0)
         chain[self._free_index, np.arange(len(self.free))] = slope
@@ -285,7 +287,7 @@ class Problem:
             Index of the only segment wanted; None for all.
         """
         theta = self.theta(z)
-        chain = self.chain(z) if derivatives else None
+        chain = self.chain(z, theta) if derivatives else None
         for k, segment in enumerate(self.segments):
             if only is not None and k != only:
                 continue

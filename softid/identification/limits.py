@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.effects import model_of
 from softid.models.base import Model
 
 LEVELS = 9
@@ -63,6 +62,8 @@ def _aliased(
     shown_hz = 0.5 / period_s
     if slowest_hz <= shown_hz:
         return None
+    from softid.effects import model_of  # twenty modules, which few fits need
+
     limit = model_of(replace(spec, options=dict(spec.options) | {"order": "first"}))
     return limit, (
         f"the motion would swing at {slowest_hz:.2g} Hz, and more than {shown_hz:.2g} Hz cannot be "

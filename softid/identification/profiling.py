@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects import model_of
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import Optimum, output_error
@@ -57,6 +56,8 @@ def profile_parameter(
         The parameter does not change the response at all.
     """
     log_set = as_log_set(logs)
+    from softid.effects import model_of  # twenty modules, which few fits need
+
     model = model_of(result.model)
     parameters = _as_fitted(model.parameters(), result)
     if name not in parameters.free:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from numba import njit
 
 from softid.kernels import affine_steps, exponential, lanes
+from softid.kernels.decorators import kernel
 from softid.kernels.lanes import (
     BY,
     GIVEN,
@@ -117,7 +118,7 @@ def _store(w: Array, ends: Ends, columns: Array) -> None:
                 columns[p, ends[i]] = w[BY + p * POINTS + i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def move(
     law: int,
     rule: int,
@@ -160,7 +161,7 @@ def move(
                 v[ends[i]] = w[V + i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def move_with_derivatives(
     law: int,
     rule: int,
@@ -190,7 +191,8 @@ def move_with_derivatives(
     at = np.zeros(2, np.int64)
     now, now_by = state.copy(), tangent.copy()
     x[0], v[0] = state[0], state[1]
-    by[:, 0] = tangent[0]
+    for p in range(by.shape[0]):
+        by[p, 0] = tangent[0, p]
     while at[0] < time_s.size - 1:
         _load(w, ends, time_s, u, counts, at)
         _run(w, law, rule, theta, now)
@@ -202,7 +204,7 @@ def move_with_derivatives(
         _store(w, ends, by)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def sum_products(
     law: int,
     rule: int,
@@ -241,12 +243,16 @@ def sum_products(
     now, now_by = state.copy(), tangent.copy()
     first = np.zeros(N_PADDED)
     if used[0]:
-        first[: N_PARAMETERS + N_STATES] = tangent[0]
+        for p in range(N_PARAMETERS + N_STATES):
+            first[p] = tangent[0, p]
         first[N_COLUMNS - 2] = 1.0
         first[N_COLUMNS - 1] = y[0] - level - gain * state[0]
-    gram[:] = np.outer(first, first)
+    for a in range(N_PADDED):
+        for b in range(N_PADDED):
+            gram[a, b] = first[a] * first[b]
     if kept.shape[1]:
-        kept[:, 0] = first[:N_COLUMNS]
+        for a in range(N_COLUMNS):
+            kept[a, 0] = first[a]
     while at[0] < time_s.size - 1:
         _load(w, ends, time_s, u, counts, at)
         _run(w, law, rule, theta, now)
@@ -294,7 +300,7 @@ def _load_stages(
     at[0], at[1], at[2] = interval, within, step
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def move_through(
     law: int,
     theta: Array,
@@ -324,7 +330,8 @@ def move_through(
     now, now_by = state.copy(), tangent.copy()
     x[0], v[0] = state[0], state[1]
     if by.shape[1]:
-        by[:, 0] = tangent[0]
+        for p in range(by.shape[0]):
+            by[p, 0] = tangent[0, p]
     while at[0] < time_s.size - 1:
         _load_stages(w, ends, time_s, stage_u, counts, at)
         fill_from_stages(w, law, theta)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from softid.kernels.decorators import kernel
 
 Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.int16]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def spread(
     time_s: Array, u: Array, counts: Counts, nodes: int, node_s: Array, node_u: Array
 ) -> None:
@@ -41,7 +42,7 @@ def spread(
         at += 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def gather(node_u: Array, weights: Array, stage_u: Array) -> None:
     """Weighted sums of the values at the nodes of every step, its first included.
 

@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from softid.kernels.decorators import kernel
 
 Array = npt.NDArray[np.float64]
 
@@ -54,7 +55,7 @@ class Body(NamedTuple):
     constants: Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def inertia_parts(angle: float, body: Body) -> tuple[float, float, float, float]:
     """M, dM/dθ, D and dD/dθ at an angle, in kg·m² and kg·m²/rad."""
     q = angle * angle
@@ -67,7 +68,7 @@ def inertia_parts(angle: float, body: Body) -> tuple[float, float, float, float]
     return m, 2.0 * angle * dm, angle * d, d + 2.0 * q * dd
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def elastic_torque(angle: float, body: Body) -> float:
     """K(θ) in N·m: plane-strain Yeoh walls on both sides, and the neutral layer; odd in θ."""
     c1, c2 = body.constants[0], body.constants[1]
@@ -86,7 +87,7 @@ def elastic_torque(angle: float, body: Body) -> float:
     return torque
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def elastic_parts(angle: float, body: Body) -> tuple[float, float]:
     """K(θ) in N·m and dK/dθ in N·m/rad."""
     c1, c2 = body.constants[0], body.constants[1]
@@ -113,14 +114,14 @@ def elastic_parts(angle: float, body: Body) -> tuple[float, float]:
     return total + body.constants[2] * angle, slope + body.constants[2]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def compensation(angle: float, theta: Array) -> float:
     """C_m = a·θ² + b·|θ| + c; NaN where it is no mass."""
     found = (theta[1] * abs(angle) + theta[2]) * abs(angle) + theta[3]
     return found if found > SMALLEST_COMPENSATION else np.nan
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def torque_parts(
     angle: float, velocity: float, pressure_kpa: float, theta: Array, body: Body
 ) -> tuple[float, float, float, float, float]:
@@ -160,7 +161,7 @@ def torque_parts(
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def acceleration(
     angle: float, velocity: float, pressure_kpa: float, theta: Array, body: Body
 ) -> float:
@@ -171,7 +172,7 @@ def acceleration(
     return (driving - elastic - damping - inertial) / m
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def acceleration_slopes(
     angle: float, velocity: float, pressure_kpa: float, theta: Array, body: Body, slopes: Array
 ) -> float:
@@ -216,7 +217,7 @@ def acceleration_slopes(
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def propagate_bending(
     step_s: Array, pressure_kpa: Array, theta: Array, body: Body, state: Array, states: Array
 ) -> None:
@@ -254,7 +255,7 @@ def propagate_bending(
     state[1] = v
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def propagate_bending_with_sensitivities(
     step_s: Array,
     pressure_kpa: Array,
@@ -314,7 +315,7 @@ def propagate_bending_with_sensitivities(
     state[1] = v
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def rest_angle(pressure_kpa: float, theta: Array, body: Body) -> float:
     """Smallest angle in rad at which s·K + τ0 = d·F(p); NaN when there is none.
 
@@ -341,7 +342,7 @@ def rest_angle(pressure_kpa: float, theta: Array, body: Body) -> float:
     return sign * angle
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def fastest_rates(angles: Array, theta: Array, body: Body) -> tuple[float, float]:
     """Largest natural frequency √(s·K′/C_m·M) and damping rate C_d/(C_m·M) over angles, in 1/s.
 

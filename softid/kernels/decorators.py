@@ -2,11 +2,77 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from numba import njit
 
-_OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
+if TYPE_CHECKING:
+    from numba.core.dispatcher import Dispatcher
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_OPTIONS: dict[str, Any] = {
+    "nogil": True,
+    "error_model": "numpy",
+    "_nrt": False,
+    "fastmath": {"contract", "nsz"},
+}
+
+
+def kernel(function: F) -> Dispatcher[F]:
+    """Compile a function that is called from Python, and keep it on disk.
+
+    Parameters
+    ----------
+    function
+        What to compile.
+    """
+    compiled = njit(cache=True, nogil=True, error_model="numpy")(function)
+    load_alone(compiled)
+    return compiled
+
+
+def bare_kernel(function: F) -> Dispatcher[F]:
+    """`kernel` for a function that makes no arrays, as `inner`.
+
+    Parameters
+    ----------
+    function
+        What to compile.
+    """
+    compiled: Dispatcher[F] = njit(cache=True, **_OPTIONS)(function)
+    load_alone(compiled)
+    return compiled
+
+
+def load_alone(compiled: Any) -> None:
+    """Load a compiled function from disk without what only a compilation needs.
+
+    numba would first import all functions that it can compile, scipy's linear algebra among them,
+    which takes longer than a fit. Where its internals differ it does so as ever.
+
+    Parameters
+    ----------
+    compiled
+        Compiled with ``cache=True``.
+    """
+    try:
+        from numba.core.runtime import nrt
+
+        cache = compiled._cache
+        load, guard = cache._load_overload, cache._guard_against_spurious_io_errors
+        start = nrt.rtsys.initialize
+    except (AttributeError, ImportError):
+        return
+
+    def load_overload(signature: Any, target: Any) -> Any:
+        start(target)
+        with guard():
+            return load(signature, target)
+
+    cache.load_overload = load_overload
+
 
 inner: Any = njit(**_OPTIONS)
 """For a function that is called within a step. It counts no references to its arrays, which would

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from numba import njit
 
 from softid.kernels import exponential
+from softid.kernels.decorators import kernel
 from softid.kernels.exponential import EXACT
 from softid.kernels.sources import follow_sources
 
@@ -100,7 +101,7 @@ def _counts(rate: Array, time_s: Array, bend: Array, limit: float, counts: Count
     return most
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def count_steps(
     mass: float,
     damping: Array,

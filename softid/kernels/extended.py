@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from softid.kernels import equation, radau, small_matrix, stages, tangents, terms
-from softid.kernels.decorators import inlined, inner
+from softid.kernels.decorators import bare_kernel, inlined, inner
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import STAGES
+from softid.kernels.small_matrix import LANES, groups
 from softid.kernels.sources import follow_sources
 from softid.kernels.stages import Step, advance, solve_stages
 from softid.kernels.tangents import carry
@@ -49,12 +49,12 @@ class Course(NamedTuple):
     coefficients
         m, n, q and f of the affine law at the stages, shape (L, 3, 4).
     coefficients_by
-        Their derivatives, shape (L, 3, 4, K); of length 1 and without effect when no derivatives
-        are wanted.
+        Their derivatives in groups of `LANES` filled up with zeros, shape (L, 3, 4, G, LANES); of
+        length 0 when no derivatives are wanted.
     scale
         Ranges of x, v and the own states, shape (2 + Z,).
     moves
-        By how much each parameter is moved to differentiate, shape (K + H,).
+        By how much each parameter is moved to differentiate, shape (K + H,); zero for a constant.
     """
 
     step_s: Array
@@ -65,7 +65,6 @@ class Course(NamedTuple):
     moves: Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
 def _room(scale: Array) -> Step:
     n_own = scale.size - 2
     size = 3 + 3 * n_own
@@ -82,14 +81,20 @@ def _room(scale: Array) -> Step:
         scale,
         np.zeros(size),
         np.empty(size),
-        np.empty((size, size)),
+        np.zeros((size, LANES * groups(size))),
         np.empty(size, np.int64),
+        np.empty(size),
         np.zeros((3, 2 + n_own, 1 + n_own)),
         np.empty(5),
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@bare_kernel
+def _left_at_rest(equation: Equation, at: Instants) -> float:
+    left: float = unbalanced(equation, at, np.int64(0))
+    return left
+
+
 def unbalanced_at_rest(
     equation: Equation, coefficients: Array, x: float, z: Array, u: float, t: float
 ) -> float:
@@ -110,8 +115,7 @@ def unbalanced_at_rest(
     at.points[0] = 0.0
     at.points[0, 0] = x
     at.points[0, 2 : 2 + z.size] = z
-    left: float = unbalanced(equation, at, 0)
-    return left
+    return _left_at_rest(equation, at)
 
 
 @inner
@@ -126,32 +130,38 @@ def _weight(c: int, j: int, piece: int, pieces: int) -> float:
 
 
 @inlined
-def _enter(course: Course, i: int, piece: int, pieces: int, step: Step, by: Array) -> None:
+def _enter(course: Course, i: int, step: Step, by: Array) -> None:
+    """Take the data of step ``i`` into ``step`` and ``by``."""
+    wanted = by.shape[2] if course.coefficients_by.shape[0] > 0 else 0
+    at = step.at
+    for c in range(3):
+        at.place[0, c], at.place[1, c] = course.places[i, 0, c], course.places[i, 1, c]
+        for q in range(4):
+            at.coefficients[c, q] = course.coefficients[i, c, q]
+            for f in range(wanted):
+                for lane in range(LANES):
+                    by[c, q, f, lane] = course.coefficients_by[i, c, q, f, lane]
+
+
+@inner
+def _enter_piece(course: Course, i: int, piece: int, pieces: int, step: Step, by: Array) -> None:
     """Take the data of a piece of step ``i`` into ``step`` and ``by``."""
     wanted = by.shape[2] if course.coefficients_by.shape[0] > 0 else 0
     at = step.at
-    if pieces == 1:
-        for c in range(3):
-            at.place[0, c], at.place[1, c] = course.places[i, 0, c], course.places[i, 1, c]
-            for q in range(4):
-                at.coefficients[c, q] = course.coefficients[i, c, q]
-                for p in range(wanted):
-                    by[c, q, p] = course.coefficients_by[i, c, q, p]
-        return
     for c in range(3):
         at.place[0, c], at.place[1, c] = 0.0, 0.0
-        for q in range(4):
-            at.coefficients[c, q] = 0.0
-            for p in range(wanted):
-                by[c, q, p] = 0.0
         for j in range(3):
             weight = _weight(c, j, piece, pieces)
             at.place[0, c] += weight * course.places[i, 0, j]
             at.place[1, c] += weight * course.places[i, 1, j]
             for q in range(4):
-                at.coefficients[c, q] += weight * course.coefficients[i, j, q]
-                for p in range(wanted):
-                    by[c, q, p] += weight * course.coefficients_by[i, j, q, p]
+                before = at.coefficients[c, q] if j > 0 else 0.0
+                at.coefficients[c, q] = before + weight * course.coefficients[i, j, q]
+                for f in range(wanted):
+                    for lane in range(LANES):
+                        before = by[c, q, f, lane] if j > 0 else 0.0
+                        found = course.coefficients_by[i, j, q, f, lane]
+                        by[c, q, f, lane] = before + weight * found
 
 
 @inlined
@@ -175,8 +185,8 @@ class Room(NamedTuple):
     step
         The step at hand.
     coefficients_by
-        Derivatives of the affine law's coefficients at its stages, shape (3, 4, K).
-    rhs
+        Derivatives of the affine law's coefficients at its stages, shape (3, 4, groups, LANES).
+    rhs, rates
         As in `carry`.
     last
         Stage rates of the step before, shape (3 + 3 Z,).
@@ -187,6 +197,7 @@ class Room(NamedTuple):
     step: Step
     coefficients_by: Array
     rhs: Array
+    rates: Array
     last: Array
     state: Array
     tangent: Array
@@ -196,6 +207,14 @@ class Room(NamedTuple):
 def _copy(source: Array, target: Array) -> None:
     for i in range(source.size):
         target[i] = source[i]
+
+
+@inlined
+def _copy_all(source: Array, target: Array) -> None:
+    for k in range(source.shape[0]):
+        for f in range(source.shape[1]):
+            for lane in range(LANES):
+                target[k, f, lane] = source[k, f, lane]
 
 
 @inlined
@@ -211,22 +230,27 @@ def _take(
 ) -> bool:
     """Take step ``i`` in so many pieces; False when the stages of one cannot be found.
 
-    ``follows`` says that the step before was alike, so that its rates and factors serve as a start.
+    ``follows`` says that the step before was alike, so that its rates and inverse serve as a start.
     """
     step, h = room.step, course.step_s[i] / pieces
     wanted = course.coefficients_by.shape[0] > 0
     for piece in range(pieces):
-        _enter(course, i, piece, pieces, step, room.coefficients_by)
+        if pieces == 1:
+            _enter(course, i, step, room.coefficients_by)
+        else:
+            _enter_piece(course, i, piece, pieces, step, room.coefficients_by)
         _predict(step, room.last, state, follows)
         if not solve_stages(equation, step, state, h, follows or piece > 0, wanted):
             return False
         if wanted:
-            carry(equation, step, room.coefficients_by, course.moves, room.rhs, tangent, h)
+            carry(
+                equation, step, room.coefficients_by, course.moves, room.rhs, room.rates, tangent, h
+            )
         advance(step, state, h)
     return True
 
 
-@inner
+@bare_kernel
 def _march(
     equation: Equation,
     course: Course,
@@ -240,31 +264,26 @@ def _march(
     follows = False
     for i in range(course.step_s.size):
         _copy(state, room.state)
-        for k in range(tangent.shape[0]):
-            for p in range(tangent.shape[1]):
-                room.tangent[k, p] = tangent[k, p]
+        _copy_all(tangent, room.tangent)
         alike = i > 0 and abs(course.step_s[i] / course.step_s[i - 1] - 1.0) < ALIKE
-        known, pieces = follows and alike, 1
-        while not _take(equation, course, i, pieces, known, state, tangent, room):
-            if not known:
+        known, tries, pieces = follows and alike, np.int64(0), np.int64(1)
+        while not _take(equation, course, i, pieces, known and tries == 0, state, tangent, room):
+            if tries > 0 or not known:
                 pieces *= 2
-            known = False
+            tries += 1
             if pieces > 1 << MAX_HALVINGS:
                 return False
             _copy(room.state, state)
-            for k in range(tangent.shape[0]):
-                for p in range(tangent.shape[1]):
-                    tangent[k, p] = room.tangent[k, p]
+            _copy_all(room.tangent, tangent)
         _copy(room.step.w, room.last)
         follows = pieces == 1
         states[i, 0], states[i, 1] = state[0], state[1]
         if tangents.shape[0] > 0:
-            for p in range(tangent.shape[1]):
-                tangents[i, p] = tangent[0, p]
+            for p in range(tangents.shape[1]):
+                tangents[i, p] = tangent[0, p // LANES, p % LANES]
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
 def integrate(
     equation: Equation,
     course: Course,
@@ -292,16 +311,23 @@ def integrate(
         derivatives are wanted.
     """
     step = _room(course.scale)
+    n_states, columns = tangent.shape
+    carried = np.zeros((n_states, groups(columns), LANES))
+    flat = carried.reshape(n_states, -1)
+    flat[:, :columns] = tangent
     room = Room(
         step,
-        np.zeros((3, 4, course.coefficients_by.shape[3])),
-        np.zeros((step.w.size, tangent.shape[1])),
+        np.zeros(course.coefficients_by.shape[1:]),
+        np.zeros((step.w.size, *carried.shape[1:])),
+        np.zeros((step.w.size, *carried.shape[1:])),
         np.zeros(step.w.size),
         state.copy(),
-        tangent.copy(),
+        carried.copy(),
     )
-    solved: bool = _march(equation, course, state, tangent, states, tangents, room)
+    solved: bool = _march(equation, course, state, carried, states, tangents, room)
+    tangent[:] = flat[:, :columns]
     return solved
 
 
-follow_sources(integrate, (equation, stages, tangents, small_matrix, terms, radau))
+for _kernel in (_march, _left_at_rest):
+    follow_sources(_kernel, (equation, stages, tangents, small_matrix, terms, radau))

@@ -10,13 +10,15 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from softid.kernels.decorators import kernel
+
 Array = npt.NDArray[np.float64]
 
 ALIKE = 1e-11
 """Relative difference up to which two steps share what depends on their length."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def lag_difference(difference: float, slope: float, step_s: float, tau_s: float) -> float:
     """Output minus input of τ ẏ + y = u after a step along a straight input.
 
@@ -43,7 +45,7 @@ def _alike(step_s: float, usual_s: float) -> bool:
     return abs(step_s - usual_s) <= ALIKE * step_s
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def lag(step_s: Array, values: Array, rising_s: float, falling_s: float) -> None:
     """First-order lag τ ẏ + y = u, with one τ where u > y and another where u < y.
 
@@ -86,7 +88,7 @@ def lag(step_s: Array, values: Array, rising_s: float, falling_s: float) -> None
         before = now
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def resonance(step_s: Array, values: Array, omega: float, zeta: float) -> None:
     """Second-order resonance ÿ/ω² + 2ζ ẏ/ω + y = u at any damping.
 
@@ -136,7 +138,7 @@ def resonance(step_s: Array, values: Array, omega: float, zeta: float) -> None:
         before = now
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def cubic(time_s: Array, values: Array, at_s: Array, found: Array) -> None:
     """Interpolate by the cubic through the two samples on either side (Lagrange).
 

@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from softid.kernels.decorators import kernel
 
 Array = npt.NDArray[np.float64]
 
@@ -32,7 +33,7 @@ B1 = B.sum(axis=1)
 """Butcher matrix A of the rule, its inverse B, and the row sums of B."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _invert3(w: Array, out: Array) -> None:
     c00 = w[1, 1] * w[2, 2] - w[1, 2] * w[2, 1]
     c01 = w[1, 2] * w[2, 0] - w[1, 0] * w[2, 2]
@@ -49,7 +50,7 @@ def _invert3(w: Array, out: Array) -> None:
     out[2, 2] = (w[0, 0] * w[1, 1] - w[0, 1] * w[1, 0]) * scale
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def propagate(
     step_s: Array,
     mass: float,
@@ -98,7 +99,7 @@ def propagate(
     state[1] = v
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def propagate_with_sensitivities(
     step_s: Array,
     mass: float,

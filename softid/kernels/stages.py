@@ -10,7 +10,7 @@ import numpy.typing as npt
 from softid.kernels.decorators import inlined
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import B1, A, B
-from softid.kernels.small_matrix import factorise, solve
+from softid.kernels.small_matrix import invert, multiply
 
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
@@ -18,7 +18,7 @@ Index = npt.NDArray[np.int64]
 MAX_NEWTON = 13
 NEWTON_TOLERANCE = 1e-9
 SLOWEST = 0.2
-"""Old factors must shrink Newton's moves by this factor at least."""
+"""An old inverse must shrink Newton's moves by this factor at least."""
 
 LEFT = 0.1
 """Newton's moves shrink by a factor, so what is left after a move is known before the next one: so
@@ -45,7 +45,9 @@ class Step(NamedTuple):
     residual
         What the stage equations leave, shape (3 + 3 Z,).
     matrix, order
-        Their Jacobian or its factors, shapes (3 + 3 Z, 3 + 3 Z) and (3 + 3 Z,).
+        The inverse of their Jacobian, shape (3 + 3 Z, padded), and room for its rows, (3 + 3 Z,).
+    move
+        Newton's move, shape (3 + 3 Z,).
     slopes
         Derivatives by x, v and the own states of the unbalanced force and of the own rates at each
         stage, shape (3, 2 + Z, 1 + Z).
@@ -59,6 +61,7 @@ class Step(NamedTuple):
     residual: Array
     matrix: Array
     order: Index
+    move: Array
     slopes: Array
     kept: Array
 
@@ -113,7 +116,7 @@ def _assemble(step: Step, h: float) -> None:
     """Jacobian of the stage equations from the slopes."""
     slopes, matrix, parts, size = step.slopes, step.matrix, step.at.parts, step.w.size
     for i in range(size):
-        for j in range(size):
+        for j in range(matrix.shape[1]):
             matrix[i, j] = 0.0
     for c in range(3):
         heavy = parts[c, 4] * parts[c, 0] / h
@@ -132,35 +135,35 @@ def _assemble(step: Step, h: float) -> None:
 
 @inlined
 def solve_stages(
-    equation: Equation, step: Step, state: Array, h: float, has_factors: bool, exact: bool
+    equation: Equation, step: Step, state: Array, h: float, has_inverse: bool, exact: bool
 ) -> bool:
     """Find the stages by Newton's method from ``step.w``; False when it does not converge.
 
-    The factors that the step before left serve as long as they bring the stages nearer quickly:
-    the law changes little from step to step, and factors cost several times a residual.
+    The inverse that the step before left serves as long as it brings the stages nearer quickly: the
+    law changes little from step to step, and an inverse costs several times a residual.
 
     Parameters
     ----------
     equation, step, state, h
         The step; its ``w`` is the start and receives the solution.
-    has_factors
-        Whether ``step`` holds the factors of a step before.
+    has_inverse
+        Whether ``step`` holds the inverse of a step before.
     exact
-        Whether residual, slopes and factors are wanted at the solution, for `carry`.
+        Whether residual, slopes and inverse are wanted at the solution, for `carry`.
     """
     before, solved = 0.0, False
     for number in range(MAX_NEWTON):
         _leave(equation, step, state, h)
-        if not has_factors:
+        if not has_inverse:
             _differentiate(equation, step)
             _assemble(step, h)
-            factorise(step.matrix, step.order)
+            invert(step.matrix, step.order)
         if solved:
             return True
-        solve(step.matrix, step.order, step.residual)
+        multiply(step.matrix, step.residual, step.move)
         worst = 0.0
         for i in range(step.w.size):
-            move = step.residual[i]
+            move = step.move[i]
             if not np.isfinite(move):
                 return False
             step.w[i] -= move
@@ -171,7 +174,7 @@ def solve_stages(
         if solved and not exact:
             return True
         if solved or shrinkage > SLOWEST:
-            has_factors = False
+            has_inverse = False
         before = worst
     return False
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from softid.kernels import affine, affine_steps, exponential, lanes
 from softid.kernels.affine import move
+from softid.kernels.decorators import kernel
 from softid.kernels.lanes import MUSCLE, RADAU
 from softid.kernels.sources import follow_sources
 
@@ -16,7 +16,7 @@ Counts = npt.NDArray[np.int16]
 BoolArray = npt.NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def add_products(
     thetas: Array,
     time_s: Array,
@@ -39,6 +39,7 @@ def add_products(
     sums
         Σxy, Σxx and Σyy are added, shape (G, 3); where a motion is not finite nothing is.
     """
+    law, rule = int(MUSCLE), int(RADAU)  # bare constants would compile `move` once more
     x, v, state = np.empty(u.size), np.empty(u.size), np.zeros(2)
     n, y_mean, y_power = 0, 0.0, 0.0
     for i in range(u.size):
@@ -54,7 +55,7 @@ def add_products(
     for g in range(thetas.shape[0]):
         force = np.exp(thetas[g, 2] * u[0])
         state[0] = force / (thetas[g, 1] * force + thetas[g, 3])
-        move(MUSCLE, RADAU, thetas[g], time_s, u, counts, state, x, v)
+        move(law, rule, thetas[g], time_s, u, counts, state, x, v)
         mean, cross, power = 0.0, 0.0, 0.0
         for i in range(u.size):
             if used[i]:

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from softid.kernels.decorators import kernel
 from softid.kernels.filters import lag_difference
 
 Array = npt.NDArray[np.float64]
@@ -33,7 +34,7 @@ E0, E2, E3, E4, E5, E6 = 71 / 57600, -71 / 16695, 71 / 1920, -17253 / 339200, 22
 """Dormand and Prince's coefficients, and what tells their two orders apart, without the zeros."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def pressure_rate(supply: float, actuator: float, tau_s: float, b: float) -> float:
     """ṗa at given absolute pressures.
 
@@ -130,7 +131,7 @@ def _crossing(
     return high
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: float) -> None:
     """Pressure of an actuator that begins settled at its supply.
 

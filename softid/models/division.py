@@ -69,20 +69,29 @@ class Division:
         spread(self.time_s, self.u, self.counts, NODES_PER_STEP, node_s, node_u)
         return held(node_s), held(node_u)
 
-    @property
+    @cached_property
     def step_s(self) -> Array:
         """Length of every step, shape (L,)."""
         lengths: Array = np.repeat(np.diff(self.time_s) / self.counts, self.counts)
         return lengths
 
-    @property
+    @cached_property
     def ends(self) -> npt.NDArray[np.bool_]:
         """Which steps end on a sample, shape (L,)."""
         ends = np.zeros(int(self.counts.sum()), bool)
         ends[np.cumsum(self.counts) - 1] = True
         return ends
 
-    @property
+    @cached_property
+    def stage_s(self) -> Array:
+        """Times at the stages of every Radau step, shape (L, 3)."""
+        last = np.cumsum(self.counts) - 1
+        within = np.arange(self.step_s.size) - np.repeat(last - self.counts + 1, self.counts)
+        begins = np.repeat(self.time_s[:-1], self.counts) + within * self.step_s
+        found: Array = begins[:, None] + self.step_s[:, None] * STAGES[None, :]
+        return found
+
+    @cached_property
     def stage_input(self) -> Array:
         """Input at the stages of every Radau step, shape (L, 3)."""
         return self.input_at(STAGES)

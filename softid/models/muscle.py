@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from softid.errors import UsageError
 from softid.kernels.lanes import MUSCLE
-from softid.kernels.muscle import coefficient_derivatives, coefficients
+from softid.kernels.muscle import coefficient_derivatives, coefficients, pack
+from softid.kernels.small_matrix import LANES
 from softid.log import Segment
 from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide
@@ -37,6 +38,7 @@ NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
 _KPA_PER_BAR = 100.0
 _PER_KPA = np.array([1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0])
 _BY_THETA = np.diag(_PER_KPA)
+_BY_MASS = np.eye(len(NAMES))[0]
 _RU = "Ru et al. 2019"
 
 
@@ -46,7 +48,7 @@ class MuscleLaw(Law):
     def __init__(self, theta: Array) -> None:
         self._theta = theta
         self.mass = float(theta[0])
-        self.mass_by = np.eye(len(NAMES))[0]
+        self.mass_by = _BY_MASS
 
     def coefficients(self, u: Array) -> tuple[Array, Array, Array]:
         """N, Q and P at pressures of shape (L,)."""
@@ -57,6 +59,13 @@ class MuscleLaw(Law):
         """Derivatives of N, Q and P by the seven parameters, each of shape (L, 7)."""
         found: tuple[Array, Array, Array] = coefficient_derivatives(u / _KPA_PER_BAR, self._theta)
         return found
+
+    def packed(self, u: Array, *, derivatives: bool) -> tuple[Array, Array]:
+        """All coefficients in one compiled pass; see `Law.packed`."""
+        packed = np.empty((len(u), 3, 4))
+        by = np.empty((len(u) if derivatives else 0, 3, 4, LANES))
+        pack(np.ascontiguousarray(u), self._theta, packed, by)
+        return packed, by[..., None, :]
 
     def affine(self) -> AffineForm:
         """The same law with exponents per kPa."""

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from softid.kernels.affine import move, move_with_derivatives, sum_products
 from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PADDED, N_PARAMETERS, N_STATES, RADAU, RK4
 from softid.kernels.radau import propagate, propagate_with_sensitivities
+from softid.kernels.small_matrix import LANES, groups
 from softid.log import Segment
 from softid.models.division import Division, divide, held
 from softid.models.products import Products
@@ -58,6 +59,26 @@ class Law(ABC):
     @abstractmethod
     def derivatives(self, u: Array) -> tuple[Array, Array, Array]:
         """∂N/∂θ, ∂Q/∂θ and ∂F/∂θ at inputs of shape (L,), each of shape (L, K)."""
+
+    def packed(self, u: Array, *, derivatives: bool) -> tuple[Array, Array]:
+        """M, N, Q and F at inputs of shape (L, 3), and their derivatives if they are wanted.
+
+        Of shapes (L, 3, 4) and (L, 3, 4, G, LANES), the K derivatives in groups filled up with
+        zeros; the second of length 0 otherwise.
+        """
+        flat = u.ravel()
+        packed = np.empty((*u.shape, 4))
+        packed[..., 0] = self.mass
+        for k, values in enumerate(self.coefficients(flat)):
+            packed[..., 1 + k] = values.reshape(u.shape)
+        count = self.mass_by.size
+        by = np.zeros((len(u) if derivatives else 0, 3, 4, groups(count), LANES))
+        if derivatives:
+            flat_by = by.reshape(*by.shape[:3], -1)
+            flat_by[..., 0, :count] = self.mass_by
+            for k, columns in enumerate(self.derivatives(flat)):
+                flat_by[..., 1 + k, :count] = columns.reshape(*u.shape, -1)
+        return packed, by
 
     @abstractmethod
     def exponent_rate(self) -> float:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -54,6 +53,9 @@ FIRST_MOVES = (0.35, 0.8, 0.35, 0.6)
 SMALL_INERTIA = 0.02
 SMALL_SHARE = 1e-3
 MAX_SAMPLES = 1000
+ROUGH_SAMPLES = 500
+"""Samples over which the wide grids are ranked: half the work, and the same basins."""
+
 _MOST_DECAY_LENGTHS = 0.5
 
 
@@ -101,44 +103,47 @@ def hammerstein_starts(
     if span <= 0.0:
         return []
     speeds = np.array([0.0]) if static else _speeds(stretches)
-    grid = [
-        _theta(steep / span, low + middle * span, tau)
-        for steep, middle, tau in product(STEEPNESS, MIDPOINTS, speeds)
-    ]
-    coarse = _ranked(stretches, law, grid)
+    steep, middle, tau = _combined(STEEPNESS, MIDPOINTS, speeds)
+    rough = thinned(segments, motions, output, most=ROUGH_SAMPLES) or stretches
+    coarse = _ranked(rough, law, _theta(steep / span, low + middle * span, tau))
     if static:
         return [
             as_values(theta, gain) for _, gain, theta in diverse(coarse, N_STARTS, _static_kind)
         ]
-    bases = [row[2] for row in diverse(coarse, N_BASES, _static_kind)]
+    bases = _thetas(diverse(coarse, N_BASES, _static_kind))
     frequencies = np.geomspace(0.3 / speeds[-1], 1.0 / speeds[0], N_FREQUENCIES)
-    ranked = _ranked(stretches, law, [*bases, *_moving(bases, frequencies, low, span)])
-    medium = diverse(ranked, N_MOTIONS, motion_kind)
-    medium = [_refined(stretches, law, row) for row in medium]
-    shaped = [variant for _, _, theta in medium for variant in damping_shapes(theta)]
-    fine = diverse(_ranked(stretches, law, shaped), N_STARTS, motion_kind)
+    moving = _moving(bases, frequencies, low, span)
+    ranked = _ranked(rough, law, np.concatenate([bases, moving]))
+    medium = _ranked(stretches, law, _thetas(diverse(ranked, N_MOTIONS, motion_kind)))
+    shaped = [damping_shapes(_refined(stretches, law, row)[2]) for row in medium]
+    fine = diverse(_ranked(stretches, law, np.reshape(shaped, (-1, 7))), N_STARTS, motion_kind)
     return [as_values(theta, gain) for _, gain, theta in fine]
 
 
-def _moving(bases: Sequence[Array], frequencies: Array, low: float, span: float) -> list[Array]:
+def _thetas(ranked: Sequence[tuple[float, float, Array]]) -> Array:
+    """The parameters alone, shape (G, 7)."""
+    return np.reshape([theta for _, _, theta in ranked], (-1, 7))
+
+
+def _combined(*axes: Array | Sequence[float]) -> list[Array]:
+    """All combinations of the values on several axes, one array per axis, the last one fastest."""
+    return [grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")]
+
+
+def _moving(bases: Array, frequencies: Array, low: float, span: float) -> Array:
     """Motions with inertia for the best static curves, and lightly damped ones for all.
 
     The bases were ranked without inertia, which misleads where the motion rings on and on.
     """
-    moving = [
-        _ringing(t[2], np.log(t[3]) / t[2], omega, ratio)
-        for t, omega, ratio in product(bases, frequencies, DAMPING_RATIOS)
-    ]
-    return moving + [
-        _ringing(steep / span, low + middle * span, omega, RINGING_RATIO)
-        for steep, middle, omega in product(
-            STEEPNESS[1:], MIDPOINTS[2:5], frequencies[RINGING_FREQUENCIES]
-        )
-    ]
+    row, omega, ratio = _combined(range(len(bases)), frequencies, DAMPING_RATIOS)
+    b1, c1 = bases[row.astype(int), 2], bases[row.astype(int), 3]
+    steep, middle, fast = _combined(STEEPNESS[1:], MIDPOINTS[2:5], frequencies[RINGING_FREQUENCIES])
+    light = _ringing(steep / span, low + middle * span, fast, RINGING_RATIO)
+    return np.concatenate([_ringing(b1, np.log(c1) / b1, omega, ratio), light])
 
 
 def _ranked(
-    stretches: Sequence[Stretch], law: Callable[[Array], Law], grid: Sequence[Array]
+    stretches: Sequence[Stretch], law: Callable[[Array], Law], grid: Array
 ) -> list[tuple[float, float, Array]]:
     """Residual sum of squares, gain and theta of every grid point, best first."""
     scored = [(*row, theta) for row, theta in zip(scores(stretches, law, grid), grid, strict=True)]
@@ -177,23 +182,30 @@ def _refined(
 
 
 def _theta(
-    b1: float,
-    p50: float,
-    tau: float,
+    b1: float | Array,
+    p50: float | Array,
+    tau: float | Array,
     *,
-    inertia: float = 0.0,
+    inertia: float | Array = 0.0,
     share: float = 0.0,
     b2: float = 0.0,
 ) -> Array:
-    """Parameters with a1 = 1 that have N/Q = ``tau`` and M/N = ``inertia`` at the midpoint."""
-    c1 = float(np.exp(np.clip(b1 * p50, -60.0, 60.0)))
-    damping = 2.0 * c1 * tau
-    a2 = share * damping * float(np.exp(np.clip(-b2 * p50, -60.0, 60.0)))
-    return np.array([inertia * damping, 1.0, b1, c1, a2, b2, (1.0 - share) * damping])
+    """Parameters with a1 = 1 that have N/Q = ``tau`` and M/N = ``inertia`` at the midpoint.
+
+    Of shape (7,), or (G, 7) for G values of each argument.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        c1 = np.exp(np.clip(np.multiply(b1, p50), -60.0, 60.0))
+        damping = 2.0 * c1 * tau
+        a2 = share * damping * np.exp(np.clip(np.multiply(-b2, p50), -60.0, 60.0))
+        columns = (inertia * damping, 1.0, b1, c1, a2, b2, (1.0 - share) * damping)
+    return np.stack(np.broadcast_arrays(*columns), axis=-1)
 
 
-def _ringing(b1: float, p50: float, omega: float, ratio: float) -> Array:
-    """Parameters with a natural frequency and a damping ratio at the midpoint."""
+def _ringing(
+    b1: float | Array, p50: float | Array, omega: float | Array, ratio: float | Array
+) -> Array:
+    """Parameters with a natural frequency and a damping ratio at the midpoint, as `_theta`."""
     return _theta(b1, p50, 2.0 * ratio / omega, inertia=0.5 / (ratio * omega))
 
 
@@ -215,9 +227,11 @@ def diverse(
     """The best row of each kind, at most ``count``."""
     chosen: dict[tuple[int, ...], tuple[float, float, Array]] = {}
     for row in ranked:
+        if len(chosen) == count:
+            break
         if np.isfinite(row[0]):
             chosen.setdefault(kind(row[2]), row)
-    return list(chosen.values())[:count]
+    return list(chosen.values())
 
 
 def _static_kind(theta: Array) -> tuple[int, ...]:
@@ -261,12 +275,17 @@ def score(
 
 
 def scores(
-    stretches: Sequence[Stretch], law: Callable[[Array], Law], grid: Sequence[Array]
+    stretches: Sequence[Stretch], law: Callable[[Array], Law], grid: Sequence[Array] | Array
 ) -> list[tuple[float, float]]:
     """`score` of every grid point."""
-    forms = [law(theta).affine() for theta in grid]
-    thetas = np.array([form.theta for form in forms if form is not None]).reshape(len(grid), 8)
-    sums = np.zeros((len(grid), 3))
+    if not len(grid):
+        return []
+    rows = np.asarray(grid)
+    form = law(rows[0]).affine()
+    assert form is not None
+    thetas = np.ones((len(rows), form.theta.size))
+    thetas[:, :-1] = rows * np.diag(form.by_theta)  # the kernels' parameters are in other units
+    sums = np.zeros((len(rows), 3))
     for s in stretches:
         plan = undivided(s.time_s, s.input)
         y, used = held(s.motion), held(s.used)
@@ -284,10 +303,12 @@ def _speeds(stretches: Sequence[Stretch]) -> Array:
     return np.geomspace(0.3 * shortest, _MOST_DECAY_LENGTHS * longest, N_SPEEDS)
 
 
-def thinned(segments: Sequence[Segment], motions: Sequence[Array], output: str) -> list[Stretch]:
-    """Block averages, at most MAX_SAMPLES in total: enough to find the basin."""
+def thinned(
+    segments: Sequence[Segment], motions: Sequence[Array], output: str, *, most: int = MAX_SAMPLES
+) -> list[Stretch]:
+    """Block averages, at most so many in total: enough to find the basin."""
     total = sum(s.time_s.size for s in segments)
-    k = max(1, int(np.ceil(total / MAX_SAMPLES)))
+    k = max(1, int(np.ceil(total / most)))
     out = []
     for segment, motion in zip(segments, motions, strict=True):
         n = segment.time_s.size // k

@@ -276,7 +276,7 @@ def _at_scale(
         if start.sigma == 0.0:
             noise.append(start)
             continue
-        moments = gather_moments(part.residuals, reachable(part), max_order)
+        moments = gather_moments(part.residuals, reachable(part), start.order)
         fit = restricted_ar(moments, start)
         matrix = form.matrix(autocovariance(fit.ar, form.lags))
         total += matrix
@@ -300,7 +300,7 @@ def _log_variance_doubt(form: LagForm, moments: Moments, fit: RestrictedFit) -> 
         logarithm: Array = np.log(np.maximum(diagonal, np.finfo(float).tiny))
         return logarithm
 
-    doubt = np.full(form.power.shape[1], 2.0 / fit.freedom)
+    doubt = np.full(form.series[0].shape[1], 2.0 / fit.freedom)
     if fit.position.size:
         steps = DIFFERENCE_STEP * np.eye(fit.position.size)
         rises = [log_variance(fit.position + d) - log_variance(fit.position - d) for d in steps]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -17,40 +18,56 @@ class LagForm:
 
     Attributes
     ----------
-    spectra
-        Transforms of the series, padded so that nothing wraps around.
-    power
-        Σ_s |W_s|² of every column, shape (frequencies, K).
+    series
+        The series W_s, each of shape (n_s, K).
     lags
         Samples of the longest series: lags that T must have.
     size
-        Points of the transform.
+        Points of the transform, so many that nothing wraps around.
     """
 
-    spectra: tuple[npt.NDArray[np.complex128], ...]
-    power: Array
+    series: tuple[Array, ...]
     lags: int
     size: int
 
     @classmethod
     def of(cls, series: Sequence[Array]) -> LagForm:
-        """Transform series of shape (n_s, K)."""
+        """Keep series of shape (n_s, K); they are transformed when a T that is no diagonal asks."""
         lags = max(w.shape[0] for w in series)
-        size = 1 << max(1, (2 * lags - 1).bit_length())
-        spectra = tuple(np.fft.rfft(w, size, axis=0) for w in series)
-        power = np.sum([np.abs(f) ** 2 for f in spectra], axis=0)
-        return cls(spectra, power, lags, size)
+        return cls(tuple(series), lags, _quick_size(2 * lags - 1))
 
     def diagonal(self, toeplitz: Array) -> Array:
         """Diagonal of the form, shape (K,), for T_tu = toeplitz[|t − u|], shape (lags,)."""
-        out: Array = self._weights(toeplitz) @ self.power
+        white = not toeplitz[1:].any()
+        out: Array = (
+            toeplitz[0] * np.diag(self._squares) if white else self._power @ self._weights(toeplitz)
+        )
         return out
 
     def matrix(self, toeplitz: Array) -> Array:
         """The form, shape (K, K), for T_tu = toeplitz[|t − u|], shape (lags,)."""
-        weights = self._weights(toeplitz)[:, None]
-        total = np.sum([np.conj(f).T @ (weights * f) for f in self.spectra], axis=0)
-        return np.asarray(total.real, dtype=np.float64)
+        if not toeplitz[1:].any():
+            return float(toeplitz[0]) * self._squares
+        weights = np.repeat(self._weights(toeplitz), 2)
+        total = np.sum([(parts * weights) @ parts.T for parts in self._spectra], axis=0)
+        return np.asarray(total, dtype=np.float64)
+
+    @cached_property
+    def _squares(self) -> Array:
+        """Σ_s W_sᵀ W_s, shape (K, K)."""
+        return np.asarray(np.sum([w.T @ w for w in self.series], axis=0), np.float64)
+
+    @cached_property
+    def _spectra(self) -> tuple[Array, ...]:
+        """Transforms of the series as real and imaginary parts in turn, shape (K, 2 F)."""
+        rows = (np.ascontiguousarray(w.T) for w in self.series)
+        return tuple(np.fft.rfft(row, self.size, axis=1).view(np.float64) for row in rows)
+
+    @cached_property
+    def _power(self) -> Array:
+        """Σ_s |W_s|² of every column, shape (K, F)."""
+        squares = np.sum([parts**2 for parts in self._spectra], axis=0)
+        return np.asarray(squares[:, ::2] + squares[:, 1::2], np.float64)
 
     def _weights(self, toeplitz: Array) -> Array:
         circulant = np.zeros(self.size)
@@ -60,3 +77,12 @@ class LagForm:
         twice[[0, -1]] = 1.0
         weights: Array = np.fft.rfft(circulant).real * twice / self.size
         return weights
+
+
+def _quick_size(least: int) -> int:
+    """The smallest even number of the form 2ᵃ·3ᵇ·5ᶜ that is not below, quick to transform."""
+    best = 1 << max(1, (least - 1).bit_length())
+    for odd in (3, 5, 9, 15, 25, 27, 45, 75, 81, 125):
+        size = odd * 2 ** max(1, (-(-least // odd) - 1).bit_length())
+        best = min(best, size)
+    return best

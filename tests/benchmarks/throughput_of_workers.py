@@ -93,6 +93,10 @@ def ratio(one: Executor, two: Executor, work: Work, rounds: int) -> float:
     return float(np.median(found))
 
 
+def tell(what: str, found: float, ceiling: float) -> None:
+    print(f"{what}: {found:.2f}, {100.0 * found / ceiling:.0f} % of the ceiling", flush=True)
+
+
 def elapsed(results: Iterable[object]) -> float:
     began = time.perf_counter()
     list(results)
@@ -110,15 +114,16 @@ def main() -> None:
         ProcessPoolExecutor(1, mp_context=context) as one,
         ProcessPoolExecutor(2, mp_context=context) as two,
     ):
-        print(f"counting, processes (the machine's ceiling): {ratio(one, two, count, rounds):.2f}")
-        print(f"fits of several logs, processes: {ratio(one, two, fit_of_a_log, rounds):.2f}")
+        ceiling = ratio(one, two, count, rounds)
+        print(f"counting, processes (the machine's ceiling): {ceiling:.2f}")
+        tell("fits of several logs, processes", ratio(one, two, fit_of_a_log, rounds), ceiling)
     with ThreadPoolExecutor(1) as single, ThreadPoolExecutor(2) as double:
         for what, work in (
             ("evaluations of the muscle, threads", evaluation_of_the_muscle()),
             ("starts of one fit, threads", run_of_a_start()),
             ("candidates of a diagnosis, threads", evaluation_of_a_candidate()),
         ):
-            print(f"{what}: {ratio(single, double, work, rounds):.2f}", flush=True)
+            tell(what, ratio(single, double, work, rounds), ceiling)
 
 
 if __name__ == "__main__":

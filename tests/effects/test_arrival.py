@@ -12,7 +12,7 @@ from io_rig import SCALE, extended, pressure, segment
 from softid.effects import Scale
 from softid.effects.arrival import arriving_input
 from softid.effects.delay import Delay
-from softid.effects.motion import divided, stage_times
+from softid.effects.motion import divided
 from softid.kernels.radau import STAGES
 from softid.models.second_order import Division
 
@@ -44,7 +44,7 @@ def test_a_parabola_arrives_as_itself() -> None:
     s = segment("irregular")
     plan = divided(s.time_s, s.input, np.full(s.time_s.size - 1, 3))
     first, stages = arriving_input([(Curved(), np.zeros(1))], s, plan, SCALE)
-    at_s = stage_times(s.time_s, plan)
+    at_s = plan.stage_s
     assert first == 3.0
     np.testing.assert_allclose(stages, 3.0 - 2.0 * at_s + 0.7 * at_s**2, rtol=0.0, atol=1e-9)
 

@@ -1,0 +1,71 @@
+"""A problem over block averages that leads the fit of a long log to its basin."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from softid.fitters.objective import Objective
+from softid.fitters.output_error import output_error
+from softid.fitters.problem import Problem
+from softid.fitters.thinned import LONGEST, SAMPLES, ThinnedProblem, thinning
+from softid.log import Log
+from softid.models.muscle import NAMES, Muscle
+from softid.synthesis import muscle_log, random_muscle_truth
+from softid.synthesis.waveforms import Steps
+
+LEVELS = (0.0, 60.0, 180.0, 300.0, 210.0, 90.0, 0.0)
+TRUTH = random_muscle_truth(np.random.default_rng(1))
+
+
+def staircase(rate_hz: float) -> Log:
+    noise_mm = 0.005 / TRUTH["a1"]
+    made = muscle_log(TRUTH, Steps(LEVELS, 1.5), noise_mm=noise_mm, rate_hz=rate_hz)
+    return made.to_log()
+
+
+def problem_of(log: Log) -> Problem:
+    model = Muscle()
+    return Problem(model, model.parameters(), [log])
+
+
+def test_blocks_are_means_and_count_when_all_samples_do() -> None:
+    """Means of 4 by numpy; the block of the one masked sample, the eleventh, is left out."""
+    log = staircase(100.0)
+    left_out = np.zeros(len(log), bool)
+    left_out[10] = True
+    whole = problem_of(log.with_masked(left_out))
+    (segment,), (full,) = ThinnedProblem(whole, 4).segments, whole.segments
+    count = len(log) // 4
+    means = full.input[: 4 * count].reshape(count, 4).mean(axis=1)
+    np.testing.assert_allclose(segment.input, means, rtol=1e-14)
+    assert np.flatnonzero(~segment.used["contraction"]).tolist() == [2]
+    assert ThinnedProblem(whole, 4).size == whole.size
+
+
+def test_short_problems_stay_whole() -> None:
+    """Up to twice the samples that are left, and where a segment would lose its transients."""
+    log = staircase(100.0)
+    assert len(log) < 2 * SAMPLES
+    assert thinning(problem_of(log)) == 1
+    long = problem_of(staircase(1000.0))
+    assert thinning(long) == long.n_samples // SAMPLES > 1
+    longer = problem_of(staircase(4000.0))
+    assert thinning(longer) == LONGEST < longer.n_samples // SAMPLES
+    first = long.segments[0]
+    long.segments.append(replace(first, time_s=first.time_s[:30]))
+    assert thinning(long) == 1
+
+
+def test_the_optimum_is_that_of_all_samples() -> None:
+    """Same cost to 1e-6 as the optimiser started at the truth and run over all samples."""
+    problem = problem_of(staircase(1000.0))
+    guesses = Muscle().guess(problem.segments, "contraction")
+    starts = [guess.values_dict() for guess in guesses]
+    found = output_error(problem, starts, rng=np.random.default_rng(0))
+    at_truth = problem.unknowns({name: TRUTH[name] for name in NAMES})
+    best = Objective(problem, found.sigma).solve(at_truth, 400)
+    assert found.status.success
+    assert found.cost == pytest.approx(best.normal.cost, rel=1e-6)
