@@ -35,7 +35,7 @@ class Demand:
 
 FIRST = Demand(promise=6.0, bic=18.0, share=0.0)
 FURTHER = Demand(promise=15.0, bic=30.0, share=0.01)
-BEHIND_NOISE = Demand(promise=30.0, bic=60.0, share=0.02)
+BEHIND_NOISE = Demand(promise=60.0, bic=60.0, share=0.02)
 """Of a first cause, of a further one, and of one where what is left already looks like noise: small
 errors of the first one's law would else be taken for a cause."""
 

@@ -30,6 +30,9 @@ SEEN = 1e-6
 FRACTIONS = (1.0, 0.4, 0.1)
 """Fractions of a proposed start that are tried, with and without the base moved along."""
 
+KEPT = 0.5
+"""No smaller fraction is tried of a start that keeps half of what its signature promises."""
+
 INERTIA_SHARES = (1.0, 0.1, 0.01)
 """Shares of the base's inertia with which an effect that takes time begins."""
 
@@ -214,7 +217,7 @@ def candidate_from(
     problem = extend(fitted.problem, (signature.effect,), scale)
     point = fitted.minimum.point
     lower, upper = fitted.problem.bounds()
-    starts = []
+    best, least = None, np.inf
     for fraction in FRACTIONS if signature.effect.amplitudes else FRACTIONS[:1]:
         values = dict(signature.values)
         for name in signature.effect.amplitudes:
@@ -222,8 +225,13 @@ def candidate_from(
         named = named_values(signature.effect, values)
         for moved in (point + fraction * signature.shift, point):
             inside = np.clip(moved, lower, upper)
-            starts.append(start_unknowns(problem, fitted.problem, inside, named))
-    best = min(starts, key=lambda z: _squares(problem, z, sigma))
+            start = start_unknowns(problem, fitted.problem, inside, named)
+            squares = _squares(problem, start, sigma)
+            if best is None or squares < least:
+                best, least = start, squares
+        if fitted.squares - least > KEPT * signature.drop:
+            break
+    assert best is not None
     return _placed(fitted, signature.effect, problem, best, variance)
 
 

@@ -153,7 +153,9 @@ def _integrated(
     state = np.zeros(2 + terms.n_own)
     tangent = np.zeros((state.size, n_theta + n_eta + 2))
     if from_rest:
-        state[0], tangent[0, :-2] = _rest_by(model, terms, theta, first_input, since_s)
+        state[0] = _rest_position(model, terms, theta, first_input, since_s)
+        if derivatives:
+            tangent[0, :-2] = _rest_by(model, terms, theta, float(state[0]), first_input, since_s)
     if start is not None:
         state[0] += start[0]
         state[1] += start[1]
@@ -313,9 +315,8 @@ def _rest_position(model: Model, terms: _Terms, theta: Array, u: float, t: float
     return x
 
 
-def _rest_by(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> tuple[float, Array]:
-    """Position at rest and its derivatives by (θ, η), from the balance of forces."""
-    x = _rest_position(model, terms, theta, u, t)
+def _rest_by(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: float) -> Array:
+    """Derivatives of the position at rest by (θ, η), from the balance of forces."""
     left = _unbalanced(model, terms, theta, x, u, t)
     h = DIFFERENCE * terms.scale[0]
     slope = (_unbalanced(model, terms, theta, x + h, u, t) - left) / h
@@ -323,7 +324,7 @@ def _rest_by(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> t
     law = model.motion_law(theta)
     if law is not None and not terms.addresses.size:
         by[: theta.size] = law.equilibrium_by(u)
-        return x, by
+        return by
     for k in np.flatnonzero(terms.moves).tolist():
         step = terms.moves[k]
         if k < theta.size:
@@ -335,7 +336,7 @@ def _rest_by(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> t
             eta[k - theta.size] += step
             there = _unbalanced(model, replace(terms, eta=eta), theta, x, u, t)
         by[k] = -(there - left) / step / slope
-    return x, by
+    return by
 
 
 def rest(
