@@ -141,7 +141,7 @@ def _searched(
     sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
 
     def holds(before: Candidate, after: Candidate) -> bool:
-        limit = BETTER if before.effects else NO_WORSE
+        limit = BETTER if before.effects else 1.0
         return start.held.rms(after) <= limit * start.held.rms(before)
 
     def left_by(now: Candidate) -> Remainder:
