@@ -10,9 +10,14 @@ import numpy as np
 from softid.diagnosis.candidates import Candidate, advance, extend, prior_about
 from softid.diagnosis.chain import FURTHER, Chain, Link, next_link, pays, settled
 from softid.diagnosis.screening import Signature, screen
+from softid.diagnosis.search import CLEAR_LEAD
 from softid.effects.base import Effect, Scale
 
 WITHOUT_LAP = 25
+BEYOND = 3.0
+"""A link is not asked again when every rival was behind by more than so many times what the later
+links took away."""
+
 PROMISING = 6
 """Effects of so many best signatures are asked again, besides those that were ranked."""
 
@@ -44,6 +49,8 @@ def revised(
     """
     links, now = list(chain.links), chain.final
     for position in range(len(links) - 2, -1, -1):
+        if _is_beyond_doubt(links[position], now):
+            continue
         mine = links[position].added
         others = [effect for effect in now.effects if effect.name != mine.name]
         without = _without(now, base, others, scale, sigma)
@@ -59,6 +66,22 @@ def revised(
         links[position] = link
         now = settled(link.chosen.plain, sigma)
     return Chain(tuple(links), chain.last, now)
+
+
+def _is_beyond_doubt(link: Link, final: Candidate) -> bool:
+    """Whether a link led by far more than what the later ones took away.
+
+    What left the race early was at least `CLEAR_LEAD` of the misfit behind.
+    """
+    chosen = link.chosen.plain.squares
+    misfit = link.before.plain.squares - chosen
+    others = [
+        row.plain.squares - chosen
+        for row in link.ranked
+        if row is not link.before and link.added_by(row).name != link.added.name
+    ]
+    had_rivals = any(s.effect.name != link.added.name for s in link.signatures)
+    return had_rivals and BEYOND * (chosen - final.squares) < min([CLEAR_LEAD * misfit, *others])
 
 
 def _contenders(

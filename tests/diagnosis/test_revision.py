@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 import pytest
+from handmade_rounds import candidate, link, ranked
 from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, standing
 
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import FURTHER, Chain, Link, next_link, settled
-from softid.diagnosis.revision import revised
+from softid.diagnosis.revision import _is_beyond_doubt, revised
 from softid.diagnosis.scale import scale_of
+from softid.diagnosis.screening import Signature
 from softid.effects import effect_of
 from softid.effects.base import Scale
 
@@ -86,6 +88,22 @@ def test_a_wrong_first_cause_is_exchanged() -> None:
     assert set(after.final.keys) == {"sensor_drift", "bow"}
     assert after.final.squares < before.final.squares
     assert after.final.squares == pytest.approx(1000.0, abs=180.0)
+
+
+@pytest.mark.parametrize(
+    ("left", "rival", "doubt"), [(47.0, 90.0, False), (46.0, 90.0, True), (47.0, 58.0, True)]
+)
+def test_what_led_by_far_is_not_asked_again(left: float, rival: float, doubt: bool) -> None:
+    """The link takes 50 of 100. Later ones take 3 or 4 more; three times that is 9 or 12.
+
+    A rival 8 behind may belong there; so may one that left early, at least 10 behind.
+    """
+    first = link(2000.0, before=100.0, after=50.0)
+    other = ranked(("creep",), 0.0, rival)
+    looked_at = (Signature(effect_of("creep"), {}, 1.0, np.zeros(0)),)
+    ranking = (first.chosen, other, first.before)
+    asked = replace(first, ranked=ranking, signatures=looked_at)
+    assert _is_beyond_doubt(asked, candidate(("delay", "ageing"), left)) is not doubt
 
 
 def test_a_single_link_is_not_asked_again() -> None:
