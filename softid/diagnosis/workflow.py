@@ -141,7 +141,7 @@ def _searched(
     sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
 
     def holds(before: Candidate, after: Candidate) -> bool:
-        limit = BETTER if before.effects else 1.0
+        limit = BETTER if before.effects else NO_WORSE
         return start.held.rms(after) <= limit * start.held.rms(before)
 
     def left_by(now: Candidate) -> Remainder:
@@ -161,6 +161,8 @@ def _searched(
         again = revised(chain, start.base, considered, start.scale, sigma)
         if start.held.rms(again.final) <= NO_WORSE * start.held.rms(chain.final):
             chain = again
+    if chain.links and start.held.rms(chain.final) > start.held.rms(start.base):
+        chain = Chain((), chain.links[0], start.base)  # a chain that gains nothing is chance
     report("looking at what is left", 0.85)
     remainder = left_by(chain.final)
     if remainder.structured:

@@ -213,7 +213,8 @@ def run(case: Case) -> Score:
     seconds, cpu_seconds = time.perf_counter() - begin, time.process_time() - begin_cpu
     channel = next(c for c in pair.train.sigma if "pressure" not in c)
     inside, outside = (next(g for g in found.gains if g.held_out is h) for h in (False, True))
-    sigma = pair.train.sigma[channel]
+    factor = 1.0 / train.channels[train.outputs[0]].display_factor
+    sigma = factor * pair.train.sigma[channel]
     misfit = inside.rmse_before**2 / sigma**2 - 1.0
     before, after = outside.rmse_before, outside.rmse_after
     return Score(
@@ -226,7 +227,7 @@ def run(case: Case) -> Score:
         tied=tuple(sorted({e for a in found.alternatives for e in a.effects})),
         snr=float(np.sqrt(max(misfit, 0.0))),
         gain=1.0 - after / before,
-        oracle_gain=max(1.0 - pair.hold_out.sigma[channel] / before, 0.0),
+        oracle_gain=max(1.0 - factor * pair.hold_out.sigma[channel] / before, 0.0),
         recovered=_recovered(found, pair),
         seconds=seconds,
         cpu_seconds=cpu_seconds,

@@ -61,6 +61,21 @@ def test_noise_alone_is_adequate() -> None:
     assert held.rmse_after == held.rmse_before == pytest.approx(0.01, rel=0.2)
 
 
+def test_a_cause_that_gains_nothing_is_chance() -> None:
+    """A faint drift of the fitted log that the judge has not: its error would rise by a hundredth.
+
+    Found among the evidence, but neither named nor described, and what is left looks like noise.
+    """
+    fitted = drifting(rate=0.04 * RATE)
+    found = diagnose(
+        fitted, hold_out=[linear_log(noise=0.01, seed=1)], model="oscillator", effects=TWO
+    )
+    assert (found.causes, found.descriptive, found.extended) == ((), (), None)
+    assert found.verdict is Verdict.ADEQUATE
+    rises = [e.delta_bic for e in found.evidence if e.effect == "sensor_drift" and e.delta_bic]
+    assert max(rises) > 18.0
+
+
 def test_the_same_seed_gives_the_same_answer() -> None:
     """No clock and no shared generator decide anything."""
     one, two = (
