@@ -8,12 +8,13 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnoses import Remainder, Verdict
+from softid.diagnoses import Cause, Remainder, Verdict
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import Link
 from softid.diagnosis.noise_floor import NoiseFloor, noise_floor
 from softid.diagnosis.remainder import Structure, Surroundings, structure_of
-from softid.effects.base import Scale
+from softid.effects.base import Effect, Scale
+from softid.results import ParameterEstimate
 
 Array = npt.NDArray[np.float64]
 
@@ -29,6 +30,9 @@ take away the third share of the error on what is held out."""
 LEAST_NOISE = 1e-9
 """Share of the base's misfit that the noise is at least: recordings that repeat their values show
 none."""
+
+LEAST_GAIN = 0.01
+"""Share of the held-out error that a cause takes away at least, and a chain of them, too."""
 
 FAINT = 0.5
 """A held-out error counts as noise while its square is no more than this share above the noise's:
@@ -179,6 +183,31 @@ def nameable(
         return (False,) * len(links)
     squares = [*(link.squares_before for link in links), final.squares]
     return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))
+
+
+def stands(cause: Cause, effect: Effect) -> bool:
+    """Whether the numbers of a cause allow its name.
+
+    It must take away a hundredth of the held-out error at least. Where its size may have either
+    sign, an interval over zero is no effect, and a size at its bound stands for something else.
+
+    Parameters
+    ----------
+    cause
+        The cause with its parameters and its held-out error.
+    effect
+        Its effect.
+    """
+    before, after = cause.holdout_rmse_before, cause.holdout_rmse_after
+    if after > (1.0 - LEAST_GAIN) * before:
+        return False
+    names = {f"{effect.name}_{name}" for name in effect.amplitudes if effect.changes_sign}
+    sizes = [p for p in cause.parameters if p.name in names]
+    return not sizes or not (any(p.at_bound for p in sizes) or all(_covers_zero(p) for p in sizes))
+
+
+def _covers_zero(parameter: ParameterEstimate) -> bool:
+    return parameter.ci95 is not None and parameter.ci95[0] <= 0.0 <= parameter.ci95[1]
 
 
 def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remainder) -> Verdict:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +20,7 @@ Array = npt.NDArray[np.float64]
 
 def causes_of(
     chain: Chain,
-    base: Candidate,
+    models: Sequence[Candidate],
     after: FitResult | None,
     held: HeldOut,
     rng: np.random.Generator,
@@ -30,8 +31,8 @@ def causes_of(
     ----------
     chain
         The chain.
-    base
-        What it began with.
+    models
+        The models with the first causes: none, one, two, and so on.
     after
         The fit with all causes, whose parameters are told.
     held
@@ -40,12 +41,9 @@ def causes_of(
         Draws the bootstrap.
     """
     found = []
-    previous = base
-    for number, link in enumerate(chain.links):
+    rows = [_first(held, model) for model in models]
+    for link, (before_rows, after_rows) in zip(chain.links, pairwise(rows), strict=True):
         effect = link.added
-        last = number == len(chain.links) - 1
-        reached = chain.final if last else link.chosen.plain
-        before_rows, after_rows = _first(held, previous), _first(held, reached)
         prefix = f"{effect.name}_"
         own = [p for p in after.parameters if p.name.startswith(prefix)] if after else []
         found.append(
@@ -63,7 +61,6 @@ def causes_of(
                 gain_ci95=gain_interval(before_rows, after_rows, rng),
             )
         )
-        previous = reached
     return tuple(found)
 
 

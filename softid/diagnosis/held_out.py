@@ -166,6 +166,8 @@ def _blocks(log: Log) -> BoolArray:
         place = (0.5 + k * GOLDEN_RATIO) % 1.0
         first = int((FIRST_SHARE + k * stratum + place * (stratum - BLOCK_SHARE)) * n)
         held[first : first + length] = True
+    for segment in log.segments()[1:]:  # the state in which it begins is found from its beginning
+        held[segment.start : segment.start + max(length, int(FIRST_SHARE * n) // 2)] = False
     low, high = u[~held].min(), u[~held].max()
     held &= (u >= low) & (u <= high)
     return held

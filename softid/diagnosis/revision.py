@@ -93,6 +93,25 @@ def _contenders(
     return [effect for effect in effects if effect.name in names]
 
 
+def prefixes(
+    chain: Chain, base: Candidate, scale: Scale, sigma: Mapping[str, float]
+) -> tuple[Candidate, ...]:
+    """The models with no cause, with the first, with the first two, and so on to all of them.
+
+    Parameters
+    ----------
+    chain
+        The chain; a revised link was judged with the later ones in the model.
+    base, scale, sigma
+        As in `revised`.
+    """
+    effects = [link.added for link in chain.links]
+    between = [
+        _without(chain.final, base, effects[:k], scale, sigma) for k in range(1, len(effects))
+    ]
+    return (base, *between, chain.final) if effects else (base,)
+
+
 def _without(
     now: Candidate,
     base: Candidate,

@@ -10,6 +10,7 @@ from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Rema
 from softid.diagnosis.chain import INDISTINCT
 from softid.diagnosis.classes import classes_of, splitting_experiment, why_unsplit
 from softid.diagnosis.phrases import (
+    VARIABLES,
     listed,
     lowered,
     percent,
@@ -22,6 +23,8 @@ from softid.effects import EFFECTS
 from softid.results import FitResult, ParameterEstimate
 
 MOST_PARAMETERS = 3
+FAR_APART = 0.15
+"""A law does not carry over when so much less of the misfit goes on what is held out."""
 
 
 def worded(found: Diagnosis) -> Diagnosis:
@@ -122,8 +125,11 @@ def what_next(
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
         named = variables_left(remainder)
         rest = "" if remainder.noise_from_rest else ", and with a rest of 30 s that shows the noise"
-        if named:
-            return f"repeat these logs with more variation of {' and of '.join(named)}{rest}"
+        if named == [VARIABLES["t"]]:
+            return f"record the same for longer, to see how it goes on{rest}"
+        varied = [name for name in named if name != VARIABLES["t"]]
+        if varied:
+            return f"repeat these logs with more variation of {' and of '.join(varied)}{rest}"
         return f"record the same path once slowly and once fast{rest}"
     return None
 
@@ -211,10 +217,10 @@ def _unknown(teller: _Teller, tried: Sequence[Cause], remainder: Remainder) -> l
 def _taken(remainder: Remainder) -> str:
     """How much of the misfit goes, and why that names no cause."""
     taken = f"{percent(remainder.explained_share)} of the misfit above the noise"
-    if remainder.carries_over:
+    if remainder.explained_share - remainder.held_out_share < FAR_APART:
         return f"{taken}, which is too little for a cause"
     held = percent(remainder.held_out_share)
-    return f"{taken} on the fitted samples but {held} of it on those held out: no law carries over"
+    return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
 
 
 def _described(descriptive: Sequence[Cause]) -> str:

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from softid.diagnoses import Diagnosis, Remainder
-from softid.diagnosis.assessment import assess, has_spring, held_out_share, nameable, verdict_of
+from softid.diagnosis.assessment import (
+    LEAST_GAIN,
+    assess,
+    has_spring,
+    held_out_share,
+    nameable,
+    stands,
+    verdict_of,
+)
 from softid.diagnosis.beginning import Asked, Beginning, Progress
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import Chain, find_chain
@@ -19,7 +27,7 @@ from softid.diagnosis.indistinct import with_rivals_in_misfit
 from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
-from softid.diagnosis.revision import revised
+from softid.diagnosis.revision import prefixes, revised
 from softid.diagnosis.thinning import samples_to_average, thinned
 from softid.diagnosis.words import worded
 from softid.fitters.output_error import Optimum
@@ -99,16 +107,21 @@ def diagnose(
         if other.base.squares < BETTER_BASE * start.base.squares:
             start = other
             chain, remainder, is_named = _searched(start, effects, report, seed)
-    verdict = verdict_of(chain.links, is_named, remainder)
     work, held, base = start.work, start.held, start.base
     rng = np.random.default_rng(seed)
     report("computing errors", 0.9)
     before = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
     after = _fit_of(chain.final, work, seed) if chain.links else None
-    told = list(zip(causes_of(chain, base, after, held, rng), is_named, strict=True))
+    models = prefixes(chain, base, start.scale, dict(work.found.optimum.sigma))
+    causes = causes_of(chain, models, after, held, rng)
+    is_named = tuple(
+        sure and stands(cause, link.added)
+        for sure, cause, link in zip(is_named, causes, chain.links, strict=True)
+    )
+    told = list(zip(causes, is_named, strict=True))
     named = [link for link, sure in zip(chain.links, is_named, strict=True) if sure]
     found = Diagnosis(
-        verdict=verdict,
+        verdict=verdict_of(chain.links, is_named, remainder),
         summary="",
         base=before,
         extended=after,
@@ -120,7 +133,7 @@ def diagnose(
         evidence=evidence_of(chain),
         next_experiment=None,
         issues=(
-            *before.issues,
+            *(after if after is not None and named else before).issues,
             *restriction(effects),
             *averaged_over(count),
             *(sets_left(log_set) if has_spring(base) else ()),
@@ -161,7 +174,8 @@ def _searched(
         again = revised(chain, start.base, considered, start.scale, sigma)
         if start.held.rms(again.final) <= NO_WORSE * start.held.rms(chain.final):
             chain = again
-    if chain.links and start.held.rms(chain.final) > start.held.rms(start.base):
+    least = (1.0 - LEAST_GAIN) * start.held.rms(start.base)
+    if chain.links and start.held.rms(chain.final) > least:
         chain = Chain((), chain.links[0], start.base)  # a chain that gains nothing is chance
     report("looking at what is left", 0.85)
     remainder = left_by(chain.final)
@@ -169,11 +183,12 @@ def _searched(
         chain = replace(chain, links=tuple(with_rivals_in_misfit(link) for link in chain.links))
     before, after = start.held.rms(start.base), start.held.rms(chain.final)
     remainder = replace(remainder, held_out_share=held_out_share(before, after, remainder))
-    return (
-        chain,
-        remainder,
-        nameable(chain.links, chain.final, remainder, gain=1.0 - after / before),
+    is_named = nameable(chain.links, chain.final, remainder, gain=1.0 - after / before)
+    largest_first = sorted(
+        zip(chain.links, is_named, strict=True), key=lambda pair: -pair[0].squares_before
     )
+    links = tuple(link for link, _ in largest_first)
+    return replace(chain, links=links), remainder, tuple(sure for _, sure in largest_first)
 
 
 def _fit_of(final: Candidate, work: Work, seed: int) -> FitResult:

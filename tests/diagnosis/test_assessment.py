@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from handmade_diagnosis import remainder
+from handmade_diagnosis import cause, estimate, remainder
 from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
 
 from softid.diagnoses import Remainder, Verdict
@@ -17,6 +17,7 @@ from softid.diagnosis.assessment import (
     assess,
     held_out_share,
     nameable,
+    stands,
     surroundings,
     verdict_of,
 )
@@ -25,6 +26,8 @@ from softid.diagnosis.chain import Link
 from softid.diagnosis.noise_floor import NoiseFloor
 from softid.diagnosis.remainder import Structure
 from softid.diagnosis.scale import scale_of
+from softid.effects import effect_of
+from softid.results import ParameterEstimate
 
 PREDICTABLE = remainder(structured=True, explained=0.7)
 RANDOM = replace(PREDICTABLE, structure_share=0.01)
@@ -81,6 +84,36 @@ def test_what_does_not_carry_over_is_not_named() -> None:
     for share, named in ((0.71, True), (0.69, False)):
         told = nameable([link(100.0)], model(1.0), replace(left, held_out_share=share), gain=0.5)
         assert told == (named,)
+
+
+DRIFT = effect_of("sensor_drift")
+RATE = estimate("sensor_drift_rate", 0.01, "rad/s")
+OVER_ZERO = replace(RATE, ci95=(-0.001, 0.02))
+
+
+@pytest.mark.parametrize(
+    ("rate", "after", "named"),
+    [
+        (RATE, 1.97, True),
+        (RATE, 1.99, False),
+        (OVER_ZERO, 1.0, False),
+        (replace(RATE, at_bound=True), 1.0, False),
+    ],
+)
+def test_what_a_name_needs(rate: ParameterEstimate, after: float, named: bool) -> None:
+    """A hundredth of the error of 2 on what is held out, and a size that is seen."""
+    assert stands(cause("sensor_drift", [rate], before=2.0, after=after), DRIFT) is named
+
+
+def test_a_curve_stands_on_any_of_its_sizes() -> None:
+    """One knot off zero is enough; a stiff obstacle may be as stiff as it is asked to be."""
+    zero = replace(OVER_ZERO, name="static_curve_k1")
+    seen = replace(RATE, name="static_curve_k2")
+    curve = effect_of("static_curve")
+    assert stands(cause("static_curve", [zero, seen], before=2.0, after=1.0), curve)
+    assert not stands(cause("static_curve", [zero], before=2.0, after=1.0), curve)
+    stop = replace(estimate("contact_kw", 1e6, "1"), at_bound=True)
+    assert stands(cause("contact", [stop], before=2.0, after=1.0), effect_of("contact"))
 
 
 @pytest.mark.parametrize(

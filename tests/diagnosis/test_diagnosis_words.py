@@ -113,7 +113,7 @@ def test_what_does_not_carry_over_is_no_cause() -> None:
     """The share on what is held out is told beside that on the fitted samples."""
     found = diagnosis(Verdict.UNKNOWN)
     text = told(replace(found, remainder=replace(found.remainder, held_out_share=0.37)))
-    assert "60 % of the misfit above the noise on the fitted samples but 37 % of it" in text
+    assert "60 % of the misfit above the noise on the fitted samples but 37 % on those" in text
     quiet = replace(found.remainder, held_out_share=0.37, structured=False)
     assert "looks like noise" in told(replace(found, remainder=quiet))
 
@@ -156,6 +156,9 @@ def test_what_next_follows_the_verdict() -> None:
         asked
         == "repeat these logs with more variation of the speed and of the input a while before"
     )
+    in_time = replace(rest, by={"t": 0.3})
+    asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=in_time)
+    assert asked == "record the same for longer, to see how it goes on"
     unseen = replace(rest, noise_from_rest=False, by={})
     asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=unseen)
     assert asked is not None

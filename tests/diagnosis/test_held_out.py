@@ -61,6 +61,22 @@ def test_blocks_stay_within_what_the_rest_covers() -> None:
     assert pressure[block].max() <= kept.max()
 
 
+def test_no_block_begins_after_a_gap() -> None:
+    """The state after a gap is found from what follows it, so that is fitted.
+
+    Gaps of five seconds where the five blocks of a whole log begin.
+    """
+    _, held = hold_out_blocks(LogSet((linear_log(),)))
+    begins = np.flatnonzero(np.diff(held.blocks[0].astype(int)) == 1) + 1
+    time_s = linear_log().time_s.copy()
+    for begin in begins:
+        time_s[begin:] += 5.0
+    _, held = hold_out_blocks(LogSet((replace(linear_log(), time_s=time_s),)))
+    (block,) = held.blocks
+    for begin in begins:
+        assert not block[begin : begin + 40].any()
+
+
 def test_what_was_masked_stays_masked() -> None:
     """The fit leaves out both; what judges leaves out what was masked before."""
     log = linear_log()

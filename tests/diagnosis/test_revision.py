@@ -12,7 +12,7 @@ from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, 
 
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import FURTHER, Chain, Link, next_link, settled
-from softid.diagnosis.revision import _is_beyond_doubt, revised
+from softid.diagnosis.revision import _is_beyond_doubt, prefixes, revised
 from softid.diagnosis.scale import scale_of
 from softid.diagnosis.screening import Signature
 from softid.effects import effect_of
@@ -104,6 +104,19 @@ def test_what_led_by_far_is_not_asked_again(left: float, rival: float, doubt: bo
     ranking = (first.chosen, other, first.before)
     asked = replace(first, ranked=ranking, signatures=looked_at)
     assert _is_beyond_doubt(asked, candidate(("delay", "ageing"), left)) is not doubt
+
+
+def test_models_with_the_first_causes() -> None:
+    """Each is at the optimum of its own causes: a drift alone, whatever a later one took over."""
+    base, scale = base_with(rate=0.01, size=0.2)
+    chain = revised(chained(base, scale, "sensor_drift", "bow"), base, (DRIFT, Bow()), scale, SIGMA)
+    models = prefixes(chain, base, scale, SIGMA)
+    assert models[0] is base
+    assert models[-1] is chain.final
+    first = chain.links[0].added
+    assert models[1].keys == (first.key,)
+    alone = chained(base, scale, first.key).final
+    assert models[1].squares == pytest.approx(alone.squares, rel=1e-3)
 
 
 def test_a_single_link_is_not_asked_again() -> None:
