@@ -105,11 +105,15 @@ def prefixes(
     base, scale, sigma
         As in `revised`.
     """
+    if not chain.links:
+        return (base,)
+    known = {frozenset(link.chosen.plain.keys): link.chosen.plain for link in chain.links}
     effects = [link.added for link in chain.links]
-    between = [
-        _without(chain.final, base, effects[:k], scale, sigma) for k in range(1, len(effects))
-    ]
-    return (base, *between, chain.final) if effects else (base,)
+    between = []
+    for k in range(1, len(effects)):
+        found = known.get(frozenset(effect.key for effect in effects[:k]))
+        between.append(found or _without(chain.final, base, effects[:k], scale, sigma))
+    return (base, *between, chain.final)
 
 
 def _without(
