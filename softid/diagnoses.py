@@ -194,7 +194,7 @@ class Diagnosis:
     extended
         The fit with the chain of causes or descriptive laws; None when there is none.
     causes
-        The chain, in the order in which it was found; empty when nothing may be named.
+        The chain, the cause without which most is left first; empty when nothing may be named.
     descriptive
         Laws that lower the error but may not be called causes, because too much is left that they
         do not explain, or because they take away too little of it.
@@ -210,6 +210,9 @@ class Diagnosis:
         What to record next; None when nothing is open.
     issues
         Findings about the logs and the fits.
+    gain_ci95
+        95 % interval of the share of the held-out error that the whole chain takes away; None where
+        it cannot be told.
     """
 
     verdict: Verdict
@@ -224,3 +227,4 @@ class Diagnosis:
     evidence: tuple[Evidence, ...]
     next_experiment: str | None
     issues: tuple[Issue, ...] = ()
+    gain_ci95: tuple[float, float] | None = None

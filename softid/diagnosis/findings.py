@@ -64,6 +64,21 @@ def causes_of(
     return tuple(found)
 
 
+def whole_gain_of(
+    models: Sequence[Candidate], held: HeldOut, rng: np.random.Generator
+) -> tuple[float, float] | None:
+    """95 % interval of what all causes together gain; None without a cause or with few samples.
+
+    Parameters
+    ----------
+    models, held, rng
+        As in `causes_of`.
+    """
+    if len(models) < 2:
+        return None
+    return gain_interval(_first(held, models[0]), _first(held, models[-1]), rng)
+
+
 def _first(held: HeldOut, candidate: Candidate) -> Array:
     first = candidate.problem.outputs[0]
     rows = [r for _, channel, _, r in held.errors(candidate) if channel == first]

@@ -63,9 +63,19 @@ def revised(
             del links[position]
             now = without
             continue
-        links[position] = link
+        links[position] = _with_first_look(link, links[position])
         now = settled(link.chosen.plain, sigma)
     return Chain(tuple(links), chain.last, now)
+
+
+def _with_first_look(link: Link, first: Link) -> Link:
+    """The link with what was promised, when it was first asked, by effects not asked again."""
+    asked = {signature.effect.key for signature in link.signatures}
+    scale = link.squares_before / max(first.squares_before, 1e-300)
+    earlier = [
+        replace(s, drop=scale * s.drop) for s in first.signatures if s.effect.key not in asked
+    ]
+    return replace(link, signatures=(*link.signatures, *earlier))
 
 
 def _is_beyond_doubt(link: Link, final: Candidate) -> bool:

@@ -52,6 +52,7 @@ def worded(found: Diagnosis) -> Diagnosis:
         gains=found.gains,
         evidence=found.evidence,
         next_experiment=following,
+        gain_ci95=found.gain_ci95,
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
 
@@ -71,6 +72,7 @@ def summarise(
     gains: Sequence[Gain],
     evidence: Sequence[Evidence] = (),
     next_experiment: str | None = None,
+    gain_ci95: tuple[float, float] | None = None,
 ) -> str:
     """What is wrong, by how much, why we think so, what it could be confused with, what to do next.
 
@@ -80,7 +82,7 @@ def summarise(
         The answer.
     base
         The fit without effects, which tells model, outputs and units.
-    causes, descriptive, alternatives, remainder, gains, evidence, next_experiment
+    causes, descriptive, alternatives, remainder, gains, evidence, next_experiment, gain_ci95
         As in `Diagnosis`.
 
     Returns
@@ -88,7 +90,7 @@ def summarise(
     str
         A few plain sentences, numbers in the units of the logs.
     """
-    teller = _Teller(base, gains)
+    teller = _Teller(base, gains, gain_ci95)
     told = [teller.misfit()]
     if verdict is Verdict.ADEQUATE:
         told += _adequate(teller, remainder)
@@ -137,8 +139,14 @@ def what_next(
 class _Teller:
     """Numbers of the first output in the unit in which people know it."""
 
-    def __init__(self, base: FitResult, gains: Sequence[Gain]) -> None:
+    def __init__(
+        self,
+        base: FitResult,
+        gains: Sequence[Gain],
+        whole_gain: tuple[float, float] | None = None,
+    ) -> None:
         self.base = base
+        self.whole_gain = whole_gain
         self.first = base.outputs[0]
         row = next((r for r in base.statistics if r.channel == self.first), None)
         self.unit = row.display_unit if row else ""
@@ -180,7 +188,7 @@ class _Teller:
             return ""
         before, after = self.error(lambda g: g.rmse_before), self.error(lambda g: g.rmse_after)
         gain = f"{100.0 * (1.0 - after / before):.0f} %" if before > 0.0 else "nothing"
-        interval = causes[0].gain_ci95 if len(causes) == 1 else None
+        interval = causes[0].gain_ci95 if len(causes) == 1 else self.whole_gain
         sure = f", 95 % interval {percent_range(interval)}" if interval else ""
         fit = self.percents(lambda g: g.fit_percent_after)
         with_it = "With it" if len(causes) == 1 else "With all of them"

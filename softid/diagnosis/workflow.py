@@ -21,7 +21,13 @@ from softid.diagnosis.assessment import (
 from softid.diagnosis.beginning import Asked, Beginning, Progress
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import Chain, find_chain
-from softid.diagnosis.findings import alternatives_of, causes_of, evidence_of, gains_of
+from softid.diagnosis.findings import (
+    alternatives_of,
+    causes_of,
+    evidence_of,
+    gains_of,
+    whole_gain_of,
+)
 from softid.diagnosis.held_out import BETTER, NO_WORSE
 from softid.diagnosis.indistinct import with_rivals_in_misfit
 from softid.diagnosis.input_noise import without_input_noise
@@ -138,6 +144,7 @@ def diagnose(
             *averaged_over(count),
             *(sets_left(log_set) if has_spring(base) else ()),
         ),
+        gain_ci95=whole_gain_of(models, held, rng),
     )
     return worded(found)
 

@@ -144,6 +144,7 @@ def diagnosis_document(
         "next_experiment": diagnosis.next_experiment,
         "extended": extended if diagnosis.extended is not None else None,
         "gains": to_jsonable(diagnosis.gains),
+        "gain_ci95": to_jsonable(diagnosis.gain_ci95),
         "evidence": to_jsonable(diagnosis.evidence),
         "base": {
             "params": base,

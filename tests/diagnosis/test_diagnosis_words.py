@@ -23,6 +23,7 @@ def told(found: Diagnosis) -> str:
         remainder=found.remainder,
         gains=found.gains,
         evidence=found.evidence,
+        gain_ci95=found.gain_ci95,
         next_experiment=found.next_experiment,
     )
 
@@ -134,6 +135,9 @@ def test_a_chain_tells_each_link() -> None:
     assert text.index("Cause 1: dry friction") < text.index("Cause 2: a delay")
     assert "the held-out error goes from 2 deg to 0.5 deg" in text
     assert "With all of them the error goes from 2 deg to 0.5 deg" in text
+    assert "interval" not in text.partition("With all of them")[2]
+    found = replace(diagnosis(Verdict.NAMED), causes=(FRICTION, second), gain_ci95=(0.6, 0.9))
+    assert "(gain 75 %, 95 % interval 60 to 90 %; fit 96 %)" in told(found)
 
 
 def test_numbers_that_are_missing_are_left_out() -> None:

@@ -12,7 +12,7 @@ from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, 
 
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import FURTHER, Chain, Link, next_link, settled
-from softid.diagnosis.revision import _is_beyond_doubt, prefixes, revised
+from softid.diagnosis.revision import _is_beyond_doubt, _with_first_look, prefixes, revised
 from softid.diagnosis.scale import scale_of
 from softid.diagnosis.screening import Signature
 from softid.effects import effect_of
@@ -35,6 +35,9 @@ class Swing(Bow):
 
 
 CATALOGUE = (DRIFT, Bow(), Swing())
+
+
+PROMISES = (("delay", 60.0), ("creep", 30.0))
 
 
 def base_with(*, rate: float = 0.0, size: float = 0.0) -> tuple[Candidate, Scale]:
@@ -104,6 +107,17 @@ def test_what_led_by_far_is_not_asked_again(left: float, rival: float, doubt: bo
     ranking = (first.chosen, other, first.before)
     asked = replace(first, ranked=ranking, signatures=looked_at)
     assert _is_beyond_doubt(asked, candidate(("delay", "ageing"), left)) is not doubt
+
+
+def test_what_was_looked_at_first_stays_in_the_evidence() -> None:
+    """An effect that is not asked again keeps its share of the misfit; the other has a new one."""
+    first = link(2000.0, before=100.0, after=50.0)
+    looks = [Signature(effect_of(key), {}, drop, np.zeros(0)) for key, drop in PROMISES]
+    asked = replace(first, signatures=tuple(looks))
+    again = replace(first, signatures=(replace(looks[0], drop=5.0),), squares_before=50.0)
+    found = _with_first_look(again, asked)
+    told = {s.effect.key: s.drop / found.squares_before for s in found.signatures}
+    assert told == {"delay": 0.1, "creep": pytest.approx(0.3)}
 
 
 def test_models_with_the_first_causes() -> None:
