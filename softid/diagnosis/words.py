@@ -105,6 +105,8 @@ def summarise(
             told += _partial(teller, remainder)
         else:
             told.append(f"What is left, {teller.size(remainder.rms)} rms, looks like noise.")
+    if verdict is Verdict.ADEQUATE and not next_experiment:
+        told.append(teller.nothing_to_mend())
     told += _next(verdict, causes, alternatives, next_experiment)
     return " ".join(sentence for sentence in told if sentence)
 
@@ -181,6 +183,12 @@ class _Teller:
         before = self.size(self.error(lambda g: g.rmse_before))
         fit = self.percents(lambda g: g.fit_percent_before)
         return f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
+
+    def nothing_to_mend(self) -> str:
+        """The last word on an adequate model, and what it is worth."""
+        if any(g.fit_percent_before <= 0.0 for g in self.rows):
+            return "But a constant would do as well: the logs show too little to judge the model."
+        return "There is nothing to mend for logs like these."
 
     def mended(self, causes: Sequence[Cause]) -> str:
         """What the extension gains, over all links."""
@@ -337,8 +345,6 @@ def _next(
         told.append(f"In hardware: {mended}." if not mended.startswith("none") else "")
     if verdict is Verdict.UNKNOWN:
         told.append("Look at the plots of what is left against position, speed, input and time.")
-    elif verdict is Verdict.ADEQUATE and not next_experiment:
-        told.append("There is nothing to mend for logs like these.")
     return told
 
 

@@ -51,6 +51,14 @@ def test_adequate_claims_no_cause() -> None:
     assert "nothing to mend" in text
 
 
+def test_a_model_that_is_no_better_than_a_constant_is_not_praised() -> None:
+    """A held-out fit below zero: nothing can be said of the model."""
+    found = diagnosis(Verdict.ADEQUATE)
+    poor = tuple(replace(gain, fit_percent_before=-46.0) for gain in found.gains)
+    assert "nothing to mend" not in told(replace(found, gains=poor))
+    assert "too little to judge the model" in told(replace(found, gains=poor))
+
+
 def test_without_a_rest_adequate_is_said_with_a_reserve() -> None:
     """Noise that was never seen alone may hide a slow misfit."""
     found = diagnosis(Verdict.ADEQUATE)
