@@ -17,6 +17,9 @@ INTERRUPT_AT = """
 import os, signal, sys
 from pathlib import Path
 
+# A job in the background of a shell is born deaf to Ctrl-C, and so are its children.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 def interrupt():
     os.kill(os.getpid(), signal.SIGINT)
 
