@@ -42,7 +42,7 @@ errors of the first one's law would else be taken for a cause."""
 INDISTINCT = 12.0
 """Candidates within this BIC of the best explain the logs as well. Eight would do if the noise were
 what it is taken for; the noise of a measured input, and what it does between the samples, set
-neighbours such as a delay and a lag apart by nine or ten either way."""
+neighbours such as a delay and a lag a little further apart either way."""
 
 NESTED = 6.0
 """A richer form of the same law must gain this much on the plain one."""

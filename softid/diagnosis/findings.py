@@ -20,9 +20,8 @@ Array = npt.NDArray[np.float64]
 
 def causes_of(
     chain: Chain,
-    models: Sequence[Candidate],
+    errors: Sequence[Array],
     after: FitResult | None,
-    held: HeldOut,
     rng: np.random.Generator,
 ) -> tuple[Cause, ...]:
     """The links in words and numbers.
@@ -31,18 +30,15 @@ def causes_of(
     ----------
     chain
         The chain.
-    models
-        The models with the first causes: none, one, two, and so on.
+    errors
+        Held-out errors of the models with the first causes: none, one, two, and so on.
     after
         The fit with all causes, whose parameters are told.
-    held
-        What was held out.
     rng
         Draws the bootstrap.
     """
     found = []
-    rows = [_first(held, model) for model in models]
-    for link, (before_rows, after_rows) in zip(chain.links, pairwise(rows), strict=True):
+    for link, (before_rows, after_rows) in zip(chain.links, pairwise(errors), strict=True):
         effect = link.added
         prefix = f"{effect.name}_"
         own = [p for p in after.parameters if p.name.startswith(prefix)] if after else []
@@ -64,25 +60,15 @@ def causes_of(
     return tuple(found)
 
 
-def whole_gain_of(
-    models: Sequence[Candidate], held: HeldOut, rng: np.random.Generator
-) -> tuple[float, float] | None:
+def whole_gain_of(errors: Sequence[Array], rng: np.random.Generator) -> tuple[float, float] | None:
     """95 % interval of what all causes together gain; None without a cause or with few samples.
 
     Parameters
     ----------
-    models, held, rng
+    errors, rng
         As in `causes_of`.
     """
-    if len(models) < 2:
-        return None
-    return gain_interval(_first(held, models[0]), _first(held, models[-1]), rng)
-
-
-def _first(held: HeldOut, candidate: Candidate) -> Array:
-    first = candidate.problem.outputs[0]
-    rows = [r for _, channel, _, r in held.errors(candidate) if channel == first]
-    return np.concatenate(rows) if rows else np.empty(0)
+    return gain_interval(errors[0], errors[-1], rng) if len(errors) > 1 else None
 
 
 def _rms(values: Array) -> float:

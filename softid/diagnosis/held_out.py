@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,17 +72,18 @@ class HeldOut:
             return self._on_logs(candidate)
         return self._in_blocks(candidate)
 
+    def first_errors(self, candidate: Candidate) -> Array:
+        """Residuals of the first output at all held-out samples, shape (m,)."""
+        return _joined(self.errors(candidate), candidate)
+
     def rms(self, candidate: Candidate) -> float:
         """Root mean square of the first output's residual over what can judge.
 
         Of other logs that are the samples whose input lies within the range that was fitted, if
         there are any: beyond it no law of the curve is known.
         """
-        first = candidate.problem.outputs[0]
         errors = self._on_logs(candidate, _fitted_range(candidate)) if self.logs else []
-        errors = errors or self.errors(candidate)
-        rows = [r for _, channel, _, r in errors if channel == first]
-        joined = np.concatenate(rows) if rows else np.empty(0)
+        joined = _joined(errors or self.errors(candidate), candidate)
         return float(np.sqrt(np.mean(joined**2))) if joined.size else float("nan")
 
     def _on_logs(
@@ -127,6 +129,13 @@ class HeldOut:
                 residual = measured - response.outputs[name][held] - zero
                 found.append((segment.log_name, name, measured, residual))
         return found
+
+
+def _joined(errors: Sequence[tuple[str, str, Array, Array]], candidate: Candidate) -> Array:
+    """Residuals of the first output."""
+    first = candidate.problem.outputs[0]
+    rows = [r for _, channel, _, r in errors if channel == first]
+    return np.concatenate(rows) if rows else np.empty(0)
 
 
 def _fitted_range(candidate: Candidate) -> tuple[float, float]:

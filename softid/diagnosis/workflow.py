@@ -119,7 +119,8 @@ def diagnose(
     before = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
     after = _fit_of(chain.final, work, seed) if chain.links else None
     models = prefixes(chain, base, start.scale, dict(work.found.optimum.sigma))
-    causes = causes_of(chain, models, after, held, rng)
+    errors = [held.first_errors(model) for model in models]
+    causes = causes_of(chain, errors, after, rng)
     is_named = tuple(
         sure and stands(cause, link.added)
         for sure, cause, link in zip(is_named, causes, chain.links, strict=True)
@@ -144,7 +145,7 @@ def diagnose(
             *averaged_over(count),
             *(sets_left(log_set) if has_spring(base) else ()),
         ),
-        gain_ci95=whole_gain_of(models, held, rng),
+        gain_ci95=whole_gain_of(errors, rng),
     )
     return worded(found)
 
@@ -181,14 +182,14 @@ def _searched(
         again = revised(chain, start.base, considered, start.scale, sigma)
         if start.held.rms(again.final) <= NO_WORSE * start.held.rms(chain.final):
             chain = again
-    least = (1.0 - LEAST_GAIN) * start.held.rms(start.base)
-    if chain.links and start.held.rms(chain.final) > least:
+    before, after = start.held.rms(start.base), start.held.rms(chain.final)
+    if chain.links and after > (1.0 - LEAST_GAIN) * before:
         chain = Chain((), chain.links[0], start.base)  # a chain that gains nothing is chance
+        after = before
     report("looking at what is left", 0.85)
     remainder = left_by(chain.final)
     if remainder.structured:
         chain = replace(chain, links=tuple(with_rivals_in_misfit(link) for link in chain.links))
-    before, after = start.held.rms(start.base), start.held.rms(chain.final)
     remainder = replace(remainder, held_out_share=held_out_share(before, after, remainder))
     is_named = nameable(chain.links, chain.final, remainder, gain=1.0 - after / before)
     largest_first = sorted(
