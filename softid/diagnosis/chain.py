@@ -198,13 +198,21 @@ def next_link(
     scale: Scale,
     sigma: Mapping[str, float],
     demand: Demand,
+    *,
+    screened: Sequence[Signature] | None = None,
 ) -> Link | None:
-    """One round; None when nothing in the catalogue promises enough."""
+    """One round; None when nothing in the catalogue promises enough.
+
+    ``screened`` holds the signatures of these effects and perhaps others, if they are known.
+    """
     taken = {effect.name for effect in now.effects}
     left = [effect for effect in effects if effect.name not in taken]
     if not left:
         return None
-    signatures = screen(now, left, scale, sigma)
+    if screened is None:
+        screened = screen(now, left, scale, sigma)
+    asked = {effect.key for effect in left}
+    signatures = [signature for signature in screened if signature.effect.key in asked]
     share = max((s.drop for s in signatures), default=0.0) / max(now.squares, 1e-300)
     if -now.problem.n_samples * np.log1p(-min(share, 0.999)) < demand.promise:
         return None

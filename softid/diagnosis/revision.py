@@ -58,7 +58,7 @@ def revised(
         left = [effect for effect in effects if effect.name not in taken]
         promising = screen(without, left, scale, sigma)
         contenders = _contenders(links[position], promising, effects)
-        link = next_link(without, contenders, scale, sigma, FURTHER)
+        link = next_link(without, contenders, scale, sigma, FURTHER, screened=promising)
         if link is None or not pays(link, FURTHER):
             del links[position]
             now = without
