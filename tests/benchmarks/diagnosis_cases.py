@@ -106,7 +106,15 @@ def _faint(case: Case) -> dict[str, dict[str, float]]:
     return values
 
 
-def cases(kind: str, draws: int, seed: int, *, size: float = 1.0, rig: str = "usual") -> list[Case]:
+def cases(
+    kind: str,
+    draws: int,
+    seed: int,
+    *,
+    size: float = 1.0,
+    rig: str = "usual",
+    model: str = "muscle",
+) -> list[Case]:
     """The cases of one kind.
 
     Parameters
@@ -121,9 +129,11 @@ def cases(kind: str, draws: int, seed: int, *, size: float = 1.0, rig: str = "us
         Magnitude of the effects; 1 is moderate.
     rig
         Key of `RIGS`.
+    model
+        Base model, of the diagnosis and of the truth.
     """
     return [
-        Case(kind, names, s, size=size, rig=rig, protocol=protocol)
+        Case(kind, names, s, size=size, model=model, rig=rig, protocol=protocol)
         for names, protocol, count in _hidden(kind, draws)
         for s in range(seed, seed + count)
     ]

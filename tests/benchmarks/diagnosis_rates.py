@@ -36,7 +36,9 @@ def main() -> None:
     wanted = [
         case
         for kind in asked.kinds.split(",")
-        for case in cases(kind, asked.draws, asked.seed, size=asked.size, rig=asked.rig)
+        for case in cases(
+            kind, asked.draws, asked.seed, size=asked.size, rig=asked.rig, model=asked.model
+        )
         if not asked.only or set(case.names) & set(asked.only.split(","))
     ]
     done = _read(asked.out)
@@ -59,6 +61,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--draws", type=int, default=1)
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--size", type=float, default=1.0)
+    parser.add_argument("--model", default="muscle", help="base, also of the hidden truth")
     parser.add_argument("--rig", choices=tuple(RIGS), default="usual")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("build/diagnosis_rates.jsonl"))
