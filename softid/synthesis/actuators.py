@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from softid.errors import UsageError
+from softid.synthesis.bending_law import Bender, equilibrium_motion, equilibrium_units
 from softid.synthesis.laws import Motion, muscle_motion, oscillator_motion, parameter_units
 from softid.synthesis.random_truth import random_muscle_truth
 
@@ -37,6 +38,10 @@ class Kind:
         Highest pressure that a protocol commands.
     column
         Name of the output column without its unit, for x in mm.
+    gauge
+        Noise of its pressure gauge over that of the rig's.
+    is_angle
+        Whether x is an angle in rad whatever the rig.
     """
 
     draw: Callable[[np.random.Generator], dict[str, float]]
@@ -45,6 +50,8 @@ class Kind:
     force_unit: str
     top_kpa: float
     column: str
+    gauge: float = 1.0
+    is_angle: bool = False
 
 
 @dataclass(frozen=True)
@@ -66,7 +73,8 @@ class Actuator:
     x_unit: str = "mm"
 
     def __post_init__(self) -> None:
-        kind_of(self.model)
+        if kind_of(self.model).is_angle:
+            object.__setattr__(self, "x_unit", "rad")
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
 
     @property
@@ -82,6 +90,8 @@ class Actuator:
     @property
     def units(self) -> dict[str, str]:
         """Unit of each parameter."""
+        if self.model == "equilibrium":
+            return equilibrium_units()
         return parameter_units(self.model, self.x_unit)
 
 
@@ -163,12 +173,70 @@ def random_oscillator_truth(rng: np.random.Generator) -> dict[str, float]:
     return {"M": inertia, "N": damping, "Q": stiffness, "G": 1.0, "offset": 0.0}
 
 
+BENDER = Bender(
+    chamber_width_mm=20.0,
+    chamber_height_mm=12.0,
+    wall_mm=2.0,
+    layer_mm=0.5,
+    rib_mm=3.0,
+    chamber_length_mm=8.0,
+    chambers=10,
+    rubber_density_kg_m3=1070.0,
+    layer_density_kg_m3=1040.0,
+    layer_modulus_gpa=2.0,
+    c10_kpa=17.0,
+    c20_kpa=-0.2,
+)
+"""The geometry that the equilibrium model takes when none is given."""
+
+
+def random_equilibrium_truth(rng: np.random.Generator) -> dict[str, float]:
+    """Eight parameters of a dynamic equilibrium of `BENDER`; all are assumptions.
+
+    Drawn: damping 2 to 20 × 10⁻⁴ N·m·s/rad, half to one and a half times the elastic torque, a mass
+    compensation c of 0.7 to 2 at rest that a and b change by a third at most within 1 rad.
+
+    Parameters
+    ----------
+    rng
+        Generator to draw from.
+
+    Returns
+    -------
+    dict
+        C_d, a, b, c, stiffness, drive, rest_torque, drift in SI units.
+
+    Examples
+    --------
+    >>> random_equilibrium_truth(np.random.default_rng(1))["drive"]
+    1.0
+    """
+    c = rng.uniform(0.7, 2.0)
+    return {
+        "C_d": exp(rng.uniform(log(2e-4), log(2e-3))),
+        "a": c * rng.uniform(-0.1, 0.2),
+        "b": c * rng.uniform(-0.2, 0.1),
+        "c": c,
+        "stiffness": rng.uniform(0.6, 1.5),
+        "drive": 1.0,
+        "rest_torque": 0.0,
+        "drift": 0.0,
+    }
+
+
+def _bender_motion(values: Mapping[str, float]) -> Motion:
+    return equilibrium_motion(values, BENDER)
+
+
 ACTUATORS: dict[str, Kind] = {
     "muscle": Kind(
         random_muscle_truth, muscle_motion, ("M", "a1", "c1", "a2", "c2"), "1", 240.0, "contraction"
     ),
     "oscillator": Kind(
         random_oscillator_truth, oscillator_motion, ("M", "N", "Q"), "kPa", 200.0, "position"
+    ),
+    "equilibrium": Kind(
+        random_equilibrium_truth, _bender_motion, (), "N·m", 20.0, "angle", gauge=0.1, is_angle=True
     ),
 }
 

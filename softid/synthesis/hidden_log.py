@@ -138,7 +138,7 @@ def hidden_pair(
     size
         Magnitude of the effects; 1 is moderate.
     model
-        ``"muscle"`` or ``"oscillator"``.
+        ``"muscle"``, ``"oscillator"`` or ``"equilibrium"``.
     protocol
         Name in `PROTOCOLS`.
     rig
@@ -320,11 +320,11 @@ def _record(
     truth = integrate_hidden(pieces, time_s, chain_of(actuator.motion, rig.valve_s, laws))
     factor = float(np.degrees(1.0)) if rig.unit == "deg" else 1.0
     channel = actuator.kind.column if actuator.x_unit == "mm" else "angle"
-    unit = "mm" if actuator.x_unit == "mm" else rig.unit
+    unit = "mm" if actuator.x_unit == "mm" else "deg" if rig.unit == "deg" else "rad"
     span = factor * sizes.x_span
     zero = span * rig.zero * float(output_rng.uniform(-1.0, 1.0)) * 3.0**0.5
     sensors = {
-        "pressure_kpa": Sensor(decimals=3, noise_sd=rig.pressure_noise_kpa),
+        "pressure_kpa": Sensor(decimals=3, noise_sd=actuator.kind.gauge * rig.pressure_noise_kpa),
         f"{channel}_{unit}": rig.output_sensor(span, zero),
     }
     true = (truth.pressure_kpa, factor * truth.reading)

@@ -24,6 +24,9 @@ RELATIVE_TOLERANCE = 1e-8
 LONGEST_STEP_S = 0.01
 DENSE_HZ = 1000.0
 ROUNDING_S = 1e-9
+CHANGED = ("drive", "spring", "damping")
+"""Terms that a hidden law changes one by one."""
+
 _MOST_STEPS = 200_000
 _REST_ITERATIONS = 60
 
@@ -315,16 +318,19 @@ def accelerations(motion: Motion) -> Callable[[float, float, float, float, Parts
     Parameters
     ----------
     motion
-        A law with the terms drive, spring and damping.
+        A law with the terms drive, spring and damping; what else it has belongs to the inertia.
     """
-    drive, spring, damping = (motion.terms[name] for name in ("drive", "spring", "damping"))
-    inertia = motion.inertia
+    drive, spring, damping = (motion.terms[name] for name in CHANGED)
+    others = [term for name, term in motion.terms.items() if name not in CHANGED]
+    inertia, inertia_at = motion.inertia, motion.inertia_at
 
     def acceleration(t: float, p: float, x: float, v: float, parts: Parts) -> float:
         force = drive(t, p, x, v) * parts.drive - parts.force
         force += spring(t, p, x - parts.shift, v) * parts.spring
         force += damping(t, p, x, v) * parts.damping
-        return force / (inertia(p) * parts.inertia)
+        for term in others:
+            force += term(t, p, x, v) * parts.inertia
+        return force / (inertia(p) * inertia_at(x) * parts.inertia)
 
     return acceleration
 

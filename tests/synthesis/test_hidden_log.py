@@ -16,6 +16,7 @@ import softid.synthesis
 from softid.effects import EFFECTS, ExtendedModel, Scale
 from softid.errors import UsageError
 from softid.models.base import Model
+from softid.models.equilibrium import Equilibrium
 from softid.models.muscle import Muscle
 from softid.models.oscillator import Oscillator
 from softid.synthesis import HIDDEN, PROTOCOLS, HiddenPair, Rig, hidden_log, hidden_pair, names_of
@@ -23,7 +24,11 @@ from softid.synthesis import HIDDEN, PROTOCOLS, HiddenPair, Rig, hidden_log, hid
 QUIET = Rig(noise=0.0, pressure_noise_kpa=0.0, zero=0.0)
 ROOT = Path(__file__).resolve().parents[2]
 FORBIDDEN = ("softid.effects", "softid.kernels", "softid.models", "softid.simulation")
-MODELS: dict[str, Model] = {"muscle": Muscle(x_unit="mm"), "oscillator": Oscillator(x_unit="mm")}
+MODELS: dict[str, Model] = {
+    "muscle": Muscle(x_unit="mm"),
+    "oscillator": Oscillator(x_unit="mm"),
+    "equilibrium": Equilibrium(),
+}
 
 
 def scale_of(pair: HiddenPair) -> Scale:
@@ -252,7 +257,7 @@ def test_what_broke_stays_broken() -> None:
         ({"names": ("delay", "delay")}, "twice"),
         ({"size": 0.0}, "positive"),
         ({"seed": -1}, "negative"),
-        ({"model": "equilibrium"}, "muscle, oscillator"),
+        ({"model": "polynomial"}, "muscle, oscillator"),
         ({"protocol": "best"}, "rich, paper"),
         ({"names": ("delay",), "values": {"creep": {"k": 1.0}}}, "not hidden"),
         ({"names": ("delay",), "values": {"delay": {"k": 1.0}}}, "tau"),
