@@ -65,7 +65,15 @@ class DiagnoseRequest:
 
 def _names(ctx: click.Context, param: click.Parameter, text: str | None) -> tuple[str, ...]:
     del ctx, param
-    return tuple(dict.fromkeys(filter(None, map(str.strip, (text or "").split(",")))))
+    names = tuple(dict.fromkeys(filter(None, map(str.strip, (text or "").split(",")))))
+    if text is not None and not names:
+        raise UsageError(
+            "no effect is named",
+            where="--effects",
+            value=text,
+            remedy="name at least one, or leave the option out for the whole catalogue",
+        )
+    return names
 
 
 @click.command(cls=GreedyCommand, greedy=("--hold-out",))

@@ -12,6 +12,7 @@ from softid.diagnosis.candidates import Candidate, advance, prior_about
 from softid.diagnosis.held_out import HeldOut, hold_out_blocks
 from softid.diagnosis.scale import scale_of
 from softid.effects.base import Scale
+from softid.errors import IdentificationError
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.problem import Problem
 from softid.identification.workflow import Work, identify
@@ -26,8 +27,40 @@ if TYPE_CHECKING:
 Progress = Callable[[str, float], None]
 
 RESTORING_LAP = 15
+FEWEST_SAMPLES = 100
+"""With fewer, seven terms of a base and an effect explain most of any noise, and a block to hold
+out has next to none."""
+
 HIDDEN_PERIODS = 0.1
 """A restored term dies out within a tenth of the sampling interval."""
+
+
+def require_enough(logs: LogSet) -> None:
+    """Refuse logs that are too short to tell a cause from noise.
+
+    Parameters
+    ----------
+    logs
+        Logs to explain.
+
+    Raises
+    ------
+    IdentificationError
+        All outputs together have fewer than `FEWEST_SAMPLES`.
+    """
+    usable = sum(
+        int(np.count_nonzero(used))
+        for log in logs
+        for segment in log.segments()
+        for used in segment.used.values()
+    )
+    if usable < FEWEST_SAMPLES:
+        raise IdentificationError(
+            "there are too few samples of the output to tell a cause from noise",
+            where=", ".join(log.name for log in logs),
+            value=usable,
+            remedy=f"record {FEWEST_SAMPLES} or more, or use softid fit",
+        )
 
 
 @dataclass(frozen=True, eq=False)

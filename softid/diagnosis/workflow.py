@@ -18,7 +18,7 @@ from softid.diagnosis.assessment import (
     stands,
     verdict_of,
 )
-from softid.diagnosis.beginning import Asked, Beginning, Progress
+from softid.diagnosis.beginning import Asked, Beginning, Progress, require_enough
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import Chain, find_chain
 from softid.diagnosis.findings import (
@@ -100,6 +100,7 @@ def diagnose(
     report = progress or (lambda message, fraction: None)
     log_set = LogSet(tuple(_cleaned(log) for log in as_log_set(logs)))
     hold_out = tuple(_cleaned(log) for log in hold_out)
+    require_enough(log_set)
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     start = asked.begin(log_set, hold_out, thorough=False)
     count = samples_to_average((*log_set, *hold_out), start.scale.motion_s)

@@ -137,6 +137,7 @@ MISTAKES: dict[str, tuple[tuple[str, ...], int, str]] = {
     "no log": ((), 2, "no log was given to diagnose"),
     "held out only": (("--hold-out", "a.csv"), 2, "before --hold-out"),
     "effect": (("a.csv", "--effects", "dely"), 2, "did you mean delay"),
+    "no effect": (("a.csv", "--effects", " ,"), 2, "no effect is named"),
     "model": (("a.csv", "--model", "musle"), 2, "there is no such model"),
     "twice": (("a.csv", "--params", "p.json", "--model", "muscle"), 2, "given twice"),
     "no params": (("a.csv", "--params", "p.json"), 3, "no such file"),

@@ -11,6 +11,7 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log
 from softid.diagnoses import Verdict
 from softid.diagnosis import diagnose
 from softid.diagnosis.beginning import Asked
+from softid.errors import IdentificationError
 from softid.log import Log, LogSet
 from softid.models import Oscillator
 
@@ -50,6 +51,13 @@ def test_a_drift_is_named_with_its_rate(judge: str) -> None:
         assert low <= 1.0 - 0.01 / cause.holdout_rmse_before <= high
     assert [gain.held_out for gain in found.gains] == [False, True]
     assert found.remainder.explained_share > 0.95
+
+
+def test_a_log_that_is_too_short_is_refused() -> None:
+    """One sentence with the number, not a search that divides by nothing left."""
+    short = linear_log(noise=0.01).between(0.0, 0.5)
+    with pytest.raises(IdentificationError, match=r"too few samples.*softid fit"):
+        diagnose(short, model="oscillator", effects=TWO)
 
 
 def test_noise_alone_is_adequate() -> None:
