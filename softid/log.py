@@ -12,6 +12,8 @@ import numpy.typing as npt
 
 from softid.channels import Channel, default_outputs, make_channel, read_only
 from softid.errors import InputError, Issue, UsageError
+from softid.intersample import Intersample
+from softid.segment import Segment, with_knots
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -37,41 +39,6 @@ class Source:
     path: str
     sha256: str
     file_format: str
-
-
-@dataclass(frozen=True, eq=False)
-class Segment:
-    """A stretch of one log without a stall, with the roles resolved to arrays.
-
-    Attributes
-    ----------
-    log_name
-        The log that it is part of.
-    index
-        Position among the segments of that log.
-    start, stop
-        Half-open range of the log's samples.
-    time_s
-        Sample times, shape (n,).
-    input
-        The input channel's samples in its unit, shape (n,).
-    outputs
-        Output channel name → samples, each of shape (n,).
-    used
-        Output channel name → which samples count in the residual, each of shape (n,).
-    log_start_s
-        Time of the log's first sample.
-    """
-
-    log_name: str
-    index: int
-    start: int
-    stop: int
-    time_s: Array
-    input: Array
-    outputs: Mapping[str, Array]
-    used: Mapping[str, BoolArray]
-    log_start_s: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +68,9 @@ class Log:
         What the reader repaired or noticed.
     metadata
         Free text facts from the file's preamble or sidecar.
+    intersample
+        What the input does between samples: ``"straight"`` (first-order hold), ``"held"`` until the
+        next sample where it jumps, or None to let a fit decide, which elsewhere means straight.
 
     Raises
     ------
@@ -119,6 +89,7 @@ class Log:
     source: Source | None = None
     issues: tuple[Issue, ...] = ()
     metadata: Mapping[str, str] = field(default_factory=dict)
+    intersample: Intersample | None = None
 
     def __post_init__(self) -> None:
         time = read_only(self.time_s)
@@ -223,23 +194,37 @@ class Log:
         outputs = {name: self.channels[name].values[span] for name in self.outputs}
         keep = ~self.masked[span] if self.masked is not None else np.ones(stop - start, bool)
         used = {name: keep & np.isfinite(values) for name, values in outputs.items()}
-        return Segment(
+        u = self.channels[self.input].values[span]
+        segment = Segment(
             self.name,
             index,
             start,
             stop,
             self.time_s[span],
-            self.channels[self.input].values[span],
+            u,
             outputs,
             used,
             float(self.time_s[0]),
         )
+        return with_knots(segment) if self.intersample == "held" else segment
 
     def with_roles(self, *, input: str | None = None, outputs: Sequence[str] = ()) -> Log:
         """The same recording with other input and output channels."""
         return replace(
             self, input=input or self.input, outputs=tuple(outputs) if outputs else self.outputs
         )
+
+    def with_intersample(self, intersample: object) -> Log:
+        """The same recording, its input held at jumps if so told and if nothing said so before.
+
+        Parameters
+        ----------
+        intersample
+            ``"held"``, as the record of a fit may say; anything else changes nothing.
+        """
+        if self.intersample is not None or intersample != "held":
+            return self
+        return replace(self, intersample="held")
 
     def with_masked(self, masked: npt.ArrayLike) -> Log:
         """The same recording with more samples left out of the residuals."""

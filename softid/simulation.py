@@ -76,8 +76,8 @@ def simulate(
         span = slice(segment.start, segment.stop)
         for name in log.outputs:
             zero = nuisance.zero.get(name, 0.0) if nuisance else 0.0
-            simulated[name][span] = response.outputs[name] + zero
-            used[name][span] = segment.used[name]
+            simulated[name][span] = segment.samples_of(response.outputs[name]) + zero
+            used[name][span] = segment.samples_of(segment.used[name])
             if not np.all(np.isfinite(response.outputs[name])):
                 raise IdentificationError(
                     f"the simulated {name} is not finite",

@@ -20,7 +20,8 @@ SOURCES = {"softid": ROOT / "softid", "softid_cli": ROOT / "cli" / "softid_cli"}
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "units", "kernels"),
-    ("channels", "chi_square"),
+    ("channels", "chi_square", "intersample"),
+    ("segment",),
     ("log", "parameters", "results"),
     ("diagnoses",),
     (

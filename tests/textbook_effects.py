@@ -15,8 +15,9 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from softid.effects import Effect, ExtendedModel, Scale
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models.oscillator import Oscillator
+from softid.segment import Segment
 
 PERIOD_S = 0.01
 MUSCLE = np.array([3e-3, 1 / 60, 2.0, 0.3, 0.02, 0.3, 0.05])

@@ -93,4 +93,5 @@ def load_driving(source: Path, channel: tuple[str, ...], saved: SavedModel) -> L
         for name in saved.outputs
         if name not in log.channels
     }
-    return replace(log, channels={**log.channels, **missing}, outputs=saved.outputs)
+    driving = replace(log, channels={**log.channels, **missing}, outputs=saved.outputs)
+    return driving.with_intersample(saved.intersample)

@@ -16,8 +16,9 @@ from softid_cli.console import progress
 from softid_cli.options import quiet_option
 
 if TYPE_CHECKING:
-    from softid.log import Log, Segment
+    from softid.log import Log
     from softid.models.base import Model
+    from softid.segment import Segment
 
 Job = tuple[str, Callable[[], object]]
 

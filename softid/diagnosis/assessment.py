@@ -155,7 +155,8 @@ def surroundings(candidate: Candidate) -> list[Surroundings]:
         v = np.gradient(x, segment.time_s) if response.v is None else response.v
         residual = np.full(segment.time_s.size, np.nan)
         residual[segment.used[first]] = blocks[k].residual
-        found.append(Surroundings(segment.time_s, x, v, segment.input, residual))
+        rows = (segment.time_s, x, v, segment.input, residual)
+        found.append(Surroundings(*(segment.samples_of(row) for row in rows)))
     return found
 
 

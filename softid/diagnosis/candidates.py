@@ -112,7 +112,8 @@ class WhitenedObjective(Objective):
         with np.errstate(all="ignore"):
             for block in self.problem.blocks(z, derivatives=True, plans=self.plans):
                 assert block.jacobian is not None
-                used = self.problem.segments[block.segment].used[block.channel]
+                segment = self.problem.segments[block.segment]
+                used = segment.samples_of(segment.used[block.channel])
                 log = self.problem.owner[block.segment]
                 rows = np.column_stack((block.residual, block.jacobian))
                 white = self.whitener.apply(rows, used, log=log, channel=block.channel)

@@ -124,6 +124,7 @@ def find_chain(
     holds: Callable[[Candidate, Candidate], bool],
     is_noise: Callable[[Candidate], bool],
     report: Callable[[str, float], None] = lambda message, fraction: None,
+    begun: Sequence[Link] = (),
     max_links: int = MAX_LINKS,
 ) -> Chain:
     """Extend the base by one effect after the other.
@@ -131,7 +132,7 @@ def find_chain(
     Parameters
     ----------
     base
-        The base fit.
+        The base fit, or the model with the causes that are known already.
     effects
         The catalogue.
     scale
@@ -144,11 +145,15 @@ def find_chain(
         Whether what a candidate leaves looks like noise, so that more is asked of a further cause.
     report
         Called with a sentence and the fraction done.
+    begun
+        The links to those causes.
     max_links
         No more causes than this.
     """
-    links: list[Link] = []
+    links = list(begun)
     now, demand = base, FIRST
+    if links:
+        demand = BEHIND_NOISE if is_noise(now) else FURTHER
     last: Link | None = None
     while len(links) < max_links:
         number = len(links)

@@ -123,10 +123,10 @@ class HeldOut:
                 )
             block = self.blocks[log][segment.start : segment.stop]
             for name in fitted.outputs:
-                held = segment.used[name] & block
-                measured = segment.outputs[name][held]
+                held = segment.samples_of(segment.used[name]) & block
+                measured = segment.samples_of(segment.outputs[name])[held]
                 zero = z[fitted.zero_position(log, name)] if fitted.zeros else 0.0
-                residual = measured - response.outputs[name][held] - zero
+                residual = measured - segment.samples_of(response.outputs[name])[held] - zero
                 found.append((segment.log_name, name, measured, residual))
         return found
 

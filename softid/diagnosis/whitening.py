@@ -82,7 +82,8 @@ def whitener_of(problem: Problem, unknowns: Array, floor: Mapping[str, float]) -
     for key, blocks in parts.items():
         runs = []
         for block in blocks:
-            used = problem.segments[block.segment].used[block.channel]
+            segment = problem.segments[block.segment]
+            used = segment.samples_of(segment.used[block.channel])
             position = 0
             for run in run_slices(used):
                 length = run.stop - run.start

@@ -20,7 +20,7 @@ from softid.diagnosis.assessment import (
 )
 from softid.diagnosis.beginning import Asked, Beginning, Progress, require_enough
 from softid.diagnosis.candidates import Candidate, catalogue
-from softid.diagnosis.chain import Chain, find_chain
+from softid.diagnosis.chain import MAX_LINKS, Chain, find_chain
 from softid.diagnosis.findings import (
     alternatives_of,
     causes_of,
@@ -31,11 +31,13 @@ from softid.diagnosis.findings import (
 from softid.diagnosis.held_out import BETTER, NO_WORSE
 from softid.diagnosis.indistinct import with_rivals_in_misfit
 from softid.diagnosis.input_noise import without_input_noise
+from softid.diagnosis.other_reading import better_reading, is_open, read_as
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
 from softid.diagnosis.revision import prefixes, revised
 from softid.diagnosis.thinning import samples_to_average, thinned
 from softid.diagnosis.words import worded
+from softid.effects.base import Effect
 from softid.fitters.output_error import Optimum
 from softid.identification.assembly import Identified, assemble
 from softid.identification.preparation import as_log_set, without_dropouts
@@ -108,12 +110,20 @@ def diagnose(
         log_set = LogSet(tuple(thinned(log, count) for log in log_set))
         hold_out = tuple(thinned(log, count) for log in hold_out)
         start = asked.begin(log_set, hold_out, thorough=False)
-    chain, remainder, is_named = _searched(start, effects, report, seed)
+    first = None
+    if is_open(log_set):
+        first = _extended(start, catalogue(effects), report, seed, max_links=1)
+        reading = better_reading(first.final, dict(start.work.found.optimum.sigma))
+        if reading is not None:
+            log_set, hold_out = LogSet(read_as(log_set, reading)), read_as(hold_out, reading)
+            first = None
+            start = asked.begin(log_set, hold_out, thorough=False)
+    chain, remainder, is_named = _searched(start, effects, report, seed, first)
     if remainder.structured and not any(is_named):  # perhaps the base itself is a false optimum
         other = asked.begin(log_set, hold_out, thorough=True)
         if other.base.squares < BETTER_BASE * start.base.squares:
             start = other
-            chain, remainder, is_named = _searched(start, effects, report, seed)
+            chain, remainder, is_named = _searched(start, effects, report, seed, None)
     work, held, base = start.work, start.held, start.base
     rng = np.random.default_rng(seed)
     report("computing errors", 0.9)
@@ -156,28 +166,54 @@ def _cleaned(log: Log) -> Log:
     return without_dropouts(without_input_noise(log))
 
 
-def _searched(
-    start: Beginning, effects: Sequence[str], report: Progress, seed: int
-) -> tuple[Chain, Remainder, tuple[bool, ...]]:
-    """The chain of causes, each judged by what is held out; what it leaves; what may be named."""
-    sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
+def _extended(
+    start: Beginning,
+    considered: Sequence[Effect],
+    report: Progress,
+    seed: int,
+    *,
+    begun: Chain | None = None,
+    max_links: int = MAX_LINKS,
+) -> Chain:
+    """The base extended by causes that what is held out does not speak against."""
 
     def holds(before: Candidate, after: Candidate) -> bool:
         limit = BETTER if before.effects else NO_WORSE
         return start.held.rms(after) <= limit * start.held.rms(before)
 
-    def left_by(now: Candidate) -> Remainder:
-        return assess(start.base, now, start.scale, rng=np.random.default_rng(seed))
+    def is_noise(now: Candidate) -> bool:
+        return not _left(start, now, seed).structured
 
-    chain = find_chain(
-        start.base,
+    return find_chain(
+        start.base if begun is None else begun.final,
         considered,
         start.scale,
-        sigma,
+        dict(start.work.found.optimum.sigma),
         holds=holds,
-        is_noise=lambda now: not left_by(now).structured,
+        is_noise=is_noise,
         report=lambda message, fraction: report(message, 0.3 + 0.4 * fraction),
+        begun=() if begun is None else begun.links,
+        max_links=max_links,
     )
+
+
+def _left(start: Beginning, now: Candidate, seed: int) -> Remainder:
+    return assess(start.base, now, start.scale, rng=np.random.default_rng(seed))
+
+
+def _searched(
+    start: Beginning,
+    effects: Sequence[str],
+    report: Progress,
+    seed: int,
+    begun: Chain | None = None,
+) -> tuple[Chain, Remainder, tuple[bool, ...]]:
+    """The chain of causes, each judged by what is held out; what it leaves; what may be named."""
+    sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
+    if begun is not None and not begun.links:
+        chain = begun
+    else:
+        chain = _extended(start, considered, report, seed, begun=begun)
     if len(chain.links) > 1:
         report("checking the first causes again", 0.75)
         again = revised(chain, start.base, considered, start.scale, sigma)
@@ -188,7 +224,7 @@ def _searched(
         chain = Chain((), chain.links[0], start.base)  # a chain that gains nothing is chance
         after = before
     report("looking at what is left", 0.85)
-    remainder = left_by(chain.final)
+    remainder = _left(start, chain.final, seed)
     if remainder.structured:
         chain = replace(chain, links=tuple(with_rivals_in_misfit(link) for link in chain.links))
     remainder = replace(remainder, held_out_share=held_out_share(before, after, remainder))

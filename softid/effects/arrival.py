@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
-from softid.log import Segment
 from softid.models.division import NODES_PER_STEP, Division
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

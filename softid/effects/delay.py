@@ -18,6 +18,9 @@ LONGEST_S = 1.0
 LONGEST_SHARE = 0.1
 """Longest delay, in seconds and as a share of the log."""
 
+SHARP = 0.02
+"""Neighbouring times that are so much closer than others hold a jump between them."""
+
 
 @dataclass(frozen=True)
 class Delay(InputEffect):
@@ -70,7 +73,28 @@ class Delay(InputEffect):
         return tuple({"tau": float(t)} for t in np.geomspace(shortest, 0.5 * longest, 4))
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
-        """The straight-line input, read τ earlier."""
+        """The straight-line input, read τ earlier; its means where it jumps.
+
+        A jump read at single times would move from one to the next as τ changes, by steps.
+        """
         del scale
+        steps = np.diff(time_s)
+        if steps.min(initial=np.inf) < SHARP * steps.max(initial=0.0):
+            return _means_before(eta[0], time_s, u)
         arriving: Array = np.interp(time_s - eta[0], time_s, u)
         return arriving
+
+
+def _means_before(tau: float, time_s: Array, u: Array) -> Array:
+    """Mean of the straight-line input around every time, half way to its neighbours, τ earlier."""
+    middle = 0.5 * (time_s[1:] + time_s[:-1])
+    edges = np.concatenate((time_s[:1], middle, time_s[-1:])) - tau
+    steps = np.diff(time_s)
+    area = np.concatenate(([0.0], np.cumsum(0.5 * (u[1:] + u[:-1]) * steps)))
+    k = np.clip(np.searchsorted(time_s, edges, side="right") - 1, 0, time_s.size - 2)
+    since = np.maximum(edges - time_s[k], 0.0)
+    slope = (u[k + 1] - u[k]) / steps[k]
+    before = u[0] * np.minimum(edges - time_s[0], 0.0)
+    found = area[k] + u[k] * since + 0.5 * slope * since**2 + before
+    means: Array = np.diff(found) / np.diff(edges)
+    return means

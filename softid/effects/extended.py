@@ -21,12 +21,12 @@ from softid.effects.base import (
 )
 from softid.effects.motion import divided, rest, simulate_motion
 from softid.kernels.division import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
-from softid.log import Segment
 from softid.models.base import Model, Response
 from softid.models.division import Division, divide
 from softid.models.second_order import Law
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

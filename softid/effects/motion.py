@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from softid.effects.base import Scale, StateEffect
 from softid.kernels.small_matrix import LANES
-from softid.log import Segment
 from softid.models.arrived_input import observed, simulate_law_through
 from softid.models.base import Model, MotionTerm, Response
 from softid.models.division import Division, held
+from softid.segment import Segment
 
 if TYPE_CHECKING:
     from softid.kernels.equation import Equation

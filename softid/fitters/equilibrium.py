@@ -16,8 +16,9 @@ import numpy.typing as npt
 
 from softid.errors import IdentificationError, Issue
 from softid.fitters.swings import Swings, count_swings
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models.equilibrium import NAMES, Equilibrium
+from softid.segment import Segment
 
 __all__ = ["ByHand", "by_hand"]
 

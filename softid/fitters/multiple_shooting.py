@@ -38,7 +38,8 @@ class PiecewiseProblem(Problem):
         super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
         total_s = sum(float(s.time_s[-1] - s.time_s[0]) for s in whole.segments)
         self.segments, self.owner, self.at_rest = [], [], []
-        for segment, owner, rest in zip(whole.segments, whole.owner, whole.at_rest, strict=True):
+        for knotted, owner, rest in zip(whole.segments, whole.owner, whole.at_rest, strict=True):
+            segment = knotted.without_knots()
             n, length_s = segment.time_s.size, float(segment.time_s[-1] - segment.time_s[0])
             count = round(pieces * length_s / total_s) if total_s > 0.0 else 1
             edges = np.linspace(0, n, max(1, min(count, n // LEAST_SAMPLES)) + 1).astype(int)

@@ -15,10 +15,11 @@ from threading import Lock
 import numpy as np
 import numpy.typing as npt
 
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models.base import Model
 from softid.models.division import Division
 from softid.parameters import ParameterSet
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
@@ -122,6 +123,11 @@ class Problem:
         self.size = position
         counts = (int(s.used[name].sum()) for s in self.segments for name in self.outputs)
         self._n_samples = sum(counts)
+
+    @property
+    def plain_segments(self) -> list[Segment]:
+        """The segments with their samples alone, for starts that take the input as straight."""
+        return [segment.without_knots() for segment in self.segments]
 
     @property
     def n_samples(self) -> int:

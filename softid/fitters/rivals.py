@@ -121,7 +121,7 @@ class _Ladder:
         other starts only those go on that explain the shortest pieces about as well, best first.
         """
         problem = self.problem
-        rings = problem.model.ringing(problem.segments, problem.outputs[0])
+        rings = problem.model.ringing(problem.plain_segments, problem.outputs[0])
         if not rings:
             return point
         names = problem.parameters.names

@@ -11,8 +11,9 @@ import numpy.typing as npt
 from softid.errors import IdentificationError, Issue, UsageError
 from softid.excitation import settled_windows
 from softid.fitters.static_levels import LevelsFit, levels_from_arrays
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models.geometry import ArcGeometry
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.problem import Problem
-from softid.log import Segment
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
@@ -40,7 +40,7 @@ class ThinnedProblem(Problem):
 
     def __init__(self, whole: Problem, length: int) -> None:
         super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
-        self.segments = [_averaged(segment, length) for segment in whole.segments]
+        self.segments = [_averaged(s.without_knots(), length) for s in whole.segments]
         self.owner, self.at_rest = whole.owner, whole.at_rest
         self._layout()
 

@@ -115,7 +115,7 @@ def assemble(
         issues=tuple(issues),
         choice=choice.reason if choice else None,
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in (*logs, *held)},
-        options={"seed": float(seed)},
+        options={"seed": float(seed), "intersample": logs.logs[0].intersample},
     )
 
 

@@ -125,7 +125,8 @@ def _residual_block(
             continue
         if problem.owner[block.segment] not in logs:
             continue
-        used = problem.segments[block.segment].used[channel]
+        segment = problem.segments[block.segment]
+        used = segment.samples_of(segment.used[channel])
         jacobian = np.zeros((used.size, len(columns)))
         residual = np.full(used.size, np.nan)
         jacobian[used] = block.jacobian[:, columns]

@@ -15,6 +15,7 @@ from softid.identification.assembly import Identified, assemble
 from softid.identification.choice import ModelChoice, choose_model
 from softid.identification.direction import falls_with_input
 from softid.identification.findings import fitted_range
+from softid.identification.held_input import explains_better, with_held_input
 from softid.identification.limits import simpler_model
 from softid.identification.preparation import (
     adapted_model,
@@ -185,6 +186,10 @@ def identify(
         require_channels(named, log_set)
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
     found = _identify(adapted, log_set, wishes, starts, rng, report, thorough=thorough)
+    other = with_held_input(log_set) if np.isfinite(found.optimum.cost) else None
+    if other is not None and explains_better(found.problem, found.optimum.unknowns, other):
+        log_set, held = other, tuple(log.with_intersample("held") for log in held)
+        found = _identify(adapted, log_set, wishes, starts, rng, report, thorough=thorough)
     return Work(found, log_set, held, choice)
 
 
@@ -222,7 +227,7 @@ def _identify(
     problem = Problem(model, overlaid, logs.logs)
     _require_samples(problem, logs)
     if starts is None:
-        guesses = model.guess(problem.segments, logs.outputs[0])
+        guesses = model.guess(problem.plain_segments, logs.outputs[0])
         starts = [guess.values_dict() for guess in guesses]
     optimum = output_error(
         problem, wishes.starts(overlaid, starts), rng=rng, thorough=thorough, progress=report

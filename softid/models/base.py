@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue, UsageError
-from softid.log import Segment
 from softid.models.division import Division
 from softid.models.products import Products
 from softid.models.second_order import Law
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

@@ -22,7 +22,6 @@ from softid.kernels.bending import (
     rest_angle,
     torque_parts,
 )
-from softid.log import Segment
 from softid.models.actuator_geometry import Actuator
 from softid.models.base import Model, MotionTerm, Response, require_choice
 from softid.models.bending_inertia import INERTIAS, KERNELS, Inertia, Kernels
@@ -30,6 +29,7 @@ from softid.models.division import Division, held
 from softid.models.equilibrium_cautions import cautions_of
 from softid.models.equilibrium_starts import equilibrium_starts
 from softid.parameters import Parameter, ParameterSet
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

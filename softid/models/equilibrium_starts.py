@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.bending import fastest_rates, rest_angle
-from softid.log import Segment
 from softid.parameters import ParameterSet
+from softid.segment import Segment
 
 if TYPE_CHECKING:
     from softid.models.equilibrium import Equilibrium

@@ -13,7 +13,6 @@ from softid.errors import UsageError
 from softid.kernels.lanes import MUSCLE
 from softid.kernels.muscle import coefficient_derivatives, coefficients, pack
 from softid.kernels.small_matrix import LANES
-from softid.log import Segment
 from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide
 from softid.models.geometry import ArcGeometry
@@ -31,6 +30,7 @@ from softid.models.second_order import (
 )
 from softid.models.starts import as_values, damping_shapes, hammerstein_starts
 from softid.parameters import Parameter, ParameterSet
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

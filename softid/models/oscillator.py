@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.lanes import OSCILLATOR
-from softid.log import Segment
 from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide
 from softid.models.products import Products
@@ -27,6 +26,7 @@ from softid.models.second_order import (
 )
 from softid.models.weak_form import weak_form_coefficients
 from softid.parameters import Parameter, ParameterSet
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

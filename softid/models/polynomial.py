@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
-from softid.log import Segment
 from softid.models.base import Model, Response
 from softid.models.division import Division
 from softid.parameters import Parameter, ParameterSet
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

@@ -18,9 +18,9 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from softid.log import Segment
 from softid.models.second_order import Law
 from softid.models.starts import as_values, damping_shapes, diverse, motion_kind, score, thinned
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

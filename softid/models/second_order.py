@@ -13,9 +13,9 @@ from softid.kernels.affine import move, move_with_derivatives, sum_products
 from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PADDED, N_PARAMETERS, N_STATES, RADAU, RK4
 from softid.kernels.radau import propagate, propagate_with_sensitivities
 from softid.kernels.small_matrix import LANES, groups
-from softid.log import Segment
 from softid.models.division import Division, divide, held
 from softid.models.products import Products
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

@@ -16,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.start_scores import add_products
-from softid.log import Segment
 from softid.models.division import held, undivided
 from softid.models.second_order import Law
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

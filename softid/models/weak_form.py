@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.log import Segment
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import UsageError
-from softid.log import Segment
 from softid.models.base import Model, Response
 from softid.models.bulge import (
     LARGEST_BULGE_RAD,
@@ -20,6 +19,7 @@ from softid.models.bulge import (
 )
 from softid.models.division import Division
 from softid.parameters import Parameter, ParameterSet
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

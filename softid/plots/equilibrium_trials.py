@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.log import Segment
 from softid.models.base import Model
 from softid.plots.trials import Trial
 from softid.results import FitResult, LogNuisance, Simulation
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 

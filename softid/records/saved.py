@@ -50,6 +50,8 @@ class SavedModel:
         Names of the logs that the parameters were fitted to; the others were held out.
     issues
         What was noticed in reading, such as an edit by hand.
+    intersample
+        ``"held"`` where the fit took the input as held until the next sample at its jumps.
     """
 
     path: str
@@ -65,6 +67,7 @@ class SavedModel:
     fingerprints: Mapping[str, str | None]
     fitted_logs: tuple[str, ...]
     issues: tuple[Issue, ...] = ()
+    intersample: str | None = None
 
     def build_model(self) -> Model:
         """The model with its options, ready for `softid.simulate`."""
@@ -138,6 +141,7 @@ def load_params(path: Path | str) -> SavedModel:
         fingerprints={entry["log"]: entry["sha256"] for entry in data},
         fitted_logs=tuple(entry["log"] for entry in data if entry["in_sample"]),
         issues=_edits(document, spec, values, where=where),
+        intersample=document["options"].get("intersample"),
     )
 
 

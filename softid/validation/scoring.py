@@ -29,6 +29,7 @@ class _Scored:
     fingerprints: Mapping[str, str | None]
     fitted_logs: tuple[str, ...]
     issues: tuple[Issue, ...]
+    intersample: object
 
 
 def validate(
@@ -64,7 +65,8 @@ def validate(
         The response is not finite on a log.
     """
     scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
-    log_set = LogSet(tuple(without_dropouts(log) for log in as_log_set(logs)))
+    cleaned = (without_dropouts(log) for log in as_log_set(logs))
+    log_set = LogSet(tuple(log.with_intersample(scored.intersample) for log in cleaned))
     for log in log_set:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
             raise UsageError(
@@ -110,6 +112,7 @@ def _from_fit(result: FitResult) -> _Scored:
         dict(result.fingerprints),
         fitted,
         (),
+        result.options.get("intersample"),
     )
 
 
@@ -123,6 +126,7 @@ def _from_file(saved: SavedModel) -> _Scored:
         saved.fingerprints,
         saved.fitted_logs,
         saved.issues,
+        saved.intersample,
     )
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from softid.effects import EFFECTS, Effect, ExtendedModel, Scale
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models.muscle import Muscle
+from softid.segment import Segment
 
 SCALE = Scale(
     u_low=0.0,

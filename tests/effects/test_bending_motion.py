@@ -10,8 +10,9 @@ import pytest
 
 from softid.effects import EFFECTS, ExtendedModel, Scale
 from softid.effects.motion import simulate_motion
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models import Equilibrium
+from softid.segment import Segment
 
 THETA = np.array([4.5e-4, 0.2, -0.3, 1.3, 1.0, 1.0, 0.0, 0.0])
 ETA = {

@@ -77,3 +77,16 @@ def test_delay_of_zero_is_none() -> None:
 def test_delay_derivatives(sampling: str) -> None:
     """The model's derivatives against central differences, within 1e-4 of each column's largest."""
     assert jacobian_error(*extended("delay"), segment(sampling)) < 1e-4
+
+
+def test_a_held_jump_arrives_smoothly_in_the_delay() -> None:
+    """Closed form: what arrives adds up to the jump's level times the time since it arrived, for
+    any delay. Single times would have it arrive up to half of their distance off."""
+    ticks = np.arange(0.0, 1.0, 0.01)
+    time_s = np.sort(np.append(ticks, 0.3 - 1e-5))
+    u = np.where(time_s >= 0.3 - 1e-9, 100.0, 0.0)
+    for tau in (0.0, 0.0523, 0.1, 0.1071):
+        found = Delay().apply(np.array([tau]), time_s, u, SCALE)
+        cells = np.diff(np.concatenate((time_s[:1], 0.5 * (time_s[1:] + time_s[:-1]), time_s[-1:])))
+        arrived = float(np.sum(found * cells))
+        assert arrived == pytest.approx(100.0 * (0.99 - 0.3 - tau), abs=1e-3)

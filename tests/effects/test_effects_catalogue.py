@@ -17,10 +17,10 @@ from textbook_effects import (
 )
 
 from softid.effects import EFFECTS, Effect, ExtendedModel, Scale, StateEffect
-from softid.log import Segment
 from softid.models.base import Model
 from softid.models.muscle import Muscle
 from softid.models.oscillator import Oscillator
+from softid.segment import Segment
 
 NAMES = (
     "delay", "pneumatic_lag", "line_resonance", "valve_flow", "dead_zone",

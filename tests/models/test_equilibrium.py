@@ -9,10 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from softid.errors import UsageError
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models.actuator_geometry import Actuator
 from softid.models.equilibrium import NAMES, Equilibrium
 from softid.models.equilibrium_cautions import relative_condition
+from softid.segment import Segment
 
 THETA = np.array([4.5e-4, 0.2, -0.3, 1.3, 1.0, 1.0, 0.0, 0.0])
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from softid.errors import UsageError
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models.muscle import NAMES, Muscle
+from softid.segment import Segment
 
 TRUTH = {"M": 2e-3, "a1": 1 / 70, "b1": 2.8, "c1": 1.0, "a2": 0.02, "b2": 1.6, "c2": 0.25}
 THETA = np.array(list(TRUTH.values()))

@@ -7,8 +7,9 @@ import pytest
 from scipy.linalg import expm
 
 from softid.errors import UsageError
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models.oscillator import Oscillator
+from softid.segment import Segment
 
 THETA = np.array([0.5, 1.2, 30.0, 1.0, 0.0])
 

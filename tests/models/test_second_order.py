@@ -9,12 +9,13 @@ import numpy.typing as npt
 import pytest
 
 from softid.kernels.division import MAX_SUBSTEPS
-from softid.log import Log, Segment
+from softid.log import Log
 from softid.models.base import Model
 from softid.models.division import divide
 from softid.models.muscle import Muscle, MuscleLaw
 from softid.models.oscillator import Oscillator, OscillatorLaw
 from softid.models.second_order import faded, simulate_law, speeds
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 MUSCLE = np.array([2e-3, 1 / 70, 2.8, 1.0, 0.02, 1.6, 0.25])

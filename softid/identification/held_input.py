@@ -1,0 +1,70 @@
+"""Whether an input that jumps was held until the next sample, decided by what fits better."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import Issue
+from softid.fitters.output_error import output_error
+from softid.fitters.problem import Problem
+from softid.intersample import jumps
+from softid.log import LogSet
+
+Array = npt.NDArray[np.float64]
+
+BETTER_BY = 10.0
+"""n·ln(mean square) must fall by this much: both readings have the same number of unknowns."""
+
+
+def with_held_input(logs: LogSet) -> LogSet | None:
+    """The logs with an input that is held where it jumps; None where that is settled or no matter.
+
+    Parameters
+    ----------
+    logs
+        Logs to fit; the input of those that say what it does between samples stays as it is.
+    """
+    open_ones = [log for log in logs if log.intersample is None]
+    count = sum(jumps(log.channels[log.input].values).size for log in open_ones)
+    if count == 0:
+        return None
+    issue = Issue(
+        "held-input",
+        "info",
+        f"{logs.input} jumps {count} times within one sample; held until the next sample it "
+        "explains the output better than as straight lines between samples, and is taken so",
+        "record the pressure behind the valve, faster, if it is not a command",
+    )
+    changed = [log.with_intersample("held") for log in logs]
+    return LogSet((replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:]))
+
+
+def explains_better(problem: Problem, unknowns: Array, other: LogSet) -> bool:
+    """Whether a model explains other logs better than its own, of as many samples.
+
+    Parameters
+    ----------
+    problem, unknowns
+        A fit and its optimum; the search for the other one begins there.
+    other
+        The logs with another input.
+    """
+    values = dict(zip(problem.parameters.names, problem.theta(unknowns).tolist(), strict=True))
+    changed = Problem(problem.model, problem.parameters, other.logs)
+    draft = output_error(changed, [values], rng=np.random.default_rng(0), rounds=0)
+    if not np.isfinite(draft.cost):
+        return False
+    return _misfit(problem, unknowns) - _misfit(changed, draft.unknowns) > BETTER_BY
+
+
+def _misfit(problem: Problem, unknowns: Array) -> float:
+    """n·ln(mean square) over all channels."""
+    total = 0.0
+    blocks = list(problem.blocks(unknowns, derivatives=False))
+    for name in problem.outputs:
+        residual = np.concatenate([b.residual for b in blocks if b.channel == name])
+        total += residual.size * float(np.log(np.mean(residual**2) + np.finfo(float).tiny))
+    return total

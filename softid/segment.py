@@ -1,0 +1,87 @@
+"""A stretch of one log without a stall, as fits and simulations see it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.intersample import knots
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch of one log without a stall, with the roles resolved to arrays.
+
+    Attributes
+    ----------
+    log_name
+        The log that it is part of.
+    index
+        Position among the segments of that log.
+    start, stop
+        Half-open range of the log's samples.
+    time_s
+        Sample times, shape (n,).
+    input
+        The input channel's samples in its unit, shape (n,).
+    outputs
+        Output channel name → samples, each of shape (n,).
+    used
+        Output channel name → which samples count in the residual, each of shape (n,).
+    log_start_s
+        Time of the log's first sample.
+    is_sample
+        Which rows are samples, shape (n,), where others are knots of a held input; else None.
+    """
+
+    log_name: str
+    index: int
+    start: int
+    stop: int
+    time_s: Array
+    input: Array
+    outputs: Mapping[str, Array]
+    used: Mapping[str, BoolArray]
+    log_start_s: float = 0.0
+    is_sample: BoolArray | None = None
+
+    def samples_of(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Those of rows, the first axis of an array, that are samples."""
+        return values if self.is_sample is None else values[self.is_sample]
+
+    def without_knots(self) -> Segment:
+        """The samples alone, between which the input is straight."""
+        if self.is_sample is None:
+            return self
+        return replace(
+            self,
+            time_s=self.samples_of(self.time_s),
+            input=self.samples_of(self.input),
+            outputs={name: self.samples_of(y) for name, y in self.outputs.items()},
+            used={name: self.samples_of(used) for name, used in self.used.items()},
+            is_sample=None,
+        )
+
+
+def with_knots(segment: Segment) -> Segment:
+    """The segment with a row before every jump of its input, which no output was recorded at."""
+    knot_s, level = knots(segment.time_s, segment.input)
+    if knot_s.size == 0:
+        return segment
+    places = np.searchsorted(segment.time_s, knot_s)
+    is_sample = np.insert(np.ones(segment.time_s.size, bool), places, False)
+    return replace(
+        segment,
+        time_s=np.insert(segment.time_s, places, knot_s),
+        input=np.insert(segment.input, places, level),
+        outputs={name: np.insert(y, places, np.nan) for name, y in segment.outputs.items()},
+        used={name: np.insert(used, places, False) for name, used in segment.used.items()},
+        is_sample=is_sample,
+    )

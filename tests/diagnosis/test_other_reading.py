@@ -1,0 +1,31 @@
+"""The reading of the input between its samples, looked at again with a cause in the model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
+
+from softid.diagnosis.other_reading import better_reading, is_open, read_as
+from softid.log import LogSet
+
+LOG = linear_log(noise=0.01)
+"""Its pressure jumps every 5 s, and its answer is exact for straight lines between samples."""
+
+
+def test_a_wrong_reading_is_left_for_the_true_one() -> None:
+    """Stands on the truth of the log, at the true parameters."""
+    held = linear_problem(read_as([LOG], "held"))
+    z = held.unknowns(TRUTH)
+    assert better_reading(standing(held, z), SIGMA) == "straight"
+    straight = linear_problem(read_as([LOG], "straight"))
+    assert better_reading(standing(straight, z), SIGMA) is None
+
+
+def test_only_what_nobody_declared_is_open() -> None:
+    """Declared readings stay, and an input without a jump has but one."""
+    assert is_open(LogSet((LOG,)))
+    assert not is_open(LogSet(read_as([LOG], "straight")))
+    smooth = LOG.between(1.2, 3.4)
+    assert not is_open(LogSet((smooth,)))
+    assert not is_open(LogSet((LOG, replace(linear_log(seed=1), intersample="held"))))

@@ -1,0 +1,72 @@
+"""Whether a jump of the input was held is decided by what fits better, and stays in the record."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from softid.fitters.problem import Problem
+from softid.identification import fit
+from softid.identification.held_input import explains_better, with_held_input
+from softid.log import Log, LogSet
+from softid.models import Oscillator
+from softid.records import load_params, save_fit
+from softid.validation import validate
+
+PERIOD_S, TAU_S, NOISE = 0.02, 0.1, 0.005
+
+
+def stepped(seed: int, *, is_held: bool) -> Log:
+    """A first-order lag of 0.1 s behind random levels that jump at samples, in closed form."""
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.uniform(0.0, 100.0, 16), 50)
+    decay = np.exp(-PERIOD_S / TAU_S)
+    x = np.empty(u.size)
+    x[0] = u[0]
+    for k in range(u.size - 1):
+        rise = 0.0 if is_held else u[k + 1] - u[k]
+        # Exact over a straight piece: x follows u with the slope times τ behind it.
+        lag = rise / PERIOD_S * TAU_S
+        x[k + 1] = u[k] + rise - lag + (x[k] - u[k] + lag) * decay
+    y = 0.01 * x + rng.normal(0.0, NOISE, x.size)
+    time_s = PERIOD_S * np.arange(u.size)
+    return Log.from_arrays(time_s, {"pressure": u, "angle": y}, name=f"steps_{seed}")
+
+
+@pytest.mark.parametrize("is_held", [True, False])
+def test_the_true_reading_is_taken(is_held: bool, tmp_path: Path) -> None:
+    """Known truth: the time constant within its interval, the residual at the noise, and the same
+    reading for another log, also from the file. Straight in place of held is 10 ms early."""
+    found = fit(
+        stepped(0, is_held=is_held), model="oscillator", hold_out=stepped(1, is_held=is_held)
+    )
+    assert (found.options["intersample"] == "held") is is_held
+    assert any(issue.code == "held-input" for issue in found.issues) is is_held
+    interval = found.parameter("N").ci95
+    assert interval is not None
+    assert interval[0] <= 100.0 * TAU_S <= interval[1]
+    for row in found.statistics:
+        assert row.rmse == pytest.approx(NOISE, rel=0.1)
+    save_fit(found, tmp_path / "params.json")
+    for fitted in (found, load_params(tmp_path / "params.json")):
+        (row,) = validate(fitted, stepped(2, is_held=is_held)).statistics
+        assert row.rmse == pytest.approx(NOISE, rel=0.1)
+
+
+def test_a_log_that_says_it_is_believed() -> None:
+    """Declared as straight, a held input is not looked at again."""
+    log = replace(stepped(0, is_held=True), intersample="straight")
+    assert with_held_input(LogSet((log,))) is None
+    assert fit(log, model="oscillator").options["intersample"] == "straight"
+
+
+def test_the_same_logs_explain_nothing_better() -> None:
+    """No gain without a jump that is read otherwise."""
+    logs = LogSet((stepped(0, is_held=False),))
+    model = Oscillator(order="first", x_unit="rad", u_unit="kPa")
+    problem = Problem(model, model.parameters(), logs.logs)
+    unknowns = problem.unknowns({"N": 100.0 * TAU_S, "Q": 100.0})
+    assert not explains_better(problem, unknowns, logs)

@@ -1,0 +1,63 @@
+"""What the input does between its samples: jumps, knots, and the rows that are no samples."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softid.intersample import BEFORE, jumps, knots
+from softid.log import Log
+from softid.models import Oscillator
+from softid.simulation import simulate
+
+TIME_S = np.arange(0.0, 4.0, 0.01)
+STEP = np.where(TIME_S < 1.995, 0.0, 100.0)
+"""A jump between the samples at 1.99 s and 2.00 s."""
+
+
+def test_a_step_is_a_jump_and_a_valve_is_none() -> None:
+    """By construction: a lag of two samples is seen half way, noise alone never jumps."""
+    rng = np.random.default_rng(0)
+    assert jumps(STEP).tolist() == [199]
+    assert jumps(STEP + rng.normal(0.0, 0.3, STEP.size)).tolist() == [199]
+    lagged = 100.0 * -np.expm1(-np.maximum(TIME_S - 1.995, 0.0) / 0.02)
+    assert jumps(lagged).size == 0
+    assert jumps(100.0 * np.sin(3.0 * TIME_S)).size == 0
+    assert jumps(50.0 + rng.normal(0.0, 0.3, STEP.size)).size == 0
+    assert jumps(np.array([0.0, 1.0])).size == 0
+
+
+def test_a_spike_of_one_sample_is_no_step() -> None:
+    """A drop-out of the gauge goes and comes back: nothing is flat beside it."""
+    spiked = np.zeros(50)
+    spiked[20] = 100.0
+    assert jumps(spiked).size == 0
+
+
+def test_knots_lie_just_before_the_jump() -> None:
+    """The last level, a thousandth of the interval before the sample that has the next one."""
+    knot_s, level = knots(TIME_S, STEP)
+    np.testing.assert_allclose(knot_s, [2.0 - BEFORE * 0.01], rtol=0.0, atol=1e-12)
+    assert level.tolist() == [0.0]
+
+
+def test_rows_of_a_held_log_are_its_samples_again() -> None:
+    """A knot is in the segment, counts in no residual, and is gone in what a user sees."""
+    log = Log.from_arrays(TIME_S, {"pressure": STEP, "angle": 0.01 * STEP})
+    held = log.with_intersample("held")
+    assert (log.with_intersample("straight"), log.with_intersample(None)) == (log, log)
+    (segment,) = held.segments()
+    assert segment.time_s.size == TIME_S.size + 1
+    assert int(segment.used["angle"].sum()) == TIME_S.size
+    plain = segment.without_knots()
+    np.testing.assert_array_equal(plain.time_s, TIME_S)
+    np.testing.assert_array_equal(plain.input, STEP)
+    (straight,) = log.segments()
+    assert straight.without_knots() is straight
+    values = {"M": 0.0, "N": 10.0, "Q": 100.0, "G": 1.0, "offset": 0.0}
+    model = Oscillator(order="first", x_unit="rad", u_unit="kPa")
+    found = simulate(model, values, held)
+    assert found.outputs["angle"].shape == TIME_S.shape
+    exact = -np.expm1(-np.maximum(TIME_S - 2.0, 0.0) / 0.1)
+    np.testing.assert_allclose(found.outputs["angle"], exact, atol=1e-4)
+    early = simulate(model, values, log).outputs["angle"] - exact
+    assert early.max() > 0.03  # half a sample of 10 ms on a time constant of 100 ms
