@@ -12,9 +12,10 @@ from softid.diagnosis.candidates import Candidate, advance, prior_about
 from softid.diagnosis.held_out import HeldOut, hold_out_blocks
 from softid.diagnosis.scale import scale_of
 from softid.effects.base import Scale
-from softid.errors import IdentificationError
+from softid.errors import IdentificationError, UsageError
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.problem import Problem
+from softid.identification.preparation import named_model
 from softid.identification.workflow import Work, identify
 from softid.log import Log, LogSet
 from softid.models import MODELS
@@ -111,7 +112,13 @@ class Asked:
             Logs that judge.
         thorough
             As in `identify`.
+
+        Raises
+        ------
+        UsageError
+            The model is static.
         """
+        _require_motion(self.model)
         trained, held = (logs, None) if hold_out else hold_out_blocks(logs)
         work = identify(
             trained.logs,
@@ -120,11 +127,22 @@ class Asked:
             parameters=self.parameters,
             seed=self.seed,
             thorough=thorough,
+            moving=True,
             progress=self.progress,
         )
         base = _base(work, self.model)
         scale = scale_of(base.problem, base.minimum.point)
         return Beginning(work, base, scale, held or HeldOut(work.hold_out))
+
+
+def _require_motion(model: Model | str | None) -> None:
+    if model is None or named_model(model).states:
+        return
+    raise UsageError(
+        "a static model has no motion that an effect could act on",
+        value=named_model(model).name,
+        remedy="choose a model with one, such as muscle or oscillator",
+    )
 
 
 def _base(work: Work, asked: Model | str | None) -> Candidate:

@@ -80,6 +80,7 @@ def choose_model(
     rng: np.random.Generator,
     inverted: bool = False,
     preferred: Sequence[Model] = (),
+    moving: bool = False,
 ) -> ModelChoice:
     """Fit every model that takes these channels and keep the one that predicts best.
 
@@ -97,6 +98,8 @@ def choose_model(
         Whether the output falls as the input rises.
     preferred
         Models that come first, whatever their number of parameters: the user described them.
+    moving
+        Whether static models are left out.
 
     Raises
     ------
@@ -106,6 +109,8 @@ def choose_model(
         No model could be fitted.
     """
     candidates, refused = _candidates(logs, inverted=inverted, preferred=preferred)
+    if moving:
+        candidates = [model for model in candidates if model.states]
     if not candidates:
         raise UsageError(
             f"no model explains {' and '.join(logs.outputs)} from {logs.input} as it stands",

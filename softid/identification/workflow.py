@@ -145,6 +145,7 @@ def identify(
     preferred: Sequence[Model] = (),
     seed: int = 0,
     thorough: bool = True,
+    moving: bool = False,
     progress: Progress | None = None,
 ) -> Work:
     """Find the optimum of `fit`, without errors and scores.
@@ -155,6 +156,8 @@ def identify(
         As in `fit`.
     thorough
         Whether a motion that rings is looked for where the residual has structure.
+    moving
+        Whether softid may choose among models with a motion only.
 
     Raises
     ------
@@ -177,7 +180,9 @@ def identify(
     if model is None:
         report("choosing the model", 0.0)
         inverted = falls_with_input(log_set, rng=rng)
-        choice = choose_model(log_set, rng=rng, inverted=inverted, preferred=preferred)
+        choice = choose_model(
+            log_set, rng=rng, inverted=inverted, preferred=preferred, moving=moving
+        )
         adapted, starts = choice.model, choice.starts or None
         wishes = Wishes.of(adapted.parameters(), None)
     else:

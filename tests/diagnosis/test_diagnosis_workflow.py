@@ -11,7 +11,7 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log
 from softid.diagnoses import Verdict
 from softid.diagnosis import diagnose
 from softid.diagnosis.beginning import Asked
-from softid.errors import IdentificationError
+from softid.errors import IdentificationError, UsageError
 from softid.log import Log, LogSet
 from softid.models import Oscillator
 
@@ -58,6 +58,17 @@ def test_a_log_that_is_too_short_is_refused() -> None:
     short = linear_log(noise=0.01).between(0.0, 0.5)
     with pytest.raises(IdentificationError, match=r"too few samples.*softid fit"):
         diagnose(short, model="oscillator", effects=TWO)
+
+
+def test_a_static_model_is_refused_and_never_chosen() -> None:
+    """A curve has no motion: it is refused by name, and a log of a curve gets a model with one."""
+    with pytest.raises(UsageError, match=r"static.*polynomial.*muscle or oscillator"):
+        diagnose(linear_log(noise=0.01), model="polynomial", effects=TWO)
+    log = linear_log(noise=0.01)
+    pressure = log.channels["pressure"].values
+    curve = 1e-2 * pressure + 5e-5 * pressure**2
+    still = Log.from_arrays(log.time_s, {"pressure": pressure, "angle": curve}, name="still")
+    assert diagnose(still, effects=TWO).base.model.name in ("muscle", "oscillator")
 
 
 def test_noise_alone_is_adequate() -> None:
