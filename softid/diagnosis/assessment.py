@@ -8,13 +8,14 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from softid.chi_square import chi_square_tail
 from softid.diagnoses import Cause, Remainder, Verdict
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import Link
 from softid.diagnosis.noise_floor import NoiseFloor, noise_floor
 from softid.diagnosis.remainder import Structure, Surroundings, structure_of
 from softid.effects.base import Effect, Scale
-from softid.results import ParameterEstimate
+from softid.results import FitResult, ParameterEstimate
 
 Array = npt.NDArray[np.float64]
 
@@ -33,6 +34,12 @@ none."""
 
 LEAST_GAIN = 0.01
 """Share of the held-out error that a cause takes away at least, and a chain of them, too."""
+
+NO_EFFECT = 0.05
+"""Zero sizes that are no less likely than this are no effect."""
+
+ROUNDING = 1e-14
+"""Variances below this share of the largest are not told from it by the covariance's digits."""
 
 FAINT = 0.5
 """A held-out error counts as noise while its square is no more than this share above the noise's:
@@ -186,11 +193,13 @@ def nameable(
     return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))
 
 
-def stands(cause: Cause, effect: Effect) -> bool:
+def stands(cause: Cause, effect: Effect, extended: FitResult) -> bool:
     """Whether the numbers of a cause allow its name.
 
     It must take away a hundredth of the held-out error at least. Where its size may have either
     sign, an interval over zero is no effect, and a size at its bound stands for something else.
+    Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
+    unknown beside the base's own parameters, and their shape well known.
 
     Parameters
     ----------
@@ -198,17 +207,35 @@ def stands(cause: Cause, effect: Effect) -> bool:
         The cause with its parameters and its held-out error.
     effect
         Its effect.
+    extended
+        The fit with all causes, for the covariance of the sizes.
     """
     before, after = cause.holdout_rmse_before, cause.holdout_rmse_after
     if after > (1.0 - LEAST_GAIN) * before:
         return False
     names = {f"{effect.name}_{name}" for name in effect.amplitudes if effect.changes_sign}
     sizes = [p for p in cause.parameters if p.name in names]
-    return not sizes or not (any(p.at_bound for p in sizes) or all(_covers_zero(p) for p in sizes))
+    if any(p.at_bound for p in sizes):
+        return False
+    if len(sizes) == 1:
+        return not _covers_zero(sizes[0])
+    return not sizes or not _cover_zero_together(sizes, extended)
 
 
 def _covers_zero(parameter: ParameterEstimate) -> bool:
     return parameter.ci95 is not None and parameter.ci95[0] <= 0.0 <= parameter.ci95[1]
+
+
+def _cover_zero_together(sizes: Sequence[ParameterEstimate], extended: FitResult) -> bool:
+    """Whether zero lies in the 95 % region of Wald, z' C⁻¹ z, of all sizes at once."""
+    rows = [extended.free.index(p.name) for p in sizes if p.name in extended.free]
+    if extended.covariance is None or len(rows) < len(sizes):
+        return all(_covers_zero(p) for p in sizes)
+    z = np.array([p.value for p in sizes])
+    variances, axes = np.linalg.eigh(extended.covariance[np.ix_(rows, rows)])
+    least = max(ROUNDING * float(variances[-1]), np.finfo(float).tiny)
+    distance = float(np.sum((axes.T @ z) ** 2 / np.maximum(variances, least)))
+    return chi_square_tail(distance, len(sizes)) > NO_EFFECT
 
 
 def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remainder) -> Verdict:

@@ -133,7 +133,7 @@ def diagnose(
     errors = [held.first_errors(model) for model in models]
     causes = causes_of(chain, errors, after, rng)
     is_named = tuple(
-        sure and stands(cause, link.added)
+        sure and after is not None and stands(cause, link.added, after)
         for sure, cause, link in zip(is_named, causes, chain.links, strict=True)
     )
     told = list(zip(causes, is_named, strict=True))

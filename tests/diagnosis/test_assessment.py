@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from handmade import fit_result
 from handmade_diagnosis import cause, estimate, remainder
 from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
 
@@ -102,18 +103,30 @@ OVER_ZERO = replace(RATE, ci95=(-0.001, 0.02))
 )
 def test_what_a_name_needs(rate: ParameterEstimate, after: float, named: bool) -> None:
     """A hundredth of the error of 2 on what is held out, and a size that is seen."""
-    assert stands(cause("sensor_drift", [rate], before=2.0, after=after), DRIFT) is named
+    told = cause("sensor_drift", [rate], before=2.0, after=after)
+    assert stands(told, DRIFT, fit_result()) is named
 
 
-def test_a_curve_stands_on_any_of_its_sizes() -> None:
-    """One knot off zero is enough; a stiff obstacle may be as stiff as it is asked to be."""
-    zero = replace(OVER_ZERO, name="static_curve_k1")
-    seen = replace(RATE, name="static_curve_k2")
+@pytest.mark.parametrize(("second", "named"), [(-1.0, True), (1.0, False)])
+def test_a_curve_stands_on_its_shape(second: float, named: bool) -> None:
+    """Closed form: variances of 25 and a correlation of 0.9999 leave 0.0025 for the difference of
+    two knots, which is 2 or 0, and 50 for their sum, so z' C⁻¹ z is 800 or 0.04."""
     curve = effect_of("static_curve")
-    assert stands(cause("static_curve", [zero, seen], before=2.0, after=1.0), curve)
-    assert not stands(cause("static_curve", [zero], before=2.0, after=1.0), curve)
+    names = ("static_curve_k1", "static_curve_k2")
+    knots = [replace(estimate(n, 1.0, "rad"), ci95=(-9.0, 9.0)) for n in names]
+    knots[1] = replace(knots[1], value=second)
+    shape = 25.0 * np.array([[1.0, 0.9999], [0.9999, 1.0]])
+    fitted = replace(fit_result(), free=names, covariance=shape)
+    told = cause("static_curve", knots, before=2.0, after=1.0)
+    assert stands(told, curve, fitted) is named
+    assert not stands(told, curve, replace(fitted, covariance=None))
+
+
+def test_an_obstacle_may_be_as_stiff_as_it_is_asked_to_be() -> None:
+    """Its size has one sign, so that a bound says no more than that it is stiff."""
     stop = replace(estimate("contact_kw", 1e6, "1"), at_bound=True)
-    assert stands(cause("contact", [stop], before=2.0, after=1.0), effect_of("contact"))
+    contact = effect_of("contact")
+    assert stands(cause("contact", [stop], before=2.0, after=1.0), contact, fit_result())
 
 
 @pytest.mark.parametrize(
