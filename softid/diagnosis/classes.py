@@ -60,6 +60,14 @@ CLASSES: tuple[EquivalenceClass, ...] = (
 )
 """Algebra, not noise: more data of the same kind never splits them."""
 
+PRESLIDING = EquivalenceClass(
+    ("hysteresis of the material", "dry friction that gives way a little before it slides"),
+    ("hysteresis", "coulomb_friction"),
+    "Dry friction that gives way over so short a distance follows the same law as a hysteresis",
+    "the same log with the guides lubricated or taken off, where only a loop of the material stays",
+)
+"""One law, and the distance alone speaks for a guide that rubs or for a material that does."""
+
 SINE, STAIRCASE, STEPS, HOLD, CHIRP = (
     "a sine of 0.5 Hz",
     "a slow staircase up and down",

@@ -142,7 +142,9 @@ def alternatives_of(links: Sequence[Link]) -> tuple[Alternative, ...]:
                 name = link.added_by(row).name
                 bic[name] = min(bic.get(name, np.inf), row.bic - link.chosen.bic)
         found.append(
-            Alternative(link.rivals, {name: max(bic[name], 0.0) for name in link.rivals}, "")
+            Alternative(
+                link.rivals, {name: max(bic.get(name, 0.0), 0.0) for name in link.rivals}, ""
+            )
         )
     return tuple(found)
 

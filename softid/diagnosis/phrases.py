@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from softid.diagnoses import NOTABLE, Remainder
 from softid.effects import EFFECTS
+from softid.results import ParameterEstimate
 
 VARIABLES = {
     "x": "the position",
@@ -16,15 +18,26 @@ VARIABLES = {
     "t": "the time",
     "x and v": "position and speed together",
 }
+VARIATIONS = {
+    "x": "more positions over the whole range",
+    "v": "slower and faster moves",
+    "p": "more levels of the input",
+    "rate of p": "slower and faster changes of the input",
+    "lagged p": "holds of several lengths",
+    "x and v": "every position passed at several speeds",
+}
+"""What would show a dependence on each of them better."""
+
 MOST_VARIABLES = 2
+MOST_PARAMETERS = 3
 
 
 def variables_left(remainder: Remainder) -> list[str]:
-    """The variables that predict most of what is left, in words; none where chance does as well."""
+    """The variables that predict most of what is left; none where chance does as well."""
     if not remainder.predictable:
         return []
     ranked = sorted(remainder.by.items(), key=lambda item: -item[1])
-    return [VARIABLES.get(k, k) for k, share in ranked if share > NOTABLE][:MOST_VARIABLES]
+    return [k for k, share in ranked if share > NOTABLE][:MOST_VARIABLES]
 
 
 def title_of(key: str) -> str:
@@ -58,3 +71,28 @@ def percent(value: float) -> str:
 def percent_range(interval: tuple[float, float]) -> str:
     """An interval of shares in per cent."""
     return f"{100.0 * interval[0]:z.0f} to {100.0 * interval[1]:z.0f} %"
+
+
+def values_of(parameters: Sequence[ParameterEstimate]) -> str:
+    """The first parameters with their intervals."""
+    told = [_value(p) for p in parameters[:MOST_PARAMETERS]]
+    more = len(parameters) - len(told)
+    if more > 0:
+        told.append(f"{more} more parameter{'s' if more > 1 else ''}")
+    return listed(told) if told else "parameters that could not be told"
+
+
+def _value(p: ParameterEstimate) -> str:
+    unit = "" if p.unit == "1" else f" {p.unit}"
+    name = p.name
+    for key in sorted(EFFECTS, key=len, reverse=True):
+        name = p.name.removeprefix(f"{key}_")
+        if name != p.name:
+            break
+    ends = p.ci95
+    low, high = (
+        "…" if e is None or not math.isfinite(e) else f"{e:.3g}" for e in ends or (None,) * 2
+    )
+    interval = f" [{low}, {high}]" if ends is not None else ""
+    bound = ", at its bound" if p.at_bound else ""
+    return f"{name} = {p.value:.3g}{interval}{unit}{bound}"

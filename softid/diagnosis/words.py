@@ -8,21 +8,25 @@ from dataclasses import replace
 
 from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
 from softid.diagnosis.chain import INDISTINCT
-from softid.diagnosis.classes import classes_of, splitting_experiment, why_unsplit
+from softid.diagnosis.classes import PRESLIDING, classes_of, splitting_experiment, why_unsplit
 from softid.diagnosis.phrases import (
     VARIABLES,
+    VARIATIONS,
     listed,
     lowered,
     percent,
     percent_range,
     title_of,
     titles_of,
+    values_of,
     variables_left,
 )
 from softid.effects import EFFECTS
-from softid.results import FitResult, ParameterEstimate
+from softid.results import FitResult
 
-MOST_PARAMETERS = 3
+ENOUGH = 0.9
+"""From this share on it is not the misfit that forbids a name."""
+
 FAR_APART = 0.15
 """A law does not carry over when so much less of the misfit goes on what is held out."""
 
@@ -35,10 +39,7 @@ def worded(found: Diagnosis) -> Diagnosis:
     found
         A diagnosis in numbers; words that it has already stay, but for the paragraph.
     """
-    alternatives = tuple(
-        a if a.why else replace(a, why=why_unsplit(a.effects, alike=_are_alike(a)))
-        for a in found.alternatives
-    )
+    alternatives = tuple(a if a.why else replace(a, why=_why_tied(a)) for a in found.alternatives)
     following = found.next_experiment or what_next(
         found.verdict, alternatives=alternatives, remainder=found.remainder
     )
@@ -57,8 +58,19 @@ def worded(found: Diagnosis) -> Diagnosis:
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
 
 
+def _why_tied(alternative: Alternative) -> str:
+    if _is_presliding(alternative):
+        return f"{PRESLIDING.why}. What splits them: {PRESLIDING.splits}."
+    return why_unsplit(alternative.effects, alike=_are_alike(alternative))
+
+
 def _are_alike(alternative: Alternative) -> bool:
     return max(alternative.delta_bic.values(), default=0.0) < INDISTINCT
+
+
+def _is_presliding(alternative: Alternative) -> bool:
+    """Whether it is the law, not the logs, that makes a tie."""
+    return set(alternative.effects) == set(PRESLIDING.effects) and not _are_alike(alternative)
 
 
 def summarise(
@@ -121,19 +133,21 @@ def what_next(
     verdict, alternatives, remainder
         As in `Diagnosis`.
     """
-    for alternative in alternatives:
+    for alternative in alternatives if verdict is not Verdict.UNKNOWN else ():
+        if _is_presliding(alternative):
+            return f"record {PRESLIDING.splits}"
         split = splitting_experiment(alternative.effects)
         if split is not None:
             either = titles_of(alternative.effects)
             return f"record {split.experiment}, to tell {either} apart"
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
-        named = variables_left(remainder)
+        left = variables_left(remainder)
         rest = "" if remainder.noise_from_rest else ", and with a rest of 30 s that shows the noise"
-        if named == [VARIABLES["t"]]:
+        if left == ["t"]:
             return f"record the same for longer, to see how it goes on{rest}"
-        varied = [name for name in named if name != VARIABLES["t"]]
+        varied = [VARIATIONS[name] for name in left if name in VARIATIONS]
         if varied:
-            return f"repeat these logs with more variation of {' and of '.join(varied)}{rest}"
+            return f"repeat these logs with {' and '.join(varied)}{rest}"
         return f"record the same path once slowly and once fast{rest}"
     return None
 
@@ -220,7 +234,7 @@ def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
 
 
 def _unknown(teller: _Teller, tried: Sequence[Cause], remainder: Remainder) -> list[str]:
-    told = ["Something is missing, and no effect of the catalogue can be named for it."]
+    told = ["Something is missing, and none of the effects tried can be named for it."]
     if tried:
         names = " with ".join(title_of(cause.key) for cause in tried)
         told.append(f"The best description, {names}, takes away {_taken(remainder)}.")
@@ -234,6 +248,8 @@ def _taken(remainder: Remainder) -> str:
     """How much of the misfit goes, and why that names no cause."""
     taken = f"{percent(remainder.explained_share)} of the misfit above the noise"
     if remainder.explained_share - remainder.held_out_share < FAR_APART:
+        if remainder.explained_share > ENOUGH:
+            return f"{taken}, but its law is not sure enough for a name"
         return f"{taken}, which is too little for a cause"
     held = percent(remainder.held_out_share)
     return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
@@ -253,7 +269,7 @@ def _partial(teller: _Teller, remainder: Remainder) -> list[str]:
 
 
 def _left(teller: _Teller, remainder: Remainder) -> str:
-    named = variables_left(remainder)
+    named = [VARIABLES.get(name, name) for name in variables_left(remainder)]
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.predictable:
         told += f"is not noise: {_structure(remainder)}"
@@ -279,12 +295,16 @@ def _explained(
     for number, cause in enumerate(causes, start=1):
         tie = next((a for a in alternatives if cause.effect in a.effects), None)
         opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
-        values = _values(cause.parameters)
+        values = values_of(cause.parameters)
         if tie is not None:
             named = titles_of(tie.effects, last=" or ")
+            if _is_presliding(tie):
+                reason = f"{PRESLIDING.why}. As {title_of(cause.key)} it"
+            else:
+                reason = f"The first by a little, {title_of(cause.key)},"
             told.append(
-                f"{opening} one of these, and the logs do not say which: {named}. The first by a "
-                f"little, {title_of(cause.key)}, would have {values}."
+                f"{opening} one of these, and the logs do not say which: {named}. {reason} would "
+                f"have {values}."
             )
         else:
             told.append(
@@ -318,12 +338,16 @@ def _evidence(
     tied = {cause.effect, *(tie.effects if tie else ())}
     raced = [e for e in evidence if e.round == number and e.effect.split(".")[0] not in tied]
     rivals = [(e.delta_bic, e.effect) for e in raced if e.effect and e.delta_bic is not None]
-    if rivals:
+    ahead = sorted({key for delta, key in rivals if delta > cause.delta_bic})
+    if ahead:
+        verb = "lowers" if len(ahead) == 1 else "lower"
+        told += f"; {titles_of(ahead)} {verb} it more, but not the error on what is held out"
+    elif rivals:
         delta, key = max(rivals)
         told += f"; the next best, {title_of(key)}, stays {cause.delta_bic - delta:.0f} behind"
     confused = [] if tie else _neighbours(cause.effect)
     if confused:
-        known = {e.effect for e in raced}
+        known = {e.effect for e in raced} - {key.split(".")[0] for key in ahead}
         also = ", which explain these logs less well" if known.issuperset(confused) else ""
         told += f". It is easily confused with {listed([title_of(n) for n in confused])}{also}"
     return told + "."
@@ -346,30 +370,6 @@ def _next(
     if verdict is Verdict.UNKNOWN:
         told.append("Look at the plots of what is left against position, speed, input and time.")
     return told
-
-
-def _values(parameters: Sequence[ParameterEstimate]) -> str:
-    told = [_value(p) for p in parameters[:MOST_PARAMETERS]]
-    more = len(parameters) - len(told)
-    if more > 0:
-        told.append(f"{more} more parameter{'s' if more > 1 else ''}")
-    return listed(told) if told else "parameters that could not be told"
-
-
-def _value(p: ParameterEstimate) -> str:
-    unit = "" if p.unit == "1" else f" {p.unit}"
-    name = p.name
-    for key in sorted(EFFECTS, key=len, reverse=True):
-        name = p.name.removeprefix(f"{key}_")
-        if name != p.name:
-            break
-    ends = p.ci95
-    low, high = (
-        "…" if e is None or not math.isfinite(e) else f"{e:.3g}" for e in ends or (None,) * 2
-    )
-    interval = f" [{low}, {high}]" if ends is not None else ""
-    bound = ", at its bound" if p.at_bound else ""
-    return f"{name} = {p.value:.3g}{interval}{unit}{bound}"
 
 
 def _neighbours(effect: str) -> tuple[str, ...]:

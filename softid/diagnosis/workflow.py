@@ -21,6 +21,7 @@ from softid.diagnosis.assessment import (
 from softid.diagnosis.beginning import Asked, Beginning, Progress, require_enough
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import MAX_LINKS, Chain, find_chain
+from softid.diagnosis.credibility import credible, with_presliding
 from softid.diagnosis.findings import (
     alternatives_of,
     causes_of,
@@ -124,9 +125,24 @@ def diagnose(
         if other.base.squares < BETTER_BASE * start.base.squares:
             start = other
             chain, remainder, is_named = _searched(start, effects, report, seed, None)
+    report("computing errors", 0.9)
+    found = _answer(start, chain, remainder, is_named, seed)
+    remarks = (*restriction(effects), *averaged_over(count))
+    if has_spring(start.base):
+        remarks = (*remarks, *sets_left(log_set))
+    return worded(replace(found, issues=(*found.issues, *remarks)))
+
+
+def _answer(
+    start: Beginning,
+    chain: Chain,
+    remainder: Remainder,
+    is_named: tuple[bool, ...],
+    seed: int,
+) -> Diagnosis:
+    """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
     work, held, base = start.work, start.held, start.base
     rng = np.random.default_rng(seed)
-    report("computing errors", 0.9)
     before = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
     after = _fit_of(chain.final, work, seed) if chain.links else None
     models = prefixes(chain, base, start.scale, dict(work.found.optimum.sigma))
@@ -136,29 +152,28 @@ def diagnose(
         sure and after is not None and stands(cause, link.added, after)
         for sure, cause, link in zip(is_named, causes, chain.links, strict=True)
     )
+    is_named = credible(chain.links, causes, is_named, chain.final.squares)
+    links = [
+        with_presliding(link, cause, start.scale)
+        for link, cause in zip(chain.links, causes, strict=True)
+    ]
     told = list(zip(causes, is_named, strict=True))
-    named = [link for link, sure in zip(chain.links, is_named, strict=True) if sure]
-    found = Diagnosis(
-        verdict=verdict_of(chain.links, is_named, remainder),
+    named = [link for link, sure in zip(links, is_named, strict=True) if sure]
+    return Diagnosis(
+        verdict=verdict_of(links, is_named, remainder),
         summary="",
         base=before,
         extended=after,
         causes=tuple(cause for cause, sure in told if sure),
         descriptive=tuple(cause for cause, sure in told if not sure),
-        alternatives=alternatives_of(named or chain.links),
+        alternatives=alternatives_of(named or links),
         remainder=remainder,
         gains=gains_of(base, chain.final, held, before),
         evidence=evidence_of(chain),
         next_experiment=None,
-        issues=(
-            *(after if after is not None and named else before).issues,
-            *restriction(effects),
-            *averaged_over(count),
-            *(sets_left(log_set) if has_spring(base) else ()),
-        ),
+        issues=(after if after is not None and named else before).issues,
         gain_ci95=whole_gain_of(errors, rng),
     )
-    return worded(found)
 
 
 def _cleaned(log: Log) -> Log:

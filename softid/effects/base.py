@@ -102,6 +102,8 @@ class Effect(ABC):
         What it leaves in the residual of a model that ignores it.
     neighbours
         Effects that it can be confused with.
+    draws
+        Effects whose law this one can draw, so that both together stand for neither.
     remedy
         What to do in hardware, or an empty text when there is nothing.
     shown_by
@@ -123,6 +125,7 @@ class Effect(ABC):
     meaning: ClassVar[str]
     signature: ClassVar[str]
     neighbours: ClassVar[tuple[str, ...]] = ()
+    draws: ClassVar[tuple[str, ...]] = ()
     remedy: ClassVar[str] = ""
     shown_by: ClassVar[str]
     source: ClassVar[str]

@@ -57,6 +57,7 @@ class StaticCurve(StateEffect):
         "down, and stays as long as the level is held."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("stiffening", "contact", "dead_zone")
+    draws: ClassVar[tuple[str, ...]] = ("stiffening",)
     remedy: ClassVar[str] = "none is needed: use the measured curve for control"
     shown_by: ClassVar[str] = "held levels over the full range, up and down"
     source: ClassVar[str] = "de Boor, A Practical Guide to Splines, ch. IV"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from handmade_diagnosis import DELAY, FRICTION, diagnosis, odd_diagnosis
+from handmade_diagnosis import DELAY, FRICTION, cause, diagnosis, estimate, odd_diagnosis
 
-from softid.diagnoses import Diagnosis, Verdict
+from softid.diagnoses import Alternative, Diagnosis, Evidence, Verdict
 from softid.diagnosis.remarks import restriction
-from softid.diagnosis.words import summarise, what_next
+from softid.diagnosis.words import summarise, what_next, worded
 from softid.effects import EFFECTS
 
 
@@ -112,7 +112,7 @@ def test_ambiguous_names_the_set_and_what_splits_it() -> None:
 def test_unknown_names_no_cause() -> None:
     """The best description is called a description, with the share that it takes away."""
     text = told(diagnosis(Verdict.UNKNOWN))
-    assert "no effect of the catalogue can be named" in text
+    assert "none of the effects tried can be named" in text
     assert "The best description, dry friction, takes away 60 %" in text
     assert "The cause" not in text
     assert "In hardware" not in text
@@ -164,10 +164,7 @@ def test_what_next_follows_the_verdict() -> None:
         assert what_next(verdict, alternatives=(), remainder=found.remainder) is None
     rest = diagnosis(Verdict.UNKNOWN).remainder
     asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=rest)
-    assert (
-        asked
-        == "repeat these logs with more variation of the speed and of the input a while before"
-    )
+    assert asked == "repeat these logs with slower and faster moves and holds of several lengths"
     in_time = replace(rest, by={"t": 0.3})
     asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=in_time)
     assert asked == "record the same for longer, to see how it goes on"
@@ -184,3 +181,29 @@ def test_a_search_among_few_effects_says_so() -> None:
     (issue,) = restriction(("delay", "creep"))
     assert issue.message.startswith("only delay and creep were considered")
     assert issue.remedy
+
+
+def test_a_presliding_is_told_as_one_law() -> None:
+    """Friction 455 of BIC behind a short hysteresis is no close second, but the same law."""
+    behind = {"hysteresis": 0.0, "coulomb_friction": 455.0}
+    tie = Alternative(("hysteresis", "coulomb_friction"), behind, "")
+    made = diagnosis(Verdict.AMBIGUOUS)
+    loop = cause("hysteresis", [estimate("hysteresis_zs", 0.1, "rad")], before=2.0, after=1.0)
+    found = worded(
+        replace(made, causes=(loop,), alternatives=(tie,), next_experiment=None, summary="")
+    )
+    assert "over so short a distance follows the same law" in found.summary
+    assert "by a little" not in found.summary
+    assert "guides lubricated or taken off" in found.alternatives[0].why
+    assert found.next_experiment is not None
+    assert "guides lubricated" in found.next_experiment
+
+
+def test_a_rival_that_is_ahead_is_not_behind() -> None:
+    """The best by BIC raised the error on what is held out, so that the next one was taken."""
+    rows = [Evidence(1, e, fall, 0.1) for e, fall in (("stiffening", 530.0), ("delay", 412.0))]
+    made = diagnosis(Verdict.NAMED)
+    drift = cause("delay", [estimate("delay_tau", 0.1, "s")], before=2.0, after=1.0)
+    told = worded(replace(made, causes=(drift,), evidence=tuple(rows), summary="")).summary
+    assert "stiffening with deformation lowers it more, but not the error" in told
+    assert "behind" not in told
