@@ -48,11 +48,15 @@ def credible(
             continue
         if _draws(effects[early], effects[late]) or _draws(effects[late], effects[early]):
             kept[early] = kept[late] = counted[early] = counted[late] = False
-        elif taken[late] < SLIGHT * taken[early] or any(p.at_bound for p in causes[late].parameters):
+        elif taken[late] < SLIGHT * taken[early] or _is_bounded(causes[late]):
             kept[late] = False
     if sum(t for t, counts in zip(taken, counted, strict=True) if counts) < MAIN * sum(taken):
         return (False,) * len(links)
     return tuple(kept)
+
+
+def _is_bounded(cause: Cause) -> bool:
+    return any(p.at_bound for p in cause.parameters)
 
 
 def _pairs_alike(effects: Sequence[Effect]) -> list[tuple[int, int]]:
