@@ -9,6 +9,7 @@ from dataclasses import replace
 from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
 from softid.diagnosis.chain import INDISTINCT
 from softid.diagnosis.classes import PRESLIDING, classes_of, splitting_experiment, why_unsplit
+from softid.diagnosis.marks import CODES
 from softid.diagnosis.phrases import (
     VARIABLES,
     VARIATIONS,
@@ -54,6 +55,7 @@ def worded(found: Diagnosis) -> Diagnosis:
         evidence=found.evidence,
         next_experiment=following,
         gain_ci95=found.gain_ci95,
+        marks=[issue.message for issue in found.issues if issue.code in CODES],
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
 
@@ -85,6 +87,7 @@ def summarise(
     evidence: Sequence[Evidence] = (),
     next_experiment: str | None = None,
     gain_ci95: tuple[float, float] | None = None,
+    marks: Sequence[str] = (),
 ) -> str:
     """What is wrong, by how much, why we think so, what it could be confused with, what to do next.
 
@@ -96,6 +99,8 @@ def summarise(
         The fit without effects, which tells model, outputs and units.
     causes, descriptive, alternatives, remainder, gains, evidence, next_experiment, gain_ci95
         As in `Diagnosis`.
+    marks
+        What `marks_in` found.
 
     Returns
     -------
@@ -117,7 +122,8 @@ def summarise(
             told += _partial(teller, remainder)
         else:
             told.append(f"What is left, {teller.size(remainder.rms)} rms, looks like noise.")
-    if verdict is Verdict.ADEQUATE and not next_experiment:
+    told += [f"{mark[:1].upper()}{mark[1:]}." for mark in marks]
+    if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend())
     told += _next(verdict, causes, alternatives, next_experiment)
     return " ".join(sentence for sentence in told if sentence)

@@ -16,6 +16,7 @@ from softid.diagnosis.assessment import (
     held_out_share,
     nameable,
     stands,
+    surroundings,
     verdict_of,
 )
 from softid.diagnosis.beginning import Asked, Beginning, Progress, require_enough
@@ -32,6 +33,7 @@ from softid.diagnosis.findings import (
 from softid.diagnosis.held_out import BETTER, NO_WORSE
 from softid.diagnosis.indistinct import with_rivals_in_misfit
 from softid.diagnosis.input_noise import without_input_noise
+from softid.diagnosis.marks import marks_in
 from softid.diagnosis.other_reading import better_reading, is_open, read_as
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
@@ -159,6 +161,14 @@ def _answer(
     ]
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, sure in zip(links, is_named, strict=True) if sure]
+    row = next(r for r in before.statistics if r.channel == before.outputs[0])
+    marks = marks_in(
+        surroundings(chain.final),
+        start.scale.motion_s,
+        channel=row.channel,
+        unit=row.display_unit,
+        factor=row.display_factor,
+    )
     return Diagnosis(
         verdict=verdict_of(links, is_named, remainder),
         summary="",
@@ -171,7 +181,7 @@ def _answer(
         gains=gains_of(base, chain.final, held, before),
         evidence=evidence_of(chain),
         next_experiment=None,
-        issues=(after if after is not None and named else before).issues,
+        issues=(*(after if after is not None and named else before).issues, *marks),
         gain_ci95=whole_gain_of(errors, rng),
     )
 
