@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
 import pytest
 
-from softid.diagnoses import Verdict
+from softid.diagnoses import Cause, Verdict
 from softid.diagnosis import diagnose
 from softid.effects import EFFECTS
 from softid.synthesis import hidden_pair
@@ -14,8 +17,20 @@ from softid.synthesis.rig import Rig
 FROM_TRUTH = 0.2
 """A parameter counts as recovered within its interval or a fifth of the truth."""
 
-NOISE_SHARE = 1.1
-"""The true structure leaves the noise; nine tenths of its gain leave little more."""
+GAIN_SHARE = 0.9
+"""The gain is at least nine tenths of that of the true law, which leaves the noise."""
+
+SEEN = 0.5
+"""A misfit of half of the noise is seen."""
+
+USUAL, SLOW_NOISE = Rig(), Rig(coloured_share=0.9, rest_s=30.0)
+DRAWS = range(100, 108)
+PAIRS = [
+    ["delay", "creep"],
+    ["pneumatic_lag", "coulomb_friction"],
+    ["hysteresis", "sensor_drift"],
+    ["sensor_clipping", "contact"],
+]
 
 
 def test_clean_data_are_adequate() -> None:
@@ -26,41 +41,91 @@ def test_clean_data_are_adequate() -> None:
     assert not found.causes
 
 
-def hide_and_find(name: str, seed: int) -> None:
-    pair = hidden_pair([name], seed=seed)
+@dataclass(frozen=True)
+class Outcome:
+    """One diagnosis of logs with hidden effects, held against their truth.
+
+    Attributes
+    ----------
+    told, tied
+        Effects that are named, and all that are in a tie.
+    misfit
+        Root mean square misfit of the base over the noise.
+    is_right
+        Whether the hidden effects are named and no others, or stand in a tie.
+    is_misnamed
+        Whether an effect that is not hidden is named without a tie.
+    is_recovered
+        Whether every parameter of a hidden effect that was named lies in its interval or within a
+        fifth of the truth.
+    gain, oracle_gain
+        Fall of the held-out error as a share of it, and what leaves nothing but the noise.
+    """
+
+    told: frozenset[str]
+    tied: frozenset[str]
+    misfit: float
+    is_right: bool
+    is_misnamed: bool
+    is_recovered: bool
+    gain: float
+    oracle_gain: float
+
+
+def outcome_of(names: Sequence[str], seed: int, rig: Rig = USUAL) -> Outcome:
+    """Hide effects of a random size and sign, diagnose, and compare with the truth."""
+    pair = hidden_pair(names, seed=seed, rig=rig)
     train, hold_out = pair.logs
     found = diagnose(train, hold_out=[hold_out], model="muscle")
-    told = {cause.effect for cause in found.causes}
-    tied = {effect for alternative in found.alternatives for effect in alternative.effects}
-    assert found.verdict in (Verdict.NAMED, Verdict.AMBIGUOUS)
-    assert name in told | tied
-    if found.verdict is Verdict.NAMED:
-        assert told == {name}
-        truth = pair.hidden[name]
-        for estimate in found.causes[0].parameters:
-            true = truth.get(estimate.name.removeprefix(f"{name}_"))
-            if true is None:
-                continue
-            inside = estimate.ci95 is not None and estimate.ci95[0] <= true <= estimate.ci95[1]
-            assert inside or abs(estimate.value - true) <= FROM_TRUTH * abs(true)
-    noise = next(iter(pair.hold_out.sigma[c] for c in pair.hold_out.sigma if "pressure" not in c))
-    assert found.causes[-1].holdout_rmse_after <= NOISE_SHARE * noise
+    told = frozenset(cause.effect for cause in found.causes)
+    tied = frozenset(e for alternative in found.alternatives for e in alternative.effects)
+    (channel,) = (c for c in pair.train.sigma if "pressure" not in c)
+    inside, outside = (next(g for g in found.gains if g.held_out is h) for h in (False, True))
+    excess = inside.rmse_before**2 / pair.train.sigma[channel] ** 2 - 1.0
+    before = outside.rmse_before
+    return Outcome(
+        told=told,
+        tied=tied,
+        misfit=max(excess, 0.0) ** 0.5,
+        is_right=told == set(names) or (bool(tied) and set(names) <= told | tied),
+        is_misnamed=bool(told - set(names) - tied),
+        is_recovered=all(
+            is_near(cause, pair.hidden.get(cause.effect, {})) for cause in found.causes
+        ),
+        gain=1.0 - outside.rmse_after / before,
+        oracle_gain=max(1.0 - pair.hold_out.sigma[channel] / before, 0.0),
+    )
+
+
+def is_near(cause: Cause, truth: Mapping[str, float]) -> bool:
+    """Whether every parameter with a true value lies in its interval or within a fifth of it."""
+    for estimate in cause.parameters:
+        true = truth.get(estimate.name.removeprefix(f"{cause.effect}_"))
+        if true is None:
+            continue
+        inside = estimate.ci95 is not None and estimate.ci95[0] <= true <= estimate.ci95[1]
+        if not inside and abs(estimate.value - true) > FROM_TRUTH * abs(true):
+            return False
+    return True
 
 
 @pytest.mark.parametrize("name", ["creep", "sensor_clipping"])
 def test_a_hidden_effect_is_found(name: str) -> None:
     """Stands on the generator's truth; the seed is arbitrary."""
-    hide_and_find(name, seed=7)
+    found = outcome_of([name], seed=7)
+    assert found.told == {name}
+    assert found.is_recovered
+    assert found.gain >= GAIN_SHARE * found.oracle_gain
 
 
 def test_two_hidden_effects_are_both_found() -> None:
     """Stands on the generator's truth: a lag and a drift hide each other in nothing."""
-    assert set(told_of(["sensor_drift", "delay"], seed=7)) == {"sensor_drift", "delay"}
+    assert outcome_of(["sensor_drift", "delay"], seed=7).told == {"sensor_drift", "delay"}
 
 
 def test_what_the_catalogue_does_not_know_is_not_named() -> None:
     """Stands on the generator's truth: a gain that swings in time is no effect of the catalogue."""
-    assert told_of(["periodic_gain"], seed=7) == ()
+    assert outcome_of(["periodic_gain"], seed=7).told == frozenset()
 
 
 def test_a_slow_sine_does_not_split_delay_and_lag() -> None:
@@ -71,50 +136,44 @@ def test_a_slow_sine_does_not_split_delay_and_lag() -> None:
     assert {"delay", "pneumatic_lag"} <= set(found.alternatives[0].effects)
 
 
-def told_of(names: list[str], seed: int) -> tuple[str, ...]:
-    pair = hidden_pair(names, seed=seed)
-    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
-    return tuple(cause.effect for cause in found.causes)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 108))
-@pytest.mark.parametrize(
-    "names",
-    [
-        ["delay", "creep"],
-        ["pneumatic_lag", "coulomb_friction"],
-        ["hysteresis", "sensor_drift"],
-        ["sensor_clipping", "contact"],
-    ],
-    ids="+".join,
-)
-def test_pairs_are_found(names: list[str], seed: int) -> None:
-    """Stands on the generator's truth, for eight draws of pairs of different kinds."""
-    assert set(told_of(names, seed)) == set(names)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 104))
-@pytest.mark.parametrize("name", names_of("outside"))
-def test_nothing_outside_the_catalogue_is_misnamed(name: str, seed: int) -> None:
-    """Stands on the generator's truth: none of these laws is in the catalogue."""
-    assert told_of([name], seed) == ()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 108))
-def test_clean_data_stay_adequate(seed: int) -> None:
-    """Stands on the generator's truth, with noise that is white and with 90 % coloured noise."""
-    for rig in (Rig(), Rig(coloured_share=0.9, rest_s=30.0)):
-        pair = hidden_pair([], seed=seed, rig=rig)
-        found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
-        assert found.verdict is Verdict.ADEQUATE
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 108))
 @pytest.mark.parametrize("name", sorted({key for key in EFFECTS if "." not in key}))
-def test_every_hidden_effect_is_found(name: str, seed: int) -> None:
-    """Stands on the generator's truth, for eight draws of every effect."""
-    hide_and_find(name, seed)
+def test_every_hidden_effect_is_found(name: str) -> None:
+    """Eight draws; the truth is the generator's.
+
+    At a rate of 98 % two of eight fail once in a hundred times, so that one may. A misfit below
+    half of the noise may stay unnamed. The gain is held against that of the true law.
+    """
+    drawn = [outcome_of([name], seed) for seed in DRAWS]
+    seen = [o for o in drawn if o.misfit >= SEEN]
+    assert sum(not o.is_right for o in seen) <= 1
+    assert sum(not o.is_recovered for o in seen) <= 1
+    assert sum(o.gain < GAIN_SHARE * o.oracle_gain for o in seen) <= 1
+    assert sum(o.is_misnamed for o in drawn) <= 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("names", PAIRS, ids="+".join)
+def test_pairs_are_found(names: list[str]) -> None:
+    """Eight draws of pairs of different kinds; both right in nine of ten, so in six of eight but
+    once in twenty times, and a third name beside them no oftener than a wrong one."""
+    drawn = [outcome_of(names, seed) for seed in DRAWS]
+    assert sum(o.is_right for o in drawn) >= 6
+    assert sum(o.is_misnamed for o in drawn) <= 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", names_of("outside"))
+def test_nothing_outside_the_catalogue_is_misnamed(name: str) -> None:
+    """Eight draws; none of these laws is in the catalogue, and 95 % may not be misnamed."""
+    drawn = [outcome_of([name], seed) for seed in DRAWS]
+    assert sum(o.is_misnamed for o in drawn) <= 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "rig", [Rig(), Rig(coloured_share=0.9, rest_s=30.0)], ids=["white", "slow"]
+)
+def test_clean_data_stay_adequate(rig: Rig) -> None:
+    """Eight draws with noise that is white, and that is slow beside a rest that shows it."""
+    assert not any(outcome_of([], seed, rig).told for seed in DRAWS)
