@@ -264,8 +264,13 @@ def alternatives(candidate: Candidate) -> list[Candidate]:
         {name: p.value for name, p in change.items() if not p.fixed}
         for change in candidate.problem.model.alternatives(candidate.parameters)
     ]
-    changes += [change] if (change := _lag_for_inertia(candidate)) else []
-    return [_moved(candidate, change) for change in changes]
+    return [_moved(candidate, change) for change in changes] + exchanged(candidate)
+
+
+def exchanged(candidate: Candidate) -> list[Candidate]:
+    """The candidate with the times of its inertia and its lag exchanged, if it has both."""
+    change = _lag_for_inertia(candidate)
+    return [_moved(candidate, change)] if change else []
 
 
 def _moved(candidate: Candidate, change: Mapping[str, float]) -> Candidate:

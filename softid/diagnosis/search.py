@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from softid.diagnosis.candidates import COARSE, FINE, Candidate, advance, alternatives
+from softid.diagnosis.candidates import COARSE, FINE, Candidate, advance, alternatives, exchanged
 from softid.diagnosis.parallel import in_parallel
 from softid.diagnosis.screening import (
     Signature,
@@ -31,7 +31,8 @@ RACING_TOLERANCE = 0.05
 
 SECOND_FIELD, LAST_FIELD, FORMS_FIELD = 7, 4, 2
 """Candidates that stay in the race for the second and the last lap, and those among them that also
-start with the base's terms in another form."""
+start with the base's terms in another form; all of them with the times of inertia and lag
+exchanged, for which of two poles is whose has nothing to do with who leads."""
 
 PROMISING_SIGNATURES = 5
 """Effects of the best signatures stay for the second lap however far the first one brought them: a
@@ -122,6 +123,7 @@ def race(
     limit = leader + CLEAR_LEAD * misfit
     kept = _last_field(second, promising, limit, leader + UNSETTLED_LEAD * misfit)
     forms = [form for candidate in kept[:FORMS_FIELD] for form in alternatives(candidate)]
+    forms += [form for candidate in kept[FORMS_FIELD:] for form in exchanged(candidate)]
     kept += [form for form in _run(forms, sigma, SECOND_LAP, COARSE) if form.squares <= limit]
     last = _run(kept, sigma, LAST_LAP, FINE)
     report(1.0)
