@@ -1,4 +1,4 @@
-"""The bundled muscle pair is one draw of many: what the intervals of its recipe hold in the mean."""
+"""The bundled muscle pair is one draw of many: what the intervals of its recipe hold on average."""
 
 from __future__ import annotations
 
