@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from softid.errors import IdentificationError, InputError, UsageError
-from softid.fitters import output_error, rivals
+from softid.fitters import beginnings, output_error, rivals
 from softid.identification import fit
 from softid.log import Log
 from softid.models import Muscle
@@ -105,6 +105,8 @@ def test_a_fit_that_stops_at_once_is_no_success(monkeypatch: pytest.MonkeyPatch)
         monkeypatch.setattr(output_error, name, 1)
     for name in ("SCOUT_EVALUATIONS", "SORTING_EVALUATIONS"):
         monkeypatch.setattr(rivals, name, 1)
+    for name in ("SCOUT_EVALUATIONS", "DRAFT_EVALUATIONS"):
+        monkeypatch.setattr(beginnings, name, 1)
     result = fit(load(DATA / "demo_step.csv"), model="muscle")
     assert not result.success
     assert result.issues[0].code == "not-converged"
