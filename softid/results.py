@@ -273,6 +273,9 @@ class FitResult:
         Estimates in the model's order.
     derived
         Quantities computed from the parameters, name → (value, unit).
+    derived_stderr
+        Their standard errors; None where the logs do not determine one, no entry where none was
+        computed.
     nuisances
         Per-log zeros and initial states, fitted logs first.
     statistics
@@ -326,6 +329,7 @@ class FitResult:
     choice: str | None = None
     fingerprints: Mapping[str, str] = field(default_factory=dict)
     options: Mapping[str, str | float | None] = field(default_factory=dict)
+    derived_stderr: Mapping[str, float | None] = field(default_factory=dict)
 
     @property
     def success(self) -> bool:

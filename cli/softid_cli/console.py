@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import sys
 import threading
@@ -63,6 +64,18 @@ def leave_at_once(code: int) -> NoReturn:
         with suppress(OSError, ValueError):  # closed or full
             stream.flush()
     os._exit(code)
+
+
+def collect_output() -> None:
+    """Put a buffer before stdout where PYTHONUNBUFFERED has taken it away.
+
+    Without one Python drops what the system did not take at once, so that a result on a full disk
+    would end early and nobody would say so.
+    """
+    if isinstance(getattr(sys.stdout, "buffer", None), io.RawIOBase):
+        encoding, lines = sys.stdout.encoding, sys.stdout.isatty()
+        buffer = os.fdopen(sys.stdout.fileno(), "wb", closefd=False)
+        sys.stdout = io.TextIOWrapper(buffer, encoding, line_buffering=lines)
 
 
 def say(message: str) -> None:

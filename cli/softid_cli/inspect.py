@@ -29,6 +29,20 @@ NO_JITTER = 1e-6
 UNLIKE_RATES = 0.02
 LARGE_HZ = 1e4
 LARGE_S = 1e3
+CHANNEL_COLUMNS = (
+    ("channel", "left"),
+    ("role", "left"),
+    ("column", "left"),
+    ("range", "right"),
+    ("step", "right"),
+    ("noise", "right"),
+)
+COLUMN_AT = 2
+SHORTEST_NAME = 15
+"""A channel's name is not shortened to less."""
+
+ENDLESS = 10_000
+"""Columns of a terminal on which no table is too wide."""
 
 
 @click.command()
@@ -76,7 +90,7 @@ def render(inspection: Inspection, *, width: int = WIDTH) -> str:
         f"{inspection.log}: {inspection.input} → {', '.join(inspection.outputs)}",
         _hanging(_sampling_text(inspection), width),
         "",
-        _channel_table(inspection.channels),
+        *_channel_table(inspection.channels, width),
         "",
         "Findings" if inspection.issues else "Findings: none",
         *_issue_lines(inspection.issues, width),
@@ -128,21 +142,39 @@ def _counted(count: int, noun: str) -> str:
     return f"{count or 'no'} {noun}" + ("" if count == 1 else "s")
 
 
-def _channel_table(channels: Sequence[ChannelReport]) -> Table:
-    columns = [
-        ("channel", "left"),
-        ("role", "left"),
-        ("column", "left"),
-        ("range", "right"),
-        ("step", "right"),
-        ("noise", "right"),
-    ]
+def _channel_table(channels: Sequence[ChannelReport], width: int) -> list[str | Table]:
+    """The table of channels; what a terminal has no room for is told in full below it."""
     others = [c.name for c in channels if c.role == "other"]
     hidden = set(others[MOST_OTHERS:])
-    rows = [_channel_row(c) for c in channels if c.name not in hidden]
-    if hidden:
-        rows.append((f"… {len(hidden)} more", "other", "", "", "", ""))
-    return _table(columns, rows)
+    shown = [c for c in channels if c.name not in hidden]
+    rows = [_channel_row(c) for c in shown]
+    more = [(f"… {len(hidden)} more", "other", "", "", "", "")] if hidden else []
+    table = _table(CHANNEL_COLUMNS, [*rows, *more])
+    if _natural_width(table) <= width:
+        return [table]
+
+    def narrow(names: Sequence[str]) -> Table:
+        named = [(name, *row[1:]) for name, row in zip(names, rows, strict=True)]
+        kept = [(*row[:COLUMN_AT], *row[COLUMN_AT + 1 :]) for row in (*named, *more)]
+        return _table([*CHANNEL_COLUMNS[:COLUMN_AT], *CHANNEL_COLUMNS[COLUMN_AT + 1 :]], kept)
+
+    names = [c.name for c in shown]
+    room = max(map(len, names)) - (_natural_width(narrow(names)) - width)
+    names = [_shortened(name, max(room, SHORTEST_NAME)) for name in names]
+    told = [
+        f"  {name} is the column {c.column or c.name}"
+        for name, c, row in zip(names, shown, rows, strict=True)
+        if row[COLUMN_AT] or name != c.name
+    ]
+    return [narrow(names), *(["", *told] if told else [])]
+
+
+def _shortened(name: str, room: int) -> str:
+    """A name with its middle left out where it needs more than the room there is."""
+    if len(name) <= room:
+        return name
+    tail = (room - 1) // 2
+    return f"{name[: room - 1 - tail]}…{name[len(name) - tail :]}"
 
 
 def _channel_row(c: ChannelReport) -> tuple[str, ...]:
@@ -261,11 +293,20 @@ def _table(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) ->
     return table
 
 
+def _natural_width(table: Table) -> int:
+    """Columns that a table takes where no cell is folded."""
+    from rich.console import Console
+    from rich.measure import Measurement
+
+    console = Console(width=ENDLESS)
+    return Measurement.get(console, console.options, table).maximum
+
+
 def _as_text(blocks: Iterable[str | Table], width: int) -> str:
     from rich.console import Console
 
     console = Console(width=width, highlight=False, markup=False, emoji=False, color_system=None)
     with console.capture() as captured:
         for block in blocks:
-            console.print(block)
+            console.print(block, soft_wrap=isinstance(block, str))
     return "\n".join(line.rstrip() for line in captured.get().rstrip().split("\n"))

@@ -12,6 +12,7 @@ import click
 
 from softid_cli.console import (
     INTERRUPTED,
+    collect_output,
     leave_at_once,
     note_interruption,
     report_failure,
@@ -130,6 +131,7 @@ def main() -> None:
     An interruption counts even where a library took it for a failure of its own; once all is done
     it comes too late and is not heard.
     """
+    collect_output()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal without θ shows a ?

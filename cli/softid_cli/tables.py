@@ -48,9 +48,21 @@ def print_fit(result: FitResult) -> None:
         if estimate.reason and not told:
             _print(f"{estimate.name} is {estimate.verdict}: {estimate.reason}")
     for name, (value, unit) in result.derived.items():
-        _print(f"{name.replace('_', ' ')}: {value:.4g} {_unit(unit)}")
-    _print("", _score_table(result.statistics))
+        _print(f"{name.replace('_', ' ')}: {_derived_text(result, name, value, _unit(unit))}")
+    if result.derived:
+        _print("")
+    _print(_score_table(result.statistics))
     print_issues(result.issues)
+
+
+def _derived_text(result: FitResult, name: str, value: float, unit: str) -> str:
+    """A computed quantity with its error; one that may as well be zero is no number to show."""
+    if name not in result.derived_stderr:
+        return f"{value:.4g} {unit}"
+    error = result.derived_stderr[name]
+    if error is None or not error < abs(value):
+        return "not determined by these logs"
+    return f"{with_error(value, error)} {unit}"
 
 
 def print_validation(validation: Validation) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -17,6 +18,9 @@ from softid_cli.options import (
     out_options,
     quiet_option,
 )
+
+if TYPE_CHECKING:
+    from softid.validation import SelfCheck, SelfCheckGroup
 
 MOST_PERCENT = 100.0
 RECORD = "validation.json"
@@ -139,7 +143,7 @@ def check_self(*, as_json: bool, quiet: bool) -> bool:
     """Refit the bundled logs; returns whether every truth lies where it should."""
     from softid.records import dump_json
     from softid.validation import self_check
-    from softid_cli.tables import interval, print_rows
+    from softid_cli.tables import interval, print_rows, print_text
 
     announce_compilation(quiet=quiet)
     with progress(quiet=quiet) as report:
@@ -162,7 +166,32 @@ def check_self(*, as_json: bool, quiet: bool) -> bool:
                 if row.group == group
             ],
         )
+        for fit in found.groups:
+            if fit.name == group:
+                click.echo(_together(fit))
         click.echo()
-    inside = sum(row.inside for row in found.rows)
-    click.echo(f"{inside} of {len(found.rows)} truths lie inside their 95 % interval.")
+    print_text(_conclusion(found))
     return found.passed
+
+
+def _together(fit: SelfCheckGroup) -> str:
+    if fit.distance is None or fit.chance is None:
+        return "together: without a covariance they cannot be judged"
+    return (
+        f"together: χ² = {fit.distance:.3g} for {fit.parameters} parameters; "
+        f"chance puts {100 * fit.chance:.2g} % of fits farther off"
+    )
+
+
+def _conclusion(found: SelfCheck) -> str:
+    """What the counts mean; a user must not take 1 in 20 outside for a fault."""
+    count = len(found.rows)
+    inside = sum(row.inside for row in found.rows)
+    text = (
+        f"{inside} of {count} truths lie inside their 95 % interval; {round(0.95 * count)} are to "
+        "be expected, for 1 in 20 lies outside by definition, and the parameters of one fit leave "
+        "theirs together."
+    )
+    if found.chance is None:
+        return text
+    return f"{text} All fits together: chance puts {100 * found.chance:.2g} % of runs farther off."

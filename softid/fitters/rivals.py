@@ -2,10 +2,10 @@
 
 A perturbed restart explores the basin of an optimum and its neighbours. Damping of another form
 lies beyond, and differs by so little that a false optimum may leave white noise behind. A motion
-that rings at another frequency lies far away, behind many false minima, and is looked for by
-regression on the data and by multiple shooting. That takes a few times as long as all before it, so
-it is left out where nothing but noise is left, and where neither the optimum rings nor what it
-leaves behind swings.
+that rings at another frequency lies far away, behind many false minima, and is looked for by way of
+the beginnings of the logs, by regression on the data and by multiple shooting. That takes a few
+times as long as all before it, so it is left out where nothing but noise is left, and where neither
+the optimum rings nor what it leaves behind swings.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.beginnings import led_from_beginnings
 from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.multiple_shooting import PiecewiseProblem
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
@@ -99,11 +100,20 @@ def best_rival(
             point, cost = ended.point, ended.normal.cost
     if not thorough:
         return point, search.evaluations
-    if has_structure(problem, point) and (_rings(problem, point) or swings(problem, point)):
-        rungs = _Ladder(problem, sigma)
-        point = rungs.climbed(point, cost)
-        return point, search.evaluations + rungs.evaluations
-    return point, search.evaluations
+    if not has_structure(problem, point):
+        return point, search.evaluations
+    if not (_rings(problem, point) or swings(problem, point)):
+        return point, search.evaluations
+    used = search.evaluations
+    for ended, taken in led_from_beginnings(problem, sigma):
+        used += taken
+        if ended.normal.cost < cost:
+            point, cost = ended.point, ended.normal.cost
+            if not has_structure(problem, point):
+                return point, used
+    rungs = _Ladder(problem, sigma)
+    point = rungs.climbed(point, cost)
+    return point, used + rungs.evaluations
 
 
 class _Ladder:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.errors import IdentificationError, Issue
 from softid.fitters.output_error import Optimum, refit_nuisance
@@ -17,8 +18,11 @@ from softid.identification.findings import fitted_range, issues_of
 from softid.identification.wishes import Wishes
 from softid.log import Log, LogSet
 from softid.models.base import Model
-from softid.results import FitResult, LogNuisance, Simulation
+from softid.results import FitResult, LogNuisance, ParameterEstimate, Simulation
 from softid.simulation import simulate
+from softid.uncertainty import propagated_errors
+
+Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +120,29 @@ def assemble(
         choice=choice.reason if choice else None,
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in (*logs, *held)},
         options={"seed": float(seed), "intersample": logs.logs[0].intersample},
+        derived_stderr=_derived_errors(
+            model, values, ranges[logs.input], estimates, names, covariance
+        ),
+    )
+
+
+def _derived_errors(
+    model: Model,
+    values: Mapping[str, float],
+    reach: tuple[float, float],
+    estimates: Sequence[ParameterEstimate],
+    names: Sequence[str],
+    covariance: Array | None,
+) -> dict[str, float | None]:
+    """Standard errors of what `Model.derived` computes; none where parameters are tied."""
+    if any(e.tie for e in estimates):
+        return {}
+    return propagated_errors(
+        lambda trial: model.derived(trial, reach),
+        values,
+        names,
+        covariance,
+        undetermined=[e.name for e in estimates if not e.fixed and e.name not in names],
     )
 
 

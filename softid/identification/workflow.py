@@ -262,6 +262,6 @@ def _require_samples(problem: Problem, logs: LogSet) -> None:
     if problem.n_samples <= problem.size:
         raise IdentificationError(
             f"{problem.n_samples} samples cannot tell {problem.size} unknowns",
-            where=", ".join(log.name for log in logs),
+            where=", ".join(log.place for log in logs),
             remedy="record longer, fix parameters, or choose a simpler --model",
         )

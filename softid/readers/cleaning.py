@@ -98,18 +98,27 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
             where=samples.where,
             remedy="map another column with --channel time=COLUMN:s",
         )
+    rows = samples.time_s.size
     samples = _drop_missing(samples, np.isfinite(samples.time_s), "time")
     samples = _drop_missing(samples, np.isfinite(samples.channels[input].values), input)
     _require_forward(samples)
     samples = _drop_repeated(samples)
     if samples.time_s.size < 2:
         raise InputError(
-            "only one sample is left" if samples.time_s.size else "no sample is left",
+            _too_few(samples, input, rows),
             where=samples.where,
             remedy="record at least two samples with different times",
         )
     missing = [_missing_output(samples, name) for name in outputs]
     return replace(samples, issues=(*samples.issues, *(issue for issue in missing if issue)))
+
+
+def _too_few(samples: Samples, input: str, rows: int) -> str:
+    left = samples.time_s.size
+    what = "only one sample is left" if left else "no sample is left"
+    if rows == left:
+        return what
+    return f"{what} of {rows}, for the others have no time, no {input} or the time of another"
 
 
 def require_excitation(log: Log) -> None:

@@ -65,7 +65,12 @@ def fit_document(result: FitResult) -> dict[str, Plain]:
         "channels": channel_entries(result.input, result.simulations, result.statistics),
         "parameters": [parameter_entry(p) for p in result.parameters],
         "derived": {
-            k: {"value": to_jsonable(v), "unit": u} for k, (v, u) in result.derived.items()
+            k: {
+                "value": to_jsonable(v),
+                "unit": u,
+                "stderr": to_jsonable(result.derived_stderr.get(k)),
+            }
+            for k, (v, u) in result.derived.items()
         },
         "effects": effect_entries(result.model),
         "scale": scale_entry(result.model),

@@ -33,6 +33,7 @@ from softid.uncertainty.identifiability import (
 from softid.uncertainty.linearisation import ResidualBlock
 from softid.uncertainty.noise import effective_n, noise_model
 from softid.uncertainty.profile import ProfileResult, profile
+from softid.uncertainty.propagation import propagated_errors
 
 __all__ = [
     "CI_METHOD",
@@ -55,6 +56,7 @@ __all__ = [
     "log_likelihood",
     "noise_model",
     "profile",
+    "propagated_errors",
     "relative_sd",
     "resample",
     "sandwich_covariance",

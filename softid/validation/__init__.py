@@ -1,6 +1,6 @@
 """Scores on logs that were not fitted, and the check of softid against known truths."""
 
 from softid.validation.scoring import validate
-from softid.validation.self_check import SelfCheck, SelfCheckRow, self_check
+from softid.validation.self_check import SelfCheck, SelfCheckGroup, SelfCheckRow, self_check
 
-__all__ = ["SelfCheck", "SelfCheckRow", "self_check", "validate"]
+__all__ = ["SelfCheck", "SelfCheckGroup", "SelfCheckRow", "self_check", "validate"]

@@ -159,6 +159,36 @@ def test_a_full_disk_behind_stdout_is_said(function: str, characters: int) -> No
     )
 
 
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("function", ["click.echo", "print"])
+def test_a_disk_that_fills_up_half_way_is_said(
+    tmp_path: Path, function: str, unbuffered: str
+) -> None:
+    """A limit of the file's size cuts a write short like the last free block of a disk does.
+
+    Containers often set PYTHONUNBUFFERED, with which Python itself passes over a short write.
+    """
+    resource = pytest.importorskip("resource", reason="no limits on this system")
+    code = (
+        f"import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))"
+        f"{LOUD.format(function, 10**6)}"
+    )
+    with (tmp_path / "short.txt").open("w") as short:
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            env=environment() | {"PYTHONUNBUFFERED": unbuffered},
+            stdout=short,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+    assert resource is not None
+    assert done.returncode == 3
+    assert done.stderr.startswith("softid: error: standard output: file too large; ")
+    assert done.stderr.count("\n") == 1
+
+
 def test_a_terminal_without_greek_shows_question_marks() -> None:
     """An ASCII stdout must not end in UnicodeEncodeError."""
     code = (

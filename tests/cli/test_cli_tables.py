@@ -38,6 +38,29 @@ def test_an_open_interval_is_explained(softid: Cli, desk: Desk) -> None:
     assert "…: no limit on this side within the bounds of the parameter" in told.out
 
 
+@pytest.mark.parametrize(
+    ("errors", "said"),
+    [
+        ({}, "x max: 3.333 rad"),
+        ({"x_max": 0.02}, "x max: 3.333 ± 0.020 rad"),
+        ({"x_max": 4.0}, "x max: not determined by these logs"),
+        ({"x_max": None}, "x max: not determined by these logs"),
+    ],
+)
+def test_what_is_computed_has_an_error(
+    softid: Cli, desk: Desk, errors: dict[str, float | None], said: str
+) -> None:
+    """A number that may as well be zero is not shown as if it were one."""
+    desk.answer = replace(fit_result(), derived={"x_max": (3.3333, "rad")}, derived_stderr=errors)
+    assert said in softid("fit", "step_1.csv").out.splitlines()
+
+
+def test_nothing_computed_leaves_one_blank_line(softid: Cli, desk: Desk) -> None:
+    """The quartics have no derived quantity."""
+    desk.answer = replace(fit_result(), derived={})
+    assert "\n\n\n" not in softid("fit", "step_1.csv").out
+
+
 def test_an_option_has_its_unit_behind_its_value() -> None:
     """The names' endings are units: a spring in N/mm is not "n per 1.1 mm"."""
     options = {

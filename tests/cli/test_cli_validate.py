@@ -32,15 +32,25 @@ class Row:
 
 
 @dataclass(frozen=True)
+class Group:
+    name: str
+    parameters: int
+    distance: float | None
+    chance: float | None
+
+
+@dataclass(frozen=True)
 class SelfCheck:
     rows: tuple[Row, ...]
+    groups: tuple[Group, ...]
+    chance: float | None
     passed: bool
 
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch, desk: Desk) -> dict[str, Any]:
     """The scoring is replaced: 66 % on step_2, so a bar of 50 passes and one of 90 does not."""
-    calls: dict[str, Any] = {"check": SelfCheck((), True)}
+    calls: dict[str, Any] = {"check": SelfCheck((), (), None, True)}
 
     def validate(
         fitted: SavedModel, logs: Sequence[Log], *, threshold_percent: float | None
@@ -105,16 +115,20 @@ def test_an_edit_by_hand_is_told(softid: Cli, asked: dict[str, Any], params: Pat
 
 
 def test_self_check(softid: Cli, asked: dict[str, Any]) -> None:
-    """Without arguments: a row for each truth, and the count that matters."""
+    """Without arguments: a row for each truth, the count, and what to expect of it."""
     rows = (
         Row("steps", "a1", 0.52, 0.53, (0.5, 0.55), True),
         Row("steps", "M", 0.12, 0.2, (0.15, 0.25), False),
     )
-    asked["check"] = SelfCheck(rows, False)
+    asked["check"] = SelfCheck(rows, (Group("steps", 2, 9.0, 0.0111),), 0.0111, False)
     told = softid("validate")
     assert told.code == 1
     assert "OUTSIDE" in told.out
-    assert "1 of 2 truths lie inside" in told.out
+    words = " ".join(told.out.split())
+    assert "1 of 2 truths lie inside" in words
+    assert "2 are to be expected, for 1 in 20 lies outside by definition" in words
+    assert "together: χ² = 9 for 2 parameters; chance puts 1.1 % of fits farther off" in words
+    assert "chance puts 1.1 % of runs farther off." in words
     assert json.loads(softid("validate", "--json").out)["passed"] is False
 
 

@@ -140,6 +140,37 @@ def test_many_channels_are_folded() -> None:
     assert "… 14 more" in text
 
 
+LONG = {
+    "pressure": "pressure_sensor_of_the_left_outer_chamber_filtered_kpa",
+    "angle": "bending_angle_of_the_second_segment_by_motion_capture_deg",
+    "adc": "raw_reading_of_the_third_flexible_sensor_before_calibration",
+}
+UNITS_OF_LONG = {"pressure": "kPa", "angle": "deg"}
+
+
+def test_a_long_name_stays_on_one_line(softid: Cli, tmp_path: Path) -> None:
+    """Every column can be copied from the screen into --channel; rows of the table stay rows."""
+    rows = [f"{0.02 * k:.2f},{80 * (k > 20)},{0.5 * k:.1f},{k}" for k in range(60)]
+    (tmp_path / "wide.csv").write_text("\n".join([",".join(["time_s", *LONG.values()]), *rows]))
+    flags = [f"--channel={name}={LONG[name]}:{unit}" for name, unit in UNITS_OF_LONG.items()]
+    told = softid("inspect", str(tmp_path / "wide.csv"), *flags)
+    assert told.code == 0, told.err
+    lines = told.out.splitlines()
+    for column in LONG.values():
+        assert sum(column in line for line in lines) == 1, column
+    table = lines[lines.index("") + 1 :]
+    assert [row.split()[1] for row in table[2:5]] == ["input", "output", "other"]
+    assert all(len(row) <= 80 for row in table[:5])
+    shortened = table[4].split()[0]
+    assert f"  {shortened} is the column {LONG['adc']}" in lines
+
+
+def test_short_names_need_no_list(softid: Cli, desk: Desk) -> None:
+    """Where the table has room, nothing is told twice."""
+    del desk
+    assert "is the column" not in softid("inspect", "a.csv").out
+
+
 def test_the_command_prints(softid: Cli, desk: Desk) -> None:
     """Each log has its own part; options reach the reader."""
     told = softid("inspect", "a.csv", "b.csv", "--input", "pressure", "--channel", "angle=2:deg")

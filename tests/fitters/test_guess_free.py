@@ -94,10 +94,10 @@ def test_muscles_need_no_start() -> None:
 
 @pytest.mark.slow
 def test_unlikely_muscles_rarely_need_a_start() -> None:
-    """At least 36 of 40 far wider draws; the lost ones ring below 0.7 Hz and never settle."""
+    """At least 39 of 40 far wider draws, as of the usual ones; all forty arrived."""
     seeds = range(700, 740)
     lost = [s for s in seeds if not muscle_arrives(wide_truth(np.random.default_rng(s)), s)]
-    assert len(lost) <= 4, lost
+    assert len(lost) <= 1, lost
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from softid.errors import IdentificationError, InputError, UsageError
-from softid.fitters import output_error, rivals
+from softid.fitters import beginnings, output_error, rivals
 from softid.identification import fit
 from softid.log import Log
 from softid.models import Muscle
@@ -67,6 +67,25 @@ def test_the_held_out_sine_is_followed_down_to_the_noise() -> None:
     assert row.rmse < 1.05 * 0.3
 
 
+def test_computed_quantities_have_errors_where_the_logs_determine_them() -> None:
+    """x_max is 1/a1, whose error is that of a1 over a1²; of logs below the midpoint nothing is said
+    of it, while the time constant, a ratio, is known all the same."""
+    both = [load(DATA / "muscle_steps.csv"), load(DATA / "muscle_sine_050.csv")]
+    result = fit(both, model="muscle")
+    a1 = result.parameter("a1")
+    assert a1.stderr is not None
+    assert result.derived_stderr["x_max"] == pytest.approx(a1.stderr / a1.value**2, rel=1e-6)
+    truth = random_muscle_truth(np.random.default_rng(5))
+    low = muscle_log(truth, Steps((0.0, 20.0, 40.0, 20.0, 0.0), 2.0), seed=5).to_log()
+    poor = fit(low, model="muscle")
+    error = poor.derived_stderr["x_max"]
+    assert error is None or error > poor.derived["x_max"][0]
+    (tau,) = [name for name in poor.derived if name.startswith("time_constant")]
+    known = poor.derived_stderr[tau]
+    assert known is not None
+    assert known < 0.2 * poor.derived[tau][0]
+
+
 @pytest.mark.slow
 def test_intervals_cover_the_truth() -> None:
     """60 muscles and noises; 95 % of 60 is 57, and 52 is four standard deviations below it."""
@@ -86,6 +105,8 @@ def test_a_fit_that_stops_at_once_is_no_success(monkeypatch: pytest.MonkeyPatch)
         monkeypatch.setattr(output_error, name, 1)
     for name in ("SCOUT_EVALUATIONS", "SORTING_EVALUATIONS"):
         monkeypatch.setattr(rivals, name, 1)
+    for name in ("SCOUT_EVALUATIONS", "DRAFT_EVALUATIONS"):
+        monkeypatch.setattr(beginnings, name, 1)
     result = fit(load(DATA / "demo_step.csv"), model="muscle")
     assert not result.success
     assert result.issues[0].code == "not-converged"

@@ -106,8 +106,11 @@ def test_samples_without_a_time_are_dropped(write_log: WriteFile) -> None:
         (("0,,0", "1,,1", "2,,2"), "the pressure holds no number at all"),
         (("0,0,NaN", "1,1,NaN", "2,2,NaN"), "the angle holds no number at all"),
         ((",0,0", ",1,1", ",2,2"), "no sample has a time"),
-        (("0,1,2",), "only one sample is left"),
-        (("0,1,2", "0,1,2", "0,1,3"), "only one sample is left"),
+        (("0,1,2",), "only one sample is left; "),
+        (
+            ("0,1,2", "0,1,2", "0,1,3"),
+            "only one sample is left of 3, for the others have no time, no pressure or the time of",
+        ),
         (("0,1,2", "1,,3"), "only one sample is left"),
         (("NaN,1,2", "1,,3"), "no sample is left"),
     ],

@@ -1,0 +1,106 @@
+"""Fits to the beginnings of all segments, which grow until they are the whole.
+
+A motion that rings goes out of step with a simulation the more, the longer both run: the beginning
+of a log has few false minima, and its start values are good. What it teaches leads through the
+rest, a part at a time. Pieces from anywhere in a log (`softid.fitters.multiple_shooting`) need
+initial states that noise hides where the motion is small; a beginning at rest needs none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from softid.fitters.levenberg_marquardt import Minimum
+from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
+from softid.fitters.problem import Problem
+
+FIRST_SHARES = (0.1, 0.16)
+"""Part of every segment with which a way begins. Where it holds too little motion its start values
+are poor, and where it holds too much they have false minima already; which length is right depends
+on the log, so that two are tried."""
+
+GROWTH = 2.0**0.5
+"""Each beginning is so many times longer than the one before."""
+
+DRAFT_EVALUATIONS = 60
+"""Evaluations on the whole at the end of a way."""
+
+LEAST_SAMPLES = 50
+"""A beginning is no shorter."""
+
+MOST_STARTS = 2
+"""Start values of each first beginning that are led on."""
+
+
+class BeginningProblem(Problem):
+    """A problem over the beginning of every segment, with the same unknowns.
+
+    Parameters
+    ----------
+    whole
+        The problem.
+    share
+        Part of the samples of every segment that is kept.
+    """
+
+    def __init__(self, whole: Problem, share: float) -> None:
+        super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+        self.segments = []
+        for segment in whole.segments:
+            kept = slice(max(LEAST_SAMPLES, round(share * segment.time_s.size)))
+            self.segments.append(
+                replace(
+                    segment,
+                    time_s=segment.time_s[kept],
+                    input=segment.input[kept],
+                    outputs={name: y[kept] for name, y in segment.outputs.items()},
+                    used={name: used[kept] for name, used in segment.used.items()},
+                )
+            )
+        self.owner, self.at_rest = whole.owner, whole.at_rest
+        self._layout()
+
+
+def led_from_beginnings(
+    problem: Problem, sigma: Mapping[str, float]
+) -> Iterator[tuple[Minimum, int]]:
+    """Optima of the whole that start values of beginnings lead to, the best start of each first.
+
+    Parameters
+    ----------
+    problem, sigma
+        What is to be fitted, and the weights of the channels.
+
+    Yields
+    ------
+    optimum, evaluations
+        And the simulations, of parts or of the whole, that it took.
+    """
+    ways = [_growing(problem, share) for share in FIRST_SHARES]
+    guesses = [problem.model.guess(way[0].segments, problem.outputs[0]) for way in ways]
+    for rank in range(MOST_STARTS):
+        for way, starts in zip(ways, guesses, strict=True):
+            if rank < len(starts):
+                yield _led(way, starts[rank].values_dict(), sigma)
+
+
+def _growing(problem: Problem, first: float) -> list[Problem]:
+    """The problem over beginnings that grow from a first share, and at last over all."""
+    count = math.ceil(math.log(1.0 / first) / math.log(GROWTH))
+    parts = [BeginningProblem(problem, first * GROWTH**k) for k in range(count)]
+    return [*parts, problem]
+
+
+def _led(
+    way: Sequence[Problem], values: Mapping[str, float], sigma: Mapping[str, float]
+) -> tuple[Minimum, int]:
+    evaluations = 0
+    for part in way:
+        search = Objective(part, sigma)
+        most = DRAFT_EVALUATIONS if part is way[-1] else SCOUT_EVALUATIONS
+        ended = search.solve(part.unknowns(values), most)
+        evaluations += search.evaluations
+        values = dict(zip(part.parameters.names, part.theta(ended.point).tolist(), strict=True))
+    return ended, evaluations
