@@ -5,14 +5,14 @@ A misfit of the base decides wrongly whether a jump was held: a late motion asks
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance
 from softid.fitters.problem import Problem
-from softid.identification.held_input import BETTER_BY
+from softid.identification.held_input import BETTER_BY, held
 from softid.intersample import Intersample, jumps
 from softid.log import Log, LogSet
 
@@ -54,6 +54,8 @@ def better_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersam
     return other if fall > BETTER_BY else None
 
 
-def read_as(logs: Iterable[Log], reading: Intersample) -> tuple[Log, ...]:
-    """The logs with a declared reading of the input."""
+def read_as(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
+    """The logs with a declared reading of the input; a held one is told."""
+    if reading == "held" and logs:
+        return held(logs)
     return tuple(replace(log, intersample=reading) for log in logs)

@@ -112,7 +112,7 @@ def summarise(
     if verdict is Verdict.ADEQUATE:
         told += _adequate(teller, remainder)
     elif verdict is Verdict.UNKNOWN:
-        told += _unknown(teller, descriptive or causes, remainder)
+        told += _unknown(teller, descriptive or causes, alternatives, remainder)
     else:
         told += _explained(teller, causes, alternatives, evidence)
         if descriptive:
@@ -239,11 +239,21 @@ def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
     return told
 
 
-def _unknown(teller: _Teller, tried: Sequence[Cause], remainder: Remainder) -> list[str]:
+def _unknown(
+    teller: _Teller,
+    tried: Sequence[Cause],
+    alternatives: Sequence[Alternative],
+    remainder: Remainder,
+) -> list[str]:
     told = ["Something is missing, and none of the effects tried can be named for it."]
     if tried:
         names = " with ".join(title_of(cause.key) for cause in tried)
         told.append(f"The best description, {names}, takes away {_taken(remainder)}.")
+        for tie in alternatives:
+            first, *others = tie.effects
+            told.append(
+                f"These logs do not tell {title_of(first)} from {titles_of(others, last=' or ')}."
+            )
     if not remainder.structured:
         left = teller.size(remainder.rms)
         return [*told, f"What is left on the fitted samples, {left} rms, looks like noise."]

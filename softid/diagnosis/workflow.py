@@ -118,7 +118,7 @@ def diagnose(
         first = _extended(start, catalogue(effects), report, seed, max_links=1)
         reading = better_reading(first.final, dict(start.work.found.optimum.sigma))
         if reading is not None:
-            log_set, hold_out = LogSet(read_as(log_set, reading)), read_as(hold_out, reading)
+            log_set, hold_out = LogSet(read_as(log_set.logs, reading)), read_as(hold_out, reading)
             first = None
             start = asked.begin(log_set, hold_out, thorough=False)
     chain, remainder, is_named = _searched(start, effects, report, seed, first)

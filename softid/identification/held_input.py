@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from softid.errors import Issue
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.intersample import jumps
-from softid.log import LogSet
+from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
 
@@ -28,18 +29,29 @@ def with_held_input(logs: LogSet) -> LogSet | None:
         Logs to fit; the input of those that say what it does between samples stays as it is.
     """
     open_ones = [log for log in logs if log.intersample is None]
-    count = sum(jumps(log.channels[log.input].values).size for log in open_ones)
-    if count == 0:
+    if not any(jumps(log.channels[log.input].values).size for log in open_ones):
         return None
+    return LogSet(held(logs.logs))
+
+
+def held(logs: Sequence[Log]) -> tuple[Log, ...]:
+    """The logs with an input that is held where it jumps, and the remark that says so.
+
+    Parameters
+    ----------
+    logs
+        Logs to fit; the input of those that say what it does between samples stays as it is.
+    """
+    first = logs[0]
     issue = Issue(
         "held-input",
         "info",
-        f"{logs.input} jumps {count} times within one sample; held until the next sample it "
-        "explains the output better than as straight lines between samples, and is taken so",
+        f"{first.input} jumps within single samples; held until the next sample it explains the "
+        "output better than as straight lines between samples, and is taken so",
         "record the pressure behind the valve, faster, if it is not a command",
     )
     changed = [log.with_intersample("held") for log in logs]
-    return LogSet((replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:]))
+    return (replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:])
 
 
 def explains_better(problem: Problem, unknowns: Array, other: LogSet) -> bool:

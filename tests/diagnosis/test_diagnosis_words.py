@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from handmade_diagnosis import DELAY, FRICTION, cause, diagnosis, estimate, odd_diagnosis
+from handmade_diagnosis import DELAY, FRICTION, TIE, cause, diagnosis, estimate, odd_diagnosis
 
 from softid.diagnoses import Alternative, Diagnosis, Evidence, Verdict
 from softid.diagnosis.remarks import restriction
@@ -207,3 +207,9 @@ def test_a_rival_that_is_ahead_is_not_behind() -> None:
     told = worded(replace(made, causes=(drift,), evidence=tuple(rows), summary="")).summary
     assert "stiffening with deformation lowers it more, but not the error" in told
     assert "behind" not in told
+
+
+def test_an_unknown_cause_still_says_what_cannot_be_split() -> None:
+    """A description is no cause, but that others describe as much is worth a sentence."""
+    text = told(replace(diagnosis(Verdict.UNKNOWN), alternatives=(TIE,)))
+    assert "These logs do not tell delay of the input from lag of the pneumatics." in text
