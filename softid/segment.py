@@ -56,6 +56,17 @@ class Segment:
         """Those of rows, the first axis of an array, that are samples."""
         return values if self.is_sample is None else values[self.is_sample]
 
+    def part(self, kept: slice) -> Segment:
+        """A run of rows as a segment of its own; ``start`` and ``stop`` stay those of the whole."""
+        return replace(
+            self,
+            time_s=self.time_s[kept],
+            input=self.input[kept],
+            outputs={name: y[kept] for name, y in self.outputs.items()},
+            used={name: used[kept] for name, used in self.used.items()},
+            is_sample=None if self.is_sample is None else self.is_sample[kept],
+        )
+
     def without_knots(self) -> Segment:
         """The samples alone, between which the input is straight."""
         if self.is_sample is None:

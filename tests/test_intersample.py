@@ -51,6 +51,8 @@ def test_rows_of_a_held_log_are_its_samples_again() -> None:
     plain = segment.without_knots()
     np.testing.assert_array_equal(plain.time_s, TIME_S)
     np.testing.assert_array_equal(plain.input, STEP)
+    first = segment.part(slice(210)).without_knots()
+    np.testing.assert_array_equal(first.time_s, TIME_S[:209])
     (straight,) = log.segments()
     assert straight.without_knots() is straight
     values = {"M": 0.0, "N": 10.0, "Q": 100.0, "G": 1.0, "offset": 0.0}

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
@@ -50,15 +49,7 @@ class BeginningProblem(Problem):
         self.segments = []
         for segment in whole.segments:
             kept = slice(max(LEAST_SAMPLES, round(share * segment.time_s.size)))
-            self.segments.append(
-                replace(
-                    segment,
-                    time_s=segment.time_s[kept],
-                    input=segment.input[kept],
-                    outputs={name: y[kept] for name, y in segment.outputs.items()},
-                    used={name: used[kept] for name, used in segment.used.items()},
-                )
-            )
+            self.segments.append(segment.part(kept))
         self.owner, self.at_rest = whole.owner, whole.at_rest
         self._layout()
 
@@ -79,7 +70,7 @@ def led_from_beginnings(
         And the simulations, of parts or of the whole, that it took.
     """
     ways = [_growing(problem, share) for share in FIRST_SHARES]
-    guesses = [problem.model.guess(way[0].segments, problem.outputs[0]) for way in ways]
+    guesses = [problem.model.guess(way[0].plain_segments, problem.outputs[0]) for way in ways]
     for rank in range(MOST_STARTS):
         for way, starts in zip(ways, guesses, strict=True):
             if rank < len(starts):

@@ -10,7 +10,6 @@ it cannot. Fitted to pieces that grow longer, the parameters stay in the basin o
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -45,15 +44,7 @@ class PiecewiseProblem(Problem):
             edges = np.linspace(0, n, max(1, min(count, n // LEAST_SAMPLES)) + 1).astype(int)
             for start, stop in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
                 piece = slice(start, stop)
-                self.segments.append(
-                    replace(
-                        segment,
-                        time_s=segment.time_s[piece],
-                        input=segment.input[piece],
-                        outputs={name: y[piece] for name, y in segment.outputs.items()},
-                        used={name: used[piece] for name, used in segment.used.items()},
-                    )
-                )
+                self.segments.append(segment.part(piece))
                 self.owner.append(owner)
                 self.at_rest.append(rest and start == 0)
         self._layout()
@@ -96,13 +87,7 @@ class PiecewiseProblem(Problem):
         """∂(output)/∂(first state) at the start of a piece."""
         state = np.zeros(len(self.model.states))
         piece = self.segments[segment]
-        short = replace(
-            piece,
-            time_s=piece.time_s[:2],
-            input=piece.input[:2],
-            outputs={n: y[:2] for n, y in piece.outputs.items()},
-            used={n: u[:2] for n, u in piece.used.items()},
-        )
+        short = piece.part(slice(2))
         response = self.model.response(
             theta, short, (name,), start=state, derivatives=True, relative=True
         )
