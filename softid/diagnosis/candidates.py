@@ -264,7 +264,7 @@ def alternatives(candidate: Candidate) -> list[Candidate]:
         {name: p.value for name, p in change.items() if not p.fixed}
         for change in candidate.problem.model.alternatives(candidate.parameters)
     ]
-    return [_moved(candidate, change) for change in changes] + exchanged(candidate)
+    return [_moved(candidate, change) for change in changes]
 
 
 def exchanged(candidate: Candidate) -> list[Candidate]:
