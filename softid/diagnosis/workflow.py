@@ -234,16 +234,18 @@ def _searched(
     begun: Chain | None = None,
 ) -> tuple[Chain, Remainder, tuple[bool, ...]]:
     """The chain of causes, each judged by what is held out; what it leaves; what may be named."""
-    sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
+    considered = catalogue(effects)
     if begun is not None and not begun.links:
         chain = begun
     else:
-        chain = _extended(start, considered, report, seed, begun=begun)
-    if len(chain.links) > 1:
-        report("checking the first causes again", 0.75)
-        again = revised(chain, start.base, considered, start.scale, sigma)
-        if start.held.rms(again.final) <= NO_WORSE * start.held.rms(chain.final):
-            chain = again
+        chain = _extended(start, considered, report, seed, begun=begun, max_links=2)
+    if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
+        chain = _asked_again(start, considered, chain, report)
+        longer = _extended(start, considered, report, seed, begun=chain)
+        if len(longer.links) > len(chain.links):
+            chain = _asked_again(start, considered, longer, report)
+        else:
+            chain = replace(chain, last=longer.last)
     before, after = start.held.rms(start.base), start.held.rms(chain.final)
     if chain.links and after > (1.0 - LEAST_GAIN) * before:
         chain = Chain((), chain.links[0], start.base)  # a chain that gains nothing is chance
@@ -259,6 +261,18 @@ def _searched(
     )
     links = tuple(link for link, _ in largest_first)
     return replace(chain, links=links), remainder, tuple(sure for _, sure in largest_first)
+
+
+def _asked_again(
+    start: Beginning, considered: Sequence[Effect], chain: Chain, report: Progress
+) -> Chain:
+    """The chain with its earlier causes revised, unless that is worse on what is held out."""
+    report("checking the first causes again", 0.75)
+    sigma = dict(start.work.found.optimum.sigma)
+    again = revised(chain, start.base, considered, start.scale, sigma)
+    if start.held.rms(again.final) <= NO_WORSE * start.held.rms(chain.final):
+        return again
+    return chain
 
 
 def _fit_of(final: Candidate, work: Work, seed: int) -> FitResult:
