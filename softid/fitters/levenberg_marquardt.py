@@ -33,6 +33,9 @@ LESS_BEND = 0.9
 """A step that bent too much is shortened to this share of what `MOST_BEND` allows: the share grows
 with the length of the step, but turns with its direction too."""
 
+MOST_SHORTENED = 0.1
+"""Share of a step that is left at least: what bends without end may be one place only."""
+
 INITIAL_DAMPING = 1e-9
 LARGEST_DECREASE = 0.1
 MOST_DAMPING = 1e30
@@ -166,7 +169,8 @@ def minimise(
                     step = step + correction
                 else:
                     length = float(np.linalg.norm((scale * step)[moving]))
-                    shorter = LESS_BEND * MOST_BEND / (2.0 * share) * length
+                    least = LESS_BEND * MOST_BEND / (2.0 * share)
+                    shorter = max(least, MOST_SHORTENED) * length
                     damping = _damping_for(now, moving, scale, damping, shorter)
                     growth = 2.0
                     continue

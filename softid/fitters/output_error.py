@@ -191,14 +191,14 @@ def _search(
     first = SCOUTS
     if alone_if_white:
         first = 1
-        if starts:
-            rough = rough_problem(objective.problem, objective.problem.unknowns(starts[0]))
     scouted: list[tuple[Minimum, Array]] = []
     edges = [0, *range(first, len(starts), SCOUTS), len(starts)]
     for begin, end in itertools.pairwise(edges):
         alone = begin == 0 and alone_if_white
         limit = (FIRST_TIMES if alone else 1) * SCOUT_EVALUATIONS
         points = [objective.problem.unknowns(start) for start in starts[begin:end]]
+        if alone and points:
+            rough = rough_problem(objective.problem, points[0])
         found = _scout(objective, points, limit, rough)
         scouted = sorted([*scouted, *found], key=_cost)
         if alone_if_white and scouted and at_noise_level(objective.problem, scouted[0][0]):

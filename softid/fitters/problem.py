@@ -230,9 +230,17 @@ class Problem:
 
     def start_state(self, z: Array, segment: int) -> tuple[float, ...]:
         """Initial state used for one segment."""
+        whole = self.segments[segment]
+        begin = replace(
+            whole,
+            time_s=whole.time_s[:2],
+            input=whole.input[:2],
+            outputs={name: values[:2] for name, values in whole.outputs.items()},
+            used={name: used[:2] for name, used in whole.used.items()},
+        )
         response = self.model.response(
             self.theta(z),
-            self.segments[segment],
+            begin,
             self.outputs[:1],
             start=self.start(z, segment),
             derivatives=False,

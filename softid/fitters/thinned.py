@@ -119,7 +119,10 @@ def rough_problem(problem: Problem, z: Array) -> Problem | None:
 def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
     """Whether windows hold the range of the input, and last long against the motion at a start."""
     ranges = [
-        (min(float(s.input.min()) for s in p.segments), max(float(s.input.max()) for s in p.segments))
+        (
+            min(float(s.input.min()) for s in p.segments),
+            max(float(s.input.max()) for s in p.segments),
+        )
         for p in (windows, whole)
     ]
     (low, high), (lowest, highest) = ranges

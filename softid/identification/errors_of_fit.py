@@ -136,7 +136,9 @@ def _residual_block(
         if problem.owner[block.segment] not in logs:
             continue
         used = problem.segments[block.segment].used[channel]
-        jacobian, residual = block.jacobian[:, columns], block.residual
+        jacobian, residual = block.jacobian, block.residual
+        if len(columns) < jacobian.shape[1]:
+            jacobian = jacobian[:, columns]
         if not used.all():
             spread, residual = np.zeros((used.size, len(columns))), np.full(used.size, np.nan)
             spread[used], residual[used] = jacobian, block.residual

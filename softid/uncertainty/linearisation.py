@@ -126,9 +126,7 @@ class ResidualBlock:
         )
 
 
-def _average(
-    jacobian: Array, residual: Array, used: BoolArray, length: int
-) -> tuple[Array, Array]:
+def _average(jacobian: Array, residual: Array, used: BoolArray, length: int) -> tuple[Array, Array]:
     if used.all():
         counts = np.full(-(-used.size // length), float(length))
         counts[-1] = used.size - length * (counts.size - 1)
@@ -223,7 +221,7 @@ def linearise(
 
 def _scaled_svd(rows: Array) -> tuple[Array, Array, Array]:
     """Column lengths (1 for a zero column), singular values (K,) and right vectors (K, K)."""
-    norm = np.linalg.norm(rows, axis=0)
+    norm = np.sqrt(np.einsum("ij,ij->j", rows, rows))
     norm = np.where(norm > 0.0, norm, 1.0)
     triangle = np.linalg.qr(rows / norm, mode="r")
     _, found, right = np.linalg.svd(triangle, full_matrices=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import lru_cache
 from math import erfc, exp, isnan, lgamma, log, log1p, nan, pi, sqrt
 
-MANY = 150.0
-"""Degrees of freedom beyond which five terms of the expansion in 1/ν are exact to 1e-12 for 99.5 %,
-and to 1e-10 for 99.999 %; Abramowitz and Stegun, 26.7.5, and the term behind theirs."""
+MANY = 16.0
+"""Degrees of freedom, in units of 1 or the squared normal quantile, beyond which five terms of the
+expansion in 1/ν are exact to 1e-10; Abramowitz and Stegun, 26.7.5, and the term behind theirs."""
 
 FEW = 4.0
 """Degrees of freedom beyond which the same expansion is a start within a few per cent."""
@@ -55,7 +55,7 @@ def student_quantile(freedom: float, probability: float) -> float:
         for order, (divisor, powers) in enumerate(EXPANSION, 1):
             odd = sum(c * z ** (2 * k + 1) for k, c in enumerate(reversed(powers)))
             t += odd / divisor / freedom**order
-    if freedom > MANY:
+    if freedom > MANY * max(1.0, z * z):
         return t
     scale = lgamma(0.5 * (freedom + 1.0)) - lgamma(0.5 * freedom) - 0.5 * log(pi * freedom)
     for _ in range(_MOST_STEPS if probability > 0.5 else 0):
