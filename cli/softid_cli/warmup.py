@@ -33,8 +33,8 @@ def warmup(quiet: bool) -> None:
 
     Fits small made-up logs with every model that has kernels and simulates every effect. What is
     compiled already is only loaded. Worth a line in the recipe of a container or a CI image. Where
-    there are two processors, a second process compiles what effects in the motion and the equilibrium
-    model need.
+    there are two processors, a second process compiles what effects in the motion and the
+    equilibrium model need.
     """
     from softid.kernels import cache_folder
 

@@ -22,9 +22,9 @@ Array = npt.NDArray[np.float64]
 BEND_STEP = 0.1
 """Fraction of a step at which the second derivative along it is measured."""
 
-SHORT_STEP = 1e-2
-"""Steps shorter than this share of what is plausible hardly bend: the correction would be another
-hundredth of the step, and to measure it takes a simulation."""
+SHORT_STEP = 0.1
+"""Steps shorter than this share of what is plausible hardly bend: the correction would be a tenth of
+the step or less, which the next step makes good, and to measure it takes a simulation."""
 
 MOST_BEND = 0.75
 """A step whose acceleration is larger than this share of its velocity is too long to trust."""

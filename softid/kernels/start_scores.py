@@ -91,6 +91,21 @@ def _add(w: Array, y: float) -> None:
         w[POWER + lane] += x * x
 
 
+@njit(nogil=True, error_model="numpy")
+def _moments(y: Array, used: BoolArray) -> tuple[int, float, float]:
+    """Number of used samples, their mean and their squares about it."""
+    n, mean, power = 0, 0.0, 0.0
+    for i in range(y.size):
+        if used[i]:
+            n += 1
+            mean += y[i]
+    mean /= max(n, 1)
+    for i in range(y.size):
+        if used[i]:
+            power += (y[i] - mean) ** 2
+    return n, mean, power
+
+
 @kernel
 def add_products(
     thetas: Array, time_s: Array, u: Array, y: Array, used: BoolArray, sums: Array
@@ -108,19 +123,9 @@ def add_products(
     sums
         Σxy, Σxx and Σyy are added, shape (G, 3); where a motion is not finite nothing is.
     """
-    n, y_mean, y_power = 0, 0.0, 0.0
-    for i in range(u.size):
-        if used[i]:
-            n += 1
-            y_mean += y[i]
-    if n == 0:
-        return
-    y_mean /= n
-    for i in range(u.size):
-        if used[i]:
-            y_power += (y[i] - y_mean) ** 2
+    n, y_mean, y_power = _moments(y, used)
     w = np.empty(SIZE)
-    for first in range(0, thetas.shape[0], LANES):
+    for first in range(0, thetas.shape[0] if n else 0, LANES):
         _begin(w, thetas, first, u[0])
         varying = False
         for lane in range(LANES):

@@ -52,15 +52,15 @@ FIRST_MOVES = (0.35, 0.8, 0.35, 0.6)
 
 SMALL_INERTIA = 0.02
 CONSTANT_SHARE = 0.3
-"""A damping that is constant is divided into a2·exp(0·p), so much of it, and c2: it is the same, and
-tells at once which way b2 wants."""
+"""A damping that is constant is divided into a2·exp(0·p), so much of it, and c2: it stays the same,
+and tells at once which way b2 wants."""
 
 MAX_SAMPLES = 1000
 ROUGH_SAMPLES = 500
 """Samples over which the wide grids are ranked: half the work, and the same basins."""
 
 MOST_AVERAGED_AWAY = 0.1
-"""Share of the input's variance within the blocks beyond which they hide what moves the actuator."""
+"""Share of the input's variance within blocks, beyond which they hide what moves the actuator."""
 
 WHOLE_SHARE = 0.7
 """A log is covered as a whole where windows would leave out less than the rest."""
@@ -304,7 +304,8 @@ def scores(
     thetas = rows * np.diag(form.by_theta)  # the kernels' parameters are in other units
     sums = np.zeros((len(rows), 3))
     for s in stretches:
-        add_products(thetas, *map(held, (s.time_s, s.input, s.motion, s.used)), sums)
+        time_s, u, y, used = map(held, (s.time_s, s.input, s.motion, s.used))
+        add_products(thetas, time_s, u, y, used, sums)
     cross, power, total = sums.T
     sound = (cross > 0.0) & (power > 0.0) & (power < np.inf)
     power = np.where(sound, power, 1.0)

@@ -268,7 +268,7 @@ def _at_scale(
     series: Sequence[Sequence[Array]],
     length: int,
     max_order: int,
-    known: Sequence[AutoRegression] | None = None,
+    first: Sequence[AutoRegression] | None = None,
 ) -> _Scale:
     width = blocks[0].width
     total, white, doubt = np.zeros((width, width)), np.zeros(width), np.zeros(width)
@@ -276,7 +276,7 @@ def _at_scale(
     for k, (block, weights) in enumerate(zip(blocks, series, strict=True)):
         part = block.averaged(length)
         form = LagForm.of([stretch_sums(w, length) for w in weights])
-        start = known[k] if known else fit_ar(part.residuals, max_order=max_order)
+        start = first[k] if first else fit_ar(part.residuals, max_order=max_order)
         if start.sigma == 0.0:
             noise.append(start)
             continue
@@ -295,7 +295,6 @@ def _at_scale(
 
 def _log_variance_doubt(form: LagForm, moments: Moments, fit: RestrictedFit) -> Array:
     """Variance of log C_kk from the uncertainty of the noise model, shape (K,)."""
-
     doubt = np.full(form.series[0].shape[1], 2.0 / fit.freedom)
     if not fit.position.size:
         return doubt

@@ -36,7 +36,7 @@ def test_it_is_the_regression_on_each_motion() -> None:
 
 
 def test_halved_steps_quarter_the_error() -> None:
-    """Second order: with half the step the gain errs 3.3 times less at least, with no inertia too."""
+    """Second order: with half the step the gain errs 3.3 times less, with and without inertia."""
     gains = {}
     for rate in (50, 100, 800):
         time_s = np.arange(4 * rate + 1) / rate

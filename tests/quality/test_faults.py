@@ -72,7 +72,7 @@ def test_missing_samples() -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_channel_that_cannot_drop_out_has_no_drop_outs(seed: int) -> None:
-    """Where the quick look finds nothing, so does the thorough one; a spike passes the quick one."""
+    """Where a quick look finds nothing, nor does the thorough one; a spike passes the quick one."""
     log = draw(seed).log
     for name in log.outputs:
         values = log.channels[name].values
