@@ -23,8 +23,8 @@ BEND_STEP = 0.1
 """Fraction of a step at which the second derivative along it is measured."""
 
 SHORT_STEP = 0.1
-"""Steps shorter than this share of what is plausible hardly bend: the correction would be a tenth of
-the step or less, which the next step makes good, and to measure it takes a simulation."""
+"""Steps shorter than this share of what is plausible hardly bend: the correction would be a tenth
+of the step or less, which the next one makes good, and to measure it takes a simulation."""
 
 MOST_BEND = 0.75
 """A step whose acceleration is larger than this share of its velocity is too long to trust."""

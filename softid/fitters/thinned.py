@@ -130,11 +130,13 @@ def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
         return False
     values = dict(zip(whole.parameters.names, whole.theta(z).tolist(), strict=True))
     shortest_s = min(float(s.time_s[-1] - s.time_s[0]) for s in windows.segments)
-    for level in np.linspace(low, high, LEVELS).tolist():
-        for name, (value, _) in whole.model.derived(values, (level, level)).items():
-            if name.startswith("time_constant") and not value * LASTING <= shortest_s:
-                return False
-    return True
+    times_s = [
+        value
+        for level in np.linspace(low, high, LEVELS).tolist()
+        for name, (value, _) in whole.model.derived(values, (level, level)).items()
+        if name.startswith("time_constant")
+    ]
+    return bool(times_s) and LASTING * max(times_s) <= shortest_s
 
 
 def led(objective: Objective, start: Array, problem: Problem, evaluations: int) -> Array:
