@@ -32,7 +32,7 @@ def _float_of_bits(typing_context: Any, bits: Any) -> Any:
 _FLOAT_OF_BITS: Any = _float_of_bits
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
 def exponential(x: float) -> float:
     """exp(x) within two units of the last place; infinite above 708 and for NaN, e⁻⁷⁰⁸ below −708.
 

@@ -257,7 +257,6 @@ def _pushes(s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
 def _advance(w, at, speed, xx, xv, vx, vv, push_x, push_v):  # type: ignore[no-untyped-def]
-    """``at`` and ``speed``, whole places rather than a number, are of one type for the compiler."""
     sx, sv = w[at], w[speed]
     w[at + LANES] = xx * sx + xv * sv + push_x
     w[speed] = vx * sx + vv * sv + push_v
@@ -355,8 +354,7 @@ def join_derivatives(w: Array, tangent: Array) -> None:
     for j in range(ROWS):
         for lane in range(LANES):
             i = (j + 1) * LANES + lane
-            xx, xv = w[_PXX + i], w[_PXV + i]
-            at = BY + i
+            at, xx, xv = BY + i, w[_PXX + i], w[_PXV + i]
             _join(w, at, lane, xx, xv, w[at])
             _join(w, at + 1 * POINTS, lane + 1 * LANES, xx, xv, w[at + 1 * POINTS])
             _join(w, at + 2 * POINTS, lane + 2 * LANES, xx, xv, w[at + 2 * POINTS])
