@@ -138,7 +138,7 @@ class ParameterSet(Mapping[str, Parameter]):
         self._known(values)
         return ParameterSet(
             tuple(
-                replace(p, value=float(np.clip(values.get(p.name, p.value), p.lower, p.upper)))
+                replace(p, value=float(min(max(values.get(p.name, p.value), p.lower), p.upper)))
                 for p in self.items_
             )
         )

@@ -34,14 +34,15 @@ def warmup(quiet: bool) -> None:
 
     Fits small made-up logs with every model that has kernels and simulates every effect. What is
     compiled already is only loaded. Worth a line in the recipe of a container or a CI image. Where
-    there are two processors, a second process compiles what effects in the motion need.
+    there are two processors, a second process compiles what effects in the motion and the
+    equilibrium model need.
     """
     from softid.kernels import cache_folder
 
     helper = None
     if (os.cpu_count() or 1) > 1:
         helper = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
-        beside = helper.submit(_compile_state_effects)
+        beside = helper.submit(_compile_beside)
     try:
         with progress(quiet=quiet) as report:
             jobs = list(_jobs())
@@ -50,9 +51,12 @@ def warmup(quiet: bool) -> None:
                     report(f"compiling for {what}", k / (len(jobs) + 1))
                 run()
             if report is not None:
-                report("compiling for effects in the motion", len(jobs) / (len(jobs) + 1))
+                report(
+                    "compiling for effects in the motion and equilibrium",
+                    len(jobs) / (len(jobs) + 1),
+                )
             if helper is None:
-                _compile_state_effects()
+                _compile_beside()
             else:
                 beside.result()
     finally:
@@ -61,22 +65,22 @@ def warmup(quiet: bool) -> None:
     click.echo(f"All kernels are compiled. They are kept in {cache_folder()}.")
 
 
-def _compile_state_effects() -> None:
-    """Simulate every effect in the equation of motion, which all run on one large kernel."""
+def _compile_beside() -> None:
+    """About half of the work: effects in the equation of motion, and the equilibrium model."""
+    from softid.models.equilibrium import Equilibrium
+
     for _, run in _effects(inside=True):
         run()
+    _moved(Equilibrium(), _drawn().segments()[0])
 
 
 def _jobs() -> Iterator[Job]:
-    """What compiles everything between them, with the words for it."""
+    """What compiles everything else between them, with the words for it."""
     from softid.identification import fit
-    from softid.models.equilibrium import Equilibrium
 
     log = _drawn()
-    (segment,) = log.segments()
     yield "fits of the muscle", partial(fit, log, model="muscle")
     yield "fits of the oscillator", partial(fit, log, model="oscillator")
-    yield "equilibrium", partial(_moved, Equilibrium(), segment)
     yield from _effects(inside=False)
 
 

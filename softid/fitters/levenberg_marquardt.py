@@ -22,12 +22,19 @@ Array = npt.NDArray[np.float64]
 BEND_STEP = 0.1
 """Fraction of a step at which the second derivative along it is measured."""
 
-SHORT_STEP = 1e-2
-"""Steps shorter than this share of what is plausible hardly bend: the correction would be another
-hundredth of the step, and to measure it takes a simulation."""
+SHORT_STEP = 0.1
+"""Steps shorter than this share of what is plausible hardly bend: the correction would be a tenth
+of the step or less, which the next one makes good, and to measure it takes a simulation."""
 
 MOST_BEND = 0.75
 """A step whose acceleration is larger than this share of its velocity is too long to trust."""
+
+LESS_BEND = 0.9
+"""A step that bent too much is shortened to this share of what `MOST_BEND` allows: the share grows
+with the length of the step, but turns with its direction too."""
+
+MOST_SHORTENED = 0.1
+"""Share of a step that is left at least: what bends without end may be one place only."""
 
 INITIAL_DAMPING = 1e-9
 LARGEST_DECREASE = 0.1
@@ -41,6 +48,7 @@ STALL_OFFSET = 5e-2
 evaluations have lowered the cost by less than a thousandth of the residual variance: along a valley
 in which the parameters make up for each other it would creep on without end."""
 
+DOUBLINGS = 40
 _SCALE_FLOOR = 1e-12
 
 
@@ -160,7 +168,11 @@ def minimise(
                 if 2.0 * share <= MOST_BEND:
                     step = step + correction
                 else:
-                    damping, growth = damping * growth, growth * 2.0
+                    length = float(np.linalg.norm((scale * step)[moving]))
+                    least = LESS_BEND * MOST_BEND / (2.0 * share)
+                    shorter = max(least, MOST_SHORTENED) * length
+                    damping = _damping_for(now, moving, scale, damping, shorter)
+                    growth = 2.0
                     continue
         trial = np.clip(z + step, lower, upper)
         taken = trial - z
@@ -252,6 +264,23 @@ def _step(normal: Normal, moving: npt.NDArray[np.bool_], scale: Array, damping: 
     step = np.zeros(moving.size)
     step[moving] = _solve(matrix, normal.gradient[moving] / d) / d
     return step
+
+
+def _damping_for(
+    normal: Normal,
+    moving: npt.NDArray[np.bool_],
+    scale: Array,
+    damping: float,
+    length: float,
+) -> float:
+    """The least damping, in doublings, at which the step is no longer than ``length``."""
+    d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
+    values, vectors = np.linalg.eigh(_among(normal.matrix, moving) / d / d[:, None])
+    along = (normal.gradient[moving] / d) @ vectors
+    trials = max(damping, 1e-300) * 2.0 ** np.arange(1.0, DOUBLINGS + 1.0)
+    steps = along / (np.maximum(values, 0.0) + trials[:, None])
+    short = np.sum(steps**2, axis=1) <= length**2
+    return float(trials[int(np.argmax(short)) if short.any() else -1])
 
 
 def _among(matrix: Array, moving: npt.NDArray[np.bool_]) -> Array:

@@ -9,7 +9,8 @@ it cannot. Fitted to pieces that grow longer, the parameters stay in the basin o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -36,13 +37,20 @@ class PiecewiseProblem(Problem):
     def __init__(self, whole: Problem, pieces: int) -> None:
         super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
         total_s = sum(float(s.time_s[-1] - s.time_s[0]) for s in whole.segments)
-        self.segments, self.owner, self.at_rest = [], [], []
-        for knotted, owner, rest in zip(whole.segments, whole.owner, whole.at_rest, strict=True):
-            segment = knotted.without_knots()
+        cuts = []
+        for segment in whole.plain_segments:
             n, length_s = segment.time_s.size, float(segment.time_s[-1] - segment.time_s[0])
             count = round(pieces * length_s / total_s) if total_s > 0.0 else 1
             edges = np.linspace(0, n, max(1, min(count, n // LEAST_SAMPLES)) + 1).astype(int)
-            for start, stop in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+            cuts.append(list(itertools.pairwise(edges.tolist())))
+        self._keep(whole, cuts)
+
+    def _keep(self, whole: Problem, cuts: Sequence[Sequence[tuple[int, int]]]) -> None:
+        """Take these ranges of samples of every segment, each as a segment of its own."""
+        self.segments, self.owner, self.at_rest = [], [], []
+        every = zip(whole.plain_segments, whole.owner, whole.at_rest, cuts, strict=True)
+        for segment, owner, rest, ranges in every:
+            for start, stop in ranges:
                 piece = slice(start, stop)
                 self.segments.append(segment.part(piece))
                 self.owner.append(owner)

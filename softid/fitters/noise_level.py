@@ -41,7 +41,7 @@ def at_noise_level(problem: Problem, found: Minimum) -> bool:
     if not np.isfinite(normal.cost) or normal.n <= normal.point.size:
         return False
     return _determined(problem, found) and all(
-        _white(residuals) for residuals in residuals_by_channel(problem, found.point)
+        _white(residuals) for residuals in residuals_by_channel(problem, found.point, normal)
     )
 
 

@@ -56,9 +56,29 @@ class Linearised(Normal):
     ----------
     pieces
         One per segment and channel, in the order of `Problem.blocks`.
+    plans
+        Steps per segment that were taken, None where they were planned anew.
     """
 
     pieces: tuple[Piece, ...] = field(default=())
+    plans: Sequence[Division | None] | None = None
+
+    @property
+    def kept(self) -> bool:
+        """Whether the columns of all pieces are there."""
+        return all(piece.columns is not None for piece in self.pieces)
+
+    def blocks(self, problem: Problem, *, derivatives: bool) -> list[Block]:
+        """Residuals at the used samples, and Jacobians if asked, where the columns were kept."""
+        blocks = []
+        for piece in self.pieces:
+            assert piece.columns is not None
+            used = problem.segments[piece.segment].used[piece.channel]
+            kept = slice(None) if used.all() else used
+            residual = (piece.residual @ piece.columns)[kept]
+            jacobian = (piece.columns.T @ piece.jacobian)[kept] if derivatives else None
+            blocks.append(Block(piece.channel, piece.segment, residual, jacobian))
+        return blocks
 
 
 def linearise(
@@ -87,11 +107,15 @@ def linearise(
     with np.errstate(all="ignore"):
         pieces = _pieces(problem, z, plans, keep=keep)
         moved, pieces = _with_best_zeros(problem, z, pieces)
-        return _summed(problem, moved, pieces, sigma)
+        return _summed(problem, moved, pieces, sigma, plans)
 
 
 def _summed(
-    problem: Problem, moved: Array, pieces: Sequence[Piece], sigma: Mapping[str, float]
+    problem: Problem,
+    moved: Array,
+    pieces: Sequence[Piece],
+    sigma: Mapping[str, float],
+    plans: Sequence[Division | None] | None,
 ) -> Linearised:
     cost, n = 0.0, 0
     gradient, matrix = np.zeros(problem.size), np.zeros((problem.size, problem.size))
@@ -104,7 +128,7 @@ def _summed(
         n += round(float(piece.gram[-2, -2])) if np.isfinite(piece.gram[-2, -2]) else 0
     if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
         cost, gradient, matrix = np.inf, np.zeros(problem.size), np.eye(problem.size)
-    return Linearised(moved, cost, gradient, matrix, n, pieces=tuple(pieces))
+    return Linearised(moved, cost, gradient, matrix, n, pieces=tuple(pieces), plans=plans)
 
 
 def bend(

@@ -59,12 +59,13 @@ class Objective:
         self.evaluations = 0
         self.plans: list[Division | None] | None = None
         self.prior: Prior | None = None
+        self._last: Linearised | None = None
+        self._weighted: dict[str, float] = {}
+        self._planned: tuple[Array, list[Division | None]] | None = None
 
     def __call__(self, z: Array) -> Normal:
         """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
-        self.evaluations += 1
-        keep = self.problem.n_samples * self.problem.size <= KEPT_ENTRIES
-        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
+        found = self._at(z)
         if self.prior is None or not np.isfinite(found.cost):
             return found
         return replace(
@@ -73,6 +74,35 @@ class Objective:
             gradient=found.gradient - self.prior.weight * (found.point - self.prior.centre),
             matrix=found.matrix + np.diag(self.prior.weight),
         )
+
+    def _at(self, z: Array) -> Linearised:
+        """The normal equations without the prior; the last ones are kept, to begin a run with."""
+        last = self._last
+        if (
+            last is not None
+            and self.plans is not None
+            and last.plans is not None
+            and np.array_equal(z, last.point)
+            and self.sigma == self._weighted
+            and _same(self.plans, last.plans)
+        ):
+            return last
+        self.evaluations += 1
+        keep = self.problem.n_samples * self.problem.size <= KEPT_ENTRIES
+        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
+        self._last, self._weighted = found, dict(self.sigma)
+        return found
+
+    def adopt(self, other: Objective) -> None:
+        """Go on from another one's last evaluation, of the same problem."""
+        if other.problem is self.problem:
+            self._last, self._weighted = other._last, other._weighted
+            self._planned = other._planned
+
+    def _plans(self, z: Array) -> list[Division | None]:
+        if self._planned is None or not np.array_equal(z, self._planned[0]):
+            self._planned = z.copy(), self.problem.plans(z)
+        return self._planned[1]
 
     def set_prior(self, centre: Array, at: Minimum) -> None:
         """Hold unseen directions near ``centre``, with the residual variance found at ``at``."""
@@ -83,7 +113,7 @@ class Objective:
 
     def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
         """Jᵀ∂²ŷ/∂v² along ``step``, or None where the Jacobian was too large to keep."""
-        if not isinstance(normal, Linearised) or any(p.columns is None for p in normal.pieces):
+        if not isinstance(normal, Linearised) or not normal.kept:
             return None
         self.evaluations += 1
         return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
@@ -94,7 +124,7 @@ class Objective:
         reach = self.problem.reach()
         point = np.clip(start, lower, upper)
         for _ in range(MAX_PLANS):
-            plans = self.problem.plans(point)
+            plans = self._plans(point)
             if self.plans is not None and _same(plans, self.plans):
                 break
             self.plans = plans
@@ -117,6 +147,6 @@ class Objective:
 
 def _same(a: Sequence[Division | None], b: Sequence[Division | None]) -> bool:
     return all(
-        (p is None and q is None) or (p is not None and q is not None and p.same_as(q))
+        p is q or (p is not None and q is not None and p.same_as(q))
         for p, q in zip(a, b, strict=True)
     )

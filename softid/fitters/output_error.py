@@ -19,10 +19,11 @@ import numpy.typing as npt
 
 from softid.fitters.levenberg_marquardt import Minimum, attainable_offset, movable
 from softid.fitters.noise_level import at_noise_level
+from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
-from softid.fitters.problem import Problem
+from softid.fitters.problem import Block, Problem
 from softid.fitters.rivals import best_rival
-from softid.fitters.thinned import ThinnedProblem, thinning
+from softid.fitters.thinned import led, rough_problem
 from softid.results import FitStatus
 
 Array = npt.NDArray[np.float64]
@@ -41,9 +42,6 @@ the noise level, the last."""
 
 FIRST_TIMES = 2
 """The most promising start, which usually is the only one, gets so many times the evaluations."""
-
-ROUGH_TOLERANCE = 0.1
-"""`attainable_offset` at which a run through block averages ends: their optimum is another one."""
 
 RESTARTS = 3
 RESTART_SPREAD = 0.3
@@ -83,6 +81,8 @@ class Optimum:
         Which unknowns lie on a bound, shape (U,).
     start
         Unknowns at the start that led here, shape (U,).
+    linearised
+        The normal equations there, if they were summed from columns that are still kept.
     """
 
     unknowns: Array
@@ -93,6 +93,13 @@ class Optimum:
     evaluations: int
     at_bound: npt.NDArray[np.bool_]
     start: Array
+    linearised: Linearised | None = None
+
+    def blocks(self, problem: Problem) -> list[Block]:
+        """Residuals and Jacobians at the optimum, as `Problem.blocks` gives them."""
+        if self.linearised is not None:
+            return self.linearised.blocks(problem, derivatives=True)
+        return list(problem.blocks(self.unknowns, derivatives=True))
 
 
 def output_error(
@@ -134,14 +141,17 @@ def output_error(
     if not scouted:
         return _nothing(objective, [problem.unknowns(start) for start in starts[:1]])
     report("refining the best starts", 0.3)
-    contenders = scouted[:2] if rounds and not alone else scouted[:1]
+    contenders = scouted[:2] if rounds else scouted[:1]
     limit = POLISH_EVALUATIONS if rounds else DRAFT_EVALUATIONS
-    polished = []
-    for found, start in contenders:
-        objective.set_prior(start, found)
-        polished.append((objective.solve(found.point, limit), start))
-    best, start = min(polished, key=lambda row: row[0].normal.cost)
-    objective.set_prior(start, best)
+    if alone:
+        best, start = scouted[0]  # the data hold every parameter, and need no prior
+    else:
+        polished = []
+        for found, start in contenders:
+            objective.set_prior(start, found)
+            polished.append((objective.solve(found.point, limit), start))
+        best, start = min(polished, key=lambda row: row[0].normal.cost)
+        objective.set_prior(start, best)
     best = objective.solve(best.point, limit)
     best = _reweighted(objective, best)
     report("looking for a better optimum", 0.6)
@@ -177,18 +187,19 @@ def _search(
     objective: Objective, starts: Sequence[Mapping[str, float]], *, alone_if_white: bool
 ) -> tuple[list[tuple[Minimum, Array]], bool]:
     """Scouts from the starts in turn, best first, and whether one has ended at the noise level."""
-    thinned: ThinnedProblem | None = None
+    rough: Problem | None = None
     first = SCOUTS
     if alone_if_white:
-        length, first = thinning(objective.problem), 1
-        thinned = ThinnedProblem(objective.problem, length) if length > 1 else None
+        first = 1
     scouted: list[tuple[Minimum, Array]] = []
     edges = [0, *range(first, len(starts), SCOUTS), len(starts)]
     for begin, end in itertools.pairwise(edges):
         alone = begin == 0 and alone_if_white
         limit = (FIRST_TIMES if alone else 1) * SCOUT_EVALUATIONS
         points = [objective.problem.unknowns(start) for start in starts[begin:end]]
-        found = _scout(objective, points, limit, thinned)
+        if alone and points:
+            rough = rough_problem(objective.problem, points[0])
+        found = _scout(objective, points, limit, rough)
         scouted = sorted([*scouted, *found], key=_cost)
         if alone_if_white and scouted and at_noise_level(objective.problem, scouted[0][0]):
             return scouted, True
@@ -199,35 +210,33 @@ def _scout(
     objective: Objective,
     points: Sequence[Array],
     limit: int,
-    thinned: ThinnedProblem | None = None,
+    rough: Problem | None = None,
 ) -> list[tuple[Minimum, Array]]:
     """Short runs from every start, best first; the compiled kernels release the lock.
 
-    Where there is a thinned problem they lead through it, and go on over all samples from there.
+    Where there is a rough problem they lead through it, and go on over all samples from there.
     """
 
-    def run(point: Array) -> tuple[Minimum, Array]:
-        begin = point
-        if thinned is not None:
-            rough = Objective(thinned, objective.sigma)
-            led = rough.solve(point, limit, tolerance=ROUGH_TOLERANCE)
-            begin = led.point if np.isfinite(led.normal.cost) else point
-            objective.evaluations += rough.evaluations
+    def run(point: Array) -> tuple[Minimum, Array, Objective]:
         own = Objective(objective.problem, objective.sigma)
+        begin = point if rough is None else led(own, point, rough, limit)
         own.prior = objective.prior
         found = own.solve(begin, limit)
         objective.evaluations += own.evaluations
-        return found, point
+        return found, point, own
 
     if len(points) == 1:
         rows = [run(points[0])]
     else:
         with ThreadPoolExecutor(max_workers=SCOUTS) as pool:
             rows = list(pool.map(run, points))
-    return sorted((row for row in rows if np.isfinite(row[0].normal.cost)), key=_cost)
+    rows = sorted((row for row in rows if np.isfinite(row[0].normal.cost)), key=_cost)
+    if rows:
+        objective.adopt(rows[0][2])
+    return [(found, point) for found, point, _ in rows]
 
 
-def _cost(row: tuple[Minimum, Array]) -> float:
+def _cost(row: tuple[Minimum, Array] | tuple[Minimum, Array, Objective]) -> float:
     return row[0].normal.cost
 
 
@@ -283,7 +292,7 @@ def _challenge(
 
 def _released(objective: Objective, best: Minimum) -> Minimum:
     """The optimum without the prior, if the data hold every parameter near where it is."""
-    if best.reach > OFFSET_TOLERANCE:
+    if best.reach > OFFSET_TOLERANCE or objective.prior is None:
         return best
     prior, objective.prior = objective.prior, None
     free = objective.solve(best.point, RELEASE_EVALUATIONS)
@@ -321,6 +330,7 @@ def _judge(objective: Objective, best: Minimum, start: Array, *, stable: bool) -
         objective.evaluations,
         at_bound,
         start,
+        normal if isinstance(normal, Linearised) and normal.kept else None,
     )
 
 

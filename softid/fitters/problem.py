@@ -236,9 +236,10 @@ class Problem:
 
     def start_state(self, z: Array, segment: int) -> tuple[float, ...]:
         """Initial state used for one segment."""
+        begin = self.segments[segment].part(slice(2))
         response = self.model.response(
             self.theta(z),
-            self.segments[segment],
+            begin,
             self.outputs[:1],
             start=self.start(z, segment),
             derivatives=False,
@@ -310,17 +311,18 @@ class Problem:
             for name in self.outputs:
                 used = segment.used[name]
                 zero = z[self.zero_position(self.owner[k], name)] if self.zeros else 0.0
-                residual = (segment.outputs[name] - response.outputs[name] - zero)[used]
+                used_rows = slice(None) if used.all() else used
+                residual = (segment.outputs[name] - response.outputs[name] - zero)[used_rows]
                 jacobian = None
                 if chain is not None and response.by_parameter is not None:
                     jacobian = np.zeros((residual.size, self.size))
-                    jacobian[:, : len(self.free)] = response.by_parameter[name][used] @ chain
+                    jacobian[:, : len(self.free)] = response.by_parameter[name][used_rows] @ chain
                     if self.zeros:
                         jacobian[:, self.zero_position(self.owner[k], name)] = 1.0
                     at = self._start_from[k]
                     if at is not None and response.by_state is not None:
                         width = len(self.model.start_states)
-                        jacobian[:, at : at + width] = response.by_state[name][used]
+                        jacobian[:, at : at + width] = response.by_state[name][used_rows]
                 yield Block(name, k, residual, jacobian)
 
 

@@ -16,8 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.beginnings import led_from_beginnings
-from softid.fitters.levenberg_marquardt import Minimum
+from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.multiple_shooting import PiecewiseProblem
+from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
 
@@ -294,7 +295,9 @@ def _rises_at(series: Sequence[Array], lags: int, least: float) -> int | None:
     return int(np.argmax(risen)) if risen.any() else None
 
 
-def residuals_by_channel(problem: Problem, z: Array) -> list[list[Array]]:
+def residuals_by_channel(
+    problem: Problem, z: Array, known: Normal | None = None
+) -> list[list[Array]]:
     """Residuals of every segment less their means, channel by channel.
 
     Parameters
@@ -303,8 +306,13 @@ def residuals_by_channel(problem: Problem, z: Array) -> list[list[Array]]:
         What was fitted.
     z
         Unknowns, shape (U,).
+    known
+        Normal equations there, which may hold the residuals already.
     """
-    blocks = problem.blocks(z, derivatives=False)
+    if isinstance(known, Linearised) and known.kept:
+        blocks = known.blocks(problem, derivatives=False)
+    else:
+        blocks = list(problem.blocks(z, derivatives=False))
     return [
         [b.residual - b.residual.mean() for b in blocks if b.channel == name and b.residual.size]
         for name in problem.outputs

@@ -1,7 +1,9 @@
-"""The same problem over block averages of its samples: a cheap way to the right basin.
+"""The same problem over fewer samples: a cheap way to the right basin.
 
-A log of ten thousand samples tells where the optimum is no better than two thousand averages do,
-as long as the motion is slow against a block. The optimum itself is always taken over all samples.
+A long log tells where the optimum is no better than two thousand block averages do, as long as the
+motion is slow against a block. Where it is fast, averages hide it and take as many steps as all
+samples; then windows of the log lead the way, each with an initial state of its own. The optimum
+itself is always taken over all samples.
 """
 
 from __future__ import annotations
@@ -11,6 +13,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.multiple_shooting import PiecewiseProblem
+from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
 from softid.segment import Segment
 
@@ -22,6 +26,28 @@ SAMPLES = 2000
 LONGEST = 8
 """Most samples in a block. A log of 100,000 samples in blocks of 50, longer than its motion takes,
 led beside the basin, and the fit took twice as long as without."""
+
+WORTHWHILE = 0.5
+"""Largest share of the steps of all samples that block averages may take."""
+
+WINDOWED = 2500
+"""Samples in all windows together."""
+
+WINDOWS = 2
+COVERED = 0.8
+"""Share of the range of the input that windows must hold."""
+
+LASTING = 10.0
+"""Time constants that a window must last."""
+
+LEVELS = 5
+"""Inputs at which the time constant of a start is looked at."""
+
+LEAST_SAVING = 4
+"""How many times that a problem must hold for windows to be worth their own initial states."""
+
+ROUGH_TOLERANCE = 0.1
+"""`attainable_offset` at which a run over fewer samples ends: their optimum is another one."""
 
 LEAST_BLOCKS = 20
 """Fewest blocks of a segment; the averages of shorter ones would lose their transients."""
@@ -43,6 +69,107 @@ class ThinnedProblem(Problem):
         self.segments = [_averaged(s.without_knots(), length) for s in whole.segments]
         self.owner, self.at_rest = whole.owner, whole.at_rest
         self._layout()
+
+
+class WindowedProblem(PiecewiseProblem):
+    """A problem over windows of its segments, each with an initial state to be estimated.
+
+    Parameters
+    ----------
+    whole
+        The problem.
+    """
+
+    def __init__(self, whole: Problem) -> None:
+        Problem.__init__(self, whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+        total = sum(segment.time_s.size for segment in whole.plain_segments)
+        cuts = []
+        for segment in whole.plain_segments:
+            n = segment.time_s.size
+            count = max(1, round(WINDOWS * n / total))
+            size = max(1, WINDOWED * n // total // count)
+            begins = np.linspace(0, n - size, count).astype(int).tolist()
+            cuts.append([(begin, begin + size) for begin in begins])
+        self._keep(whole, cuts)
+
+
+def rough_problem(problem: Problem, z: Array) -> Problem | None:
+    """A cheaper problem that leads near the optimum; None where there is none.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    z
+        Unknowns at a start, whose motion is looked at, shape (U,).
+    """
+    few = len(problem.segments) <= WINDOWS and bool(problem.model.start_states)
+    if few and problem.n_samples >= LEAST_SAVING * WINDOWED:
+        windows = WindowedProblem(problem)
+        if _show_the_motion(windows, problem, z):
+            return windows
+    length = thinning(problem)
+    if length > 1:
+        averaged = ThinnedProblem(problem, length)
+        if _steps(averaged, z) <= WORTHWHILE * _steps(problem, z):
+            return averaged
+    return None
+
+
+def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
+    """Whether windows hold the range of the input, and last long against the motion at a start."""
+    ranges = [
+        (
+            min(float(s.input.min()) for s in p.segments),
+            max(float(s.input.max()) for s in p.segments),
+        )
+        for p in (windows, whole)
+    ]
+    (low, high), (lowest, highest) = ranges
+    if high - low < COVERED * (highest - lowest):
+        return False
+    values = dict(zip(whole.parameters.names, whole.theta(z).tolist(), strict=True))
+    shortest_s = min(float(s.time_s[-1] - s.time_s[0]) for s in windows.segments)
+    times_s = [
+        value
+        for level in np.linspace(low, high, LEVELS).tolist()
+        for name, (value, _) in whole.model.derived(values, (level, level)).items()
+        if name.startswith("time_constant")
+    ]
+    return bool(times_s) and LASTING * max(times_s) <= shortest_s
+
+
+def led(objective: Objective, start: Array, problem: Problem, evaluations: int) -> Array:
+    """Unknowns to which a rough problem leads from a start, or the start itself, shape (U,).
+
+    Parameters
+    ----------
+    objective
+        That of the whole problem.
+    start
+        Its unknowns.
+    problem
+        From `rough_problem`.
+    evaluations
+        Limit of evaluations.
+    """
+    whole, rough = objective.problem, Objective(problem, objective.sigma)
+    begin, names = start, whole.parameters.names
+    if isinstance(problem, WindowedProblem):
+        begin = problem.started(dict(zip(names, whole.theta(start).tolist(), strict=True)))
+        begin = problem.with_best_states(rough(begin))
+    found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
+    objective.evaluations += rough.evaluations
+    if not np.isfinite(found.normal.cost):
+        return start
+    if not isinstance(problem, WindowedProblem):
+        return found.point
+    return whole.unknowns(dict(zip(names, problem.theta(found.point).tolist(), strict=True)))
+
+
+def _steps(problem: Problem, z: Array) -> int:
+    plans = zip(problem.plans(z), problem.segments, strict=True)
+    return sum(s.time_s.size if plan is None else int(plan.counts.sum()) for plan, s in plans)
 
 
 def thinning(problem: Problem) -> int:

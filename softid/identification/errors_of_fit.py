@@ -12,6 +12,7 @@ from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Block, Problem
 from softid.results import NoiseModel
 from softid.uncertainty import (
+    AutoRegression,
     Covariance,
     ResidualBlock,
     fit_ar,
@@ -67,7 +68,7 @@ def unknown_names(problem: Problem) -> list[str]:
 
 def errors_of(problem: Problem, optimum: Optimum) -> Errors:
     """Covariance, noise models and information criteria at an optimum."""
-    blocks = list(problem.blocks(optimum.unknowns, derivatives=True))
+    blocks = optimum.blocks(problem)
     stuck = optimum.at_bound.copy()
     stuck[len(problem.free) :] = False
     columns = np.flatnonzero(~stuck)
@@ -76,20 +77,16 @@ def errors_of(problem: Problem, optimum: Optimum) -> Errors:
         for name in problem.outputs
         for group in _noise_groups(problem, name)
     ]
-    likelihood = sum(log_likelihood(fit_ar(b.residuals), b.residuals) for b in shared)
+    models = [fit_ar(block.residuals) for block in shared]
+    likelihood = sum(
+        log_likelihood(ar, block.residuals) for ar, block in zip(models, shared, strict=True)
+    )
     n = problem.n_samples
     names = unknown_names(problem)
     covariance = None
     if columns.size and n > columns.size:
-        covariance = sandwich_covariance(shared, [names[k] for k in columns])
-    noise = tuple(
-        noise_model(
-            name,
-            [r for block in shared if block.channel == name for r in block.residuals],
-            fitted_parameters=problem.size,
-        )
-        for name in problem.outputs
-    )
+        covariance = sandwich_covariance(shared, [names[k] for k in columns], noise=models)
+    noise = tuple(_noise(problem, shared, models, name) for name in problem.outputs)
     finite = bool(np.isfinite(likelihood))
     return Errors(
         covariance,
@@ -97,6 +94,19 @@ def errors_of(problem: Problem, optimum: Optimum) -> Errors:
         noise,
         2.0 * problem.size - 2.0 * likelihood if finite else None,
         float(np.log(n)) * problem.size - 2.0 * likelihood if finite else None,
+    )
+
+
+def _noise(
+    problem: Problem, blocks: Sequence[ResidualBlock], models: Sequence[AutoRegression], name: str
+) -> NoiseModel:
+    """What one channel leaves over, in all logs together."""
+    own = [k for k, block in enumerate(blocks) if block.channel == name]
+    return noise_model(
+        name,
+        [r for k in own for r in blocks[k].residuals],
+        fitted_parameters=problem.size,
+        ar=models[own[0]] if len(own) == 1 else None,
     )
 
 
@@ -127,10 +137,13 @@ def _residual_block(
             continue
         segment = problem.segments[block.segment]
         used = segment.samples_of(segment.used[channel])
-        jacobian = np.zeros((used.size, len(columns)))
-        residual = np.full(used.size, np.nan)
-        jacobian[used] = block.jacobian[:, columns]
-        residual[used] = block.residual
+        jacobian, residual = block.jacobian, block.residual
+        if len(columns) < jacobian.shape[1]:
+            jacobian = jacobian[:, columns]
+        if not used.all():
+            spread, residual = np.zeros((used.size, len(columns))), np.full(used.size, np.nan)
+            spread[used], residual[used] = jacobian, block.residual
+            jacobian = spread
         jacobians.append(jacobian)
         residuals.append(residual)
     return ResidualBlock(channel, tuple(jacobians), tuple(residuals), 1.0 / optimum.sigma[channel])

@@ -52,7 +52,7 @@ MAX_SUBSTEPS = 64
 _HUGE = 1e300
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
 def _radau_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
     """Steps per second of the Radau rule.
 
@@ -70,7 +70,7 @@ def _radau_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
     return (oscillating if discriminant < 0.0 else bold) / MAX_PHASE_PER_STEP
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
 def _rk4_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
     """Steps per second of the explicit rule; not finite where it must not be used."""
     omega, decay = np.sqrt(stiffness / mass), damping / mass

@@ -240,7 +240,7 @@ def join_states(w: Array, state: Array) -> None:
         w[V + i] += w[_PVX + i] * w[_ROW_X + i] + w[_PVV + i] * w[_ROW_V + i]
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
 def _pushes(s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
     """What a change of each parameter pushes, from the ten sums of one component of the state."""
     b0, b1, b2, x0, x1, x2, v0, v1, v2, a = s
@@ -255,25 +255,26 @@ def _pushes(s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
-def _advance(w, p, i, lane, xx, xv, vx, vv, push_x, push_v):  # type: ignore[no-untyped-def]
-    sx, sv = w[BY + p * POINTS + i], w[_BY_V + p * LANES + lane]
-    w[BY + p * POINTS + i + LANES] = xx * sx + xv * sv + push_x
-    w[_BY_V + p * LANES + lane] = vx * sx + vv * sv + push_v
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+def _advance(w, at, speed, xx, xv, vx, vv, push_x, push_v):  # type: ignore[no-untyped-def]
+    sx, sv = w[at], w[speed]
+    w[at + LANES] = xx * sx + xv * sv + push_x
+    w[speed] = vx * sx + vv * sv + push_v
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
 def _advance_all(w, i, lane, s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
     xx, xv, vx, vv = w[_XX + i], w[_XV + i], w[_VX + i], w[_VV + i]
     px = _pushes(s[:10], e, d, f, g, a1, a2)
     pv = _pushes(s[10:], e, d, f, g, a1, a2)
-    _advance(w, 0, i, lane, xx, xv, vx, vv, px[0], pv[0])
-    _advance(w, 1, i, lane, xx, xv, vx, vv, px[1], pv[1])
-    _advance(w, 2, i, lane, xx, xv, vx, vv, px[2], pv[2])
-    _advance(w, 3, i, lane, xx, xv, vx, vv, px[3], pv[3])
-    _advance(w, 4, i, lane, xx, xv, vx, vv, px[4], pv[4])
-    _advance(w, 5, i, lane, xx, xv, vx, vv, px[5], pv[5])
-    _advance(w, 6, i, lane, xx, xv, vx, vv, px[6], pv[6])
+    at, speed = BY + i, _BY_V + lane
+    _advance(w, at + 0 * POINTS, speed + 0 * LANES, xx, xv, vx, vv, px[0], pv[0])
+    _advance(w, at + 1 * POINTS, speed + 1 * LANES, xx, xv, vx, vv, px[1], pv[1])
+    _advance(w, at + 2 * POINTS, speed + 2 * LANES, xx, xv, vx, vv, px[2], pv[2])
+    _advance(w, at + 3 * POINTS, speed + 3 * LANES, xx, xv, vx, vv, px[3], pv[3])
+    _advance(w, at + 4 * POINTS, speed + 4 * LANES, xx, xv, vx, vv, px[4], pv[4])
+    _advance(w, at + 5 * POINTS, speed + 5 * LANES, xx, xv, vx, vv, px[5], pv[5])
+    _advance(w, at + 6 * POINTS, speed + 6 * LANES, xx, xv, vx, vv, px[6], pv[6])
 
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT)
@@ -353,22 +354,21 @@ def join_derivatives(w: Array, tangent: Array) -> None:
     for j in range(ROWS):
         for lane in range(LANES):
             i = (j + 1) * LANES + lane
-            xx, xv = w[_PXX + i], w[_PXV + i]
-            _join(w, 0, i, lane, xx, xv, w[BY + i])
-            _join(w, 1, i, lane, xx, xv, w[BY + 1 * POINTS + i])
-            _join(w, 2, i, lane, xx, xv, w[BY + 2 * POINTS + i])
-            _join(w, 3, i, lane, xx, xv, w[BY + 3 * POINTS + i])
-            _join(w, 4, i, lane, xx, xv, w[BY + 4 * POINTS + i])
-            _join(w, 5, i, lane, xx, xv, w[BY + 5 * POINTS + i])
-            _join(w, 6, i, lane, xx, xv, w[BY + 6 * POINTS + i])
-            _join(w, 7, i, lane, xx, xv, 0.0)
-            _join(w, 8, i, lane, xx, xv, 0.0)
+            at, xx, xv = BY + i, w[_PXX + i], w[_PXV + i]
+            _join(w, at, lane, xx, xv, w[at])
+            _join(w, at + 1 * POINTS, lane + 1 * LANES, xx, xv, w[at + 1 * POINTS])
+            _join(w, at + 2 * POINTS, lane + 2 * LANES, xx, xv, w[at + 2 * POINTS])
+            _join(w, at + 3 * POINTS, lane + 3 * LANES, xx, xv, w[at + 3 * POINTS])
+            _join(w, at + 4 * POINTS, lane + 4 * LANES, xx, xv, w[at + 4 * POINTS])
+            _join(w, at + 5 * POINTS, lane + 5 * LANES, xx, xv, w[at + 5 * POINTS])
+            _join(w, at + 6 * POINTS, lane + 6 * LANES, xx, xv, w[at + 6 * POINTS])
+            _join(w, at + 7 * POINTS, lane + 7 * LANES, xx, xv, 0.0)
+            _join(w, at + 8 * POINTS, lane + 8 * LANES, xx, xv, 0.0)
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
-def _join(w, p, i, lane, xx, xv, own):  # type: ignore[no-untyped-def]
-    x, v = w[_STARTS_X + p * LANES + lane], w[_STARTS_V + p * LANES + lane]
-    w[BY + p * POINTS + i] = own + xx * x + xv * v
+@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+def _join(w, at, start, xx, xv, own):  # type: ignore[no-untyped-def]
+    w[at] = own + xx * w[_STARTS_X + start] + xv * w[_STARTS_V + start]
 
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT)

@@ -1,74 +1,148 @@
-"""How well many parameters explain a motion whose gain and zero are free."""
+"""How well many parameters explain a motion whose gain and zero are free.
+
+Eight sets of parameters run side by side over the samples, one to a lane of a vector, by one step
+of the two-stage Radau rule for each sampling interval with the coefficients held at its middle:
+stable for any stiffness, of second order, and a quarter of the work of the rule that fits use. It
+ranks starts, for which 1e-2 of the motion is enough.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
-from softid.kernels import affine, affine_steps, exponential, lanes
-from softid.kernels.affine import move
+from softid.kernels import exponential as exponentials
 from softid.kernels.decorators import kernel
-from softid.kernels.lanes import MUSCLE, RADAU
+from softid.kernels.exponential import EXACT, exponential
 from softid.kernels.sources import follow_sources
 
 Array = npt.NDArray[np.float64]
-Counts = npt.NDArray[np.int16]
 BoolArray = npt.NDArray[np.bool_]
+
+LANES = 8
+MASS, A1, B1, C1, A2, B2, C2 = (k * LANES for k in range(7))
+"""Where the parameters of the lanes stand in the workspace."""
+
+X, V, BEGAN = 7 * LANES, 8 * LANES, 9 * LANES
+"""Position, velocity and the position at the first sample."""
+
+SUM, CROSS, POWER = 10 * LANES, 11 * LANES, 12 * LANES
+"""Σ(x − x₀), Σ(x − x₀)·y and Σ(x − x₀)² over the used samples."""
+
+DAMPING, FORCE = 13 * LANES, 14 * LANES
+SIZE = 15 * LANES
+
+LEAST_INERTIA = 1e-3
+LEAST_PERIOD = 1e-3
+"""A motion without inertia, or without damping too, follows within a thousandth of a step."""
+
+_TINY = 1e-300
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _begin(w: Array, thetas: Array, first: int, u: float) -> None:
+    for k in range(7):
+        for lane in range(LANES):
+            w[k * LANES + lane] = thetas[min(first + lane, thetas.shape[0] - 1), k]
+    for lane in range(LANES):
+        force = exponential(w[B1 + lane] * u)
+        w[X + lane] = w[BEGAN + lane] = force / (w[A1 + lane] * force + w[C1 + lane])
+        w[V + lane] = w[SUM + lane] = w[CROSS + lane] = w[POWER + lane] = 0.0
+        w[DAMPING + lane] = w[C2 + lane]
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _coefficients(w: Array, u: float, varying: bool) -> None:
+    for lane in range(LANES):
+        w[FORCE + lane] = exponential(w[B1 + lane] * u)
+    if varying:
+        for lane in range(LANES):
+            w[DAMPING + lane] = w[A2 + lane] * exponential(w[B2 + lane] * u) + w[C2 + lane]
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _step(w: Array, h: float) -> None:
+    """(1 − ⅔B + ⅙B²) y⁺ = (1 + ⅓B) y for y = (x − x∞, h·v) and B = [[0, 1], [−k, −d]]."""
+    for lane in range(LANES):
+        stiffness = w[A1 + lane] * w[FORCE + lane] + w[C1 + lane]
+        slow, spring = h * w[DAMPING + lane], h * h * stiffness
+        least = max(LEAST_INERTIA * slow, LEAST_PERIOD * LEAST_PERIOD * spring)
+        over = 1.0 / max(max(w[MASS + lane], least), _TINY)
+        rest = w[FORCE + lane] / stiffness
+        k, d = spring * over, slow * over
+        away, speed = w[X + lane] - rest, h * w[V + lane]
+        d11, d12 = 1.0 - (1.0 / 6.0) * k, -(2.0 / 3.0) - (1.0 / 6.0) * d
+        d21 = k * ((2.0 / 3.0) + (1.0 / 6.0) * d)
+        d22 = 1.0 + (2.0 / 3.0) * d + (1.0 / 6.0) * (d * d - k)
+        r1 = away + (1.0 / 3.0) * speed
+        r2 = speed - (1.0 / 3.0) * (k * away + d * speed)
+        scale = 1.0 / (d11 * d22 - d12 * d21)
+        w[X + lane] = rest + scale * (d22 * r1 - d12 * r2)
+        w[V + lane] = scale * (d11 * r2 - d21 * r1) / h
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _add(w: Array, y: float) -> None:
+    for lane in range(LANES):
+        x = w[X + lane] - w[BEGAN + lane]
+        w[SUM + lane] += x
+        w[CROSS + lane] += x * y
+        w[POWER + lane] += x * x
+
+
+@njit(nogil=True, error_model="numpy")
+def _moments(y: Array, used: BoolArray) -> tuple[int, float, float]:
+    """Number of used samples, their mean and their squares about it."""
+    n, mean, power = 0, 0.0, 0.0
+    for i in range(y.size):
+        if used[i]:
+            n += 1
+            mean += y[i]
+    mean /= max(n, 1)
+    for i in range(y.size):
+        if used[i]:
+            power += (y[i] - mean) ** 2
+    return n, mean, power
 
 
 @kernel
 def add_products(
-    thetas: Array,
-    time_s: Array,
-    u: Array,
-    counts: Counts,
-    y: Array,
-    used: BoolArray,
-    sums: Array,
+    thetas: Array, time_s: Array, u: Array, y: Array, used: BoolArray, sums: Array
 ) -> None:
     """Products of simulated and measured motion about their means, for muscles that start at rest.
 
     Parameters
     ----------
     thetas
-        As `move` takes them, one row each, shape (G, 8).
-    time_s, u, counts
-        As in `move`; steps are implicit.
+        m, a1, b1, c1, a2, b2, c2, one row each, shape (G, 7).
+    time_s, u
+        Sample times and input, each of shape (n,).
     y, used
         Measured motion and whether it counts, each of shape (n,).
     sums
         Σxy, Σxx and Σyy are added, shape (G, 3); where a motion is not finite nothing is.
     """
-    law, rule = int(MUSCLE), int(RADAU)  # bare constants would compile `move` once more
-    x, v, state = np.empty(u.size), np.empty(u.size), np.zeros(2)
-    n, y_mean, y_power = 0, 0.0, 0.0
-    for i in range(u.size):
-        if used[i]:
-            n += 1
-            y_mean += y[i]
-    if n == 0:
-        return
-    y_mean /= n
-    for i in range(u.size):
-        if used[i]:
-            y_power += (y[i] - y_mean) ** 2
-    for g in range(thetas.shape[0]):
-        force = np.exp(thetas[g, 2] * u[0])
-        state[0] = force / (thetas[g, 1] * force + thetas[g, 3])
-        move(law, rule, thetas[g], time_s, u, counts, state, x, v)
-        mean, cross, power = 0.0, 0.0, 0.0
-        for i in range(u.size):
+    n, y_mean, y_power = _moments(y, used)
+    w = np.empty(SIZE)
+    for first in range(0, thetas.shape[0] if n else 0, LANES):
+        _begin(w, thetas, first, u[0])
+        varying = False
+        for lane in range(LANES):
+            varying = varying or w[A2 + lane] != 0.0
+        if used[0]:
+            _add(w, y[0] - y_mean)
+        for i in range(1, u.size):
+            _coefficients(w, 0.5 * (u[i - 1] + u[i]), varying)
+            _step(w, time_s[i] - time_s[i - 1])
             if used[i]:
-                mean += x[i]
-        mean /= n
-        for i in range(u.size):
-            if used[i]:
-                cross += (x[i] - mean) * (y[i] - y_mean)
-                power += (x[i] - mean) ** 2
-        if np.isfinite(mean):
-            sums[g, 0] += cross
-            sums[g, 1] += power
-            sums[g, 2] += y_power
+                _add(w, y[i] - y_mean)
+        for lane in range(min(LANES, thetas.shape[0] - first)):
+            power = w[POWER + lane] - w[SUM + lane] * w[SUM + lane] / n
+            if np.isfinite(power):
+                sums[first + lane, 0] += w[CROSS + lane]
+                sums[first + lane, 1] += max(power, 0.0)
+                sums[first + lane, 2] += y_power
 
 
-follow_sources(add_products, (affine, affine_steps, exponential, lanes))
+follow_sources(add_products, (exponentials,))

@@ -113,17 +113,6 @@ class Division:
         return found
 
 
-def undivided(time_s: Array, u: Array) -> Division:
-    """One implicit step per sampling interval: stable for any stiffness, and good for a rough look.
-
-    Parameters
-    ----------
-    time_s, u
-        Sample times and input, each of shape (n,).
-    """
-    return Division(held(time_s), held(u), np.ones(time_s.size - 1, np.int16), "radau")
-
-
 def held(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """A read-only contiguous view, which is one type for the compiler whatever came in."""
     view = np.ascontiguousarray(values).view()

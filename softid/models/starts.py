@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.start_scores import add_products
-from softid.models.division import held, undivided
+from softid.models.division import held
 from softid.models.second_order import Law
 from softid.segment import Segment
 
@@ -51,10 +51,26 @@ FIRST_MOVES = (0.35, 0.8, 0.35, 0.6)
 """First moves of the logarithms of b1, c1, natural frequency and damping ratio; halved in turn."""
 
 SMALL_INERTIA = 0.02
-SMALL_SHARE = 1e-3
+CONSTANT_SHARE = 0.3
+"""A damping that is constant is divided into a2·exp(0·p), so much of it, and c2: it stays the same,
+and tells at once which way b2 wants."""
+
 MAX_SAMPLES = 1000
 ROUGH_SAMPLES = 500
 """Samples over which the wide grids are ranked: half the work, and the same basins."""
+
+MOST_AVERAGED_AWAY = 0.1
+"""Share of the input's variance within blocks, beyond which they hide what moves the actuator."""
+
+WHOLE_SHARE = 0.7
+"""A log is covered as a whole where windows would leave out less than the rest."""
+
+WINDOWS = 4
+LEAST_WINDOW = 50
+"""Fewest blocks in a window."""
+
+LEAD_IN = 0.2
+"""Share of a window in which its motion comes from rest into step."""
 
 _MOST_DECAY_LENGTHS = 0.5
 
@@ -255,13 +271,15 @@ def motion_kind(theta: Array) -> tuple[int, ...]:
 def as_values(theta: Array, gain: float) -> dict[str, float]:
     """Back to parameters with a gain; what is zero starts small, so that it can still grow."""
     mass, a1, b1, c1, a2, b2, c2 = theta.tolist()
+    if a2 == 0.0:
+        a2, b2, c2 = CONSTANT_SHARE * c2, 0.0, (1.0 - CONSTANT_SHARE) * c2
     small = SMALL_INERTIA * c2 * (c2 / (2.0 * c1))  # inf, where a power would raise
     return {
         "M": max(mass, small) / gain,
         "a1": a1 / gain,
         "b1": b1,
         "c1": c1 / gain,
-        "a2": max(a2, SMALL_SHARE * c2) / gain,
+        "a2": a2 / gain,
         "b2": b2,
         "c2": c2 / gain,
     }
@@ -283,18 +301,17 @@ def scores(
     rows = np.asarray(grid)
     form = law(rows[0]).affine()
     assert form is not None
-    thetas = np.ones((len(rows), form.theta.size))
-    thetas[:, :-1] = rows * np.diag(form.by_theta)  # the kernels' parameters are in other units
+    thetas = rows * np.diag(form.by_theta)  # the kernels' parameters are in other units
     sums = np.zeros((len(rows), 3))
     for s in stretches:
-        plan = undivided(s.time_s, s.input)
-        y, used = held(s.motion), held(s.used)
-        add_products(thetas, plan.time_s, plan.u, plan.counts, y, used, sums)
-    found = []
-    for cross, power, total in sums.tolist():
-        sound = cross > 0.0 and 0.0 < power < np.inf
-        found.append((total - cross**2 / power, cross / power) if sound else (np.inf, 1.0))
-    return found
+        time_s, u, y, used = map(held, (s.time_s, s.input, s.motion, s.used))
+        add_products(thetas, time_s, u, y, used, sums)
+    cross, power, total = sums.T
+    sound = (cross > 0.0) & (power > 0.0) & (power < np.inf)
+    power = np.where(sound, power, 1.0)
+    squares = np.where(sound, total - cross**2 / power, np.inf)
+    gains = np.where(sound, cross / power, 1.0)
+    return list(zip(squares.tolist(), gains.tolist(), strict=True))
 
 
 def _speeds(stretches: Sequence[Stretch]) -> Array:
@@ -306,20 +323,59 @@ def _speeds(stretches: Sequence[Stretch]) -> Array:
 def thinned(
     segments: Sequence[Segment], motions: Sequence[Array], output: str, *, most: int = MAX_SAMPLES
 ) -> list[Stretch]:
-    """Block averages, at most so many in total: enough to find the basin."""
+    """Block averages, about so many in total: enough to find the basin.
+
+    Where blocks over the whole log would average the input away, they are shorter and cover
+    windows of the log alone. A window begins somewhere in a motion and is simulated from rest, so
+    that its first part does not count.
+    """
     total = sum(s.time_s.size for s in segments)
-    k = max(1, int(np.ceil(total / most)))
+    longest = max(1, int(np.ceil(total / most)))
+    k = longest
+    while k > 1 and _averaged_away(segments, k) > MOST_AVERAGED_AWAY:
+        k = k // 2
     out = []
     for segment, motion in zip(segments, motions, strict=True):
-        n = segment.time_s.size // k
-        if n < 2:
+        whole = _blocks(segment, motion, output, k)
+        if whole.time_s.size < 2:
             continue
-        used = np.asarray(segment.used[output][: n * k].reshape(n, k).all(axis=1), bool)
-        filled = np.where(np.isfinite(motion), motion, 0.0)
-
-        def mean(a: Array, n: int = n) -> Array:
-            averaged: Array = a[: n * k].reshape(n, k).mean(axis=1)
-            return averaged
-
-        out.append(Stretch(mean(segment.time_s), mean(segment.input), mean(filled), used))
+        share = k / longest
+        out += [whole] if share > WHOLE_SHARE else _windows(whole, share)
     return out
+
+
+def _averaged_away(segments: Sequence[Segment], k: int) -> float:
+    """Share of the variance of the input that blocks of so many samples do not show."""
+    lost = power = 0.0
+    for segment in segments:
+        n = segment.input.size // k
+        blocks = segment.input[: n * k].reshape(n, k)
+        power += float(blocks.var()) * n if n else 0.0
+        lost += float(blocks.var(axis=1).sum()) if n else 0.0
+    return lost / power if power > 0.0 else 0.0
+
+
+def _blocks(segment: Segment, motion: Array, output: str, k: int) -> Stretch:
+    n = segment.time_s.size // k
+    used = np.asarray(segment.used[output][: n * k].reshape(n, k).all(axis=1), bool)
+    filled = np.where(np.isfinite(motion), motion, 0.0)
+
+    def mean(a: Array) -> Array:
+        averaged: Array = a[: n * k].reshape(n, k).mean(axis=1)
+        return averaged
+
+    return Stretch(mean(segment.time_s), mean(segment.input), mean(filled), used)
+
+
+def _windows(whole: Stretch, share: float) -> list[Stretch]:
+    """Windows spread evenly over a stretch that make up a share of it together."""
+    n = whole.time_s.size
+    count = max(1, min(WINDOWS, int(share * n) // LEAST_WINDOW))
+    size = max(2, int(share * n) // count)
+    found = []
+    for begin in np.linspace(0, n - size, count).astype(int).tolist():
+        part = slice(begin, begin + size)
+        used = whole.used[part].copy()
+        used[: int(LEAD_IN * size) if begin else 0] = False
+        found.append(Stretch(whole.time_s[part], whole.input[part], whole.motion[part], used))
+    return found

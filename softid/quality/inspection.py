@@ -21,7 +21,14 @@ from softid.excitation import (
 )
 from softid.log import Log
 from softid.quality.abilities import LEVEL_SPACING, Evidence, judge_abilities
-from softid.quality.faults import Runs, Trace, find_dropouts, find_frozen, find_saturation
+from softid.quality.faults import (
+    Runs,
+    Trace,
+    find_dropouts,
+    find_frozen,
+    find_saturation,
+    may_drop_out,
+)
 from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role
 from softid.quality.holding import describe_holds, other_inputs
 from softid.quality.hum import find_hum
@@ -129,7 +136,10 @@ def dropout_mask(log: Log) -> BoolArray:
     """
     mask = np.zeros(len(log), bool)
     for name in log.outputs:
-        for dropout in find_dropouts(_trace(log, log.channels[name], None)):
+        channel = log.channels[name]
+        if _kind(log, name) != "command" and not may_drop_out(channel.values):
+            continue
+        for dropout in find_dropouts(_trace(log, channel, None)):
             mask[dropout.start : dropout.stop] = True
     return mask
 

@@ -22,6 +22,7 @@ MAX_ORDER = 8
 ``tests/benchmarks/coverage_of_intervals.py``."""
 
 _BLOCK = 64
+_FADED = 1e-18
 
 MIN_LEFT = 1e-6
 """Share of the residual's power below which no prediction is believed: a thousandth of its size is
@@ -289,6 +290,8 @@ def _continue(phi: Array, known: Array) -> Array:
     for first in range(start, known.size, _BLOCK):
         stop = min(first + _BLOCK, known.size)
         result[first:stop] = response[order : order + stop - first] @ result[first - order : first]
+        if np.abs(result[stop - order : stop]).max() < _FADED * result[0]:
+            break  # what would follow is rounding, and the rest is zero
     return result
 
 

@@ -107,6 +107,7 @@ def sandwich_covariance(
     *,
     max_order: int = MAX_ORDER,
     rank_tolerance: float = RANK_TOLERANCE,
+    noise: Sequence[AutoRegression] | None = None,
 ) -> Covariance:
     """Covariance of ordinary least-squares estimates under autoregressive noise.
 
@@ -132,6 +133,8 @@ def sandwich_covariance(
     rank_tolerance
         Relative singular value below which a direction counts as undetermined. Such a direction is
         reported and its parameters get no standard deviation; the others keep theirs.
+    noise
+        `fit_ar` of every block's residuals where it is known already.
 
     Returns
     -------
@@ -182,7 +185,7 @@ def sandwich_covariance(
     line = linearise(blocks, rank_tolerance=rank_tolerance)
     series = [influence(block, line.inverse) for block in blocks]
     enough = max(MIN_STRETCHES, MIN_STRETCHES_PER_PARAMETER * len(names))
-    length, scales = 1, [_at_scale(blocks, series, 1, max_order)]
+    length, scales = 1, [_at_scale(blocks, series, 1, max_order, noise)]
     while length * SCALE_STEP * enough <= min(block.n for block in blocks):
         length *= SCALE_STEP
         scales.append(_at_scale(blocks, series, length, max_order))
@@ -265,14 +268,15 @@ def _at_scale(
     series: Sequence[Sequence[Array]],
     length: int,
     max_order: int,
+    first: Sequence[AutoRegression] | None = None,
 ) -> _Scale:
     width = blocks[0].width
     total, white, doubt = np.zeros((width, width)), np.zeros(width), np.zeros(width)
     noise = []
-    for block, weights in zip(blocks, series, strict=True):
+    for k, (block, weights) in enumerate(zip(blocks, series, strict=True)):
         part = block.averaged(length)
         form = LagForm.of([stretch_sums(w, length) for w in weights])
-        start = fit_ar(part.residuals, max_order=max_order)
+        start = first[k] if first else fit_ar(part.residuals, max_order=max_order)
         if start.sigma == 0.0:
             noise.append(start)
             continue
@@ -291,22 +295,25 @@ def _at_scale(
 
 def _log_variance_doubt(form: LagForm, moments: Moments, fit: RestrictedFit) -> Array:
     """Variance of log C_kk from the uncertainty of the noise model, shape (K,)."""
-
-    def log_variance(position: Array) -> Array:
-        reflection = np.tanh(position)
-        variance = float(evaluate(moments, reflection[None]).innovation_variance[0])
-        trial = AutoRegression(tuple(to_phi(reflection)), variance**0.5, 1.0, 0, 0.0, 0.0)
-        diagonal = form.diagonal(autocovariance(trial, form.lags))
-        logarithm: Array = np.log(np.maximum(diagonal, np.finfo(float).tiny))
-        return logarithm
-
     doubt = np.full(form.series[0].shape[1], 2.0 / fit.freedom)
-    if fit.position.size:
-        steps = DIFFERENCE_STEP * np.eye(fit.position.size)
-        rises = [log_variance(fit.position + d) - log_variance(fit.position - d) for d in steps]
-        slope = np.array(rises) / (2.0 * DIFFERENCE_STEP)
-        doubt += np.einsum("ik,ij,jk->k", slope, fit.spread, slope)
-    return doubt
+    if not fit.position.size:
+        return doubt
+    steps = DIFFERENCE_STEP * np.eye(fit.position.size)
+    trials = np.tanh(np.concatenate([fit.position + steps, fit.position - steps]))
+    variances = evaluate(moments, trials).innovation_variance
+    diagonals = [
+        form.diagonal(_autocovariance(reflection, variance, form.lags))
+        for reflection, variance in zip(trials, variances.tolist(), strict=True)
+    ]
+    logarithms = np.log(np.maximum(diagonals, np.finfo(float).tiny))
+    up, down = np.split(logarithms, 2)
+    slope = (up - down) / (2.0 * DIFFERENCE_STEP)
+    return np.asarray(doubt + np.einsum("ik,ij,jk->k", slope, fit.spread, slope), np.float64)
+
+
+def _autocovariance(reflection: Array, variance: float, lags: int) -> Array:
+    phi = tuple(to_phi(reflection).tolist())
+    return autocovariance(AutoRegression(phi, variance**0.5, 1.0, 0, 0.0, 0.0), lags)
 
 
 def _mean_square(block: ResidualBlock, freedom: int) -> float:

@@ -68,7 +68,8 @@ class ResidualBlock:
         if self.n == 0:
             raise InputError("no residual is used", where=self.channel, remedy="mask fewer samples")
         pairs = zip(self.jacobians, self.used, strict=True)
-        if not all(np.isfinite(j[u]).all() for j, u in pairs):
+        # A sum is finite only where all of its terms are, and takes no second array.
+        if not all(np.isfinite(j.sum()) or np.isfinite(j[u]).all() for j, u in pairs):
             raise InputError(
                 "a derivative is not finite",
                 where=self.channel,
@@ -80,10 +81,16 @@ class ResidualBlock:
         """Number of parameters K."""
         return int(self.jacobians[0].shape[1]) if self.jacobians else 0
 
-    @property
+    @cached_property
     def used(self) -> tuple[BoolArray, ...]:
         """Which samples of each segment are used."""
         return tuple(np.isfinite(r) for r in self.residuals)
+
+    @property
+    def rows(self) -> tuple[Array, ...]:
+        """The derivatives with zeros where a sample is not used, shapes as `jacobians`."""
+        pairs = zip(self.jacobians, self.used, strict=True)
+        return tuple(j if u.all() else np.where(u[:, None], j, 0.0) for j, u in pairs)
 
     @property
     def n(self) -> int:
@@ -93,7 +100,9 @@ class ResidualBlock:
     @property
     def stacked(self) -> Array:
         """Rows in use, shape (n, K), without the weight."""
-        return np.concatenate([j[u] for j, u in zip(self.jacobians, self.used, strict=True)])
+        pairs = zip(self.jacobians, self.used, strict=True)
+        parts = [j if u.all() else j[u] for j, u in pairs]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     @cached_property
     def decomposed(self) -> tuple[Array, Array, Array]:
@@ -109,19 +118,24 @@ class ResidualBlock:
         if length == 1:
             return self
         means = [
-            _average(j, r, length) for j, r in zip(self.jacobians, self.residuals, strict=True)
+            _average(j, r, u, length)
+            for j, r, u in zip(self.rows, self.residuals, self.used, strict=True)
         ]
         return ResidualBlock(
             self.channel, tuple(m[0] for m in means), tuple(m[1] for m in means), self.weight
         )
 
 
-def _average(jacobian: Array, residual: Array, length: int) -> tuple[Array, Array]:
-    used = np.isfinite(residual)
-    counts = stretch_sums(used.astype(float), length)
+def _average(jacobian: Array, residual: Array, used: BoolArray, length: int) -> tuple[Array, Array]:
+    if used.all():
+        counts = np.full(-(-used.size // length), float(length))
+        counts[-1] = used.size - length * (counts.size - 1)
+    else:
+        counts = stretch_sums(used.astype(float), length)
+        residual = np.where(used, residual, 0.0)
     divisor = np.maximum(counts, 1.0)
-    mean = stretch_sums(np.where(used, residual, 0.0), length) / divisor
-    slope = stretch_sums(np.where(used[:, None], jacobian, 0.0), length) / divisor[:, None]
+    mean = stretch_sums(residual, length) / divisor
+    slope = stretch_sums(jacobian, length) / divisor[:, None]
     return slope, np.where(counts >= max(1.0, counts.max(initial=0.0) / 2.0), mean, np.nan)
 
 
@@ -207,7 +221,7 @@ def linearise(
 
 def _scaled_svd(rows: Array) -> tuple[Array, Array, Array]:
     """Column lengths (1 for a zero column), singular values (K,) and right vectors (K, K)."""
-    norm = np.linalg.norm(rows, axis=0)
+    norm = np.sqrt(np.einsum("ij,ij->j", rows, rows))
     norm = np.where(norm > 0.0, norm, 1.0)
     triangle = np.linalg.qr(rows / norm, mode="r")
     _, found, right = np.linalg.svd(triangle, full_matrices=True)
@@ -221,10 +235,7 @@ def reachable(block: ResidualBlock) -> list[Array]:
     norm, singular, right = block.decomposed
     kept = singular > RANK_TOLERANCE * max(singular[0], np.finfo(float).tiny)
     project = right[kept].T / singular[kept] / norm[:, None]
-    return [
-        np.where(used[:, None], j, 0.0) @ project
-        for j, used in zip(block.jacobians, block.used, strict=True)
-    ]
+    return [rows @ project for rows in block.rows]
 
 
 def influence(block: ResidualBlock, inverse: Array) -> list[Array]:
@@ -232,7 +243,4 @@ def influence(block: ResidualBlock, inverse: Array) -> list[Array]:
 
     W = w² J H⁻¹: how far each residual moves each estimate.
     """
-    return [
-        block.weight**2 * np.where(used[:, None], j, 0.0) @ inverse
-        for j, used in zip(block.jacobians, block.used, strict=True)
-    ]
+    return [rows @ (block.weight**2 * inverse) for rows in block.rows]

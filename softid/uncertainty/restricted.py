@@ -31,6 +31,8 @@ smooth regressors is some 1e-14 of it and may not turn a square negative."""
 STEP = 1e-3
 """Step of the central differences in artanh k; second differences are then good to 1e-3."""
 
+SIGNS = np.array([[1.0], [-1.0]])
+
 MAX_ITERATIONS = 30
 """Newton steps; five are usual."""
 
@@ -165,18 +167,31 @@ def evaluate(moments: Moments, reflection: Array) -> Objective:
     width = moments.products.shape[-1]
     flat = weights.reshape(len(weights), -1) @ moments.products.reshape(-1, width * width)
     form = flat.reshape(-1, width, width)
-    inner, cross, own = form[:, :-1, :-1], form[:, :-1, -1:], form[:, -1, -1]
-    sign, determinant = np.linalg.slogdet(inner)
-    good = (sign > 0) & np.isfinite(determinant)
-    left = own.copy()
-    if width > 1 and good.any():
-        solved = np.linalg.solve(inner[good], cross[good])
-        left[good] -= np.einsum("bka,bka->b", cross[good], solved)
-    good &= left > 0.0
+    determinant, left, good = _reduced(form)
     freedom = moments.n - moments.reachable
     variance = np.where(good, left, 1.0) / freedom
     value = freedom * np.log(variance) + np.log(ratio) @ moments.counts + determinant
     return Objective(np.where(good, value, np.inf), variance)
+
+
+def _reduced(form: Array) -> tuple[Array, Array, Array]:
+    """log|QᵀV⁻¹Q|, rᵀP r and whether both can be computed, from the products (B, m + 1, m + 1)."""
+    try:
+        pivots = np.diagonal(np.linalg.cholesky(form), axis1=1, axis2=2)
+    except np.linalg.LinAlgError:  # one of them is not definite, and it takes longer to say which
+        return _reduced_one_by_one(form)
+    return 2.0 * np.log(pivots[:, :-1]).sum(axis=1), pivots[:, -1] ** 2, np.ones(len(form), bool)
+
+
+def _reduced_one_by_one(form: Array) -> tuple[Array, Array, Array]:
+    inner, cross, own = form[:, :-1, :-1], form[:, :-1, -1:], form[:, -1, -1]
+    sign, determinant = np.linalg.slogdet(inner)
+    good = (sign > 0) & np.isfinite(determinant)
+    left = own.copy()
+    if form.shape[-1] > 1 and good.any():
+        solved = np.linalg.solve(inner[good], cross[good])
+        left[good] -= np.einsum("bka,bka->b", cross[good], solved)
+    return determinant, left, good & (left > 0.0)
 
 
 def _filters(reflection: Array, size: int) -> tuple[Array, Array]:
@@ -255,6 +270,7 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
     limit = np.arctanh(np.exp(-1.0 / max(moments.longest, 2)))
     x = np.clip(np.arctanh(to_reflection(np.asarray(start.phi))), -limit, limit)
     value = float(evaluate(moments, np.tanh(x)[None]).value[0])
+    curvature = None
     for _ in range(MAX_ITERATIONS if x.size else 0):
         gradient, curvature = differences(moments, x)
         trial = np.clip(x + damped_steps(gradient, curvature), -limit, limit)
@@ -262,11 +278,13 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
         best = int(np.argmin(found))
         if not found[best] < value - 1e-7:
             break
-        x, value = trial[best], float(found[best])
-    return _finish(moments, start, x)
+        x, value, curvature = trial[best], float(found[best]), None
+    return _finish(moments, start, x, curvature)
 
 
-def _finish(moments: Moments, start: AutoRegression, x: Array) -> RestrictedFit:
+def _finish(
+    moments: Moments, start: AutoRegression, x: Array, curvature: Array | None
+) -> RestrictedFit:
     phi, capped = draw_in(to_phi(np.tanh(x)), moments.longest)
     reflection = to_reflection(phi)
     left = float(np.prod(1.0 - reflection**2))
@@ -283,7 +301,8 @@ def _finish(moments: Moments, start: AutoRegression, x: Array) -> RestrictedFit:
     )
     if not x.size:
         return RestrictedFit(ar, x, np.zeros((0, 0)), moments.n - moments.reachable)
-    _, curvature = differences(moments, x)
+    if curvature is None:
+        curvature = differences(moments, x)[1]
     values, vectors = np.linalg.eigh(curvature)
     spread = (vectors / np.maximum(values, MIN_CURVATURE)) @ vectors.T * 2.0
     return RestrictedFit(ar, np.arctanh(reflection), spread, moments.n - moments.reachable)
@@ -314,16 +333,15 @@ def differences(moments: Moments, x: Array) -> tuple[Array, Array]:
     """Gradient and Hessian of the objective in artanh k, by central differences."""
     q = x.size
     eye = STEP * np.eye(q)
-    upper = [(i, j) for i in range(q) for j in range(i + 1, q)]
-    points = [x, *(x + eye), *(x - eye)]
-    points += [x + s * eye[i] + r * eye[j] for i, j in upper for s in (1, -1) for r in (1, -1)]
-    value = evaluate(moments, np.tanh(np.array(points))).value
+    first, second = np.triu_indices(q, 1)
+    pairs = eye[first][:, None, None] * SIGNS[:, None] + eye[second][:, None, None] * SIGNS
+    points = np.concatenate([x[None], x + eye, x - eye, x + pairs.reshape(-1, q)])
+    value = evaluate(moments, np.tanh(points)).value
     centre, plus, minus = value[0], value[1 : q + 1], value[q + 1 : 2 * q + 1]
     gradient = (plus - minus) / (2.0 * STEP)
     curvature = np.diag((plus - 2.0 * centre + minus) / STEP**2)
     mixed = value[2 * q + 1 :].reshape(-1, 4) @ np.array([1.0, -1.0, -1.0, 1.0])
-    for (i, j), v in zip(upper, mixed / (4.0 * STEP**2), strict=True):
-        curvature[i, j] = curvature[j, i] = v
+    curvature[first, second] = curvature[second, first] = mixed / (4.0 * STEP**2)
     return gradient, curvature
 
 

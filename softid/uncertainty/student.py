@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import erfc, exp, isnan, lgamma, log, log1p, nan, pi, sqrt
 
-MANY = 1e3
-"""Degrees of freedom beyond which four terms of the expansion in 1/ν are exact to 1e-12; Abramowitz
-and Stegun, 26.7.5."""
+MANY = 16.0
+"""Degrees of freedom, in units of 1 or the squared normal quantile, beyond which five terms of the
+expansion in 1/ν are exact to 1e-10; Abramowitz and Stegun, 26.7.5, and the term behind theirs."""
 
 FEW = 4.0
 """Degrees of freedom beyond which the same expansion is a start within a few per cent."""
@@ -16,6 +17,7 @@ EXPANSION = (
     (96.0, (5.0, 16.0, 3.0)),
     (384.0, (3.0, 19.0, 17.0, -15.0)),
     (92160.0, (79.0, 776.0, 1482.0, -1920.0, -945.0)),
+    (368640.0, (27.0, 339.0, 930.0, -1782.0, -765.0, 17955.0)),
 )
 """Divisor and coefficients of the odd powers of the normal quantile, highest first."""
 
@@ -23,8 +25,8 @@ _MOST_STEPS = 200
 _MOST_TERMS = 5000
 _TINY = 1e-300
 _PRECISION = 1e-15
-_CLOSE = 1e-8
-"""Relative step after which Newton's method is exact to rounding, for its error is squared."""
+_CLOSE = 1e-7
+"""Relative step after which Newton's method is exact to 1e-13, for its error is squared."""
 
 
 def student_quantile(freedom: float, probability: float) -> float:
@@ -53,7 +55,7 @@ def student_quantile(freedom: float, probability: float) -> float:
         for order, (divisor, powers) in enumerate(EXPANSION, 1):
             odd = sum(c * z ** (2 * k + 1) for k, c in enumerate(reversed(powers)))
             t += odd / divisor / freedom**order
-    if freedom > MANY:
+    if freedom > MANY * max(1.0, z * z):
         return t
     scale = lgamma(0.5 * (freedom + 1.0)) - lgamma(0.5 * freedom) - 0.5 * log(pi * freedom)
     for _ in range(_MOST_STEPS if probability > 0.5 else 0):
@@ -65,6 +67,7 @@ def student_quantile(freedom: float, probability: float) -> float:
     return t
 
 
+@lru_cache(maxsize=64)
 def _normal_quantile(probability: float) -> float:
     """Newton's method from zero, which likewise comes from one side."""
     z = 0.0

@@ -5,7 +5,7 @@ Run from the root of the project::
     python tests/benchmarks/throughput_of_workers.py
 
 One worker and two take turns, so that neighbours on the machine slow both alike; the median over
-the rounds is printed. The first line is the machine's own ceiling: two processes that only count.
+the rounds is printed, beside the machine's own ceiling: two processes that only count.
 Threads share one interpreter, so what a candidate or a start does outside the compiled kernels is
 not shared out; processes share nothing, and fit whole logs.
 """
@@ -34,6 +34,8 @@ SAMPLES = 10_000
 EVALUATIONS = 20
 
 Work = Callable[[int], object]
+Pools = tuple[Executor, Executor]
+"""One worker, and two."""
 
 
 def count(_: int) -> int:
@@ -82,19 +84,29 @@ def evaluation_of_the_muscle() -> Work:
     return lambda _: [objective(z) for _ in range(EVALUATIONS)]
 
 
-def ratio(one: Executor, two: Executor, work: Work, rounds: int) -> float:
-    """Median throughput of two workers over that of one."""
-    for pool in (one, two):
-        list(pool.map(work, range(2)))
-    found = [
-        elapsed(one.map(work, range(JOBS))) / elapsed(two.map(work, range(JOBS)))
-        for _ in range(rounds)
-    ]
-    return float(np.median(found))
+def tell(what: str, pools: Pools, work: Work, machine: Pools, rounds: int) -> None:
+    """Print the median throughput of two workers over that of one, beside the machine's ceiling.
+
+    The ceiling is taken in the same rounds, since what neighbours leave free changes by the minute.
+    """
+    for pool in (*pools, *machine):
+        list(pool.map(work if pool in pools else count, range(2)))
+    found, ceiling = [], []
+    for _ in range(rounds):
+        found.append(ratio(pools, work))
+        ceiling.append(ratio(machine, count))
+    share = 100.0 * np.median(np.array(found) / np.array(ceiling))
+    print(
+        f"{what}: {np.median(found):.2f}, counting {np.median(ceiling):.2f} at the same time, "
+        f"{share:.0f} % of that",
+        flush=True,
+    )
 
 
-def tell(what: str, found: float, ceiling: float) -> None:
-    print(f"{what}: {found:.2f}, {100.0 * found / ceiling:.0f} % of the ceiling", flush=True)
+def ratio(pools: Pools, work: Work) -> float:
+    """Throughput of the second pool over that of the first."""
+    one, two = (elapsed(pool.map(work, range(JOBS))) for pool in pools)
+    return one / two
 
 
 def elapsed(results: Iterable[object]) -> float:
@@ -113,17 +125,17 @@ def main() -> None:
     with (
         ProcessPoolExecutor(1, mp_context=context) as one,
         ProcessPoolExecutor(2, mp_context=context) as two,
+        ThreadPoolExecutor(1) as single,
+        ThreadPoolExecutor(2) as double,
     ):
-        ceiling = ratio(one, two, count, rounds)
-        print(f"counting, processes (the machine's ceiling): {ceiling:.2f}")
-        tell("fits of several logs, processes", ratio(one, two, fit_of_a_log, rounds), ceiling)
-    with ThreadPoolExecutor(1) as single, ThreadPoolExecutor(2) as double:
+        machine = (one, two)
+        tell("fits of several logs, processes", machine, fit_of_a_log, machine, rounds)
         for what, work in (
             ("evaluations of the muscle, threads", evaluation_of_the_muscle()),
             ("starts of one fit, threads", run_of_a_start()),
             ("candidates of a diagnosis, threads", evaluation_of_a_candidate()),
         ):
-            tell(what, ratio(single, double, work, rounds), ceiling)
+            tell(what, (single, double), work, machine, rounds)
 
 
 if __name__ == "__main__":

@@ -84,6 +84,20 @@ def test_sums_equal_the_jacobian(name: str, keep: bool) -> None:
     assert np.all(np.abs(found.gradient - gradient) <= 1e-11 * scale * np.linalg.norm(r))
 
 
+@pytest.mark.parametrize("name", ["x", "geometry", "drive", "no zeros"])
+def test_kept_columns_make_up_residuals_and_jacobians(name: str) -> None:
+    """What `Problem.blocks` simulates anew at the same unknowns, to rounding."""
+    p, z = case(name)
+    plans = p.plans(z)
+    found = linearise(p, z, dict.fromkeys(p.outputs, 1.0), plans=plans, keep=True)
+    wanted = list(p.blocks(found.point, derivatives=True, plans=plans))
+    for block, anew in zip(found.blocks(p, derivatives=True), wanted, strict=True):
+        assert (block.channel, block.segment) == (anew.channel, anew.segment)
+        np.testing.assert_allclose(block.residual, anew.residual, atol=1e-10)
+        assert block.jacobian is not None
+        np.testing.assert_allclose(block.jacobian, anew.jacobian, rtol=1e-9, atol=1e-10)
+
+
 @pytest.mark.parametrize("name", ["x", "geometry", "drive"])
 def test_bend_is_the_second_derivative_seen_from_the_parameters(name: str) -> None:
     """Jᵀ·2(ŷ(z + hv) − ŷ(z) − hJv)/h² from samples, to 1e-6: rounding over h² with h = 0.1."""

@@ -328,3 +328,22 @@ def test_reported_success_is_not_the_optimum() -> None:
     assert success
     assert found.status is FitStatus.CONVERGED
     assert theirs > 1.01 * found.cost
+
+
+def test_a_run_from_where_the_last_one_ended_simulates_nothing_anew() -> None:
+    """The same objective started again at its optimum ends there after no evaluation.
+
+    With other weights it evaluates again.
+    """
+    model = Muscle()
+    problem = Problem(model, model.parameters(), [noisy()])
+    objective = Objective(problem, {"contraction": 1.0})
+    guess = problem.model.guess(problem.segments, "contraction")[0]
+    found = objective.solve(problem.unknowns(guess.values_dict()), 400)
+    evaluated = objective.evaluations
+    again = objective.solve(found.point, 400)
+    np.testing.assert_array_equal(again.point, found.point)
+    assert objective.evaluations == evaluated > 3
+    objective.sigma["contraction"] = 2.0
+    assert objective.solve(found.point, 400).normal.cost == pytest.approx(found.normal.cost / 4.0)
+    assert objective.evaluations > evaluated

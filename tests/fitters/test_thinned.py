@@ -10,7 +10,16 @@ import pytest
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
-from softid.fitters.thinned import LONGEST, SAMPLES, ThinnedProblem, thinning
+from softid.fitters.thinned import (
+    LONGEST,
+    SAMPLES,
+    WINDOWS,
+    ThinnedProblem,
+    WindowedProblem,
+    led,
+    rough_problem,
+    thinning,
+)
 from softid.log import Log
 from softid.models.muscle import NAMES, Muscle
 from softid.synthesis import muscle_log, random_muscle_truth
@@ -69,3 +78,22 @@ def test_the_optimum_is_that_of_all_samples() -> None:
     best = Objective(problem, found.sigma).solve(at_truth, 400)
     assert found.status.success
     assert found.cost == pytest.approx(best.normal.cost, rel=1e-6)
+
+
+def test_a_fast_motion_is_led_through_windows() -> None:
+    """A log of 28,000 samples that steps every 0.2 s; a slow start goes through blocks.
+
+    The windows are two of 1,250 samples, and lead to a hundredth of the start's cost.
+    """
+    truth = {"M": 1e-4, "a1": 0.014, "b1": 3.0, "c1": 1.0, "a2": 1e-3, "b2": 2.0, "c2": 0.1}
+    made = muscle_log(truth, Steps(LEVELS * 20, 0.2), noise_mm=0.3, rate_hz=1000.0)
+    problem = problem_of(made.to_log())
+    start = problem.unknowns({name: 1.3 * value for name, value in truth.items()})
+    windows = rough_problem(problem, start)
+    assert isinstance(windows, WindowedProblem)
+    assert [s.time_s.size for s in windows.segments] == [1250] * WINDOWS
+    objective = Objective(problem, {"contraction": 1.0})
+    reached = led(objective, start, windows, 30)
+    assert objective(reached).cost < 0.01 * objective(start).cost
+    slow = problem.unknowns(truth | {"c2": 30.0})
+    assert isinstance(rough_problem(problem, slow), ThinnedProblem)

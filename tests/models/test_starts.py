@@ -7,7 +7,7 @@ import pytest
 
 from softid.log import Log
 from softid.models.muscle import NAMES, Muscle
-from softid.models.starts import N_STARTS
+from softid.models.starts import MAX_SAMPLES, N_STARTS, WINDOWS, thinned
 from softid.synthesis import muscle_log, random_muscle_truth
 from softid.synthesis.waveforms import Steps
 
@@ -116,3 +116,23 @@ def test_constant_pressure() -> None:
     log = Log.from_arrays(time_s, {"pressure": np.full(100, 80.0), "contraction": np.sin(time_s)})
     starts = Muscle().guess(log.segments(), "contraction")
     assert all(np.isfinite(s.values_vector()).all() for s in starts)
+
+
+def test_a_fast_input_is_looked_at_in_windows() -> None:
+    """A 2 Hz sine over 500 s would vanish in 1,000 blocks: windows of finer blocks, a fifth unused.
+
+    The blocks of the same log with one slow sine cover it all.
+    """
+    time_s = np.arange(50_000) * 0.01
+    found = []
+    for frequency_hz in (2.0, 0.01):
+        u = 100.0 + 80.0 * np.sin(2.0 * np.pi * frequency_hz * time_s)
+        log = Log.from_arrays(time_s, {"pressure": u, "contraction": 0.1 * u})
+        found.append(thinned(log.segments(), [0.1 * u], "contraction"))
+    fast, slow = found
+    assert (len(fast), len(slow)) == (WINDOWS, 1)
+    assert sum(s.time_s.size for s in fast) <= MAX_SAMPLES
+    assert min(np.ptp(s.input) for s in fast) > 140.0
+    assert [int((~s.used).sum()) for s in fast[1:]] == [fast[0].time_s.size // 5] * 3
+    assert fast[0].used.all()
+    assert slow[0].time_s[-1] > 499.0

@@ -10,6 +10,7 @@ from drawn_logs import draw, staircase_log, with_fault
 
 from softid.log import Log
 from softid.quality import dropout_mask, inspect
+from softid.quality.faults import may_drop_out
 
 SEEDS = range(8)
 
@@ -67,6 +68,18 @@ def test_missing_samples() -> None:
     ]
     assert report.dropouts[1].length_s == pytest.approx(0.05)
     assert np.flatnonzero(dropout_mask(log)).tolist() == [0, 1, 100, 101, 102, 103, 104]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_channel_that_cannot_drop_out_has_no_drop_outs(seed: int) -> None:
+    """Where a quick look finds nothing, nor does the thorough one; a spike passes the quick one."""
+    log = draw(seed).log
+    for name in log.outputs:
+        values = log.channels[name].values
+        assert may_drop_out(values) or not inspect(log).channel(name).dropouts
+        spiked = values.copy()
+        spiked[position(seed, len(log))] += 0.4 * np.ptp(values)
+        assert may_drop_out(spiked)
 
 
 def test_a_lost_digit() -> None:
