@@ -16,15 +16,15 @@ from softid.synthesis.waveforms import Sine, Steps
 
 LEVELS = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0, 210.0, 150.0, 90.0, 30.0, 0.0)
 HARDENING = {
-    "M": 0.14,
-    "a1": 0.0053,
-    "b1": 4.66,
-    "c1": 0.115,
-    "a2": 0.18,
-    "b2": -1.36,
-    "c2": 0.0046,
+    "M": 0.2162,
+    "a1": 0.006285,
+    "b1": 5.025,
+    "c1": 0.1394,
+    "a2": 0.2319,
+    "b2": -1.234,
+    "c2": 0.003835,
 }
-"""Natural frequency 0.15 Hz and damping ratio 0.45 without pressure, 16 Hz and 0.003 at 270 kPa."""
+"""Natural frequency 0.13 Hz and damping ratio 0.66 without pressure, 24 Hz and 0.0002 at 270 kPa."""
 
 
 @pytest.fixture(scope="module")
