@@ -197,7 +197,8 @@ def stands(cause: Cause, effect: Effect, extended: FitResult) -> bool:
     """Whether the numbers of a cause allow its name.
 
     It must take away a hundredth of the held-out error at least. Where its size may have either
-    sign, an interval over zero is no effect, and a size at its bound stands for something else.
+    sign, an interval over zero is no effect, and a size at its bound stands for something else, as does a
+    time of a relaxation: at its shortest it is a damper, at its longest a drift.
     Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
     unknown beside the base's own parameters, and their shape well known.
 
@@ -215,7 +216,8 @@ def stands(cause: Cause, effect: Effect, extended: FitResult) -> bool:
         return False
     names = {f"{effect.name}_{name}" for name in effect.amplitudes if effect.changes_sign}
     sizes = [p for p in cause.parameters if p.name in names]
-    if any(p.at_bound for p in sizes):
+    essential = {f"{effect.name}_{name}" for name in effect.essential}
+    if any(p.at_bound for p in (*sizes, *(q for q in cause.parameters if q.name in essential))):
         return False
     if len(sizes) == 1:
         return not _covers_zero(sizes[0])

@@ -115,6 +115,8 @@ class Effect(ABC):
         leaves the range.
     changes_sign
         Whether the amplitude may have either sign.
+    essential
+        Parameters at whose bounds the law is that of another effect, or of the base.
     """
 
     name: ClassVar[str]
@@ -131,6 +133,7 @@ class Effect(ABC):
     source: ClassVar[str]
     amplitude: ClassVar[str | None]
     changes_sign: ClassVar[bool] = False
+    essential: ClassVar[tuple[str, ...]] = ()
 
     @property
     def key(self) -> str:

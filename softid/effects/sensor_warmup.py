@@ -44,6 +44,7 @@ class SensorWarmup(OutputEffect):
     shown_by: ClassVar[str] = "a record much longer than the warm-up, with rests in it"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     amplitude: ClassVar[str] = "size"
+    essential: ClassVar[tuple[str, ...]] = ("T",)
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:

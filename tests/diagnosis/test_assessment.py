@@ -122,6 +122,14 @@ def test_a_curve_stands_on_its_shape(second: float, named: bool) -> None:
     assert not stands(told, curve, replace(fitted, covariance=None))
 
 
+@pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
+def test_a_relaxation_has_a_time_of_its_own(at_bound: bool, named: bool) -> None:
+    """At a bound of its time a creep is a damper, or a spring."""
+    times = [replace(estimate("creep_tau", 0.05, "s"), at_bound=at_bound)]
+    told = cause("creep", [estimate("creep_k", 1.0, "1"), *times], before=2.0, after=1.0)
+    assert stands(told, effect_of("creep"), fit_result()) is named
+
+
 def test_an_obstacle_may_be_as_stiff_as_it_is_asked_to_be() -> None:
     """Its size has one sign, so that a bound says no more than that it is stiff."""
     stop = replace(estimate("contact_kw", 1e6, "1"), at_bound=True)

@@ -24,7 +24,7 @@ HARDENING = {
     "b2": -1.234,
     "c2": 0.003835,
 }
-"""Natural frequency 0.13 Hz and damping ratio 0.66 without pressure, 24 Hz and 0.0002 at 270 kPa."""
+"""Damping ratio 0.66 at 0.13 Hz without pressure, 0.0002 at 24 Hz at 270 kPa."""
 
 
 @pytest.fixture(scope="module")
