@@ -197,8 +197,8 @@ def stands(cause: Cause, effect: Effect, extended: FitResult) -> bool:
     """Whether the numbers of a cause allow its name.
 
     It must take away a hundredth of the held-out error at least. Where its size may have either
-    sign, an interval over zero is no effect, and a size at its bound stands for something else, as does a
-    time of a relaxation: at its shortest it is a damper, at its longest a drift.
+    sign, an interval over zero is no effect, and a size at its bound stands for something else; so
+    does a time of a relaxation: at its shortest it is a damper, at its longest a drift.
     Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
     unknown beside the base's own parameters, and their shape well known.
 
