@@ -18,8 +18,8 @@ from softid.diagnosis.candidates import (
     TemperedPrior,
     WhitenedObjective,
     advance,
-    alternatives,
     catalogue,
+    exchanged,
     extend,
     limited_plans,
     named_values,
@@ -216,7 +216,7 @@ def test_inertia_and_lag_change_places() -> None:
     def forms(tau: float) -> list[Candidate]:
         z = start_unknowns(problem, base, base.unknowns(TRUTH), {"pneumatic_lag_tau": tau})
         candidate = standing(problem, z)
-        return alternatives(replace(candidate, effects=(LAG,)))
+        return exchanged(replace(candidate, effects=(LAG,)))
 
     (moved,) = forms(0.01)
     assert moved.parameters["pneumatic_lag_tau"] == pytest.approx(TRUTH["M"] / TRUTH["N"])
