@@ -16,6 +16,7 @@ from softid_cli.model_options import GEOMETRY_MODEL, chosen_model, shape_options
 from softid_cli.options import (
     FILE,
     GreedyCommand,
+    intersample_option,
     json_option,
     load_logs,
     log_options,
@@ -55,6 +56,7 @@ class DiagnoseRequest:
     channel: tuple[str, ...] = ()
     input: str | None = None
     output: tuple[str, ...] = ()
+    intersample: str | None = None
     out: Path | None = None
     force: bool = False
     plots: bool = True
@@ -99,6 +101,7 @@ def _names(ctx: click.Context, param: click.Parameter, text: str | None) -> tupl
     help="Effects to consider; without it the whole catalogue.",
 )
 @log_options
+@intersample_option
 @shape_options
 @out_options
 @click.option("--no-plots", is_flag=True, help="Write JSON files only.")
@@ -121,6 +124,7 @@ def diagnose(
     channel: tuple[str, ...],
     input: str | None,
     output: tuple[str, ...],
+    intersample: str | None,
     damping: str | None,
     fixed_length: float | None,
     diameter: float | None,
@@ -154,6 +158,7 @@ def diagnose(
             channel=channel,
             input=input,
             output=output,
+            intersample=intersample,
             out=out,
             force=force,
             plots=not no_plots,
@@ -211,6 +216,7 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, str | bytes]]
         request.input or (saved.input if saved else None),
         request.output or (saved.outputs if saved else ()),
         roles_of=request.params if saved and not (request.input or request.output) else None,
+        intersample=request.intersample or (saved.intersample if saved else None),
     )
     announce_compilation(quiet=request.quiet)
 

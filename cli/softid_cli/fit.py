@@ -21,6 +21,7 @@ from softid_cli.model_options import (
 from softid_cli.options import (
     FILE,
     GreedyCommand,
+    intersample_option,
     json_option,
     load_logs,
     log_options,
@@ -58,6 +59,7 @@ class FitRequest:
     channel: tuple[str, ...] = ()
     input: str | None = None
     output: tuple[str, ...] = ()
+    intersample: str | None = None
     out: Path | None = None
     force: bool = False
     plots: bool = True
@@ -92,6 +94,7 @@ class FitRequest:
     help="Compute a parameter from others, such as a2=0.1*c2; may be repeated.",
 )
 @log_options
+@intersample_option
 @shape_options
 @click.option(
     "--profile",
@@ -121,6 +124,7 @@ def fit(
     channel: tuple[str, ...],
     input: str | None,
     output: tuple[str, ...],
+    intersample: str | None,
     damping: str | None,
     fixed_length: float | None,
     diameter: float | None,
@@ -156,6 +160,7 @@ def fit(
             channel=channel,
             input=input,
             output=output,
+            intersample=intersample,
             out=out,
             force=force,
             plots=not no_plots,
@@ -196,7 +201,13 @@ def identify(request: FitRequest) -> None:
     preferred = () if model is not None else described_models(request.geometry)
     parameters = chosen_parameters(model, fix=request.fix, bound=request.bound, tie=request.tie)
     paths = (*request.logs, *request.hold_out)
-    logs = load_logs(paths, request.channel, request.input, request.output)
+    logs = load_logs(
+        paths,
+        request.channel,
+        request.input,
+        request.output,
+        intersample=request.intersample,
+    )
     announce_compilation(quiet=request.quiet)
 
     from softid.identification import fit as fit_model

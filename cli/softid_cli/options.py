@@ -13,6 +13,7 @@ import click
 from softid.errors import UsageError
 
 if TYPE_CHECKING:
+    from softid.intersample import Intersample
     from softid.log import Log
 
 P = ParamSpec("P")
@@ -109,6 +110,15 @@ def log_options(command: Callable[P, R]) -> Callable[P, R]:
     return channel_option(command)
 
 
+def intersample_option(command: Callable[P, R]) -> Callable[P, R]:
+    """Add ``--intersample`` (keyword: intersample)."""
+    return click.option(
+        "--intersample",
+        type=click.Choice(("straight", "held")),
+        help="What the input does between samples; without it, what fits better where it jumps.",
+    )(command)
+
+
 def quiet_option(command: Callable[P, R]) -> Callable[P, R]:
     """Add ``--quiet`` (keyword: quiet)."""
     return click.option(
@@ -176,6 +186,7 @@ def load_logs(
     output: Sequence[str],
     *,
     roles_of: Path | None = None,
+    intersample: str | None = None,
 ) -> list[Log]:
     """Read logs with the channels and roles of the command line.
 
@@ -191,6 +202,8 @@ def load_logs(
         Roles, or None and empty for those that the reader chooses.
     roles_of
         The params.json whose roles they are; None when the user gave them.
+    intersample
+        What the input does between samples, or None to let the fit decide.
 
     Raises
     ------
@@ -214,6 +227,9 @@ def load_logs(
         )
         for path in paths
     ]
+    if intersample is not None:
+        declared: Intersample = "held" if intersample == "held" else "straight"
+        logs = [replace(log, intersample=declared) for log in logs]
     names = [log.name for log in logs]
     return [
         replace(log, name=f"{path.resolve().parent.name}/{log.name}")

@@ -48,7 +48,7 @@ def held(logs: Sequence[Log]) -> tuple[Log, ...]:
         "info",
         f"{first.input} jumps within single samples; held until the next sample it explains the "
         "output better than as straight lines between samples, and is taken so",
-        "record the pressure behind the valve, faster, if it is not a command",
+        "if it is not a command, record it faster, or declare it with --intersample straight",
     )
     changed = [log.with_intersample("held") for log in logs]
     return (replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:])

@@ -32,6 +32,7 @@ def bench(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> Desk:
     def diagnose(logs: Sequence[Log], **options: Any) -> Diagnosis:
         desk.asked |= {"logs": [log.name for log in logs], **options}
         desk.asked["hold_out"] = [log.name for log in options["hold_out"]]
+        desk.asked["intersample"] = {log.intersample for log in (*logs, *options["hold_out"])}
         if isinstance(desk.answer, BaseException):
             raise desk.answer
         found: Diagnosis = desk.answer
@@ -75,6 +76,10 @@ def test_what_is_asked(softid: Cli, bench: Desk) -> None:
     assert asked["model"].damping == "constant"
     assert asked["effects"] == ("delay", "creep")
     assert (asked["seed"], asked["progress"], asked["parameters"]) == (5, None, None)
+    assert asked["intersample"] == {None}
+    assert softid("diagnose", "a.csv", "--intersample", "held", "--out", "held").code == 0
+    assert bench.asked["intersample"] == {"held"}
+    assert softid("diagnose", "a.csv", "--intersample", "linear").code == 2
 
 
 def test_a_saved_model_is_the_base(softid: Cli, bench: Desk, tmp_path: Path) -> None:

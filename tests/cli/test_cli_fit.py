@@ -40,13 +40,14 @@ def test_the_options_reach_the_library(softid: Cli, desk: Desk) -> None:
         *("--fix", "M=0.5", "--bound", "b1=1:4", "--bound", "c1=2:", "--tie", "a2=0.1*c2"),
         *("--damping", "exponential", "--fixed-length", "150", "--diameter", "20"),
         *("--channel", "pressure=p1:bar", "--input", "pressure", "--output", "angle"),
-        *("--seed", "3", "--no-plots"),
+        *("--seed", "3", "--no-plots", "--intersample", "straight"),
     )
     assert told.code == 0, told.err
     asked = desk.asked
     assert asked["logs"] == ["a", "b"]
     assert [log.name for log in asked["hold_out"]] == ["c", "d"]
     assert asked["seed"] == 3
+    assert {log.intersample for log in asked["hold_out"]} == {"straight"}
     assert asked["model"].fixed_length_mm == 150.0
     p = asked["parameters"]
     assert (p["M"].value, p["M"].fixed) == (0.5, True)
