@@ -94,7 +94,7 @@ def test_muscles_need_no_start() -> None:
 
 @pytest.mark.slow
 def test_unlikely_muscles_rarely_need_a_start() -> None:
-    """At least 39 of 40 far wider draws, as of the usual ones; all forty arrived."""
+    """At least 39 of 40 far wider draws, as of the usual ones."""
     seeds = range(700, 740)
     lost = [s for s in seeds if not muscle_arrives(wide_truth(np.random.default_rng(s)), s)]
     assert len(lost) <= 1, lost
