@@ -18,6 +18,7 @@ from softid.fitters.problem import Problem
 
 if TYPE_CHECKING:
     from softid.models.division import Division
+    from softid.models.second_order import Law
 
 Array = npt.NDArray[np.float64]
 
@@ -29,8 +30,9 @@ TOLERANCE = 1e-2
 LIGHTER = 0.1
 """What is left of an inertia when its time is given to a lag."""
 
-COARSE, FINE = 2, 4
-"""Most steps in a sampling interval while candidates race, and while they are compared. Sharp laws
+COARSE, FINE = 1, 2
+"""Most steps in a sampling interval while candidates race, and while they are compared; twice as
+many where the law oscillates, or where it is not known whether it does. Overdamped and sharp laws
 ask for more to reach 1e-4 of the range; noise is far above what this costs."""
 
 EFFECT_SD = 3.0
@@ -302,15 +304,29 @@ def _lag_for_inertia(candidate: Candidate) -> dict[str, float]:
 
 
 def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Division | None]:
-    """The division of the sampling intervals with no more than so many steps in each."""
+    """The division of the sampling intervals with no more than so many steps in each.
+
+    Where the law oscillates twice as many are allowed: errors of its phase add up.
+    """
+    law = problem.model.motion_law(problem.theta(unknowns))
     plans: list[Division | None] = []
     for plan, segment in zip(problem.plans(unknowns), problem.segments, strict=True):
         if plan is not None and plan.counts.max(initial=1) > substeps:
-            counts = np.minimum(plan.counts, substeps)
+            most = np.where(_oscillates(law, segment.input), 2 * substeps, substeps)
+            counts = np.minimum(plan.counts, most)
             plans.append(divided(segment.time_s, segment.input, counts))
         else:
             plans.append(plan)
     return plans
+
+
+def _oscillates(law: Law | None, u: Array) -> npt.NDArray[np.bool_]:
+    """Whether a law swings about its rest within every sampling interval, shape (n − 1,)."""
+    if law is None:
+        return np.ones(u.size - 1, bool)
+    damping, stiffness, _ = law.coefficients(u)
+    swings = damping**2 < 4.0 * law.mass * stiffness
+    return np.asarray(swings[1:] | swings[:-1], bool)
 
 
 def catalogue(names: Sequence[str] = ()) -> tuple[Effect, ...]:

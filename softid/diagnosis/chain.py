@@ -205,10 +205,12 @@ def next_link(
     demand: Demand,
     *,
     screened: Sequence[Signature] | None = None,
+    known: Sequence[Candidate] = (),
 ) -> Link | None:
     """One round; None when nothing in the catalogue promises enough.
 
-    ``screened`` holds the signatures of these effects and perhaps others, if they are known.
+    ``screened`` holds the signatures of these effects and perhaps others, if they are known, and
+    ``known`` candidates that are near their optimum already.
     """
     taken = {effect.name for effect in now.effects}
     left = [effect for effect in effects if effect.name not in taken]
@@ -221,7 +223,7 @@ def next_link(
     share = max((s.drop for s in signatures), default=0.0) / max(now.squares, 1e-300)
     if -now.problem.n_samples * np.log1p(-min(share, 0.999)) < demand.promise:
         return None
-    contenders = race(now, left, scale, sigma, signatures=signatures)
+    contenders = race(now, left, scale, sigma, signatures=signatures, known=known)
     ranked = rank([*contenders, now], sigma)
     before = next(r for r in ranked if r.candidate.keys == now.keys)
     others = [r for r in ranked if r is not before]

@@ -9,7 +9,7 @@ import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance, extend, prior_about
 from softid.diagnosis.chain import FURTHER, Chain, Link, next_link, pays, settled
-from softid.diagnosis.screening import Signature, screen
+from softid.diagnosis.screening import Signature, screen, with_effect
 from softid.diagnosis.search import CLEAR_LEAD
 from softid.effects.base import Effect, Scale
 
@@ -58,7 +58,10 @@ def revised(
         left = [effect for effect in effects if effect.name not in taken]
         promising = screen(without, left, scale, sigma)
         contenders = _contenders(links[position], promising, effects)
-        link = next_link(without, contenders, scale, sigma, FURTHER, screened=promising)
+        known = (with_effect(without, now, mine, scale),)
+        link = next_link(
+            without, contenders, scale, sigma, FURTHER, screened=promising, known=known
+        )
         if link is None or not pays(link, FURTHER):
             del links[position]
             now = without

@@ -235,6 +235,40 @@ def candidate_from(
     return _placed(fitted, signature.effect, problem, best, variance)
 
 
+def richer_form(
+    fitted: Candidate,
+    plain: Candidate,
+    effect: Effect,
+    scale: Scale,
+    sigma: Mapping[str, float],
+    variance: float,
+) -> Candidate:
+    """A candidate with a richer form of a law, where the plain form stands.
+
+    Parameters
+    ----------
+    fitted
+        The base, or a candidate that already has effects.
+    plain
+        The same with the plain form of the law.
+    effect
+        The richer form; what only it has begins at the best of its own starts.
+    scale
+        Sizes of the base fit.
+    sigma
+        Weight of each output channel.
+    variance
+        Variance of the weighted residual, for the prior.
+    """
+    problem = extend(fitted.problem, (effect,), scale)
+    starts = [
+        start_unknowns(problem, plain.problem, plain.minimum.point, named_values(effect, values))
+        for values in effect.starts(scale)
+    ]
+    best = min(starts, key=lambda z: _squares(problem, z, sigma))
+    return _placed(fitted, effect, problem, best, variance)
+
+
 def takes_time(effect: Effect, scale: Scale) -> bool:
     """Whether an effect makes the response late, as an inertia does, outside the motion itself."""
     if effect.stage == "state" or effect.amplitude is None:
@@ -274,6 +308,28 @@ def late_candidate(
             starts.append(start_unknowns(problem, fitted.problem, point, named))
     best = min(starts, key=lambda z: _squares(problem, z, sigma))
     return _placed(fitted, effect, problem, best, variance)
+
+
+def with_effect(fitted: Candidate, whole: Candidate, effect: Effect, scale: Scale) -> Candidate:
+    """A candidate with an effect added where a model that has it stands.
+
+    Parameters
+    ----------
+    fitted
+        What is extended.
+    whole
+        The same with the effect, which may have been added before the others.
+    effect
+        The effect.
+    scale
+        Sizes of the base fit.
+    """
+    problem = extend(fitted.problem, (effect,), scale)
+    z = start_unknowns(problem, whole.problem, whole.minimum.point, {})
+    variance = whole.squares / max(problem.n_samples - problem.size, 1)
+    prior = prior_about(problem, z, problem.free, variance)
+    placed = replace(whole.minimum, point=z, damping=None)
+    return Candidate((*fitted.effects, effect), problem, placed, prior)
 
 
 def _placed(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from softid.diagnosis.screening import (
     Signature,
     candidate_from,
     late_candidate,
+    richer_form,
     screen,
     takes_time,
 )
@@ -23,11 +25,13 @@ SECOND_START = 0.3
 """A further start of an effect runs when it promises this share of the best one's drop."""
 
 MAX_STARTS = 2
-FIRST_LAP, SECOND_LAP, SWAP_LAP, LAST_LAP, WHITE_LAP = 4, 8, 24, 40, 25
-"""Evaluations of each lap; two poles that were exchanged begin far off."""
+FIRST_LAP, SECOND_LAP, SWAP_LAP = 4, 8, 24
+LAST_LAP, WHITE_LAP = (5, 10, 25), (8, 16)
+"""Evaluations of each lap; two poles that were exchanged begin far off. Who has no hope left drops
+out within the last ones."""
 
-RACING_TOLERANCE = 0.05
-"""A candidate in the race rests within a twentieth of a standard error of its optimum."""
+RACING_TOLERANCE = 0.2
+"""A candidate in the race rests within a fifth of a standard error of its optimum."""
 
 SECOND_FIELD, LAST_FIELD, FORMS_FIELD = 7, 4, 2
 """Candidates that stay in the race for the second and the last lap, and those among them that also
@@ -51,6 +55,11 @@ FAVOURITES = 2
 CLEAR_LEAD, UNSETTLED_LEAD = 0.2, 0.5
 """One whose sum of squares above the leader's is more than the first share of the base's misfit
 above the leader's drops out before the last lap; for one that is not settled it is the second."""
+
+NEAR, HOPE, PACE = 60.0, 4.0, 3.0
+"""Hope has a candidate whose n ln(S) is so little above the leader's, more than any BIC asked for;
+or whose distance is less than so many times what its quadratic model promises, or so many times
+what it gained in the lap."""
 
 SMALLEST_GAIN = 4.0
 """When nobody has lowered n ln(S) by this much after two laps, the race is over."""
@@ -83,9 +92,13 @@ def race(
     sigma: Mapping[str, float],
     *,
     signatures: Sequence[Signature] | None = None,
+    known: Sequence[Candidate] = (),
     report: Callable[[float], None] = lambda fraction: None,
 ) -> list[Candidate]:
     """Refit the base with each effect, polishing the contenders only; best first.
+
+    A richer form of a law enters where the plain one has got to, when that is still in the race
+    after its second lap, and leaves again if it hardly gains on it.
 
     Parameters
     ----------
@@ -99,34 +112,48 @@ def race(
         Weight of each output channel.
     signatures
         From `screen`, if it ran already.
+    known
+        Candidates near their optimum already, which join for the last lap; their effects do not run
+        the others.
     report
         Called with the fraction done.
     """
     found = list(signatures) if signatures is not None else screen(fitted, effects, scale, sigma)
-    n = max(fitted.problem.n_samples - fitted.problem.size, 1)
-    variance = fitted.squares / n
+    variance = fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
+    richer = [effect for effect in effects if any(_is_richer(effect, e, scale) for e in effects)]
+    left_out = {c.effects[-1].key for c in known} | {effect.key for effect in richer}
+    running = [effect for effect in effects if effect.key not in left_out]
     entrants = in_parallel(
-        lambda s: candidate_from(fitted, s, scale, sigma, variance), _starts(found)
+        lambda s: candidate_from(fitted, s, scale, sigma, variance),
+        [s for s in _starts(found) if s.effect.key not in left_out],
     )
-    late = [effect for effect in effects if takes_time(effect, scale)]
+    late = [effect for effect in running if takes_time(effect, scale)]
     entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
     report(0.1)
     promising = list(dict.fromkeys(s.effect.key for s in found))
     first = _best_of_each(_run(entrants, sigma, FIRST_LAP, COARSE, straight=True))
     report(0.5)
     second = _second_lap(first, promising, sigma)
+    second = _by_squares([*second, *known])
+    forms = [
+        (candidate.squares, richer_form(fitted, candidate, effect, scale, sigma, variance))
+        for candidate in second
+        for effect in richer
+        if _is_richer(effect, candidate.effects[-1], scale)
+    ]
+    second = _by_squares([*second, *_those_that_gain(forms, sigma)])
     report(0.7)
-    if not second or n * np.log(fitted.squares / second[0].squares) < SMALLEST_GAIN:
+    if not second or _gain(fitted.squares, second[0]) < SMALLEST_GAIN:
         return second[:1]
     leader = second[0].squares
     misfit = max(fitted.squares - leader, 0.0)
     limit = leader + CLEAR_LEAD * misfit
     kept = _last_field(second, promising, limit, leader + UNSETTLED_LEAD * misfit)
-    forms = [form for candidate in kept[:FORMS_FIELD] for form in alternatives(candidate)]
+    others = [form for candidate in kept[:FORMS_FIELD] for form in alternatives(candidate)]
     swaps = [form for candidate in kept for form in exchanged(candidate)]
-    forms = _run(forms, sigma, SECOND_LAP, COARSE) + _run(swaps, sigma, SWAP_LAP, COARSE)
-    kept += [form for form in forms if form.squares <= limit]
-    last = _run(kept, sigma, LAST_LAP, FINE)
+    others = _run(others, sigma, SECOND_LAP, COARSE) + _run(swaps, sigma, SWAP_LAP, COARSE)
+    kept += [form for form in others if form.squares <= limit]
+    last = _last_lap(kept, sigma)
     report(1.0)
     return _best_of_each(last)
 
@@ -164,11 +191,40 @@ def _second_lap(
         if k < SECOND_FIELD or c.effects[-1].key in favoured or c.minimum.reach > FAR
     ]
     second = _run(field, sigma, SECOND_LAP, COARSE)
+    hopeless: list[Candidate] = []
     for _ in range(MORE_LAPS):
-        resting = [c for c in second if c.minimum.reach <= UNSETTLED]
-        moving = [c for c in second if c.minimum.reach > UNSETTLED]
-        second = resting + _run(moving, sigma, SECOND_LAP, COARSE)
+        moving = [c for c in second if c.minimum.reach > UNSETTLED and c not in hopeless]
+        resting = [c for c in second if c not in moving]
+        again, without_hope = _lap(moving, resting, sigma, SECOND_LAP, COARSE)
+        second = resting + again + without_hope
+        hopeless += without_hope
     return _by_squares(second)
+
+
+def _is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
+    """Whether an effect is another form of the same law with further parameters."""
+    if effect.name != plain.name or effect.key == plain.key:
+        return False
+    return set(plain.parameters(scale).names) < set(effect.parameters(scale).names)
+
+
+def _those_that_gain(
+    forms: Sequence[tuple[float, Candidate]], sigma: Mapping[str, float]
+) -> list[Candidate]:
+    """Richer forms after a lap, without those that hardly gain on the plain form's squares."""
+    tried = _run([form for _, form in forms], sigma, SECOND_LAP, COARSE)
+    return [
+        form
+        for (squares, _), form in zip(forms, tried, strict=True)
+        if _gain(squares, form) >= SMALLEST_GAIN
+    ]
+
+
+def _gain(squares: float, candidate: Candidate) -> float:
+    """Fall of n ln(S) from a sum of squares to a candidate's."""
+    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+    tiny = float(np.finfo(float).tiny)
+    return float(n * np.log(max(squares, tiny) / max(candidate.squares, tiny)))
 
 
 def _last_field(
@@ -187,6 +243,39 @@ def _last_field(
         if near or (is_unsettled and candidate.effects[-1].key in promising[:FAVOURITES]):
             kept.append(candidate)
     return kept
+
+
+def _last_lap(kept: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Candidate]:
+    """The contenders at their optimum, and as far as they got those that have no hope left."""
+    running, out = list(kept), list[Candidate]()
+    for evaluations in LAST_LAP:
+        running, without_hope = _lap(running, out, sigma, evaluations, FINE)
+        out += without_hope
+    return running + out
+
+
+def _lap(
+    running: Sequence[Candidate],
+    others: Sequence[Candidate],
+    sigma: Mapping[str, float],
+    evaluations: int,
+    substeps: int,
+) -> tuple[list[Candidate], list[Candidate]]:
+    """Candidates after a lap: those that may still come near the leader, and those without hope."""
+    after = _run(running, sigma, evaluations, substeps)
+    leader = min((c.squares for c in (*after, *others)), default=0.0)
+    hopeful, hopeless = list[Candidate](), list[Candidate]()
+    for before, candidate in zip(running, after, strict=True):
+        hopes = _has_hope(candidate, leader, gained=_gain(before.squares, candidate))
+        (hopeful if hopes else hopeless).append(candidate)
+    return hopeful, hopeless
+
+
+def _has_hope(candidate: Candidate, leader: float, *, gained: float = 0.0) -> bool:
+    """Whether a candidate may still come near the leader's sum of squares."""
+    promised = candidate.minimum.reach**2 * candidate.problem.size
+    distance = -_gain(leader, candidate)
+    return distance <= NEAR + HOPE * promised or distance <= PACE * gained
 
 
 def _starts(signatures: Sequence[Signature]) -> list[Signature]:
@@ -219,6 +308,8 @@ def rank(
 ) -> list[Ranked]:
     """Refit all under the noise model of the best one and compare them by BIC, best first.
 
+    What has no hope left is only evaluated, but for the one that all others extend.
+
     Parameters
     ----------
     candidates
@@ -231,11 +322,26 @@ def rank(
     best = _by_squares(candidates)[0]
     model = whitener or whitener_of(best.problem, best.minimum.point, sigma)
 
-    def refit(candidate: Candidate) -> Ranked:
-        begin = replace(candidate.minimum, damping=None)
-        white = advance(replace(candidate, minimum=begin, whitener=model), sigma, WHITE_LAP)
-        n, k = white.minimum.normal.n, white.problem.size
-        spread = max(white.squares, np.finfo(float).tiny)
-        return Ranked(white, candidate, float(n * np.log(spread / n) + k * np.log(n)))
+    placed = [
+        replace(c, minimum=replace(c.minimum, damping=None), whitener=model) for c in candidates
+    ]
+    white = in_parallel(lambda c: advance(c, sigma, 1), placed)
+    fewest = min(len(c.effects) for c in candidates)
 
-    return sorted(in_parallel(refit, candidates), key=lambda r: r.bic)
+    def polished(candidate: Candidate, leader: float, evaluations: int) -> Candidate:
+        if len(candidate.effects) > fewest and not _has_hope(candidate, leader):
+            return candidate
+        return advance(candidate, sigma, evaluations)
+
+    for evaluations in WHITE_LAP:
+        leader = min(c.squares for c in white)
+        white = in_parallel(partial(polished, leader=leader, evaluations=evaluations), white)
+    ranked = [Ranked(w, c, _bic(w)) for w, c in zip(white, candidates, strict=True)]
+    return sorted(ranked, key=lambda r: r.bic)
+
+
+def _bic(white: Candidate) -> float:
+    """N ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns."""
+    n, k = white.minimum.normal.n, white.problem.size
+    spread = max(white.squares, np.finfo(float).tiny)
+    return float(n * np.log(spread / n) + k * np.log(n))

@@ -143,7 +143,7 @@ def test_steps_in_an_interval_are_capped() -> None:
     for most in (COARSE, FINE):
         (plan,) = limited_plans(problem, z, most)
         assert plan is not None
-        assert np.array_equal(plan.counts, np.minimum(whole.counts, most))
+        assert np.array_equal(plan.counts, np.minimum(whole.counts, most))  # it is overdamped
     (same,) = limited_plans(problem, z, 10_000)
     assert same is not None
     assert np.array_equal(same.counts, whole.counts)
