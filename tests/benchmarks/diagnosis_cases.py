@@ -12,12 +12,14 @@ import numpy as np
 from softid.diagnoses import Diagnosis
 from softid.diagnosis import diagnose
 from softid.effects import EFFECTS
+from softid.identification import fit
 from softid.synthesis import HiddenPair, hidden_pair
 from softid.synthesis.hidden import names_of
 from softid.synthesis.rig import Rig
 
 SINGLE = tuple(sorted(key for key in EFFECTS if "." not in key))
 BACKGROUND_SIZE = (0.1, 0.2)
+SCALINGS, SIZES, LEAST_MISFIT, QUIET = 3, (1e-3, 3.0), 1e-3, 2e-4
 FROM_TRUTH = 0.2
 
 RIGS: dict[str, dict[str, Any]] = {
@@ -56,7 +58,9 @@ class Case:
     Attributes
     ----------
     kind
-        ``clean``, ``single``, ``other_form``, ``outside``, ``pair``, ``background`` or ``tie``.
+        ``clean``, ``single``, ``other_form``, ``outside``, ``pair``, ``background``, ``faint`` or
+        ``tie``. In the background of the first effect each of the others causes a tenth to a fifth
+        of its misfit; faint ones have a tenth to a fifth of the usual size, whatever that causes.
     names
         What is hidden, the dominant effect first.
     seed, size, model, protocol
@@ -82,9 +86,7 @@ class Case:
 
     def pair(self) -> HiddenPair:
         """The logs with their truth."""
-        values = {}
-        if self.kind == "background":
-            values = _faint(self)
+        values = BEHIND[self.kind](self) if self.kind in BEHIND else {}
         return hidden_pair(
             self.names,
             seed=self.seed,
@@ -97,13 +99,45 @@ class Case:
 
 
 def _faint(case: Case) -> dict[str, dict[str, float]]:
-    """Values of the background effects, drawn at a tenth to a fifth of the size."""
+    """Values of the other effects, drawn at a tenth to a fifth of the size."""
+    shares = _shares(case)
+    return {name: dict(_alone(case, name, share).hidden[name]) for name, share in shares.items()}
+
+
+def _behind(case: Case) -> dict[str, dict[str, float]]:
+    """Values of the other effects at which each causes a tenth to a fifth of the main misfit."""
+    main = _misfit(_alone(case, case.names[0], 1.0), case)
     values = {}
-    for number, name in enumerate(case.names[1:]):
-        share = np.random.default_rng((case.seed, number)).uniform(*BACKGROUND_SIZE)
-        faint = hidden_pair([name], seed=case.seed, size=case.size * share, model=case.model)
-        values[name] = dict(faint.hidden[name])
+    for name, share in _shares(case).items():
+        size = share
+        for _ in range(SCALINGS):
+            found = _alone(case, name, size)
+            ratio = share * main / max(_misfit(found, case), LEAST_MISFIT * main)
+            size = float(np.clip(size * ratio, *SIZES))
+        values[name] = dict(_alone(case, name, size).hidden[name])
     return values
+
+
+BEHIND = {"background": _behind, "faint": _faint}
+
+
+def _shares(case: Case) -> dict[str, float]:
+    """How strong each of the other effects is beside the first."""
+    return {
+        name: float(np.random.default_rng((case.seed, number)).uniform(*BACKGROUND_SIZE))
+        for number, name in enumerate(case.names[1:])
+    }
+
+
+def _alone(case: Case, name: str, size: float) -> HiddenPair:
+    """One of the effects by itself, with hardly any noise."""
+    quiet = Rig(**{**RIGS[case.rig], "noise": QUIET, "pressure_noise_kpa": 0.0})
+    return hidden_pair([name], seed=case.seed, size=case.size * size, model=case.model, rig=quiet)
+
+
+def _misfit(pair: HiddenPair, case: Case) -> float:
+    """Root mean square error that the base model leaves, in the output's unit."""
+    return float(fit(pair.logs[0], model=case.model).statistics[0].rmse)
 
 
 def cases(
@@ -148,7 +182,7 @@ def _hidden(kind: str, draws: int) -> Iterator[tuple[tuple[str, ...], str, int]]
     elif kind == "pair":
         for names in PAIRED:
             yield names, "rich", draws
-    elif kind == "background":
+    elif kind in BEHIND:
         for k, name in enumerate(SINGLE):
             others = [other for other in SINGLE if other != name]
             yield (name, others[(3 * k) % 20], others[(7 * k + 5) % 20]), "rich", draws

@@ -24,7 +24,7 @@ for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 import numpy as np
 from diagnosis_cases import RIGS, Case, Score, cases, run
 
-KINDS = ("clean", "single", "other_form", "outside", "pair", "background", "tie")
+KINDS = ("clean", "single", "other_form", "outside", "pair", "background", "faint", "tie")
 BINS = ((0.0, 0.3), (0.3, 0.5), (0.5, 1.0), (1.0, 3.0), (3.0, np.inf))
 SEED = 52_000
 """Far from the seeds of the tests."""
@@ -119,7 +119,7 @@ def is_right(score: Score) -> bool:
         return score.verdict in ("unknown", "partial", "adequate") and not told - true
     if score.kind == "tie":
         return true <= told | set(score.tied)
-    if score.kind == "background":
+    if score.kind in ("background", "faint"):
         return bool(score.causes) and score.causes[0] == score.names[0]
     if score.kind == "other_form":
         return score.verdict != "adequate"
