@@ -32,8 +32,8 @@ LIGHTER = 0.1
 
 COARSE, FINE = 1, 2
 """Most steps in a sampling interval while candidates race, and while they are compared; twice as
-many where the law oscillates, or where it is not known whether it does. Overdamped and sharp laws
-ask for more to reach 1e-4 of the range; noise is far above what this costs."""
+many where an affine law oscillates. Overdamped and sharp laws ask for more to reach 1e-4 of the
+range; noise is far above what this costs."""
 
 EFFECT_SD = 3.0
 """The same for an effect's parameters about their start, in logarithms."""
@@ -323,7 +323,7 @@ def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Divi
 def _oscillates(law: Law | None, u: Array) -> npt.NDArray[np.bool_]:
     """Whether a law swings about its rest within every sampling interval, shape (n − 1,)."""
     if law is None:
-        return np.ones(u.size - 1, bool)
+        return np.zeros(u.size - 1, bool)
     damping, stiffness, _ = law.coefficients(u)
     swings = damping**2 < 4.0 * law.mass * stiffness
     return np.asarray(swings[1:] | swings[:-1], bool)

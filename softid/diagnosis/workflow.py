@@ -34,6 +34,7 @@ from softid.diagnosis.held_out import BETTER, NO_WORSE
 from softid.diagnosis.indistinct import with_rivals_in_misfit
 from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.marks import marks_in
+from softid.diagnosis.other_first import other_beginnings
 from softid.diagnosis.other_reading import better_reading, is_open, read_as
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
@@ -123,10 +124,13 @@ def diagnose(
             start = asked.begin(log_set, hold_out, thorough=False)
     chain, remainder, is_named = _searched(start, effects, report, seed, first)
     if remainder.structured and not any(is_named):  # perhaps the base itself is a false optimum
-        other = asked.begin(log_set, hold_out, thorough=True)
-        if other.base.squares < BETTER_BASE * start.base.squares:
-            start = other
+        again = asked.begin(log_set, hold_out, thorough=True)
+        if again.base.squares < BETTER_BASE * start.base.squares:
+            start = again
             chain, remainder, is_named = _searched(start, effects, report, seed, None)
+    if remainder.structured and not any(is_named):  # or the first cause stands for two others
+        other = _from_other_causes(start, chain, effects, report, seed)
+        chain, remainder, is_named = other or (chain, remainder, is_named)
     report("computing errors", 0.9)
     found = _answer(start, chain, remainder, is_named, seed)
     remarks = (*restriction(effects), *averaged_over(count))
@@ -261,6 +265,21 @@ def _searched(
     )
     links = tuple(link for link, _ in largest_first)
     return replace(chain, links=links), remainder, tuple(sure for _, sure in largest_first)
+
+
+def _from_other_causes(
+    start: Beginning, chain: Chain, effects: Sequence[str], report: Progress, seed: int
+) -> tuple[Chain, Remainder, tuple[bool, ...]] | None:
+    """What a search finds from another first cause, if that may be named."""
+    first = chain.links[0] if chain.links else chain.last
+    if first is None:
+        return None
+    sigma = dict(start.work.found.optimum.sigma)
+    for begun in other_beginnings(first, start.base, catalogue(effects), start.scale, sigma):
+        found = _searched(start, effects, report, seed, begun)
+        if any(found[2]):
+            return found
+    return None
 
 
 def _asked_again(

@@ -1,0 +1,49 @@
+"""Other first causes, for a search that came to nothing from the best one.
+
+Of two causes the best single one may be a third that stands for both. From there no second one
+helps, while from the second best single cause the search goes straight to the truth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from softid.diagnosis.candidates import Candidate
+from softid.diagnosis.chain import FIRST, Chain, Link, next_link, pays, settled
+from softid.effects.base import Effect, Scale
+
+TRIED = 3
+"""So many of the most promising other effects are tried as the first cause."""
+
+
+def other_beginnings(
+    first: Link,
+    base: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> Iterator[Chain]:
+    """Chains of one link each, the most promising first.
+
+    Parameters
+    ----------
+    first
+        The first round of the search that came to nothing.
+    base
+        What it began with.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Weight of each output channel.
+    """
+    promising = sorted(first.signatures, key=lambda signature: -signature.drop)
+    names = list(dict.fromkeys(signature.effect.name for signature in promising))
+    others = [name for name in names if name != first.added.name]
+    for name in others[:TRIED]:
+        forms = [effect for effect in effects if effect.name == name]
+        asked = [s for s in first.signatures if s.effect.name == name]
+        link = next_link(base, forms, scale, sigma, FIRST, screened=asked)
+        if link is not None and pays(link, FIRST):
+            yield Chain((link,), None, settled(link.chosen.plain, sigma))
