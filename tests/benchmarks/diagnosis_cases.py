@@ -211,7 +211,8 @@ class Score:
     snr
         Root mean square misfit of the base over the noise.
     gain, oracle_gain
-        Fall of the held-out error as a share of it, and what would leave nothing but noise.
+        Fall of the held-out error as a share of it, and that of a diagnosis that considers the true
+        effects only; where they are not in the catalogue, what would leave nothing but noise.
     recovered
         Whether every parameter of the hidden effects that has a true value lies within its interval
         or a fifth of the truth; None where nothing was named rightly.
@@ -261,6 +262,10 @@ def run(case: Case) -> Score:
     sigma = factor * pair.train.sigma[channel]
     misfit = inside.rmse_before**2 / sigma**2 - 1.0
     before, after = outside.rmse_before, outside.rmse_after
+    oracle_after = factor * pair.hold_out.sigma[channel]
+    if case.names and set(case.names) <= set(EFFECTS):
+        known = diagnose([train], hold_out=[hold_out], model=case.model, effects=case.names)
+        oracle_after = next(g.rmse_after for g in known.gains if g.held_out)
     return Score(
         key=case.key,
         kind=case.kind,
@@ -271,7 +276,7 @@ def run(case: Case) -> Score:
         tied=tuple(sorted({e for a in found.alternatives for e in a.effects})),
         snr=float(np.sqrt(max(misfit, 0.0))),
         gain=1.0 - after / before,
-        oracle_gain=max(1.0 - factor * pair.hold_out.sigma[channel] / before, 0.0),
+        oracle_gain=max(1.0 - oracle_after / before, 0.0),
         recovered=_recovered(found, pair),
         seconds=seconds,
         cpu_seconds=cpu_seconds,
