@@ -77,6 +77,9 @@ class Cause:
     gain_ci95
         Interval of the relative gain 1 − after/before, by a block bootstrap; None when the
         held-out samples are too few.
+    holdout_rmse_without
+        Where the cause gains nothing beside the ones before it alone: the held-out error of the
+        model with all other causes, to be held against that of the whole.
     """
 
     effect: str
@@ -90,6 +93,7 @@ class Cause:
     holdout_rmse_before: float
     holdout_rmse_after: float
     gain_ci95: tuple[float, float] | None
+    holdout_rmse_without: float | None = None
 
 
 @dataclass(frozen=True)

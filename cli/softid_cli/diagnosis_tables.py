@@ -46,6 +46,8 @@ def _row(cause: Cause, unit: str, factor: float) -> tuple[str, ...]:
     if cause.gain_ci95 is not None:
         low, high = (100.0 * end for end in cause.gain_ci95)
         error += f"\ngain {low:z.0f} to {high:z.0f} %"
+    if cause.holdout_rmse_without is not None:
+        error += f"\nwithout it {cause.holdout_rmse_without * factor:.3g} {unit}".rstrip()
     values = "\n".join(_value(cause.key, p) for p in cause.parameters)
     return cause.key, values, f"{cause.delta_bic:.0f}", error
 

@@ -193,7 +193,27 @@ def nameable(
     return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))
 
 
-def stands(cause: Cause, effect: Effect, extended: FitResult) -> bool:
+def gains_by(cause: Cause, whole: float) -> bool:
+    """Whether a cause lowers the held-out error enough, beside those before it or beside all others.
+
+    Where a motion integrates its force, the first of two causes may make the error larger by
+    itself and yet be what the second cannot do without.
+
+    Parameters
+    ----------
+    cause
+        The cause with its held-out errors.
+    whole
+        That of the model with all causes.
+    """
+    most = 1.0 - LEAST_GAIN
+    if cause.holdout_rmse_after <= most * cause.holdout_rmse_before:
+        return True
+    without = cause.holdout_rmse_without
+    return without is not None and whole <= most * without
+
+
+def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> bool:
     """Whether the numbers of a cause allow its name.
 
     It must take away a hundredth of the held-out error at least. Where its size may have either
@@ -210,9 +230,10 @@ def stands(cause: Cause, effect: Effect, extended: FitResult) -> bool:
         Its effect.
     extended
         The fit with all causes, for the covariance of the sizes.
+    whole
+        Held-out error of the model with all causes.
     """
-    before, after = cause.holdout_rmse_before, cause.holdout_rmse_after
-    if after > (1.0 - LEAST_GAIN) * before:
+    if not gains_by(cause, whole):
         return False
     names = {f"{effect.name}_{name}" for name in effect.amplitudes if effect.changes_sign}
     sizes = [p for p in cause.parameters if p.name in names]

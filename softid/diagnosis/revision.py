@@ -106,6 +106,24 @@ def _contenders(
     return [effect for effect in effects if effect.name in names]
 
 
+def without_link(
+    chain: Chain, position: int, base: Candidate, scale: Scale, sigma: Mapping[str, float]
+) -> Candidate:
+    """The model with all causes but one, refitted.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    position
+        Which link is left out.
+    base, scale, sigma
+        As in `revised`.
+    """
+    others = [link.added for k, link in enumerate(chain.links) if k != position]
+    return _without(chain.final, base, others, scale, sigma)
+
+
 def prefixes(
     chain: Chain, base: Candidate, scale: Scale, sigma: Mapping[str, float]
 ) -> tuple[Candidate, ...]:

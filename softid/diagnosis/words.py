@@ -347,10 +347,10 @@ def _evidence(
     told = f"Evidence: BIC falls by {cause.delta_bic:.0f}"
     errors = (cause.holdout_rmse_before, cause.holdout_rmse_after)
     if with_errors and all(map(math.isfinite, errors)):
-        told += (
-            f", and the held-out error goes from {teller.size(errors[0])} to "
-            f"{teller.size(errors[1])}"
-        )
+        before, after = map(teller.size, errors)
+        told += f", and the held-out error goes from {before} to {after}"
+    if cause.holdout_rmse_without is not None:
+        told += f"; without it the others leave {teller.size(cause.holdout_rmse_without)}"
     tied = {cause.effect, *(tie.effects if tie else ())}
     raced = [e for e in evidence if e.round == number and e.effect.split(".")[0] not in tied]
     rivals = [(e.delta_bic, e.effect) for e in raced if e.effect and e.delta_bic is not None]

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softid.diagnoses import Diagnosis, Remainder
+from softid.diagnoses import Cause, Diagnosis, Remainder
 from softid.diagnosis.assessment import (
     LEAST_GAIN,
     assess,
+    gains_by,
     has_spring,
     held_out_share,
     nameable,
@@ -38,7 +39,7 @@ from softid.diagnosis.other_first import other_beginnings
 from softid.diagnosis.other_reading import better_reading, is_open, read_as
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
-from softid.diagnosis.revision import prefixes, revised
+from softid.diagnosis.revision import prefixes, revised, without_link
 from softid.diagnosis.thinning import samples_to_average, thinned
 from softid.diagnosis.words import worded
 from softid.effects.base import Effect
@@ -153,9 +154,10 @@ def _answer(
     after = _fit_of(chain.final, work, seed) if chain.links else None
     models = prefixes(chain, base, start.scale, dict(work.found.optimum.sigma))
     errors = [held.first_errors(model) for model in models]
-    causes = causes_of(chain, errors, after, rng)
+    causes = _with_errors_without(causes_of(chain, errors, after, rng), chain, start)
+    whole = held.rms(chain.final)
     is_named = tuple(
-        sure and after is not None and stands(cause, link.added, after)
+        sure and after is not None and stands(cause, link.added, after, whole)
         for sure, cause, link in zip(is_named, causes, chain.links, strict=True)
     )
     is_named = credible(chain.links, causes, is_named, chain.final.squares)
@@ -188,6 +190,20 @@ def _answer(
         issues=(*(after if after is not None and named else before).issues, *marks),
         gain_ci95=whole_gain_of(errors, rng),
     )
+
+
+def _with_errors_without(
+    causes: Sequence[Cause], chain: Chain, start: Beginning
+) -> tuple[Cause, ...]:
+    """The causes; those that gain nothing in their place with the error of leaving them out."""
+    sigma = dict(start.work.found.optimum.sigma)
+    found = []
+    for position, cause in enumerate(causes):
+        if len(causes) > 1 and not gains_by(cause, np.inf):
+            model = without_link(chain, position, start.base, start.scale, sigma)
+            cause = replace(cause, holdout_rmse_without=start.held.rms(model))
+        found.append(cause)
+    return tuple(found)
 
 
 def _cleaned(log: Log) -> Log:

@@ -32,6 +32,7 @@ from softid.results import ParameterEstimate
 
 PREDICTABLE = remainder(structured=True, explained=0.7)
 RANDOM = replace(PREDICTABLE, structure_share=0.01)
+WHOLE = 1.0
 
 
 def link(squares_before: float, *rivals: str) -> Any:
@@ -104,7 +105,7 @@ OVER_ZERO = replace(RATE, ci95=(-0.001, 0.02))
 def test_what_a_name_needs(rate: ParameterEstimate, after: float, named: bool) -> None:
     """A hundredth of the error of 2 on what is held out, and a size that is seen."""
     told = cause("sensor_drift", [rate], before=2.0, after=after)
-    assert stands(told, DRIFT, fit_result()) is named
+    assert stands(told, DRIFT, fit_result(), WHOLE) is named
 
 
 @pytest.mark.parametrize(("second", "named"), [(-1.0, True), (1.0, False)])
@@ -118,8 +119,8 @@ def test_a_curve_stands_on_its_shape(second: float, named: bool) -> None:
     shape = 25.0 * np.array([[1.0, 0.9999], [0.9999, 1.0]])
     fitted = replace(fit_result(), free=names, covariance=shape)
     told = cause("static_curve", knots, before=2.0, after=1.0)
-    assert stands(told, curve, fitted) is named
-    assert not stands(told, curve, replace(fitted, covariance=None))
+    assert stands(told, curve, fitted, WHOLE) is named
+    assert not stands(told, curve, replace(fitted, covariance=None), WHOLE)
 
 
 @pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
@@ -127,14 +128,14 @@ def test_a_relaxation_has_a_time_of_its_own(at_bound: bool, named: bool) -> None
     """At a bound of its time a creep is a damper, or a spring."""
     times = [replace(estimate("creep_tau", 0.05, "s"), at_bound=at_bound)]
     told = cause("creep", [estimate("creep_k", 1.0, "1"), *times], before=2.0, after=1.0)
-    assert stands(told, effect_of("creep"), fit_result()) is named
+    assert stands(told, effect_of("creep"), fit_result(), WHOLE) is named
 
 
 def test_an_obstacle_may_be_as_stiff_as_it_is_asked_to_be() -> None:
     """Its size has one sign, so that a bound says no more than that it is stiff."""
     stop = replace(estimate("contact_kw", 1e6, "1"), at_bound=True)
     contact = effect_of("contact")
-    assert stands(cause("contact", [stop], before=2.0, after=1.0), contact, fit_result())
+    assert stands(cause("contact", [stop], before=2.0, after=1.0), contact, fit_result(), WHOLE)
 
 
 @pytest.mark.parametrize(
@@ -239,3 +240,11 @@ def test_surroundings_show_where_nothing_was_used() -> None:
     assert part.x == pytest.approx(log.channels["angle"].values, abs=1e-6)
     assert np.max(np.abs(np.gradient(part.x, part.time_s)[5:-5] - part.v[5:-5])) < 0.5
     assert np.array_equal(part.u, log.pressure_kpa)
+
+
+@pytest.mark.parametrize(("without", "named"), [(1.02, True), (1.005, False), (None, False)])
+def test_a_cause_that_the_others_need(without: float | None, named: bool) -> None:
+    """By itself it doubles the error of 1; the others leave so much without it, and 1 with it."""
+    told = cause("sensor_drift", [RATE], before=1.0, after=2.0)
+    told = replace(told, holdout_rmse_without=without)
+    assert stands(told, DRIFT, fit_result(), WHOLE) is named
