@@ -194,7 +194,7 @@ def nameable(
 
 
 def gains_by(cause: Cause, whole: float) -> bool:
-    """Whether a cause lowers the held-out error enough, beside those before it or beside all others.
+    """Whether a cause lowers the held-out error, beside those before it or beside all others.
 
     Where a motion integrates its force, the first of two causes may make the error larger by
     itself and yet be what the second cannot do without.

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from softid.diagnosis.candidates import Candidate
-from softid.diagnosis.chain import FIRST, Chain, Link, next_link, pays, settled
+from softid.diagnosis.chain import FIRST, Chain, next_link, pays, settled
+from softid.diagnosis.screening import screen
 from softid.effects.base import Effect, Scale
 
 TRIED = 3
@@ -17,7 +18,7 @@ TRIED = 3
 
 
 def other_beginnings(
-    first: Link,
+    known: str | None,
     base: Candidate,
     effects: Sequence[Effect],
     scale: Scale,
@@ -27,8 +28,8 @@ def other_beginnings(
 
     Parameters
     ----------
-    first
-        The first round of the search that came to nothing.
+    known
+        Name of the first cause of the search that came to nothing, None if it found none.
     base
         What it began with.
     effects
@@ -38,12 +39,10 @@ def other_beginnings(
     sigma
         Weight of each output channel.
     """
-    promising = sorted(first.signatures, key=lambda signature: -signature.drop)
-    names = list(dict.fromkeys(signature.effect.name for signature in promising))
-    others = [name for name in names if name != first.added.name]
-    for name in others[:TRIED]:
+    promising = screen(base, effects, scale, sigma)
+    names = dict.fromkeys(s.effect.name for s in promising if s.effect.name != known)
+    for name in list(names)[:TRIED]:
         forms = [effect for effect in effects if effect.name == name]
-        asked = [s for s in first.signatures if s.effect.name == name]
-        link = next_link(base, forms, scale, sigma, FIRST, screened=asked)
+        link = next_link(base, forms, scale, sigma, FIRST, screened=promising)
         if link is not None and pays(link, FIRST):
             yield Chain((link,), None, settled(link.chosen.plain, sigma))

@@ -56,10 +56,10 @@ CLEAR_LEAD, UNSETTLED_LEAD = 0.2, 0.5
 """One whose sum of squares above the leader's is more than the first share of the base's misfit
 above the leader's drops out before the last lap; for one that is not settled it is the second."""
 
-NEAR, HOPE, PACE = 60.0, 4.0, 3.0
-"""Hope has a candidate whose n ln(S) is so little above the leader's, more than any BIC asked for;
-or whose distance is less than so many times what its quadratic model promises, or so many times
-what it gained in the lap."""
+NEAR, HOPE, PACE = 0.3, 4.0, 3.0
+"""Hope has a candidate whose ln(S) is so little above the leader's, which may be little where none
+explains the misfit; or whose distance is less than so many times what its quadratic model
+promises, or so many times what it gained in the lap."""
 
 SMALLEST_GAIN = 4.0
 """When nobody has lowered n ln(S) by this much after two laps, the race is over."""
@@ -273,9 +273,10 @@ def _lap(
 
 def _has_hope(candidate: Candidate, leader: float, *, gained: float = 0.0) -> bool:
     """Whether a candidate may still come near the leader's sum of squares."""
+    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     promised = candidate.minimum.reach**2 * candidate.problem.size
     distance = -_gain(leader, candidate)
-    return distance <= NEAR + HOPE * promised or distance <= PACE * gained
+    return distance <= NEAR * n + HOPE * promised or distance <= PACE * gained
 
 
 def _starts(signatures: Sequence[Signature]) -> list[Signature]:

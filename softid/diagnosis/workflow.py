@@ -286,15 +286,18 @@ def _searched(
 def _from_other_causes(
     start: Beginning, chain: Chain, effects: Sequence[str], report: Progress, seed: int
 ) -> tuple[Chain, Remainder, tuple[bool, ...]] | None:
-    """What a search finds from another first cause, if that may be named."""
-    first = chain.links[0] if chain.links else chain.last
-    if first is None:
-        return None
-    sigma = dict(start.work.found.optimum.sigma)
-    for begun in other_beginnings(first, start.base, catalogue(effects), start.scale, sigma):
-        found = _searched(start, effects, report, seed, begun)
-        if any(found[2]):
-            return found
+    """What a search finds from another first cause, if that leaves noise and may be named.
+
+    So many more tries find something that explains most of any misfit.
+    """
+    sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
+    known = chain.links[0].added.name if chain.links else None
+    for begun in other_beginnings(known, start.base, considered, start.scale, sigma):
+        longer = _extended(start, considered, report, seed, begun=begun, max_links=2)
+        if not _left(start, longer.final, seed).structured:
+            found = _searched(start, effects, report, seed, longer)
+            if any(found[2]):
+                return found
     return None
 
 
