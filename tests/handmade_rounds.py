@@ -24,7 +24,7 @@ def candidate(keys: Sequence[str], squares: float = 100.0, *, reach: float = 0.0
         keys=tuple(effect.key for effect in effects),
         squares=squares,
         minimum=SimpleNamespace(normal=SimpleNamespace(cost=cost, n=SAMPLES), reach=reach),
-        problem=SimpleNamespace(size=UNKNOWNS),
+        problem=SimpleNamespace(size=UNKNOWNS, n_samples=SAMPLES + UNKNOWNS),
     )
 
 

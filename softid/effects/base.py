@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import numpy.typing as npt
 
-from softid.parameters import ParameterSet
+from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 Stage = Literal["input", "state", "output"]
@@ -279,3 +279,20 @@ def _compiled(step: Step) -> Any:
     from softid.kernels.terms import compile_term
 
     return compile_term(step)
+
+
+def usual_size(parameter: Parameter) -> float:
+    """Size by which a parameter is moved in proportion, positive.
+
+    That of its declared value; of one that is declared as zero, the width of its bounds or, without
+    bounds, one.
+
+    Parameters
+    ----------
+    parameter
+        As an effect declares it.
+    """
+    if parameter.value != 0.0:
+        return abs(parameter.value)
+    width = parameter.upper - parameter.lower
+    return width if np.isfinite(width) and width > 0.0 else 1.0

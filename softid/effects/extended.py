@@ -18,6 +18,7 @@ from softid.effects.base import (
     OutputEffect,
     Scale,
     StateEffect,
+    usual_size,
 )
 from softid.effects.motion import divided, rest, simulate_motion
 from softid.kernels.division import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
@@ -218,7 +219,7 @@ class ExtendedModel(Model):
     def _steps(self) -> Array:
         """Steps by which the parameters are moved to differentiate, shape (K,)."""
         declared = self.parameters().values()
-        steps: Array = np.array([DIFFERENCE * max(abs(p.value), 1e-12) for p in declared])
+        steps: Array = np.array([DIFFERENCE * usual_size(p) for p in declared])
         return steps
 
     def _own(self, theta: Array) -> Iterator[tuple[Effect, Array]]:

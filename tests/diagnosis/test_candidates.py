@@ -149,6 +149,18 @@ def test_steps_in_an_interval_are_capped() -> None:
     assert np.array_equal(same.counts, whole.counts)
 
 
+def test_more_steps_where_the_law_swings() -> None:
+    """A hundredth of the damping swings: it asks for several steps, and may have twice the cap."""
+    problem, _ = base_problem()
+    z = problem.unknowns({**TRUTH, "M": 0.005, "N": 0.1})
+    (whole,) = problem.plans(z)
+    (plan,) = limited_plans(problem, z, COARSE)
+    assert whole is not None
+    assert plan is not None
+    assert whole.counts.max() > 2 * COARSE
+    assert plan.counts.max() == 2 * COARSE
+
+
 def test_a_step_ends_at_the_optimum() -> None:
     """Known truth: from factors of e^0.5 away back to it, within four standard errors."""
     problem, _ = base_problem()

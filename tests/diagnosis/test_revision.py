@@ -12,7 +12,13 @@ from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, 
 
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import FURTHER, Chain, Link, next_link, settled
-from softid.diagnosis.revision import _is_beyond_doubt, _with_first_look, prefixes, revised
+from softid.diagnosis.revision import (
+    _is_beyond_doubt,
+    _with_first_look,
+    prefixes,
+    revised,
+    without_link,
+)
 from softid.diagnosis.scale import scale_of
 from softid.diagnosis.screening import Signature
 from softid.effects import effect_of
@@ -140,3 +146,14 @@ def test_a_single_link_is_not_asked_again() -> None:
     after = revised(before, base, CATALOGUE, scale, SIGMA)
     assert after.links == before.links
     assert after.final is before.final
+
+
+def test_a_cause_is_left_out() -> None:
+    """The model with the other one alone, as well as it can: that of a search for it only."""
+    base, scale = base_with(rate=0.01, size=0.05)
+    chain = chained(base, scale, "sensor_drift", "bow")
+    for position, other in ((0, "bow"), (1, "sensor_drift")):
+        found = without_link(chain, position, base, scale, SIGMA)
+        (alone,) = chained(base, scale, other).links
+        assert found.keys == (other,)
+        assert found.squares == pytest.approx(alone.chosen.plain.squares, rel=1e-3)

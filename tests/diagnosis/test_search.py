@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import pytest
 from handmade_rounds import candidate
-from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
+from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, standing
 
 from softid.diagnosis.chain import settled
 from softid.diagnosis.scale import scale_of
@@ -15,6 +17,8 @@ from softid.diagnosis.screening import Signature
 from softid.diagnosis.search import (
     _best_of_each,
     _by_squares,
+    _has_hope,
+    _is_richer,
     _last_field,
     _starts,
     race,
@@ -22,6 +26,8 @@ from softid.diagnosis.search import (
 )
 from softid.diagnosis.whitening import Whitener
 from softid.effects import effect_of
+from softid.effects.base import Scale
+from softid.parameters import Parameter, ParameterSet
 
 DRIFT = effect_of("sensor_drift")
 NOTHING = np.zeros(0)
@@ -97,6 +103,96 @@ def test_neighbours_of_the_leader_stay() -> None:
     assert kept == [*keys[:4], "delay"]
     kept = [c.keys[0] for c in _last_field(field, (), 14.0, 14.0)]
     assert kept == list(keys[:4])
+
+
+@pytest.mark.parametrize(
+    ("squares", "reach", "gained", "hopes"),
+    [
+        (1.34, 0.0, 0.0, True),
+        (1.36, 0.0, 0.0, False),
+        (1.352, 1.0, 0.0, True),
+        (2.0, 1.0, 0.0, False),
+        (2.0, 13.0, 0.0, True),
+        (2.0, 0.0, 2300.0, False),
+        (2.0, 0.0, 2320.0, True),
+        (0.9, 0.0, 0.0, True),
+    ],
+)
+def test_who_has_hope(squares: float, reach: float, gained: float, hopes: bool) -> None:
+    """Closed form with n = 10,000 beside a leader of 1, where ln 1.35 = 0.3: a reach of r promises
+    6 r² of n ln(S), and four times that; or three times what was gained, of n ln 2 = 6931."""
+    row = candidate(("delay",), squares, reach=reach)
+    assert _has_hope(row, 1.0, gained=gained) is hopes
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "richer"),
+    [
+        ("pneumatic_lag.separate", "pneumatic_lag", True),
+        ("pneumatic_lag", "pneumatic_lag.separate", False),
+        ("pneumatic_lag", "pneumatic_lag", False),
+        ("sensor_clipping.both", "sensor_clipping.lower", True),
+        ("sensor_clipping.lower", "sensor_clipping", False),
+        ("line_resonance", "pneumatic_lag", False),
+    ],
+)
+def test_a_richer_form_has_more_parameters(one: str, other: str, richer: bool) -> None:
+    """Of one law only: two times have the one time among them, the lower limit not the upper."""
+    problem = linear_problem([linear_log(noise=0.01)])
+    scale = scale_of(problem, problem.unknowns(TRUTH))
+    assert _is_richer(effect_of(one), effect_of(other), scale) is richer
+
+
+@dataclass(frozen=True)
+class Bent(Bow):
+    """The parabola with a cubic term, + c (t/T)² + d (t/T)³."""
+
+    variant: ClassVar[str] = "bent"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Those of the parabola, and d of either sign."""
+        return ParameterSet(
+            (*super().parameters(scale).values(), Parameter("d", 0.0, "rad", -10.0, 10.0))
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """One."""
+        return tuple({**start, "d": 0.0} for start in super().starts(scale))
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Add both."""
+        bent: Array = super().apply(eta, time_s, y, scale) + eta[1] * (
+            (time_s / scale.duration_s) ** 3
+        )
+        return bent
+
+
+@pytest.mark.parametrize(("cubic", "found"), [(0.0, {"bow"}), (-0.2, {"bow.bent", "bow"})])
+def test_a_richer_form_enters_where_the_plain_one_stands(cubic: float, found: set[str]) -> None:
+    """Known truth: without a cubic term it leaves the race again, with one it wins it."""
+    time_s = linear_log().time_s / linear_log().time_s[-1]
+    log = linear_log(noise=0.01, added=0.3 * time_s**2 + cubic * time_s**3)
+    problem = linear_problem([log])
+    z = problem.unknowns(TRUTH)
+    base = settled(standing(problem, z), SIGMA)
+    rows = race(base, [Bow(), Bent()], scale_of(problem, z), SIGMA)
+    assert {row.effects[-1].key for row in rows} == found
+    if cubic:
+        assert rows[0].effects[-1].key == "bow.bent"
+        assert rows[0].parameters["bow_d"] == pytest.approx(cubic, abs=0.05)
+
+
+def test_what_is_known_joins_for_the_last_lap() -> None:
+    """It wins as it would from its start, and its effect is not run a second time."""
+    time_s = linear_log().time_s
+    log = linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)
+    problem = linear_problem([log])
+    z = problem.unknowns(TRUTH)
+    base, scale = settled(standing(problem, z), SIGMA), scale_of(problem, z)
+    (plain,) = (row for row in race(base, [DRIFT, Bow()], scale, SIGMA) if row.keys == ("bow",))
+    rows = race(base, [DRIFT, Bow()], scale, SIGMA, known=[plain])
+    assert rows[0].keys == ("bow",)
+    assert rows[0].squares == pytest.approx(plain.squares, rel=1e-4)
 
 
 def test_the_race_goes_to_the_true_cause() -> None:

@@ -17,9 +17,11 @@ from textbook_effects import (
 )
 
 from softid.effects import EFFECTS, Effect, ExtendedModel, Scale, StateEffect
+from softid.effects.base import usual_size
 from softid.models.base import Model
 from softid.models.muscle import Muscle
 from softid.models.oscillator import Oscillator
+from softid.parameters import Parameter
 from softid.segment import Segment
 
 NAMES = (
@@ -268,3 +270,17 @@ def test_all_state_effects_act_together() -> None:
         rest = [eta for j, eta in enumerate(weak) if j != k]
         without = moved(fewer, np.concatenate((theta, *rest)), drive)
         assert np.max(np.abs(without - together)) > 1e-4 * np.ptp(together), effect.name
+
+
+@pytest.mark.parametrize(
+    ("value", "lower", "upper", "size"),
+    [
+        (-2.0, -5.0, 5.0, 2.0),
+        (0.0, -5.0, 15.0, 20.0),
+        (0.0, -np.inf, np.inf, 1.0),
+        (0.0, 0.0, np.inf, 1.0),
+    ],
+)
+def test_a_value_of_zero_has_a_size(value: float, lower: float, upper: float, size: float) -> None:
+    """By the definition: its value, the width of its bounds, or one; it is moved in proportion."""
+    assert usual_size(Parameter("d", value, "1", lower, upper)) == size
