@@ -224,6 +224,8 @@ def _gain(squares: float, candidate: Candidate) -> float:
     """Fall of n ln(S) from a sum of squares to a candidate's."""
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     tiny = float(np.finfo(float).tiny)
+    if not np.isfinite(candidate.squares):
+        return -np.inf
     return float(n * np.log(max(squares, tiny) / max(candidate.squares, tiny)))
 
 
