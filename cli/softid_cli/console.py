@@ -172,12 +172,20 @@ def _steps(fraction: float) -> int:
     return round(fraction * _BAR_STEPS)
 
 
-def announce_compilation(*, quiet: bool) -> None:
-    """Say that the first run compiles, for it takes far longer than any later one."""
-    from softid.kernels import needs_compiling
+@contextmanager
+def announce_compilation(*, quiet: bool) -> Iterator[None]:
+    """Say when a run compiles, for it takes far longer than any later one."""
+    if quiet:
+        yield
+        return
+    from softid.kernels import when_compiling
 
-    if not quiet and needs_compiling():
-        say("compiling numerical kernels, once; later runs start at once …")
+    with when_compiling(_say_compiling):
+        yield
+
+
+def _say_compiling() -> None:
+    say("compiling numerical kernels, once; later runs start at once …")
 
 
 def report_failure(error: BaseException, *, debug: bool) -> int:

@@ -118,8 +118,8 @@ def score(
 
     saved = load_params(params)
     logs = load_logs(paths, channel, saved.input, saved.outputs, roles_of=params)
-    announce_compilation(quiet=quiet)
-    result = validate_model(saved, logs, threshold_percent=threshold)
+    with announce_compilation(quiet=quiet):
+        result = validate_model(saved, logs, threshold_percent=threshold)
     noticed = [issue for issue in saved.issues if issue not in result.issues]
     result = replace(result, issues=(*noticed, *result.issues))
     document = validation_document(result, params=params)
@@ -145,8 +145,7 @@ def check_self(*, as_json: bool, quiet: bool) -> bool:
     from softid.validation import self_check
     from softid_cli.tables import interval, print_rows, print_text
 
-    announce_compilation(quiet=quiet)
-    with progress(quiet=quiet) as report:
+    with announce_compilation(quiet=quiet), progress(quiet=quiet) as report:
         found = self_check(progress=report)
     if as_json:
         click.echo(dump_json(found), nl=False)
