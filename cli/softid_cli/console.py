@@ -29,6 +29,12 @@ BAD_OUTPUT = 3
 PATIENCE_S = 1.0
 """Work that takes less shows no progress."""
 
+COMPILING = "compiling numerical kernels, once; later runs start at once …"
+COMPILING_IN_VAIN = (
+    "compiling numerical kernels in every run, for they cannot be kept here; let NUMBA_CACHE_DIR "
+    "name a folder in which you may write …"
+)
+
 _BAR_STEPS = 1000
 
 ProgressCallback = Callable[[str, float], None]
@@ -178,14 +184,11 @@ def announce_compilation(*, quiet: bool) -> Iterator[None]:
     if quiet:
         yield
         return
-    from softid.kernels import when_compiling
+    from softid.kernels import cache_folder, when_compiling
 
-    with when_compiling(_say_compiling):
+    kept = cache_folder() is not None
+    with when_compiling(lambda: say(COMPILING if kept else COMPILING_IN_VAIN)):
         yield
-
-
-def _say_compiling() -> None:
-    say("compiling numerical kernels, once; later runs start at once …")
 
 
 def report_failure(error: BaseException, *, debug: bool) -> int:

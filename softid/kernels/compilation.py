@@ -52,10 +52,11 @@ class _First(event.Listener):
         """Nothing is said at the end."""
 
 
-def cache_folder() -> Path:
-    """Where the compiled kernels are kept.
+def cache_folder() -> Path | None:
+    """Where the compiled kernels are kept, or None where no folder can be written to.
 
     Beside the source; where that is read-only, in numba's cache folder of the user or in the folder
     that ``NUMBA_CACHE_DIR`` names.
     """
-    return Path(str(move.stats.cache_path))
+    folder = move.stats.cache_path
+    return None if folder is None else Path(str(folder))

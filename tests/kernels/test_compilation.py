@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 from numba import njit
+from numba.core.caching import CacheImpl
 
 from softid.kernels import when_compiling
+from softid.kernels.decorators import bare_kernel, kernel
 
 FIT = """
 import numpy as np
@@ -48,6 +50,25 @@ def test_a_second_run_finds_every_kernel(tmp_path: Path) -> None:
         for _ in range(2)
     ]
     assert said == [["compiles", "fitted"], ["fitted"]]
+
+
+def test_where_nothing_can_be_kept_functions_are_compiled_all_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """numba refuses to keep anything where neither the source's nor the user's folder can be
+    written to; any other refusal is not swallowed.
+    """
+    monkeypatch.setattr(CacheImpl, "_locator_classes", [])
+
+    def triple(x: float) -> float:
+        return 3.0 * x
+
+    for decorated in (kernel(triple), bare_kernel(triple)):
+        assert decorated.stats.cache_path is None
+        assert decorated(2.0) == 6.0
+    monkeypatch.setattr("softid.kernels.decorators.NO_FOLDER", "another reason")
+    with pytest.raises(RuntimeError, match="cannot cache"):
+        kernel(triple)
 
 
 def test_only_the_first_compilation_is_reported() -> None:
