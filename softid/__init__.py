@@ -130,6 +130,8 @@ def __getattr__(name: str) -> object:
     """Import a public name when it is first used, so that `import softid` costs nothing."""
     if name == "__version__":
         return import_module("importlib.metadata").version("softid")
+    if name == "fitters":
+        return import_module("softid.fitters")
     if name not in _HOME:
         raise AttributeError(f"module 'softid' has no attribute {name!r}")
     value = getattr(import_module(_HOME[name]), name)
@@ -138,4 +140,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, "fitters"})

@@ -77,23 +77,29 @@ def test_gripper_finger(measured: Path) -> None:
     assert min(found[name] for name in held) > 91.7
 
 
-def test_a_uniform_grid_flatters_the_gripper_finger(measured: Path) -> None:
-    """The same logs interpolated to 30 Hz reach 91.7 to 95.2 → 92.9 to 94.6: straight lines between
-    the samples smooth the camera's jumps. On the samples as measured that model is no better, so
-    that nothing speaks for resampling."""
-    held = logs(measured / "gripper-finger", [f"calibration_flex_{k}" for k in (60, 100, 140, 180)])
+@pytest.mark.parametrize("rate_hz", [30.0, 100.0])
+def test_a_uniform_grid_flatters_the_gripper_finger(measured: Path, rate_hz: float) -> None:
+    """The same logs interpolated to 30 Hz reach 91.7 to 95.2 → 92.9 to 94.6, to 100 Hz 91.3 to 95.1
+    → 92.5 to 94.2, the figures of the rough script: straight lines between the samples smooth the
+    camera's jumps. On the samples as measured the models so found are no better than one fitted to
+    those, so that nothing speaks for resampling.
+    """
     names = [f"calibration_flex_{k}" for k in (40, 80, 120, 160, 200)]
-    smooth = [uniform(log) for log in logs(measured / "gripper-finger", names)]
-    result = fit(smooth, model="muscle", hold_out=[uniform(log) for log in held])
-    found = percent(result)
-    assert min(found[log.name] for log in held) > 92.5
-    assert max(found[log.name] for log in held) > 94.0
-    as_measured = validate(result, held)
-    assert max(row.fit_percent for row in as_measured.statistics) < 94.0
+    held = [f"calibration_flex_{k}" for k in (60, 100, 140, 180)]
+    smooth, smooth_held = (
+        [uniform(log, rate_hz) for log in logs(measured / "gripper-finger", chosen)]
+        for chosen in (names, held)
+    )
+    result = fit(smooth, model="muscle", hold_out=smooth_held)
+    as_measured = validate(result, logs(measured / "gripper-finger", held))
+    plain = percent(fitted(measured / "gripper-finger", names, held))
+    for row in as_measured.statistics:
+        assert percent(result)[row.log] > row.fit_percent + 0.2
+        assert row.fit_percent < plain[row.log] + 0.1
 
 
-def uniform(log: Log) -> Log:
-    time_s = np.arange(log.time_s[0], log.time_s[-1], 1.0 / 30.0)
+def uniform(log: Log, rate_hz: float) -> Log:
+    time_s = np.arange(log.time_s[0], log.time_s[-1], 1.0 / rate_hz)
     angle = np.interp(time_s, log.time_s, log.channels["angle"].values)
     pressure = np.interp(time_s, log.time_s, log.pressure_kpa)
     return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name=log.name)

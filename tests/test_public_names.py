@@ -83,6 +83,34 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
         getattr(softid, "fitt")  # noqa: B009 - the name must not be checked before it runs
 
 
+@pytest.mark.parametrize(
+    "protocol",
+    [
+        "muscle.levels",
+        "muscle.extremes",
+        "muscle.damping_surface",
+        "muscle.sequential",
+        "polynomial.quartic",
+        "equilibrium.by_hand",
+    ],
+)
+def test_the_papers_protocols_are_there_by_name(protocol: str) -> None:
+    """In a process of its own, for any import of softid.fitters makes it an attribute of softid."""
+    code = f"import softid; print(softid.fitters.{protocol}.__doc__[:1], 'fitters' in dir(softid))"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.stderr == ""
+    assert done.stdout.strip().endswith("True")
+    module = protocol.split(".")[0]
+    assert module in dir(softid.fitters)
+
+
 def test_importing_softid_is_free() -> None:
     """Every library is imported by the function that needs it; numpy costs 0.1 s already."""
     code = "import sys, softid; print(sorted({'numpy', 'scipy', 'numba'} & set(sys.modules)))"

@@ -29,6 +29,12 @@ BAD_OUTPUT = 3
 PATIENCE_S = 1.0
 """Work that takes less shows no progress."""
 
+COMPILING = "compiling numerical kernels, once; later runs start at once …"
+COMPILING_IN_VAIN = (
+    "compiling numerical kernels in every run, for they cannot be kept here; let NUMBA_CACHE_DIR "
+    "name a folder in which you may write …"
+)
+
 _BAR_STEPS = 1000
 
 ProgressCallback = Callable[[str, float], None]
@@ -172,12 +178,17 @@ def _steps(fraction: float) -> int:
     return round(fraction * _BAR_STEPS)
 
 
-def announce_compilation(*, quiet: bool) -> None:
-    """Say that the first run compiles, for it takes far longer than any later one."""
-    from softid.kernels import needs_compiling
+@contextmanager
+def announce_compilation(*, quiet: bool) -> Iterator[None]:
+    """Say when a run compiles, for it takes far longer than any later one."""
+    if quiet:
+        yield
+        return
+    from softid.kernels import cache_folder, when_compiling
 
-    if not quiet and needs_compiling():
-        say("compiling numerical kernels, once; later runs start at once …")
+    kept = cache_folder() is not None
+    with when_compiling(lambda: say(COMPILING if kept else COMPILING_IN_VAIN)):
+        yield
 
 
 def report_failure(error: BaseException, *, debug: bool) -> int:

@@ -218,11 +218,10 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, str | bytes]]
         roles_of=request.params if saved and not (request.input or request.output) else None,
         intersample=request.intersample or (saved.intersample if saved else None),
     )
-    announce_compilation(quiet=request.quiet)
 
     from softid.diagnosis import diagnose as diagnose_logs
 
-    with progress(quiet=request.quiet) as report:
+    with announce_compilation(quiet=request.quiet), progress(quiet=request.quiet) as report:
         found = diagnose_logs(
             logs[: len(request.logs)],
             hold_out=logs[len(request.logs) :],

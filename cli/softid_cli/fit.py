@@ -208,12 +208,11 @@ def identify(request: FitRequest) -> None:
         request.output,
         intersample=request.intersample,
     )
-    announce_compilation(quiet=request.quiet)
 
     from softid.identification import fit as fit_model
 
     fitted, held_out = logs[: len(request.logs)], logs[len(request.logs) :]
-    with progress(quiet=request.quiet) as report:
+    with announce_compilation(quiet=request.quiet), progress(quiet=request.quiet) as report:
         result = fit_model(
             fitted,
             model=model,

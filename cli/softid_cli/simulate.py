@@ -51,13 +51,13 @@ def simulate(
     saved = load_params(params)
     log = load_driving(source, channel, saved)
     if not quiet:
-        announce_compilation(quiet=False)
         beyond = extrapolation(log, log.input, saved.fitted_range)
         for issue in (*saved.issues, *log.issues, *([beyond] if beyond else [])):
             say(f"{issue.severity}: {issue.message}")
-    simulation = simulate_model(
-        saved.build_model(), saved.values, log, nuisance=saved.nuisance_for(log)
-    )
+    with announce_compilation(quiet=quiet):
+        simulation = simulate_model(
+            saved.build_model(), saved.values, log, nuisance=saved.nuisance_for(log)
+        )
     text = simulation_csv(simulation, display=saved.display)
     if out is None:
         click.echo(text, nl=False)

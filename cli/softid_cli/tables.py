@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 WIDTH = 80
 OPEN = "…"
 _MOST_DIGITS = 9
+_FEWEST_DIGITS = 4
 _OPTION_UNITS = {"_n_per_mm": "N/mm", "_kg_m3": "kg/m³", "_mm": "mm", "_pa": "Pa", "_m": "m"}
 """Ending of an option's name → its unit; the longest that fits comes first."""
 
@@ -168,17 +169,31 @@ def interval(
 ) -> str:
     """A confidence interval; an end that is open or beyond the bounds of the search is ``…``.
 
+    Four digits, or as many as show its width to two.
+
     Examples
     --------
     >>> interval((0.12, 3.4)), interval((1e-30, 2.0), lower=1e-15)
     ('[0.12, 3.4]', '[…, 2]')
+    >>> interval((0.01429572, 0.01431257))
+    '[0.014296, 0.014313]'
     """
     if ci95 is None:
         return ""
     low, high = ci95
     below = low is None or not math.isfinite(low) or (lower is not None and low < lower)
     above = high is None or not math.isfinite(high) or (upper is not None and high > upper)
-    return f"[{OPEN if below else f'{low:.4g}'}, {OPEN if above else f'{high:.4g}'}]"
+    digits = _FEWEST_DIGITS if below or above else _digits(low, high)
+    ends = (OPEN if below else f"{low:.{digits}g}", OPEN if above else f"{high:.{digits}g}")
+    return f"[{ends[0]}, {ends[1]}]"
+
+
+def _digits(low: float | None, high: float | None) -> int:
+    """Significant digits of the larger end that show the width of an interval to two of its own."""
+    if low is None or high is None or not high > low:
+        return _FEWEST_DIGITS
+    largest, width = (math.floor(math.log10(v)) for v in (max(abs(low), abs(high)), high - low))
+    return min(max(largest - width + 2, _FEWEST_DIGITS), _MOST_DIGITS)
 
 
 def _interval_of(p: ParameterEstimate) -> str:

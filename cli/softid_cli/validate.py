@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 MOST_PERCENT = 100.0
 RECORD = "validation.json"
-CHECKED = ("truth", "estimate", "95 % interval")
+CHECKED = ("truth", "estimate", "95 % interval", "off")
 
 
 @click.command()
@@ -118,8 +118,8 @@ def score(
 
     saved = load_params(params)
     logs = load_logs(paths, channel, saved.input, saved.outputs, roles_of=params)
-    announce_compilation(quiet=quiet)
-    result = validate_model(saved, logs, threshold_percent=threshold)
+    with announce_compilation(quiet=quiet):
+        result = validate_model(saved, logs, threshold_percent=threshold)
     noticed = [issue for issue in saved.issues if issue not in result.issues]
     result = replace(result, issues=(*noticed, *result.issues))
     document = validation_document(result, params=params)
@@ -145,8 +145,7 @@ def check_self(*, as_json: bool, quiet: bool) -> bool:
     from softid.validation import self_check
     from softid_cli.tables import interval, print_rows, print_text
 
-    announce_compilation(quiet=quiet)
-    with progress(quiet=quiet) as report:
+    with announce_compilation(quiet=quiet), progress(quiet=quiet) as report:
         found = self_check(progress=report)
     if as_json:
         click.echo(dump_json(found), nl=False)
@@ -160,6 +159,7 @@ def check_self(*, as_json: bool, quiet: bool) -> bool:
                     f"{row.truth:.5g}",
                     f"{row.estimate:.5g}",
                     interval(row.ci95),
+                    "" if row.distance is None else f"{row.distance:.2f}",
                     "inside" if row.inside else "OUTSIDE",
                 )
                 for row in found.rows
@@ -188,9 +188,9 @@ def _conclusion(found: SelfCheck) -> str:
     count = len(found.rows)
     inside = sum(row.inside for row in found.rows)
     text = (
-        f"{inside} of {count} truths lie inside their 95 % interval; {round(0.95 * count)} are to "
-        "be expected, for 1 in 20 lies outside by definition, and the parameters of one fit leave "
-        "theirs together."
+        f"off: distance of the truth in half-widths of the interval. {inside} of {count} truths "
+        f"lie inside their 95 % interval; {round(0.95 * count)} are to be expected, for 1 in 20 "
+        "lies outside by definition, and the parameters of one fit leave theirs together."
     )
     if found.chance is None:
         return text

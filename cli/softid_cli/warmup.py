@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from softid.errors import OutputError
 from softid_cli.console import progress
 from softid_cli.options import quiet_option
 
@@ -39,6 +40,12 @@ def warmup(quiet: bool) -> None:
     """
     from softid.kernels import cache_folder
 
+    folder = cache_folder()
+    if folder is None:
+        raise OutputError(
+            "there is no folder in which compiled kernels can be kept",
+            remedy="let NUMBA_CACHE_DIR name a folder in which you may write",
+        )
     helper = None
     if (os.cpu_count() or 1) > 1:
         helper = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
@@ -62,7 +69,7 @@ def warmup(quiet: bool) -> None:
     finally:
         if helper is not None:
             helper.shutdown(cancel_futures=True)
-    click.echo(f"All kernels are compiled. They are kept in {cache_folder()}.")
+    click.echo(f"All kernels are compiled. They are kept in {folder}.")
 
 
 def _compile_beside() -> None:

@@ -6,9 +6,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from softid.fitters import muscle, polynomial, protocol_spread
+    from softid.fitters import equilibrium, muscle, polynomial, protocol_spread
 
-__all__ = ["muscle", "polynomial", "protocol_spread"]
+__all__ = ["equilibrium", "muscle", "polynomial", "protocol_spread"]
 
 
 def __getattr__(name: str) -> object:
@@ -16,3 +16,7 @@ def __getattr__(name: str) -> object:
     if name not in __all__:
         raise AttributeError(f"module 'softid.fitters' has no attribute {name!r}")
     return import_module(f"softid.fitters.{name}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

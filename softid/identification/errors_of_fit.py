@@ -146,7 +146,8 @@ def _residual_block(
             jacobian = spread
         jacobians.append(jacobian)
         residuals.append(residual)
-    return ResidualBlock(channel, tuple(jacobians), tuple(residuals), 1.0 / optimum.sigma[channel])
+    weight = 1.0 / optimum.sigma[channel]
+    return ResidualBlock(channel, tuple(jacobians), tuple(residuals), weight, min(logs))
 
 
 def free_covariance(

@@ -1,5 +1,5 @@
 """Compiled array code: plain arrays in, plain arrays out, no import from the rest of softid."""
 
-from softid.kernels.compilation import cache_folder, needs_compiling
+from softid.kernels.compilation import cache_folder, when_compiling
 
-__all__ = ["cache_folder", "needs_compiling"]
+__all__ = ["cache_folder", "when_compiling"]

@@ -1,45 +1,62 @@
-"""Whether the kernels lie compiled on disk, so that a first run can say why it is slow."""
+"""Which runs compile, so that one can say why it is slow, and where what they compile is kept."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
-from softid.kernels.affine import move, move_with_derivatives, sum_products
-from softid.kernels.division import count_steps
-from softid.kernels.muscle import coefficients
+from numba.core import event
 
-KERNELS: tuple[Any, ...] = (
-    move,
-    move_with_derivatives,
-    sum_products,
-    count_steps,
-    coefficients,
-)
-"""What a fit of the muscle model needs."""
+from softid.kernels.affine import move
+
+COMPILES = "numba:compile"
+"""numba's event of a function that is compiled, not loaded from disk."""
 
 
-def needs_compiling() -> bool:
-    """Whether any kernel is missing in numba's cache for this version of its source.
+@contextmanager
+def when_compiling(report: Callable[[], None]) -> Iterator[None]:
+    """Call a function once, as soon as something has to be compiled.
 
-    The compiled code lies beside the source or, where that is read-only, in numba's cache folder
-    of the user. numba has no public question for this; where its internals differ the answer is
-    False, which costs a message and nothing else.
+    Parameters
+    ----------
+    report
+        Called before the first compilation inside the ``with`` block; never when all that is needed
+        lies compiled on disk.
+
+    Examples
+    --------
+    >>> from numba import njit
+    >>> with when_compiling(lambda: print("compiling")):
+    ...     njit(lambda x: 2 * x)(21)
+    compiling
+    42
     """
-    for kernel in KERNELS:
-        try:
-            known = kernel._cache._cache_file._load_index()
-        except (AttributeError, OSError):
-            return False
-        if not known:
-            return True
-    return False
+    with event.install_listener(COMPILES, _First(report)):
+        yield
 
 
-def cache_folder() -> Path:
-    """Where the compiled kernels are kept.
+class _First(event.Listener):
+    """Reports the start of the first of several events."""
+
+    def __init__(self, report: Callable[[], None]) -> None:
+        self._report: Callable[[], None] | None = report
+
+    def on_start(self, event: object) -> None:
+        del event
+        report, self._report = self._report, None
+        if report is not None:
+            report()
+
+    def on_end(self, event: object) -> None:
+        """Nothing is said at the end."""
+
+
+def cache_folder() -> Path | None:
+    """Where the compiled kernels are kept, or None where no folder can be written to.
 
     Beside the source; where that is read-only, in numba's cache folder of the user or in the folder
     that ``NUMBA_CACHE_DIR`` names.
     """
-    return Path(str(move.stats.cache_path))
+    folder = move.stats.cache_path
+    return None if folder is None else Path(str(folder))

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+NO_FOLDER = "no locator available"
+"""What numba says where it can keep nothing."""
+
 _OPTIONS: dict[str, Any] = {
     "nogil": True,
     "error_model": "numpy",
@@ -28,9 +31,7 @@ def kernel(function: F) -> Dispatcher[F]:
     function
         What to compile.
     """
-    compiled = njit(cache=True, nogil=True, error_model="numpy")(function)
-    load_alone(compiled)
-    return compiled
+    return _kept(function, {"nogil": True, "error_model": "numpy"})
 
 
 def bare_kernel(function: F) -> Dispatcher[F]:
@@ -41,8 +42,23 @@ def bare_kernel(function: F) -> Dispatcher[F]:
     function
         What to compile.
     """
-    compiled: Dispatcher[F] = njit(cache=True, **_OPTIONS)(function)
-    load_alone(compiled)
+    return _kept(function, _OPTIONS)
+
+
+def _kept(function: F, options: dict[str, Any]) -> Dispatcher[F]:
+    """Compile and keep on disk; where no folder can be written to, compile in every run.
+
+    Such a machine is a container that runs under an unknown user without a home. numba refuses to
+    keep anything there, which must not stop a fit.
+    """
+    compiled: Dispatcher[F]
+    try:
+        compiled = njit(cache=True, **options)(function)
+        load_alone(compiled)
+    except RuntimeError as refusal:
+        if NO_FOLDER not in str(refusal):
+            raise
+        compiled = njit(**options)(function)
     return compiled
 
 

@@ -34,6 +34,7 @@ from softid.uncertainty.restricted import (
     gather_moments,
     restricted_ar,
 )
+from softid.uncertainty.simultaneous import add_shared_noise
 from softid.uncertainty.student import student_quantile
 
 Array = npt.NDArray[np.float64]
@@ -112,12 +113,14 @@ def sandwich_covariance(
     """Covariance of ordinary least-squares estimates under autoregressive noise.
 
     C = H⁻¹ (Σ_s w⁴ J_sᵀ Ω_s J_s) H⁻¹ with H = Σ_s w² J_sᵀ J_s and Ω_s the Toeplitz covariance of an
-    autoregression. Three things keep the intervals honest where the noise is slow:
+    autoregression. Four things keep the intervals honest where the noise is slow:
 
     - the autoregression is fitted by restricted likelihood, since a fit absorbs slow noise;
     - it is fitted to the samples and to averages over 4, 16, … samples, and the widest interval of
       each parameter is taken: slow misfit plus white sensor noise is no short autoregression at
       the full rate, but is one after averaging;
+    - channels of one recording that err together, because they show one motion and one pressure,
+      add the covariance of their noise;
     - each variance carries degrees of freedom from the uncertainty of the noise model,
       ν = 2/var(log C_kk) (Satterthwaite), for Student's t.
 
@@ -273,9 +276,10 @@ def _at_scale(
     width = blocks[0].width
     total, white, doubt = np.zeros((width, width)), np.zeros(width), np.zeros(width)
     noise = []
-    for k, (block, weights) in enumerate(zip(blocks, series, strict=True)):
-        part = block.averaged(length)
-        form = LagForm.of([stretch_sums(w, length) for w in weights])
+    parts = [block.averaged(length) for block in blocks]
+    sums = [[stretch_sums(w, length) for w in weights] for weights in series]
+    for k, part in enumerate(parts):
+        form = LagForm.of(sums[k])
         start = first[k] if first else fit_ar(part.residuals, max_order=max_order)
         if start.sigma == 0.0:
             noise.append(start)
@@ -287,6 +291,7 @@ def _at_scale(
         doubt += np.diag(matrix) ** 2 * _log_variance_doubt(form, moments, fit)
         white += form.diagonal(np.eye(1, form.lags)[0]) * _mean_square(part, fit.freedom)
         noise.append(fit.ar)
+    total = add_shared_noise(total, parts, sums, max_order=max_order)
     variance = np.diag(total)
     known = np.where(variance > 0.0, variance, 1.0)
     freedom = 2.0 / np.maximum(np.where(variance > 0.0, doubt / known**2, 0.0), 1e-12)

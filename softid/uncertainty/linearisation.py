@@ -43,6 +43,9 @@ class ResidualBlock:
         Measured minus simulated, one per segment, shape (n_s,); NaN where a sample is not used.
     weight
         Weight of this channel in the fit, 1/σ: the cost is Σ (weight · residual)².
+    recording
+        Number of the recording: channels with the same one have the same segments and samples and
+        may err together. None for a block that errs alone.
 
     Raises
     ------
@@ -54,6 +57,7 @@ class ResidualBlock:
     jacobians: tuple[Array, ...]
     residuals: tuple[Array, ...]
     weight: float = 1.0
+    recording: int | None = None
 
     def __post_init__(self) -> None:
         jacobian_shapes = [j.shape for j in self.jacobians]
@@ -121,9 +125,8 @@ class ResidualBlock:
             _average(j, r, u, length)
             for j, r, u in zip(self.rows, self.residuals, self.used, strict=True)
         ]
-        return ResidualBlock(
-            self.channel, tuple(m[0] for m in means), tuple(m[1] for m in means), self.weight
-        )
+        jacobians, residuals = tuple(m[0] for m in means), tuple(m[1] for m in means)
+        return ResidualBlock(self.channel, jacobians, residuals, self.weight, self.recording)
 
 
 def _average(jacobian: Array, residual: Array, used: BoolArray, length: int) -> tuple[Array, Array]:

@@ -29,6 +29,7 @@ class Row:
     estimate: float
     ci95: tuple[float, float]
     inside: bool
+    distance: float | None
 
 
 @dataclass(frozen=True)
@@ -117,13 +118,13 @@ def test_an_edit_by_hand_is_told(softid: Cli, asked: dict[str, Any], params: Pat
 def test_self_check(softid: Cli, asked: dict[str, Any]) -> None:
     """Without arguments: a row for each truth, the count, and what to expect of it."""
     rows = (
-        Row("steps", "a1", 0.52, 0.53, (0.5, 0.55), True),
-        Row("steps", "M", 0.12, 0.2, (0.15, 0.25), False),
+        Row("steps", "a1", 0.52, 0.53, (0.5, 0.55), True, 0.4),
+        Row("steps", "M", 0.12, 0.2, (0.15, 0.25), False, 1.6),
     )
     asked["check"] = SelfCheck(rows, (Group("steps", 2, 9.0, 0.0111),), 0.0111, False)
     told = softid("validate")
     assert told.code == 1
-    assert "OUTSIDE" in told.out
+    assert "[0.15, 0.25]  1.60  OUTSIDE" in told.out
     words = " ".join(told.out.split())
     assert "1 of 2 truths lie inside" in words
     assert "2 are to be expected, for 1 in 20 lies outside by definition" in words

@@ -56,6 +56,28 @@ def test_steps_and_a_sine_give_all_seven_parameters() -> None:
         assert abs(value - middle) < 1.5 * half, name
 
 
+def test_all_that_the_pair_recorded_gives_every_truth_within_its_interval() -> None:
+    """Contraction and distance carry independent noise: fitted together, the truths that one of
+    them leaves by up to a tenth of a half-width all lie in shorter 95 % intervals.
+    """
+    names = ("muscle_steps", "muscle_sine_050", "muscle_sine_025")
+    steps, sine, held = (
+        load(DATA / f"{name}.csv", outputs=("contraction", "distance")) for name in names
+    )
+    model = Muscle(fixed_length_mm=150.0, diameter_mm=20.0)
+    result = fit([steps, sine], model=model, hold_out=held)
+    one = fit([load(DATA / f"{name}.csv") for name in names[:2]], model="muscle")
+    truth = next(k.truth for k in read_manifest(bundled_datasets()) if k.group == "muscle")
+    for p in result.parameters:
+        assert p.ci95 is not None
+        assert p.ci95[0] <= truth[p.name] <= p.ci95[1], p.name
+        alone = one.parameter(p.name).stderr
+        assert p.stderr is not None
+        assert alone is not None
+        assert p.stderr < 0.8 * alone
+    assert all(row.rmse < 1.05 * 0.3 for row in result.statistics if not row.in_sample)
+
+
 def test_the_held_out_sine_is_followed_down_to_the_noise() -> None:
     """0.25 Hz held out: the camera's noise is 0.3 mm, and 5 % more is all that the model adds."""
     result = fit(
