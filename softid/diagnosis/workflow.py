@@ -104,7 +104,7 @@ def diagnose(
     InputError, UsageError, IdentificationError
         As `softid.fit`.
     """
-    report = progress or (lambda message, fraction: None)
+    report = _rising(progress)
     log_set = LogSet(tuple(_cleaned(log) for log in as_log_set(logs)))
     hold_out = tuple(_cleaned(log) for log in hold_out)
     require_enough(log_set)
@@ -138,6 +138,19 @@ def diagnose(
     if has_spring(start.base):
         remarks = (*remarks, *sets_left(log_set))
     return worded(replace(found, issues=(*found.issues, *remarks)))
+
+
+def _rising(progress: Progress | None) -> Progress:
+    """The callback with fractions that never fall: what is searched twice begins at its start."""
+    most = 0.0
+
+    def report(message: str, fraction: float) -> None:
+        nonlocal most
+        most = max(most, fraction)
+        if progress is not None:
+            progress(message, most)
+
+    return report
 
 
 def _answer(

@@ -11,6 +11,7 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log
 from softid.diagnoses import Verdict
 from softid.diagnosis import diagnose
 from softid.diagnosis.beginning import Asked
+from softid.diagnosis.workflow import _rising
 from softid.errors import IdentificationError, UsageError
 from softid.log import Log, LogSet
 from softid.models import Oscillator
@@ -164,3 +165,13 @@ def test_a_term_that_the_limit_dropped_is_restored(asked: str | Oscillator, orde
     assert base.squares <= 2.0 * work.found.optimum.cost * 1.001
     if order == "second":
         assert 0.0 < base.parameters["M"] / base.parameters["N"] < 3.0 / RATE_HZ
+
+
+def test_progress_never_falls() -> None:
+    """What is searched a second time begins again, which a bar may not show."""
+    told: list[tuple[str, float]] = []
+    report = _rising(lambda message, fraction: told.append((message, fraction)))
+    for message, fraction in (("a", 0.1), ("b", 0.6), ("c", 0.3), ("d", 0.7)):
+        report(message, fraction)
+    assert told == [("a", 0.1), ("b", 0.6), ("c", 0.6), ("d", 0.7)]
+    _rising(None)("nobody listens", 0.5)
