@@ -130,16 +130,17 @@ def _rises(part: Surroundings) -> Array:
 
 
 def _number_alike(part: Surroundings, starts_s: Array) -> int:
-    """How many cycles in a row are like the first."""
+    """How many cycles in a row are like the first, at the same phase and in length."""
     tolerance = ALIKE * float(np.ptp(part.u))
     begin_s, end_s = starts_s[:2]
     inside = slice(*np.searchsorted(part.time_s, (begin_s, end_s)))
-    times, first = part.time_s[inside], part.u[inside]
-    looks = np.searchsorted(times, np.arange(begin_s + LOOK_S, end_s, LOOK_S))
+    since_s, first = part.time_s[inside] - begin_s, part.u[inside]
+    looks = np.searchsorted(since_s, np.arange(LOOK_S, end_s - begin_s, LOOK_S))
     for k, (start_s, stop_s) in enumerate(pairwise(starts_s[1:].tolist()), start=1):
-        if times.size < 2 or abs((stop_s - start_s) / (end_s - begin_s) - 1.0) > ALIKE:
+        stretch = (stop_s - start_s) / (end_s - begin_s)
+        if since_s.size < 2 or abs(stretch - 1.0) > ALIKE:
             return k
-        apart = np.abs(np.interp(times + (start_s - begin_s), part.time_s, part.u) - first)
+        apart = np.abs(np.interp(start_s + stretch * since_s, part.time_s, part.u) - first)
         if any(piece.size and np.median(piece) > tolerance for piece in np.split(apart, looks)):
             return k
     return int(starts_s.size) - 1
