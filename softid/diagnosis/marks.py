@@ -1,6 +1,6 @@
-"""Marks of what no law of motion brings: a line in the spectrum of the rest, and short events.
+"""Marks of what no law of motion brings: a line in the spectrum, short events and slow wander.
 
-Both are looked for in what the last model leaves, and told beside the verdict: a pump, a supply
+All are looked for in what the last model leaves, and told beside the verdict: a pump, a supply
 that swings or a cable that is touched are no effects of an actuator.
 """
 
@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.remainder import Surroundings
+from softid.diagnosis.wander import CODE, wander_marks
 from softid.errors import Issue
 
 Array = npt.NDArray[np.float64]
@@ -50,7 +51,7 @@ LOUD, MOST_EVENTS, EVENTS_SHARE = 16.0, 0.05, 0.2
 in twenty is so loud, nor when all together hold less than a fifth of the rest's power at rest."""
 
 MOST_TOLD = 3
-CODES = ("spectral-line", "short-events")
+CODES = ("spectral-line", "short-events", CODE)
 
 
 @dataclass(frozen=True)
@@ -187,7 +188,8 @@ def marks_in(
                 "look at these times: a touched cable, a slipped mount or lost samples",
             )
         )
-    return tuple(found)
+    slow = wander_marks(parts, motion_s, channel=channel, unit=unit, factor=factor)
+    return (*found, *slow)
 
 
 def _regular(part: Surroundings) -> tuple[Array, Array, Array]:

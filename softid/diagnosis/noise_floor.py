@@ -62,9 +62,9 @@ def noise_floor(
         Time constant of the motion.
     """
     rests = [
-        stretch - np.nanmean(stretch)
+        residual[span] - np.nanmean(residual[span])
         for residual, u, time_s in zip(residuals, inputs, times, strict=True)
-        for stretch in _rests(residual, u, time_s, motion_s)
+        for span in rest_spans(u, time_s, motion_s)
     ]
     if rests:
         runs = [run for rest in rests for run in contiguous_runs(rest)]
@@ -82,11 +82,19 @@ def noise_floor(
     return NoiseFloor(sigma**2, float(np.sqrt(7.0 / max(second.size, 1))), from_rest=False)
 
 
-def _rests(residual: Array, u: Array, time_s: Array, motion_s: float) -> list[Array]:
-    """Stretches in which the input has long been still."""
+def rest_spans(u: Array, time_s: Array, motion_s: float) -> tuple[slice, ...]:
+    """Samples at which the input has been still for so long that the motion has died out.
+
+    Parameters
+    ----------
+    u, time_s
+        Input and times, shape (n,).
+    motion_s
+        Time constant of the motion.
+    """
     tolerance = STILL * float(np.ptp(u))
     edges = np.searchsorted(time_s, np.arange(time_s[0], time_s[-1] + LOOK_S, LOOK_S))
-    found: list[Array] = []
+    found: list[slice] = []
     begin, level = 0, float(u[0])
     for first, stop in pairwise(edges.tolist()):
         piece = u[first:stop]
@@ -96,16 +104,16 @@ def _rests(residual: Array, u: Array, time_s: Array, motion_s: float) -> list[Ar
             and abs(np.median(piece) - level) <= tolerance
         ):
             continue
-        found += _settled(residual, time_s, begin, int(first), motion_s)
+        found += _settled(time_s, begin, int(first), motion_s)
         begin, level = int(stop), float(np.median(piece)) if piece.size else level
-    return found + _settled(residual, time_s, begin, u.size, motion_s)
+    return (*found, *_settled(time_s, begin, u.size, motion_s))
 
 
-def _settled(residual: Array, time_s: Array, begin: int, stop: int, motion_s: float) -> list[Array]:
+def _settled(time_s: Array, begin: int, stop: int, motion_s: float) -> list[slice]:
     """The part of a still stretch in which the motion has died out, if it is long enough."""
     if stop <= begin:
         return []
     first = int(np.searchsorted(time_s, time_s[begin] + SETTLED * motion_s))
     if first >= stop or time_s[stop - 1] - time_s[first] < REST_S:
         return []
-    return [residual[first:stop]]
+    return [slice(first, stop)]

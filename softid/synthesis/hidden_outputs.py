@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, pi
+from math import exp, inf, pi
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ from softid.synthesis.hidden_base import (
     States,
     Values,
     about,
+    between,
     either,
     entry,
 )
@@ -135,6 +136,18 @@ def _spikes(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     return OutputLaw(read)
 
 
+def _zero_wander(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes
+    period_s = values["time"] / 50.0
+    times = np.arange(0.0, 1.1 * occasion.duration_s + 2.0 * period_s, period_s)
+    kept = exp(-period_s / values["time"])
+    kicks = np.random.default_rng(occasion.seed).standard_normal(times.size)
+    levels = [float(kicks[0])]
+    for kick in kicks[1:].tolist():
+        levels.append(kept * levels[-1] + (1.0 - kept * kept) ** 0.5 * kick)
+    return OutputLaw(lambda t, y: y + values["size"] * np.interp(t, times, levels))
+
+
 def _clip_draw(*ends: str) -> Callable[[Sizes, Generator, float], dict[str, float]]:
     def draw(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
         depths = {end: min(about(rng, 0.15 * size), 0.65) * s.x_span for end in ends}
@@ -218,5 +231,12 @@ OUTPUTS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             "rate": rng.uniform(0.1, 0.3), "height": about(rng, 0.12 * size * s.x_span),
         }, _spikes, relation="outside",
+    ),
+    entry(
+        "zero_wander", "output", "the sensor's zero wanders, its covariance size^2 e^{-|t|/time}",
+        "size {x}, time s",
+        lambda s, rng, size: {
+            "size": about(rng, 0.04 * size * s.x_span), "time": between(rng, 15.0, 40.0),
+        }, _zero_wander, relation="outside",
     ),
 )  # fmt: skip

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from softid.errors import InputError
 from softid.synthesis import HIDDEN, Actuator, Rig, hidden_pair, hidden_truth
-from softid.synthesis.hidden_base import Occasion
+from softid.synthesis.hidden_base import Occasion, OutputLaw
 from softid.synthesis.hidden_log import measured_sizes
 from softid.synthesis.hidden_truth import HiddenTruth, chain_of, integrate_hidden
 from softid.synthesis.waveforms import Hold, Rest, Sequence, Sweep, Waveform
@@ -251,6 +251,27 @@ def test_what_the_sensor_does() -> None:
     np.testing.assert_allclose(found.reading, plain.position, atol=1e-4)
     found = response("output_backlash", {"width": 3.0}, ramp, TIME_S)
     assert found.reading[-1] == pytest.approx(found.position[-1] - 3.0, abs=1e-9)
+
+
+def test_a_zero_that_wanders() -> None:
+    """Stands on its covariance size² e^{−|t|/time}: 400 recordings of 60 s, a few seconds apart.
+
+    The mean of 400 squares is good for √(2/400) = 7 %; three times that are allowed.
+    """
+    times = np.arange(0.0, 60.0, 0.5)
+    moved = Actuator("oscillator", QUICK)
+    sizes = measured_sizes(moved, step().pieces(0.0, np.random.default_rng(0)), QUIET)
+    values = {"size": 2.0, "time": 20.0}
+    drawn = []
+    for seed in range(400):
+        law = HIDDEN["zero_wander"].build(values, sizes, Occasion(60.0, seed=seed))
+        assert isinstance(law, OutputLaw)
+        drawn.append(law.read(times, np.full(times.size, 5.0)) - 5.0)
+    rows = np.array(drawn)
+    for first, second in ((0, 0), (119, 119), (20, 60), (40, 119)):
+        apart_s = times[second] - times[first]
+        found = float(np.mean(rows[:, first] * rows[:, second]))
+        assert found == pytest.approx(4.0 * exp(-apart_s / 20.0), abs=0.21 * 4.0)
 
 
 def test_a_clock_that_runs_ahead_reads_beyond_the_end() -> None:
