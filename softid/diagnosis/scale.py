@@ -18,6 +18,9 @@ Array = npt.NDArray[np.float64]
 LONGEST_SHARE, SHIFTS = 0.1, 200
 """An output is late by a tenth of its log at most; so many shifts are tried."""
 
+FASTEST = 0.05
+"""The motion may be faster still at the inputs of so large a share of the samples."""
+
 FAST_QUANTILE = 0.99
 """The largest speed is what is exceeded for a hundredth of the time only."""
 
@@ -106,6 +109,25 @@ def _slowness(law: Law | None, u: Array, problem: Problem) -> float:
     if late_s <= period_s:
         late_s = max(_lateness(problem, k) for k in range(len(problem.segments)))
     return max(late_s, period_s)
+
+
+def fastest_time(problem: Problem, unknowns: Array) -> float:
+    """Time constant of the motion at the inputs at which it is fastest, infinite if none is known.
+
+    Parameters
+    ----------
+    problem, unknowns
+        The base fit.
+    """
+    law = problem.model.motion_law(problem.theta(unknowns))
+    if law is None:
+        return np.inf
+    u = np.concatenate([segment.input for segment in problem.segments])
+    damping, stiffness, _ = law.coefficients(u)
+    with np.errstate(all="ignore"):
+        late_s = np.maximum(damping / stiffness, np.sqrt(law.mass / stiffness))
+    late_s = late_s[np.isfinite(late_s)]
+    return float(np.quantile(late_s, FASTEST)) if late_s.size else np.inf
 
 
 def _lateness(problem: Problem, k: int) -> float:

@@ -40,6 +40,7 @@ from softid.diagnosis.other_reading import better_reading, is_open, read_as
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
 from softid.diagnosis.revision import prefixes, revised, without_link
+from softid.diagnosis.scale import fastest_time
 from softid.diagnosis.thinning import samples_to_average, thinned
 from softid.diagnosis.words import worded
 from softid.effects.base import Effect
@@ -110,7 +111,9 @@ def diagnose(
     require_enough(log_set)
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     start = asked.begin(log_set, hold_out, thorough=False)
-    count = samples_to_average((*log_set, *hold_out), start.scale.motion_s)
+    fastest_s = fastest_time(start.base.problem, start.base.minimum.point)
+    motion_s = min(start.scale.motion_s, fastest_s)
+    count = samples_to_average((*log_set, *hold_out), motion_s)
     if count > 1:
         log_set = LogSet(tuple(thinned(log, count) for log in log_set))
         hold_out = tuple(thinned(log, count) for log in hold_out)

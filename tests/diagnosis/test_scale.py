@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from linear_motion import MODEL, RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem
 
-from softid.diagnosis.scale import LONGEST_SHARE, SHIFTS, scale_of
+from softid.diagnosis.scale import LONGEST_SHARE, SHIFTS, fastest_time, scale_of
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models import Muscle, Oscillator
@@ -122,3 +122,11 @@ def test_of_several_logs_the_longest_counts() -> None:
     one, two = (scale_of(p, p.unknowns(TRUTH)) for p in (alone, both))
     assert two.travel == pytest.approx(one.travel)
     assert two.duration_s == one.duration_s
+
+
+def test_the_fastest_place_of_the_range() -> None:
+    """Closed form: N/Q at the pressure where it is the least, and √(M/Q) where that is longer."""
+    problem = linear_problem([linear_log()])
+    for mass, wanted in ((0.4, 0.2), (4.5, 0.3)):
+        z = problem.unknowns({**TRUTH, "M": mass})
+        assert fastest_time(problem, z) == pytest.approx(wanted)
