@@ -121,7 +121,8 @@ def summarise(
         if verdict is Verdict.PARTIAL or remainder.structured:
             told += _partial(teller, remainder)
         else:
-            told.append(f"What is left, {teller.size(remainder.rms)} rms, looks like noise.")
+            looks = "does not follow from the motion" if marks else "looks like noise"
+            told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
     told += [f"{mark[:1].upper()}{mark[1:]}." for mark in marks]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend())

@@ -22,6 +22,7 @@ Array = npt.NDArray[np.float64]
 
 RELATIVE_TOLERANCE = 1e-8
 LONGEST_STEP_S = 0.01
+SMALLEST_RATE = 1e-150
 DENSE_HZ = 1000.0
 ROUNDING_S = 1e-9
 CHANGED = ("drive", "spring", "damping")
@@ -289,10 +290,10 @@ def _rates(
     def rates(time_s: float, state: Array) -> list[float]:
         values = state.tolist()
         p = values[0]
-        found = [(now(time_s) - p) / tau]
+        found = [_or_rest((now(time_s) - p) / tau)]
         if has_delay:
             p = values[1]
-            found.append((delayed(time_s) - p) / tau)
+            found.append(_or_rest((delayed(time_s) - p) / tau))
         for law, place in inputs:
             p, own = law.act(time_s, p, values[place])
             found += own
@@ -301,7 +302,7 @@ def _rates(
         tail: list[float] = []
         for term, place in motions:
             tail += term.act(time_s, p, x, v, values[place], parts)
-        found += (v, forces(time_s, p, x, v, parts))
+        found += (v, _or_rest(forces(time_s, p, x, v, parts)))
         found += tail
         y = x
         for follow, place in followers:
@@ -310,6 +311,13 @@ def _rates(
         return found
 
     return rates
+
+
+def _or_rest(rate: float) -> float:
+    """The rate, or none: in a long rest it would fall below the smallest numbers, where the solver
+    loses its way.
+    """
+    return rate if abs(rate) > SMALLEST_RATE else 0.0
 
 
 def accelerations(motion: Motion) -> Callable[[float, float, float, float, Parts], float]:

@@ -275,3 +275,13 @@ def test_given_values_take_the_place_of_drawn_ones() -> None:
     drawn = hidden_pair(("creep",), seed=1, protocol="step")
     given = hidden_pair(("creep",), seed=1, protocol="step", values={"creep": {"tau": 5.0}})
     assert given.hidden["creep"] == {"k": drawn.hidden["creep"]["k"], "tau": 5.0}
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_a_long_rest_ends(seed: int) -> None:
+    """Two minutes at rest are thousands of time constants of the valve: e⁻³⁰⁰⁰ is no number, and
+    the solver must not lose its way for it."""
+    (log, _) = hidden_pair([], seed=seed, protocol="step", rig=Rig(rest_s=120.0)).logs
+    values = log.channels[log.outputs[0]].values
+    assert log.time_s[-1] > 120.0
+    assert np.isfinite(values).all()
