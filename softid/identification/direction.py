@@ -6,12 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from softid.errors import Issue
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.preparation import units_of
-from softid.log import LogSet
+from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
+
+CLEAR = 0.5
+"""From this correlation on an output goes one way with the input."""
 
 BASELINE = "oscillator"
 """The model with which both directions are tried: linear, quick, and it takes any channels."""
@@ -48,6 +52,33 @@ def falls_with_input(logs: LogSet, *, rng: np.random.Generator) -> bool:
         baseline.adapted(units_of(first), inverted=inverted) for inverted in (False, True)
     )
     return _cost(falling, first, rng) <= _cost(rising, first, rng)
+
+
+def opposed(logs: LogSet, held: Sequence[Log]) -> tuple[Issue, ...]:
+    """Logs whose first output goes the other way with the input than in the first clear one.
+
+    Parameters
+    ----------
+    logs, held
+        Fitted and held-out logs.
+    """
+    ways = [(log, correlation(LogSet((log,)))) for log in (*logs, *held)]
+    clear = [(log, way) for log, way in ways if abs(way) >= CLEAR]
+    if not clear:
+        return ()
+    first, usual = clear[0]
+    name = logs.outputs[0]
+    falls = "rises" if usual < 0.0 else "falls"
+    return tuple(
+        Issue(
+            "opposed-signs",
+            "warning",
+            f"{log.name}: {name} {falls} as {logs.input} rises, unlike in {first.name}",
+            f"turn the sign of {name} in one of them",
+        )
+        for log, way in clear
+        if way * usual < 0.0
+    )
 
 
 def correlation(logs: LogSet) -> float:

@@ -6,15 +6,51 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from softid.errors import Issue, Severity
+from softid.errors import IdentificationError, Issue, Severity
 from softid.identification.errors_of_fit import Errors
 from softid.log import Log, LogSet
-from softid.results import FitStatistics, ParameterEstimate
+from softid.results import FitResult, FitStatistics, ParameterEstimate
 
 RANGE_MARGIN = 0.02
 """Share of the fitted range by which a log may pass it before that counts as extrapolation."""
 
 POOR_FIT_PERCENT = 70.0
+
+LEAST_R2, CHANCE = 0.02, 3.0
+"""Less than a fiftieth of the outputs' variance, a fit of 1 %, or than three times what so many
+unknowns take away from noise, is nothing."""
+
+
+def require_explained(found: FitResult, logs: LogSet, signs: Sequence[Issue]) -> None:
+    """Refuse a fit that explains no more of the outputs than a constant would.
+
+    Parameters
+    ----------
+    found
+        The fit.
+    logs
+        What was fitted.
+    signs
+        What was found of logs that go different ways.
+
+    Raises
+    ------
+    IdentificationError
+        R² over all fitted samples is below `LEAST_R2` or what its unknowns reach by chance.
+    """
+    rows = [row for row in found.statistics if row.in_sample and row.nrmse > 0.0]
+    left = sum(row.n * row.rmse**2 for row in rows)
+    whole = sum(row.n * (row.rmse / row.nrmse) ** 2 for row in rows if np.isfinite(row.nrmse))
+    by_chance = len(found.free) / max(sum(row.n for row in rows), 1)
+    if not rows or whole == 0.0 or 1.0 - left / whole >= max(LEAST_R2, CHANCE * by_chance):
+        return
+    raise IdentificationError(
+        f"the {found.model.name} model explains nothing of {', '.join(found.outputs)}",
+        where=", ".join(log.name for log in logs),
+        value=f"fit {max(row.fit_percent for row in rows):.1f} %",
+        remedy="; ".join(issue.message for issue in signs)
+        or "look at the channels with `softid inspect`, and at the bounds, if you set any",
+    )
 
 
 def fitted_range(logs: LogSet) -> dict[str, tuple[float, float]]:

@@ -11,7 +11,7 @@ from softid.errors import InputError, Issue, UsageError
 from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
-from softid.quality import dropout_mask
+from softid.quality import dropout_mask, stuck_outputs
 
 
 def as_log_set(logs: Log | Sequence[Log]) -> LogSet:
@@ -83,6 +83,13 @@ def without_dropouts(log: Log) -> Log:
         "see them with `softid inspect`",
     )
     return replace(log.with_masked(dropped), issues=(*log.issues, issue))
+
+
+def with_faults_told(log: Log) -> Log:
+    """Say of the outputs where they saturate or stand still, which a fit takes for the motion."""
+    known = {issue.code for issue in log.issues}
+    found = [issue for issue in stuck_outputs(log) if issue.code not in known]
+    return replace(log, issues=(*log.issues, *found)) if found else log
 
 
 def require_same_units(logs: LogSet) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,8 +13,8 @@ from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.assembly import Identified, assemble
 from softid.identification.choice import ModelChoice, choose_model
-from softid.identification.direction import falls_with_input
-from softid.identification.findings import fitted_range
+from softid.identification.direction import falls_with_input, opposed
+from softid.identification.findings import fitted_range, require_explained
 from softid.identification.held_input import explains_better, with_held_input
 from softid.identification.limits import simpler_model
 from softid.identification.preparation import (
@@ -26,6 +26,7 @@ from softid.identification.preparation import (
     require_excitation,
     require_same_units,
     same_stretch,
+    with_faults_told,
     without_dropouts,
 )
 from softid.identification.wishes import Wishes
@@ -113,7 +114,10 @@ def fit(
     )
     if progress is not None:
         progress("computing errors", 0.95)
-    return assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
+    found = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
+    signs = opposed(work.logs, work.hold_out)
+    require_explained(found, work.logs, signs)
+    return replace(found, issues=(*signs, *found.issues))
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +168,7 @@ def identify(
     InputError, UsageError, IdentificationError
         As `fit`.
     """
-    log_set = LogSet(tuple(without_dropouts(log) for log in as_log_set(logs)))
+    log_set = LogSet(tuple(with_faults_told(without_dropouts(log)) for log in as_log_set(logs)))
     held = tuple(without_dropouts(log) for log in as_logs(hold_out))
     _check_hold_out(log_set, held)
     if model is None and parameters is not None:

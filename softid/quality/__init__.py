@@ -13,7 +13,7 @@ from softid.quality.findings import (
     StepResponse,
 )
 from softid.quality.holding import Hold
-from softid.quality.inspection import dropout_mask, inspect
+from softid.quality.inspection import dropout_mask, inspect, stuck_outputs
 from softid.quality.sampling import Gap, Sampling
 
 __all__ = [
@@ -32,4 +32,5 @@ __all__ = [
     "StepResponse",
     "dropout_mask",
     "inspect",
+    "stuck_outputs",
 ]

@@ -163,6 +163,12 @@ def may_drop_out(values: Array) -> bool:
     return bool(_depth(runs).max() > SPIKE_OF_RANGE * float(high - low))
 
 
+def may_be_stuck(values: Array) -> bool:
+    """Whether `find_saturation` or `find_frozen` can find anything, as `may_drop_out` says."""
+    runs = Runs.of(values)
+    return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= FLAT_SAMPLES
+
+
 def _depth(runs: Runs) -> Array:
     """How far each inner run lies off both neighbours on the same side, shape (r − 2,)."""
     before = runs.value[1:-1] - runs.value[:-2]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.channels import Channel
+from softid.errors import Issue
 from softid.excitation import (
     UNRESOLVED_STEPS,
     SettledWindow,
@@ -27,12 +29,13 @@ from softid.quality.faults import (
     find_dropouts,
     find_frozen,
     find_saturation,
+    may_be_stuck,
     may_drop_out,
 )
 from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role
 from softid.quality.holding import describe_holds, other_inputs
 from softid.quality.hum import find_hum
-from softid.quality.issues import list_issues
+from softid.quality.issues import list_issues, list_stuck
 from softid.quality.relations import check_sign, command_lag, step_response
 from softid.quality.sampling import describe_sampling
 
@@ -142,6 +145,22 @@ def dropout_mask(log: Log) -> BoolArray:
         for dropout in find_dropouts(_trace(log, channel, None)):
             mask[dropout.start : dropout.stop] = True
     return mask
+
+
+def stuck_outputs(log: Log) -> tuple[Issue, ...]:
+    """What is to be said of outputs that saturate or repeat one value: a fit takes both as motion.
+
+    Parameters
+    ----------
+    log
+        The recording.
+    """
+    found: list[Issue] = []
+    for name in log.outputs:
+        channel = log.channels[name]
+        if may_be_stuck(channel.values):
+            found += list_stuck(_report(log, channel, "output", None, ()))
+    return tuple(replace(issue, message=f"{log.name}: {issue.message}") for issue in found)
 
 
 def _roles(log: Log) -> list[tuple[str, Role]]:

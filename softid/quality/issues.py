@@ -233,17 +233,19 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:NAMED]) + (", …" if len(names) > NAMED else "")
 
 
+def list_stuck(channel: ChannelReport) -> list[Issue]:
+    """Issues of a channel that does not follow what it measures.
+
+    Parameters
+    ----------
+    channel
+        What was found of it.
+    """
+    return [*_of_frozen(channel), *_of_saturation(channel)]
+
+
 def _of_faults(channel: ChannelReport) -> Iterator[Issue]:
-    yield from _of_frozen(channel)
-    for flat in channel.saturation:
-        yield Issue(
-            "saturation",
-            "warning",
-            f"{channel.name} saturates at {_shown(channel, flat.value)} "
-            f"({100 * flat.share:.2g} % of the samples, {flat.times} × from "
-            f"{flat.first_s:.2f} s, at most {flat.longest_s:.2f} s)",
-            "use a sensor or an amplifier with more range, or leave these samples out",
-        )
+    yield from list_stuck(channel)
     if channel.hold is not None:
         answering = channel.role == "output"
         yield Issue(
@@ -254,6 +256,18 @@ def _of_faults(channel: ChannelReport) -> Iterator[Issue]:
             "repeated samples carry no news and lag by half a hold: log at the sensor's own rate"
             if answering
             else None,
+        )
+
+
+def _of_saturation(channel: ChannelReport) -> Iterator[Issue]:
+    for flat in channel.saturation:
+        yield Issue(
+            "saturation",
+            "warning",
+            f"{channel.name} saturates at {_shown(channel, flat.value)} "
+            f"({100 * flat.share:.2g} % of the samples, {flat.times} × from "
+            f"{flat.first_s:.2f} s, at most {flat.longest_s:.2f} s)",
+            "use a sensor or an amplifier with more range, or leave these samples out",
         )
 
 

@@ -8,7 +8,13 @@ from importlib import metadata
 from pathlib import Path
 
 from softid.errors import IdentificationError
-from softid.records.plain import Plain, content_sha256, dump_json, to_jsonable
+from softid.records.plain import (
+    Plain,
+    content_sha256,
+    dump_json,
+    record_sha256,
+    to_jsonable,
+)
 from softid.records.writing import write_atomic
 from softid.results import FitResult, FitStatistics, ModelSpec, ParameterEstimate, Simulation
 
@@ -57,7 +63,7 @@ def fit_document(result: FitResult) -> dict[str, Plain]:
             f"there are no parameters to write: {result.status.value}",
             remedy="fix or bound a parameter, choose a simpler model, or add a log",
         )
-    return {
+    document: dict[str, Plain] = {
         "schema": PARAMS_SCHEMA,
         "model": model_entry(result.model),
         "input": result.input,
@@ -97,6 +103,7 @@ def fit_document(result: FitResult) -> dict[str, Plain]:
         "issues": to_jsonable(result.issues),
         "content_sha256": fingerprint(result.model, result.values),
     }
+    return document | {"record_sha256": record_sha256(document)}
 
 
 def seed_entry(result: FitResult) -> Plain:

@@ -66,6 +66,19 @@ def dump_json(document: object) -> str:
     return json.dumps(to_jsonable(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
+def record_sha256(document: Mapping[str, object]) -> str:
+    """Fingerprint of a record with its errors, ranges and scores; plots and profiles come later.
+
+    Parameters
+    ----------
+    document
+        The record, with or without its own ``record_sha256``.
+    """
+    apart = ("record_sha256", "plots", "profiles")
+    facts = {key: to_jsonable(v) for key, v in document.items() if key not in apart}
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
+
+
 def content_sha256(
     name: str,
     options: Mapping[str, object],

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from softid.errors import InputError, Issue, SoftidError
 from softid.records.agreement import require_units
 from softid.records.params import PARAMS_SCHEMA, fingerprint
+from softid.records.plain import record_sha256
 from softid.records.reading import read_document
 from softid.results import LogNuisance, ModelSpec, SegmentStart
 
@@ -281,14 +282,17 @@ def _nuisance(entry: dict[str, Any]) -> LogNuisance:
 def _edits(
     document: dict[str, Any], spec: ModelSpec, values: Mapping[str, float], *, where: str
 ) -> tuple[Issue, ...]:
-    if document["content_sha256"] == fingerprint(spec, values):
+    if document["content_sha256"] != fingerprint(spec, values):
+        wrong = "the stated errors and scores no longer belong to its values"
+    elif document.get("record_sha256", record_sha256(document)) != record_sha256(document):
+        wrong = "its values stayed, but errors, fitted range or scores may not be those of the fit"
+    else:
         return ()
     return (
         Issue(
             "edited-by-hand",
             "warning",
-            f"{where} was edited by hand: the stated errors and scores no longer belong to its "
-            "values",
+            f"{where} was edited by hand: {wrong}",
             "score the values with `softid validate`, or fit again",
         ),
     )

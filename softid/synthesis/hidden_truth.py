@@ -314,9 +314,7 @@ def _rates(
 
 
 def _or_rest(rate: float) -> float:
-    """The rate, or none: in a long rest it would fall below the smallest numbers, where the solver
-    loses its way.
-    """
+    """The rate, or none where a long rest made it tiny: below the smallest numbers solvers fail."""
     return rate if abs(rate) > SMALLEST_RATE else 0.0
 
 

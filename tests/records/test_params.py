@@ -108,6 +108,28 @@ def test_a_value_changed_by_hand_is_an_issue(saved: Path) -> None:
     assert "no longer belong" in issue.message
 
 
+@pytest.mark.parametrize(
+    "place", [("fitted_range", "pressure", 1), ("parameters", 1, "stderr"), ("statistics", 0, "n")]
+)
+def test_a_range_or_an_error_changed_by_hand_is_an_issue(
+    saved: Path, place: tuple[str | int, ...]
+) -> None:
+    """A wider range would hide that a log is extrapolated, a smaller error that nothing is known;
+    files without the fingerprint of the whole are older, and taken as they are."""
+
+    def change(document: Any) -> None:
+        for key in place[:-1]:
+            document = document[key]
+        document[place[-1]] = 1000
+
+    path = edited(saved, change)
+    (issue,) = load_params(path).issues
+    assert issue.code == "edited-by-hand"
+    assert "fitted range" in issue.message
+    older = edited(path, lambda document: document.pop("record_sha256"))
+    assert load_params(older).issues == ()
+
+
 def test_reformatting_is_no_edit(saved: Path) -> None:
     """Order of keys and white space carry no meaning in JSON."""
     document = json.loads(saved.read_text())

@@ -1,0 +1,65 @@
+"""Logs whose outputs go different ways, and fits that explain nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linear_motion import linear_log
+
+from softid.errors import IdentificationError
+from softid.identification import fit
+from softid.identification.direction import opposed
+from softid.log import Log, LogSet
+
+
+def turned(log: Log, name: str) -> Log:
+    angle = log.channels["angle"]
+    return replace(
+        log, name=name, channels={**log.channels, "angle": replace(angle, values=-angle.values)}
+    )
+
+
+def still(seed: int, samples: int = 1000) -> Log:
+    """Steps of the pressure, and an angle that is noise."""
+    log = linear_log(samples=samples)
+    noise = 0.01 * np.random.default_rng(seed).standard_normal(samples)
+    angle = replace(log.channels["angle"], values=noise)
+    return replace(log, channels={**log.channels, "angle": angle})
+
+
+def test_a_log_that_goes_the_other_way_is_told() -> None:
+    """By definition: the same log with its sign turned, fitted or held out."""
+    first = linear_log(noise=0.01)
+    again, other = linear_log(noise=0.01, seed=1), turned(linear_log(noise=0.01, seed=2), "turned")
+    assert opposed(LogSet((first, again)), ()) == ()
+    for logs, held in (((first, again, other), ()), ((first, again), (other,))):
+        (issue,) = opposed(LogSet(logs), held)
+        assert issue.message == f"turned: angle falls as pressure rises, unlike in {first.name}"
+    found = fit(first, model="oscillator", hold_out=other)
+    assert found.issues[0].code == "opposed-signs"
+
+
+def test_logs_of_both_signs_explain_nothing_together() -> None:
+    """What one needs the other contradicts; the error names the log that differs."""
+    logs = [linear_log(noise=0.01), turned(linear_log(noise=0.01), "turned")]
+    with pytest.raises(IdentificationError, match="explains nothing of angle") as caught:
+        fit(logs, model="oscillator")
+    assert "turned: angle falls" in str(caught.value.remedy)
+    assert caught.value.exit_code == 4
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_is_not_explained(seed: int) -> None:
+    """A deaf sensor: seven unknowns take away less than a hundredth of white noise."""
+    for model in ("oscillator", "muscle"):
+        with pytest.raises(IdentificationError, match="explains nothing"):
+            fit(still(seed), model=model)
+
+
+def test_a_weak_answer_is_explained() -> None:
+    """Noise of three times the motion's own standard deviation leaves 10 % of the variance."""
+    sd = float(np.std(linear_log().channels["angle"].values))
+    found = fit(linear_log(noise=3.0 * sd), model="oscillator")
+    assert 2.0 < found.statistics[0].fit_percent < 10.0
