@@ -49,7 +49,7 @@ evaluations have lowered the cost by less than a thousandth of the residual vari
 in which the parameters make up for each other it would creep on without end."""
 
 DOUBLINGS = 40
-_SCALE_FLOOR = 1e-12
+SCALE_FLOOR = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +258,7 @@ class _Progress:
 
 
 def _step(normal: Normal, moving: npt.NDArray[np.bool_], scale: Array, damping: float) -> Array:
-    d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
+    d = np.maximum(scale[moving], SCALE_FLOOR * float(scale.max()))
     matrix = _among(normal.matrix, moving) / d / d[:, None]
     matrix.flat[:: d.size + 1] += damping
     step = np.zeros(moving.size)
@@ -274,7 +274,7 @@ def _damping_for(
     length: float,
 ) -> float:
     """The least damping, in doublings, at which the step is no longer than ``length``."""
-    d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
+    d = np.maximum(scale[moving], SCALE_FLOOR * float(scale.max()))
     values, vectors = np.linalg.eigh(_among(normal.matrix, moving) / d / d[:, None])
     along = (normal.gradient[moving] / d) @ vectors
     trials = max(damping, 1e-300) * 2.0 ** np.arange(1.0, DOUBLINGS + 1.0)

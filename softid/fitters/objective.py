@@ -8,8 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.levenberg_marquardt import BEND_STEP, Minimum, Normal, minimise
-from softid.fitters.normal_equations import Linearised, bend, linearise
+from softid.fitters.affine_fit import run
+from softid.fitters.levenberg_marquardt import (
+    BEND_STEP,
+    Minimum,
+    Normal,
+    attainable_offset,
+    minimise,
+    movable,
+)
+from softid.fitters.normal_equations import Linearised, bend, linearise, summed
 from softid.fitters.problem import Problem
 from softid.models.division import Division
 
@@ -77,21 +85,25 @@ class Objective:
 
     def _at(self, z: Array) -> Linearised:
         """The normal equations without the prior; the last ones are kept, to begin a run with."""
-        last = self._last
-        if (
-            last is not None
-            and self.plans is not None
-            and last.plans is not None
-            and np.array_equal(z, last.point)
-            and self.sigma == self._weighted
-            and _same(self.plans, last.plans)
-        ):
-            return last
+        if self._last is not None and self._knows(z):
+            return self._last
         self.evaluations += 1
         keep = self.problem.n_samples * self.problem.size <= KEPT_ENTRIES
         found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
         self._last, self._weighted = found, dict(self.sigma)
         return found
+
+    def _knows(self, z: Array) -> bool:
+        """Whether the last evaluation was this one."""
+        last = self._last
+        return (
+            last is not None
+            and self.plans is not None
+            and last.plans is not None
+            and bool(np.array_equal(z, last.point))
+            and self.sigma == self._weighted
+            and _same(self.plans, last.plans)
+        )
 
     def adopt(self, other: Objective) -> None:
         """Go on from another one's last evaluation, of the same problem."""
@@ -128,21 +140,63 @@ class Objective:
             if self.plans is not None and _same(plans, self.plans):
                 break
             self.plans = plans
-            found = minimise(
-                self,
-                point,
-                lower,
-                upper,
-                reach,
-                evaluations=evaluations,
-                tolerance=tolerance,
-                bend=self.bend,
-            )
+            found = self._run(point, (lower, upper, reach), evaluations, tolerance)
             point = found.point
             if evaluations <= SCOUT_EVALUATIONS:
                 break
         self.plans = None
         return found
+
+    def _run(
+        self, start: Array, limits: tuple[Array, Array, Array], evaluations: int, tolerance: float
+    ) -> Minimum:
+        """Minimise with the steps held still, compiled where the law is affine in its state."""
+        ended = self._descend(start, limits, evaluations, tolerance)
+        if ended is not None and ended[1]:
+            return ended[0]
+        lower, upper, reach = limits
+        return minimise(
+            self,
+            start if ended is None else ended[0].point,
+            lower,
+            upper,
+            reach,
+            evaluations=evaluations if ended is None else evaluations - ended[0].evaluations,
+            tolerance=tolerance,
+            bend=self.bend,
+            damping=None if ended is None else ended[0].damping,
+        )
+
+    def _descend(
+        self, start: Array, limits: tuple[Array, Array, Array], evaluations: int, tolerance: float
+    ) -> tuple[Minimum, bool] | None:
+        """The compiled run and whether it came to its end; None where there is none."""
+        arrays = self.problem.arrays if type(self) is Objective else None
+        if arrays is None or self.plans is None or None in self.plans or self._knows(start):
+            return None
+        size = self.problem.size
+        prior = None if self.prior is None else (self.prior.centre, self.prior.weight)
+        found = run(
+            arrays,
+            start,
+            self.plans,
+            self.sigma,
+            limits,
+            prior,
+            evaluations=evaluations,
+            tolerance=tolerance,
+            keep=self.problem.n_samples * size <= KEPT_ENTRIES,
+        )
+        self.evaluations += found.used
+        self._last = summed(self.problem, found, self.sigma, self.plans)
+        self._weighted = dict(self.sigma)
+        normal = self(found.point)
+        offset = np.inf
+        if np.isfinite(normal.cost):
+            lower, upper, reach = limits
+            moving = movable(found.point, normal.gradient, lower, upper)
+            offset = attainable_offset(normal, moving, reach)
+        return Minimum(found.point, normal, found.used, offset, found.damping), found.ended
 
 
 def _same(a: Sequence[Division | None], b: Sequence[Division | None]) -> bool:

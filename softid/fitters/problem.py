@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from threading import Lock
 
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.affine_fit import AffineArrays, affine_arrays
 from softid.log import Log
 from softid.models.base import Model
 from softid.models.division import Division
@@ -86,8 +88,8 @@ class Problem:
         self.segments: list[Segment] = [s for log in self.logs for s in log.segments()]
         self.owner = [k for k, log in enumerate(self.logs) for _ in log.segments()]
         self.free = parameters.free
-        self._free_index = [parameters.names.index(name) for name in self.free]
-        self._log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
+        self.free_index = [parameters.names.index(name) for name in self.free]
+        self.log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
         self._tied = _tie_function(parameters)
         at_start = parameters.values_vector()
         if self._tied is not None:
@@ -125,6 +127,16 @@ class Problem:
         self._n_samples = sum(counts)
 
     @property
+    def tied(self) -> bool:
+        """Whether parameters are computed from others."""
+        return self._tied is not None
+
+    @cached_property
+    def arrays(self) -> AffineArrays | None:
+        """The problem as the compiled optimiser takes it, where it can."""
+        return affine_arrays(self)
+
+    @property
     def plain_segments(self) -> list[Segment]:
         """The segments with their samples alone, for starts that take the input as straight."""
         return [segment.without_knots() for segment in self.segments]
@@ -157,7 +169,7 @@ class Problem:
         linear = LINEAR_REACH * np.maximum(np.abs(values), 1.0)
         rows = [self.parameters[name] for name in self.free]
         linear = np.minimum(linear, [BOUNDED_REACH * (p.upper - p.lower) for p in rows])
-        far[: len(self.free)] = np.where(self._log_scaled, LOG_REACH, linear)
+        far[: len(self.free)] = np.where(self.log_scaled, LOG_REACH, linear)
         return far
 
     def unknowns(self, values: Mapping[str, float]) -> Array:
@@ -165,7 +177,7 @@ class Problem:
         z = np.zeros(self.size)
         for k, name in enumerate(self.free):
             z[k] = values[name]
-        scaled = np.flatnonzero(self._log_scaled)
+        scaled = np.flatnonzero(self.log_scaled)
         z[scaled] = np.log(np.maximum(z[scaled], _LOG_FLOOR))
         self._data_nuisance(z)
         return z
@@ -251,21 +263,21 @@ class Problem:
         """All parameter values at the unknowns, shape (K,)."""
         values = self.parameters.values_vector()
         free = z[: len(self.free)].copy()
-        free[self._log_scaled] = np.exp(free[self._log_scaled])
-        values[self._free_index] = free
+        free[self.log_scaled] = np.exp(free[self.log_scaled])
+        values[self.free_index] = free
         return values if self._tied is None else self._tied(values)
 
     def chain(self, z: Array, theta: Array | None = None) -> Array:
         """∂θ/∂(free unknowns), shape (K, F); ``theta`` is θ at ``z`` where it is known already."""
         theta = self.theta(z) if theta is None else theta
         chain = np.zeros((theta.size, len(self.free)))
-        slope = np.where(self._log_scaled, theta[self._free_index], 1.0)
-        chain[self._free_index, np.arange(len(self.free))] = slope
+        slope = np.where(self.log_scaled, theta[self.free_index], 1.0)
+        chain[self.free_index, np.arange(len(self.free))] = slope
         if self._tied is None:
             return chain
-        for k, index in enumerate(self._free_index):
+        for k, index in enumerate(self.free_index):
             size = abs(theta[index])
-            h = 1e-6 * (size if self._log_scaled[k] else max(size, 1.0))
+            h = 1e-6 * (size if self.log_scaled[k] else max(size, 1.0))
             up, down = theta.copy(), theta.copy()
             up[index] += h
             down[index] -= h

@@ -1,0 +1,213 @@
+"""Blocks of steps filled from a log, run and differentiated: what all affine kernels share."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from softid.kernels.lanes import (
+    BY,
+    INPUT,
+    LANES,
+    N_COLUMNS,
+    N_PADDED,
+    N_PARAMETERS,
+    N_STATES,
+    ONE,
+    POINTS,
+    RESIDUAL,
+    RK4,
+    ROWS,
+    STEP,
+    STEPS,
+    X,
+    add_gram,
+    differentiate_radau,
+    differentiate_rk4,
+    fill_coefficients,
+    join_derivatives,
+    join_states,
+    reset,
+    run_radau,
+    run_rk4,
+    select_ends,
+)
+
+Array = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.int16]
+Ends = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+@njit(nogil=True, error_model="numpy")
+def load_steps(w: Array, ends: Ends, time_s: Array, u: Array, counts: Counts, at: Ends) -> None:
+    """The next steps of a log; ``at`` is the interval and the step within it, and moves on.
+
+    ``ends`` receives the sample that every step ends on, −1 for none. Behind the last sample the
+    input stays and no step ends on a sample.
+    """
+    interval, within = at[0], at[1]
+    last = time_s.size - 1
+    h = 1.0
+    p = u[last]
+    for lane in range(LANES):
+        for j in range(ROWS):
+            i = j * LANES + lane
+            ends[i + LANES] = -1
+            if interval < last:
+                count = counts[interval]
+                h = time_s[interval + 1] - time_s[interval]
+                p = u[interval]
+                if count > 1:
+                    p += (u[interval + 1] - p) * (within / count)
+                    h /= count
+                within += 1
+                if within == count:
+                    within = 0
+                    interval += 1
+                    ends[i + LANES] = interval
+            else:
+                p = u[last]
+            w[STEP + i] = h
+            w[INPUT + i] = p
+    for lane in range(LANES - 1):
+        w[INPUT + STEPS + lane] = w[INPUT + lane + 1]
+    p = u[interval]
+    if within:
+        p += (u[interval + 1] - p) * (within / counts[interval])
+    w[INPUT + POINTS - 1] = p
+    at[0], at[1] = interval, within
+
+
+@njit(nogil=True, error_model="numpy")
+def run_steps(w: Array, law: int, rule: int, theta: Array, state: Array) -> None:
+    """Positions and velocities over the block; ``state`` goes on to its end."""
+    fill_coefficients(w, law, rule, theta)
+    reset(w)
+    if rule == RK4:
+        run_rk4(w, theta)
+    else:
+        run_radau(w, theta)
+    join_states(w, state)
+
+
+@njit(nogil=True, error_model="numpy")
+def differentiate_steps(w: Array, rule: int, theta: Array, tangent: Array) -> None:
+    """Derivatives over the block, behind `run_steps`; ``tangent`` goes on to its end."""
+    if rule == RK4:
+        differentiate_rk4(w, theta)
+    else:
+        differentiate_radau(w, theta)
+    join_derivatives(w, tangent)
+
+
+@njit(nogil=True, error_model="numpy")
+def store_ends(w: Array, ends: Ends, columns: Array, row: int, begin: int, count: int) -> None:
+    """Columns at the samples, into so many rows from ``row`` on and columns from ``begin`` on."""
+    for p in range(count):
+        for i in range(LANES, POINTS):
+            if ends[i] >= 0:
+                columns[row + p, begin + ends[i]] = w[BY + p * POINTS + i]
+
+
+@njit(nogil=True, error_model="numpy")
+def run_positions(
+    law: int,
+    rule: int,
+    theta: Array,
+    time_s: Array,
+    u: Array,
+    counts: Counts,
+    state: Array,
+    w: Array,
+    ends: Ends,
+    at: Ends,
+    x: Array,
+) -> None:
+    """Positions at the samples, shape (n,); ``state`` goes on to the end."""
+    at[0], at[1] = 0, 0
+    w[:] = 0.0
+    x[0] = state[0]
+    while at[0] < time_s.size - 1:
+        load_steps(w, ends, time_s, u, counts, at)
+        run_steps(w, law, rule, theta, state)
+        for i in range(LANES, POINTS):
+            if ends[i] >= 0:
+                x[ends[i]] = w[X + i]
+
+
+@njit(nogil=True, error_model="numpy")
+def sum_columns(
+    law: int,
+    rule: int,
+    theta: Array,
+    time_s: Array,
+    u: Array,
+    counts: Counts,
+    y: Array,
+    used: BoolArray,
+    gain: float,
+    level: float,
+    state: Array,
+    tangent: Array,
+    w: Array,
+    ends: Ends,
+    at: Ends,
+    kept: Array,
+    row: int,
+    begin: int,
+    gram: Array,
+) -> None:
+    """`softid.kernels.affine.sum_products` in arrays that are there already.
+
+    ``w``, ``ends`` and ``at`` are the block; ``state`` and ``tangent`` go on to the end; ``kept``
+    receives the columns in 11 rows from ``row`` on, from column ``begin`` on.
+    """
+    at[0], at[1] = 0, 0
+    w[:] = 0.0
+    _sum_first(y, used, gain, level, state, tangent, kept, row, begin, gram)
+    while at[0] < time_s.size - 1:
+        load_steps(w, ends, time_s, u, counts, at)
+        run_steps(w, law, rule, theta, state)
+        differentiate_steps(w, rule, theta, tangent)
+        for i in range(LANES, POINTS):
+            k = ends[i]
+            counted = k >= 0 and used[k]
+            w[ONE + i] = 1.0 if counted else 0.0
+            w[RESIDUAL + i] = y[k] if counted else 0.0
+        select_ends(w, gain, level)
+        add_gram(w, gram)
+        if kept.shape[1]:
+            store_ends(w, ends, kept, row, begin, N_COLUMNS)
+    for a in range(N_COLUMNS):
+        for b in range(a):
+            gram[b, a] = gram[a, b]
+
+
+@njit(nogil=True, error_model="numpy")
+def _sum_first(
+    y: Array,
+    used: BoolArray,
+    gain: float,
+    level: float,
+    state: Array,
+    tangent: Array,
+    kept: Array,
+    row: int,
+    begin: int,
+    gram: Array,
+) -> None:
+    """The first sample, which no step ends on."""
+    first = np.zeros(N_PADDED)
+    if used[0]:
+        for p in range(N_PARAMETERS + N_STATES):
+            first[p] = tangent[0, p]
+        first[N_COLUMNS - 2] = 1.0
+        first[N_COLUMNS - 1] = y[0] - level - gain * state[0]
+    for a in range(N_PADDED):
+        for b in range(N_PADDED):
+            gram[a, b] = first[a] * first[b]
+    if kept.shape[1]:
+        for a in range(N_COLUMNS):
+            kept[row + a, begin] = first[a]
