@@ -164,7 +164,14 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
         return start
     if not isinstance(problem, WindowedProblem):
         return found.point
-    return whole.unknowns(dict(zip(names, problem.theta(found.point).tolist(), strict=True)))
+    begin = np.zeros(whole.size)  # as `Problem.unknowns`, but for zeros that are known already
+    shared = len(whole.free) + (len(whole.logs) * len(whole.outputs) if whole.zeros else 0)
+    begin[:shared] = found.point[:shared]
+    return (
+        begin
+        if whole.has_equilibrium
+        else whole.unknowns(dict(zip(names, problem.theta(found.point).tolist(), strict=True)))
+    )
 
 
 def _steps(problem: Problem, z: Array) -> int:
