@@ -22,10 +22,11 @@ from softid.uncertainty.linearisation import (
     RANK_TOLERANCE,
     Linearisation,
     ResidualBlock,
-    influence,
+    Stretches,
+    is_clear,
     linearise,
+    projection,
     reachable,
-    stretch_sums,
 )
 from softid.uncertainty.restricted import (
     Moments,
@@ -183,12 +184,13 @@ def sandwich_covariance(
     """
     _check(blocks, names)
     line = linearise(blocks, rank_tolerance=rank_tolerance)
-    series = [influence(block, line.inverse) for block in blocks]
+    sums = [Stretches.of(block) for block in blocks]
     enough = max(MIN_STRETCHES, MIN_STRETCHES_PER_PARAMETER * len(names))
-    length, scales = 1, [_at_scale(blocks, series, 1, max_order, noise)]
+    length, scales = 1, [_at_scale(blocks, sums, line.inverse, 1, max_order, noise)]
     while length * SCALE_STEP * enough <= min(block.n for block in blocks):
         length *= SCALE_STEP
-        scales.append(_at_scale(blocks, series, length, max_order))
+        sums = [stretches.coarser(SCALE_STEP) for stretches in sums]
+        scales.append(_at_scale(blocks, sums, line.inverse, length, max_order))
     variances = np.array([np.diag(scale.matrix) for scale in scales])
     freedoms = np.array([scale.freedom for scale in scales])
     widest = np.argmax(_quantile(freedoms, 0.95) * np.sqrt(variances), axis=0)
@@ -265,7 +267,8 @@ class _Scale:
 
 def _at_scale(
     blocks: Sequence[ResidualBlock],
-    series: Sequence[Sequence[Array]],
+    sums: Sequence[Stretches],
+    inverse: Array,
     length: int,
     max_order: int,
     first: Sequence[AutoRegression] | None = None,
@@ -273,14 +276,15 @@ def _at_scale(
     width = blocks[0].width
     total, white, doubt = np.zeros((width, width)), np.zeros(width), np.zeros(width)
     noise = []
-    for k, (block, weights) in enumerate(zip(blocks, series, strict=True)):
-        part = block.averaged(length)
-        form = LagForm.of([stretch_sums(w, length) for w in weights])
+    for k, (block, stretches) in enumerate(zip(blocks, sums, strict=True)):
+        part = block if length == 1 else stretches.averaged(block)
+        gram = block.gram if length == 1 else None
+        form = LagForm.of(stretches.rows, block.weight**2 * inverse, gram=gram)
         start = first[k] if first else fit_ar(part.residuals, max_order=max_order)
         if start.sigma == 0.0:
             noise.append(start)
             continue
-        moments = gather_moments(part.residuals, reachable(part), start.order)
+        moments = _moments(part, start.order)
         fit = restricted_ar(moments, start)
         matrix = form.matrix(autocovariance(fit.ar, form.lags))
         total += matrix
@@ -293,9 +297,16 @@ def _at_scale(
     return _Scale(total, np.maximum(freedom, MIN_FREEDOM), white, tuple(noise))
 
 
+def _moments(block: ResidualBlock, order: int) -> Moments:
+    """Moments in a basis of what the parameters can reach, which is not made where none is due."""
+    if is_clear(block):
+        return gather_moments(block.residuals, block.rows, order, project=projection(block))
+    return gather_moments(block.residuals, reachable(block), order)
+
+
 def _log_variance_doubt(form: LagForm, moments: Moments, fit: RestrictedFit) -> Array:
     """Variance of log C_kk from the uncertainty of the noise model, shape (K,)."""
-    doubt = np.full(form.series[0].shape[1], 2.0 / fit.freedom)
+    doubt = np.full(form.squares.shape[0], 2.0 / fit.freedom)
     if not fit.position.size:
         return doubt
     steps = DIFFERENCE_STEP * np.eye(fit.position.size)

@@ -71,7 +71,13 @@ class Moments:
         return int(self.products.shape[-1]) - 1
 
 
-def gather_moments(residuals: Sequence[Array], reach: Sequence[Array], max_order: int) -> Moments:
+def gather_moments(
+    residuals: Sequence[Array],
+    reach: Sequence[Array],
+    max_order: int,
+    *,
+    project: Array | None = None,
+) -> Moments:
     """Sum the lagged products of residuals and basis over all stretches.
 
     Parameters
@@ -82,6 +88,8 @@ def gather_moments(residuals: Sequence[Array], reach: Sequence[Array], max_order
         Basis of what the parameters can do to each segment, shape (n_s, m − 1).
     max_order
         Highest order p of an autoregression that will be asked for.
+    project
+        What makes ``reach`` the basis where it is not one itself, shape (columns, m − 1).
     """
     width = reach[0].shape[1] + 1
     size = max_order + 1
@@ -90,18 +98,32 @@ def gather_moments(residuals: Sequence[Array], reach: Sequence[Array], max_order
     longest = 0
     for residual, basis in zip(residuals, reach, strict=True):
         for span in run_slices(np.isfinite(residual)):
+            longest = max(longest, span.stop - span.start)
+            if max_order == 0:
+                products[0, 0, 0] += _squares(basis[span], residual[span])
+                counts[0] += span.stop - span.start
+                continue
             y = np.column_stack((basis[span], residual[span]))
-            longest = max(longest, y.shape[0])
             _add_start(products, counts, y[:max_order])
             if y.shape[0] > max_order:
                 products[max_order] += _bulk(y, max_order)
                 counts[max_order] += y.shape[0] - max_order
+    if project is not None:
+        whole = np.zeros((width, project.shape[1] + 1))
+        whole[:-1, :-1], whole[-1, -1] = project, 1.0
+        products = whole.T @ products @ whole
     scale = np.einsum("taakk->k", products[:, :1, :1]) / max(counts.sum(), 1.0)
     floor = np.diag(np.append(NUGGET * scale[:-1], MIN_LEFT * scale[-1]))
     for t in range(size):
         for i in range(t + 1):
             products[t, i, i] += counts[t] * floor
     return Moments(products, counts, longest)
+
+
+def _squares(basis: Array, residual: Array) -> Array:
+    """Products of basis and residual at one time, shape (m, m)."""
+    cross = basis.T @ residual
+    return np.block([[basis.T @ basis, cross[:, None]], [cross[None], residual @ residual]])
 
 
 def _add_start(products: Array, counts: Array, start: Array) -> None:
@@ -269,7 +291,7 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
         )
     limit = np.arctanh(np.exp(-1.0 / max(moments.longest, 2)))
     x = np.clip(np.arctanh(to_reflection(np.asarray(start.phi))), -limit, limit)
-    value = float(evaluate(moments, np.tanh(x)[None]).value[0])
+    value = float(evaluate(moments, np.tanh(x)[None]).value[0]) if x.size else np.inf
     curvature = None
     for _ in range(MAX_ITERATIONS if x.size else 0):
         gradient, curvature = differences(moments, x)
