@@ -76,8 +76,8 @@ class Descent:
         Products of the columns of every segment and channel, shape (S, C, 11, 11).
     columns
         The columns at every sample, shape (C, 11, N), or None.
-    cost
-        ½Σ(r/σ)² and its prior.
+    cost, gradient, matrix
+        ½Σ(r/σ)², Jᵀr of shape (U,) and JᵀJ of shape (U, U), with the prior.
     used, damping
         Evaluations, and damping at the end.
     ended
@@ -89,6 +89,8 @@ class Descent:
     grams: Array
     columns: Array | None
     cost: float
+    gradient: Array
+    matrix: Array
     used: int
     damping: float
     ended: bool
@@ -215,10 +217,45 @@ def run(
         room.gram[side, :, :, :N_COLUMNS, :N_COLUMNS],
         kept.reshape(arrays.gain.size, N_COLUMNS, -1) if keep else None,
         cost,
+        room.gradient[side],
+        room.matrix[side],
         used,
         damping,
         how == ENDED,
     )
+
+
+def looked_at(
+    problem: Problem, values: Mapping[str, float], sigma: Mapping[str, float]
+) -> Array | None:
+    """Unknowns at given parameter values with the best zeros and initial states, shape (U,).
+
+    Both stand linearly in a motion that is affine in its state: one evaluation tells where they are
+    best. None where the problem has no arrays.
+
+    Parameters
+    ----------
+    problem
+        What is to be fitted.
+    values
+        Parameter name → value.
+    sigma
+        Output channel → σ.
+    """
+    arrays = problem.arrays
+    if arrays is None:
+        return None
+    lower, upper = problem.bounds()
+    begin = np.clip(problem.free_unknowns(values), lower, upper)
+    limits = lower, upper, problem.reach()
+    plans = problem.plans(begin)
+    found = run(arrays, begin, plans, sigma, limits, None, evaluations=1, tolerance=0.0, keep=False)
+    z = found.point.copy()
+    linear = slice(len(problem.free), None)
+    if np.isfinite(found.cost) and problem.size > len(problem.free):
+        matrix, gradient = found.matrix[linear, linear], found.gradient[linear]
+        z[linear] += np.linalg.lstsq(matrix, gradient, rcond=None)[0]
+    return z
 
 
 def _joined(parts: Sequence[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:

@@ -189,16 +189,15 @@ def _search(
     """Scouts from the starts in turn, best first, and whether one has ended at the noise level."""
     rough: Problem | None = None
     first = SCOUTS
-    if alone_if_white:
+    if alone_if_white and starts:
         first = 1
+        rough = rough_problem(objective.problem, objective.problem.free_unknowns(starts[0]))
     scouted: list[tuple[Minimum, Array]] = []
     edges = [0, *range(first, len(starts), SCOUTS), len(starts)]
     for begin, end in itertools.pairwise(edges):
         alone = begin == 0 and alone_if_white
         limit = (FIRST_TIMES if alone else 1) * SCOUT_EVALUATIONS
         points = [objective.problem.unknowns(start) for start in starts[begin:end]]
-        if alone and points:
-            rough = rough_problem(objective.problem, points[0])
         found = _scout(objective, points, limit, rough)
         scouted = sorted([*scouted, *found], key=_cost)
         if alone_if_white and scouted and at_noise_level(objective.problem, scouted[0][0]):

@@ -174,12 +174,17 @@ class Problem:
 
     def unknowns(self, values: Mapping[str, float]) -> Array:
         """Vector of unknowns at given parameter values; zeros and states from the data."""
+        z = self.free_unknowns(values)
+        self._data_nuisance(z)
+        return z
+
+    def free_unknowns(self, values: Mapping[str, float]) -> Array:
+        """Vector of unknowns at given parameter values; zeros and states are 0."""
         z = np.zeros(self.size)
         for k, name in enumerate(self.free):
             z[k] = values[name]
         scaled = np.flatnonzero(self.log_scaled)
         z[scaled] = np.log(np.maximum(z[scaled], _LOG_FLOOR))
-        self._data_nuisance(z)
         return z
 
     def _data_nuisance(self, z: Array) -> None:

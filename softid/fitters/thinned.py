@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.affine_fit import looked_at
 from softid.fitters.multiple_shooting import PiecewiseProblem
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
@@ -154,10 +155,15 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
         Limit of evaluations.
     """
     whole, rough = objective.problem, Objective(problem, objective.sigma)
-    begin, names = start, whole.parameters.names
+    names = whole.parameters.names
+    begin = start
     if isinstance(problem, WindowedProblem):
-        begin = problem.started(dict(zip(names, whole.theta(start).tolist(), strict=True)))
-        begin = problem.with_best_states(rough(begin))
+        values = dict(zip(names, whole.theta(start).tolist(), strict=True))
+        look = looked_at(problem, values, rough.sigma)
+        if look is None:
+            begin = problem.with_best_states(rough(problem.started(values)))
+        else:
+            rough.evaluations, begin = 1, look
     found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
     objective.evaluations += rough.evaluations
     if not np.isfinite(found.normal.cost):
