@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.fitters import levenberg_marquardt as rules_of
-from softid.kernels.affine_descent import ENDED, descend
+from softid.kernels.affine_descent import descend
 from softid.kernels.affine_work import Drive, Measured, Room, Rules, Unknowns
 from softid.kernels.lanes import N_COLUMNS, N_PADDED, POINTS, RADAU, RK4, SIZE
 from softid.models.division import Division, held
@@ -80,8 +80,10 @@ class Descent:
         ½Σ(r/σ)², Jᵀr of shape (U,) and JᵀJ of shape (U, U), with the prior.
     used, damping
         Evaluations, and damping at the end.
-    ended
-        False where a system had no single solution and another optimiser must go on.
+    n, offset
+        Number of residuals, and `attainable_offset` at the end.
+    how
+        NEEDS_COLUMNS where a run that keeps them must go on, SINGULAR where another optimiser must.
     """
 
     point: Array
@@ -93,7 +95,9 @@ class Descent:
     matrix: Array
     used: int
     damping: float
-    ended: bool
+    n: int
+    offset: float
+    how: int
 
 
 def affine_arrays(problem: Problem) -> AffineArrays | None:
@@ -149,6 +153,8 @@ def run(
     evaluations: int,
     tolerance: float,
     keep: bool,
+    bends: bool = True,
+    damping: float = -1.0,
 ) -> Descent:
     """Minimise from a start within the bounds.
 
@@ -170,13 +176,17 @@ def run(
         As in `minimise`.
     keep
         Whether to keep the columns at every sample, for the bend of a step.
+    bends
+        Whether to stop before a long step where they are not kept.
+    damping
+        That of a run that goes on; negative begins anew.
     """
     size = start.size
     room = _room(arrays, size, keep=keep)
     room.point[0] = start
     theta = arrays.theta.copy()
     centre, weight = (np.zeros(size), np.zeros(size)) if prior is None else prior
-    how, side, used, cost, damping = descend(
+    how, side, used, cost, damping, n, offset = descend(
         Drive(
             arrays.law,
             theta,
@@ -206,9 +216,9 @@ def run(
             weight,
         ),
         room,
-        _rules(tolerance),
+        _rules(tolerance, bends=bends),
         evaluations,
-        -1.0,
+        damping,
     )
     kept = room.first if side == 0 else room.second
     return Descent(
@@ -221,7 +231,9 @@ def run(
         room.matrix[side],
         used,
         damping,
-        how == ENDED,
+        n,
+        offset,
+        how,
     )
 
 
@@ -258,7 +270,7 @@ def looked_at(
     return z
 
 
-def _joined(parts: Sequence[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:
+def _joined(parts: Sequence[npt.NDArray[Any]]) -> npt.NDArray[Any]:
     return held(parts[0] if len(parts) == 1 else np.concatenate(parts))
 
 
@@ -288,8 +300,9 @@ def _room(arrays: AffineArrays, size: int, *, keep: bool) -> Room:
     )
 
 
-def _rules(tolerance: float) -> Rules:
+def _rules(tolerance: float, *, bends: bool) -> Rules:
     return Rules(
+        bends,
         tolerance,
         rules_of.BEND_STEP,
         rules_of.SHORT_STEP,

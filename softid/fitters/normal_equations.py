@@ -138,6 +138,8 @@ def summed(
     found: Descent,
     sigma: Mapping[str, float],
     plans: Sequence[Division | None],
+    *,
+    has_prior: bool,
 ) -> Linearised:
     """The normal equations without a prior where a compiled run ended.
 
@@ -147,6 +149,8 @@ def summed(
         As in `linearise`.
     found
         The end of the run.
+    has_prior
+        Whether its sums hold a prior.
     """
     arrays = problem.arrays
     assert arrays is not None
@@ -167,6 +171,16 @@ def summed(
             if problem.zeros:
                 piece.residual[-2] -= found.shift[arrays.zero_at[k, c]]
             pieces.append(piece)
+    if not has_prior and np.isfinite(found.cost):
+        return Linearised(
+            found.point,
+            found.cost,
+            found.gradient,
+            found.matrix,
+            found.n,
+            pieces=tuple(pieces),
+            plans=plans,
+        )
     with np.errstate(all="ignore"):
         return _summed(problem, found.point, pieces, sigma, plans)
 

@@ -164,7 +164,7 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
             begin = problem.with_best_states(rough(problem.started(values)))
         else:
             rough.evaluations, begin = 1, look
-    found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
+    found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE, columns=False)
     objective.evaluations += rough.evaluations
     if not np.isfinite(found.normal.cost):
         return start

@@ -84,7 +84,7 @@ def explains_better(
     wanted = _misfit(problem, unknowns, known) - BETTER_BY
     if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:
         looking = Objective(changed, dict.fromkeys(problem.outputs, 1.0))
-        there = looking.solve(unknowns, LOOKS).normal
+        there = looking.solve(unknowns, LOOKS, columns=False, bends=False).normal
         if np.isfinite(there.cost) and _promised(there) > wanted:
             return False
     values = dict(zip(problem.parameters.names, problem.theta(unknowns).tolist(), strict=True))

@@ -27,8 +27,13 @@ from softid.kernels.sources import follow_sources
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-ENDED, SINGULAR = 0, 1
-"""How `descend` ends: as `minimise` would, or before a system that has no single solution."""
+ENDED, GOES_ON, SHORTENED, SINGULAR, NEEDS_COLUMNS = 0, 1, 2, 3, 4
+"""What a part of the iteration says. `descend` ends as `minimise` would, before a system that has
+no single solution, or before a step so long that its bend must be known while no columns are kept.
+"""
+
+COST, DAMPING, GROWTH, USED, NEXT_LOOK, SEEN, PREDICTED = 0, 1, 2, 3, 4, 5, 6
+"""Where the numbers of the iteration stand."""
 
 
 @njit(nogil=True, error_model="numpy")
@@ -87,10 +92,10 @@ def _longest(step: Array, reach: Array) -> float:
 
 
 @njit(nogil=True, error_model="numpy")
-def _length(step: Array, scale: Array) -> float:
+def _length(step: Array, reach: Array) -> float:
     total = 0.0
     for k in range(step.size):
-        total += (scale[k] * step[k]) ** 2
+        total += (step[k] / reach[k]) ** 2
     return float(np.sqrt(total))
 
 
@@ -124,18 +129,101 @@ def _try(unknowns: Unknowns, room: Room, side: int, step: Array, smallest: float
 
 @njit(nogil=True, error_model="numpy")
 def _shorter_damping(
-    room: Room, side: int, moving: BoolArray, scale: Array, damping: float, length: float,
-    doublings: int, step: Array,
+    unknowns: Unknowns, room: Room, side: int, moving: BoolArray, held: Array, damping: float,
+    length: float, doublings: int, step: Array,
 ) -> float:  # fmt: skip
     """The least damping, in doublings, at which the step is no longer than ``length``."""
     trial = max(damping, 1e-300)
     matrix, gradient = room.matrix[side], room.gradient[side]
     for _ in range(doublings):
         trial *= 2.0
-        sound = damped_step(matrix, gradient, moving, scale, trial, room.solve, step)
-        if sound and _length(step, scale) <= length:
+        sound = damped_step(matrix, gradient, moving, held, trial, room.solve, step)
+        if sound and _length(step, unknowns.reach) <= length:
             break
     return trial
+
+
+@njit(nogil=True, error_model="numpy")
+def _settled(
+    unknowns: Unknowns, room: Room, rules: Rules, side: int, n: int, moving: BoolArray, now: Array
+) -> int:
+    """ENDED at the optimum or near it without progress, SINGULAR, or GOES_ON."""
+    cost = now[COST]
+    count = _find_movable(unknowns, room, side, moving)
+    offset = _find_offset(unknowns, room, side, moving, count, cost, n)
+    if np.isnan(offset):
+        return SINGULAR
+    if offset <= rules.tolerance or count == 0:
+        return ENDED
+    if now[USED] >= now[NEXT_LOOK]:
+        variance = 2.0 * cost / max(n - moving.size, 1)
+        slow = now[SEEN] - cost < rules.stall_gain * variance
+        now[NEXT_LOOK], now[SEEN] = now[USED] + rules.stall_evaluations, cost
+        if slow and offset <= rules.stall_offset:
+            return ENDED
+    return GOES_ON
+
+
+@njit(nogil=True, error_model="numpy")
+def _propose(
+    drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, rules: Rules,
+    side: int, moving: BoolArray, held: Array, now: Array, step: Array, bent: Array,
+) -> int:  # fmt: skip
+    """The next step; SHORTENED where it bends so much that a shorter one must be looked at."""
+    matrix, solve = room.matrix[side], room.solve
+    if not damped_step(matrix, room.gradient[side], moving, held, now[DAMPING], solve, step):
+        return SINGULAR
+    longest = _longest(step, unknowns.reach)
+    if longest > rules.largest_step:
+        step *= rules.largest_step / longest
+        longest = rules.largest_step
+    now[PREDICTED] = _predicted(unknowns, room, side, step)
+    if longest <= rules.short_step:
+        return GOES_ON
+    if not room.x.size:
+        return NEEDS_COLUMNS if rules.bends else GOES_ON
+    there, pull, correction = bent[0], bent[1], bent[2]
+    sound = bend(drive, measured, unknowns, room, side, step, rules.bend_step, there, pull)
+    now[USED] += 1.0
+    if not sound:
+        return GOES_ON
+    if not damped_step(matrix, pull, moving, held, now[DAMPING], solve, correction):
+        return SINGULAR
+    length = _length(step, unknowns.reach)
+    share = 0.5 * _length(correction, unknowns.reach) / length
+    if 2.0 * share <= rules.most_bend:
+        step -= 0.5 * correction
+        return GOES_ON
+    least = rules.less_bend * rules.most_bend / (2.0 * share)
+    shorter = max(least, rules.most_shortened) * length
+    now[DAMPING] = _shorter_damping(
+        unknowns, room, side, moving, held, now[DAMPING], shorter, rules.doublings, step
+    )
+    now[GROWTH] = 2.0
+    return SHORTENED
+
+
+@njit(nogil=True, error_model="numpy")
+def _accepts(rules: Rules, then: float, now: Array) -> bool:
+    """Whether a trial is better; moves the damping."""
+    gained = now[COST] - then
+    if np.isfinite(then) and gained > 0.0 and now[PREDICTED] > 0.0:
+        ratio = min(gained / now[PREDICTED], 1.5)
+        now[DAMPING] *= max(rules.largest_decrease, 1.0 - (2.0 * ratio - 1.0) ** 3)
+        now[GROWTH], now[COST] = 2.0, then
+        return True
+    if now[DAMPING] <= rules.most_damping:
+        now[DAMPING] *= now[GROWTH]
+        now[GROWTH] *= 2.0
+    return False
+
+
+@njit(nogil=True, error_model="numpy")
+def _first_damping(unknowns: Unknowns, room: Room, initial: float) -> float:
+    most = 0.0
+    for k in range(unknowns.reach.size):
+        most = max(most, room.matrix[0, k, k] * unknowns.reach[k] * unknowns.reach[k])
+    return initial * most
 
 
 @kernel
@@ -147,7 +235,7 @@ def descend(
     rules: Rules,
     evaluations: int,
     damping: float,
-) -> tuple[int, int, int, float, float]:
+) -> tuple[int, int, int, float, float, int, float]:
     """Minimise from ``room.point[0]``, which lies within the bounds.
 
     Parameters
@@ -163,80 +251,42 @@ def descend(
 
     Returns
     -------
-    how, side, used, cost, damping
-        ENDED or SINGULAR; the place of the room that holds the end; evaluations; cost there with
-        the prior; damping at the end.
+    how, side, used, cost, damping, n, offset
+        SINGULAR or NEEDS_COLUMNS where another run must go on, else anything; the place of the room
+        that holds the end; evaluations; cost there with the prior; damping at the end; residuals;
+        `attainable_offset` at the end, NaN where its system is singular.
     """
     size = unknowns.reach.size
-    moving = np.empty(size, np.bool_)
-    step, pull, correction, there = (
-        np.empty(size), np.empty(size), np.empty(size), np.empty(size),
-    )  # fmt: skip
+    moving, step, bent = np.empty(size, np.bool_), np.empty(size), np.empty((3, size))
     scale = 1.0 / unknowns.reach
     held = np.maximum(scale, rules.scale_floor * scale.max())
-    side, used, growth, next_look, seen = 0, 1, 2.0, rules.stall_evaluations, np.inf
-    cost, n = evaluate(drive, measured, unknowns, room, side)
-    if damping < 0.0:
-        damping = 0.0
-        for k in range(size):
-            damping = max(damping, room.matrix[side, k, k] / (scale[k] * scale[k]))
-        damping *= rules.initial_damping
-    while used < evaluations and np.isfinite(cost):
-        count = _find_movable(unknowns, room, side, moving)
-        offset = _find_offset(unknowns, room, side, moving, count, cost, n)
-        if np.isnan(offset):
-            return SINGULAR, side, used, cost, damping
-        if offset <= rules.tolerance or count == 0:
-            break
-        if used >= next_look:
-            variance = 2.0 * cost / max(n - size, 1)
-            slow = seen - cost < rules.stall_gain * variance
-            next_look, seen = used + rules.stall_evaluations, cost
-            if slow and offset <= rules.stall_offset:
-                break
-        if not damped_step(
-            room.matrix[side], room.gradient[side], moving, held, damping, room.solve, step
-        ):
-            return SINGULAR, side, used, cost, damping
-        longest = _longest(step, unknowns.reach)
-        if longest > rules.largest_step:
-            step *= rules.largest_step / longest
-            longest = rules.largest_step
-        predicted = _predicted(unknowns, room, side, step)
-        if room.x.size and longest > rules.short_step:
-            sound = bend(drive, measured, unknowns, room, side, step, rules.bend_step, there, pull)
-            used += 1
-            if sound:
-                if not damped_step(
-                    room.matrix[side], pull, moving, held, damping, room.solve, correction
-                ):
-                    return SINGULAR, side, used, cost, damping
-                length = _length(step, scale)
-                share = 0.5 * _length(correction, scale) / length
-                if 2.0 * share <= rules.most_bend:
-                    step -= 0.5 * correction
-                else:
-                    least = rules.less_bend * rules.most_bend / (2.0 * share)
-                    damping = _shorter_damping(
-                        room, side, moving, held, damping,
-                        max(least, rules.most_shortened) * length, rules.doublings, step,
-                    )  # fmt: skip
-                    growth = 2.0
-                    continue
-        if not _try(unknowns, room, side, step, rules.smallest_step):
+    now = np.empty(7)
+    side, how = 0, GOES_ON
+    now[COST], n = evaluate(drive, measured, unknowns, room, side)
+    now[USED], now[GROWTH], now[NEXT_LOOK], now[SEEN] = 1.0, 2.0, rules.stall_evaluations, np.inf
+    fresh = damping < 0.0
+    now[DAMPING] = _first_damping(unknowns, room, rules.initial_damping) if fresh else damping
+    while now[USED] < evaluations and np.isfinite(now[COST]):
+        how = _settled(unknowns, room, rules, side, n, moving, now)
+        if how == GOES_ON:
+            how = _propose(
+                drive, measured, unknowns, room, rules, side, moving, held, now, step, bent
+            )
+        if how == SHORTENED:
+            continue
+        if how != GOES_ON or not _try(unknowns, room, side, step, rules.smallest_step):
             break
         then, _ = evaluate(drive, measured, unknowns, room, 1 - side)
-        used += 1
-        gained = cost - then
-        if np.isfinite(then) and gained > 0.0 and predicted > 0.0:
-            ratio = min(gained / predicted, 1.5)
-            damping *= max(rules.largest_decrease, 1.0 - (2.0 * ratio - 1.0) ** 3)
-            growth, side, cost = 2.0, 1 - side, then
-        elif damping > rules.most_damping:
+        now[USED] += 1.0
+        if _accepts(rules, then, now):
+            side = 1 - side
+        elif now[DAMPING] > rules.most_damping:
             break
-        else:
-            damping, growth = damping * growth, growth * 2.0
-    return ENDED, side, used, cost, damping
+    offset = np.inf
+    if np.isfinite(now[COST]):
+        count = _find_movable(unknowns, room, side, moving)
+        offset = _find_offset(unknowns, room, side, moving, count, now[COST], n)
+    return how, side, int(now[USED]), now[COST], now[DAMPING], n, offset
 
 
 follow_sources(

@@ -90,7 +90,7 @@ def _move_zeros(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room
     for s in range(drive.rules.size):
         for c in range(measured.gain.size):
             gram, zero = room.gram[side, s, c], unknowns.zero_at[s, c]
-            n += int(round(gram[ONE, ONE])) if np.isfinite(gram[ONE, ONE]) else 0
+            n += round(gram[ONE, ONE]) if np.isfinite(gram[ONE, ONE]) else 0
             if zero >= 0:
                 total[zero] += gram[ONE, ONE]
                 shift[zero] += gram[ONE, RESIDUAL]

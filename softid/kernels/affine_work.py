@@ -139,8 +139,15 @@ class Room(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """Constants of the iteration, as `softid.fitters.levenberg_marquardt` explains them."""
+    """Constants of the iteration, as `softid.fitters.levenberg_marquardt` explains them.
 
+    Attributes
+    ----------
+    bends
+        Whether to stop before a long step where no columns are kept to tell how it bends.
+    """
+
+    bends: bool
     tolerance: float
     bend_step: float
     short_step: float

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
 from numba import njit
 
 from softid.kernels import exponential as exponentials

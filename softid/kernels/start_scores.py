@@ -1,9 +1,9 @@
 """How well many parameters explain a motion whose gain and zero are free.
 
 Many sets of parameters run side by side over the samples, so that none has to wait for the end of
-its own arithmetic, by one step of the two-stage Radau rule for each sampling interval with the coefficients held at its middle:
-stable for any stiffness, of second order, and a quarter of the work of the rule that fits use. It
-ranks starts, for which 1e-2 of the motion is enough.
+its own arithmetic, by one step of the two-stage Radau rule for each sampling interval with the
+coefficients held at its middle: stable for any stiffness, of second order, and a quarter of the
+work of the rule that fits use. It ranks starts, for which 1e-2 of the motion is enough.
 """
 
 from __future__ import annotations
