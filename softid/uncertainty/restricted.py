@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +24,7 @@ from softid.uncertainty.autoregression import (
 )
 
 Array = npt.NDArray[np.float64]
+Index = npt.NDArray[np.int64]
 
 NUGGET = 1e-12
 """White variance added to every column, relative to its mean square: rounding in the moments of
@@ -64,6 +66,22 @@ class Moments:
     def n(self) -> int:
         """Samples used."""
         return int(self.counts.sum())
+
+    @cached_property
+    def terms(self) -> tuple[Index, Index, Index]:
+        """The t, i and j of `packed`: a sample with t predecessors has no lag beyond t."""
+        size = self.counts.size
+        rows = [(t, i, j) for t in range(size) for i in range(t + 1) for j in range(i + 1)]
+        when, first, second = np.array(rows).T
+        return when, first, second
+
+    @cached_property
+    def packed(self) -> Array:
+        """``products`` of every pair of lags with those of the pair turned round, (terms, m²)."""
+        when, first, second = self.terms
+        there = self.products[when, first, second]
+        both = there + np.where((first > second)[:, None, None], there.transpose(0, 2, 1), 0.0)
+        return both.reshape(len(when), -1)
 
     @property
     def reachable(self) -> int:
@@ -185,10 +203,10 @@ def evaluate(moments: Moments, reflection: Array) -> Objective:
     """
     size = moments.counts.size
     filters, ratio = _filters(reflection, size)
-    weights = filters[:, :, :, None] * filters[:, :, None, :] / ratio[:, :, None, None]
+    when, first, second = moments.terms
+    weights = filters[:, when, first] * filters[:, when, second] / ratio[:, when]
     width = moments.products.shape[-1]
-    flat = weights.reshape(len(weights), -1) @ moments.products.reshape(-1, width * width)
-    form = flat.reshape(-1, width, width)
+    form = (weights @ moments.packed).reshape(-1, width, width)
     determinant, left, good = _reduced(form)
     freedom = moments.n - moments.reachable
     variance = np.where(good, left, 1.0) / freedom
