@@ -14,7 +14,6 @@ import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
 from softid.kernels.autoregression import autocovariances, reflections
-from softid.models.division import held
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -171,7 +170,7 @@ def fit_ar(
 
 def burg(runs: Sequence[Array], max_order: int) -> Array:
     """Reflection coefficients k_1 … k_max of several stretches; zero once `MIN_LEFT` is left."""
-    joined = held(runs[0] if len(runs) == 1 else np.concatenate([*runs, np.zeros(0)]))
+    joined = np.array(runs[0]) if len(runs) == 1 else np.concatenate([*runs, np.zeros(0)])
     edges = np.cumsum([0, *(run.size for run in runs)])
     found: Array = reflections(joined, edges, max_order, MIN_LEFT)
     return found

@@ -300,7 +300,8 @@ def _at_scale(
 def _moments(block: ResidualBlock, order: int) -> Moments:
     """Moments in a basis of what the parameters can reach, which is not made where none is due."""
     if is_clear(block):
-        return gather_moments(block.residuals, block.rows, order, project=projection(block))
+        project = projection(block)
+        return gather_moments(block.residuals, block.rows, order, project=project, gram=block.gram)
     return gather_moments(block.residuals, reachable(block), order)
 
 

@@ -95,6 +95,7 @@ def gather_moments(
     max_order: int,
     *,
     project: Array | None = None,
+    gram: Array | None = None,
 ) -> Moments:
     """Sum the lagged products of residuals and basis over all stretches.
 
@@ -108,6 +109,8 @@ def gather_moments(
         Highest order p of an autoregression that will be asked for.
     project
         What makes ``reach`` the basis where it is not one itself, shape (columns, m − 1).
+    gram
+        Products of those columns over all samples in use where they are known already.
     """
     width = reach[0].shape[1] + 1
     size = max_order + 1
@@ -118,7 +121,7 @@ def gather_moments(
         for span in run_slices(np.isfinite(residual)):
             longest = max(longest, span.stop - span.start)
             if max_order == 0:
-                products[0, 0, 0] += _squares(basis[span], residual[span])
+                products[0, 0, 0] += _squares(basis[span], residual[span], bare=gram is not None)
                 counts[0] += span.stop - span.start
                 continue
             y = np.column_stack((basis[span], residual[span]))
@@ -126,6 +129,8 @@ def gather_moments(
             if y.shape[0] > max_order:
                 products[max_order] += _bulk(y, max_order)
                 counts[max_order] += y.shape[0] - max_order
+    if max_order == 0 and gram is not None:
+        products[0, 0, 0, :-1, :-1] = gram
     if project is not None:
         whole = np.zeros((width, project.shape[1] + 1))
         whole[:-1, :-1], whole[-1, -1] = project, 1.0
@@ -138,10 +143,11 @@ def gather_moments(
     return Moments(products, counts, longest)
 
 
-def _squares(basis: Array, residual: Array) -> Array:
-    """Products of basis and residual at one time, shape (m, m)."""
-    cross = basis.T @ residual
-    return np.block([[basis.T @ basis, cross[:, None]], [cross[None], residual @ residual]])
+def _squares(basis: Array, residual: Array, *, bare: bool) -> Array:
+    """Products of basis and residual at one time, shape (m, m); bare without those of the basis."""
+    cross = residual @ basis
+    own = np.zeros((cross.size, cross.size)) if bare else basis.T @ basis
+    return np.block([[own, cross[:, None]], [cross[None], residual @ residual]])
 
 
 def _add_start(products: Array, counts: Array, start: Array) -> None:
