@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from softid.kernels.affine import move, move_with_derivatives, sum_products
+from softid.kernels.affine_descent import descend
 from softid.kernels.division import count_steps
 from softid.kernels.muscle import coefficients
 
 KERNELS: tuple[Any, ...] = (
+    descend,
     move,
     move_with_derivatives,
     sum_products,
