@@ -175,7 +175,7 @@ def _propose(
         return SINGULAR
     longest = _longest(step, unknowns.reach)
     if longest > rules.largest_step:
-        step *= rules.largest_step / longest
+        _add(step, rules.largest_step / longest - 1.0, step)
         longest = rules.largest_step
     now[PREDICTED] = _predicted(unknowns, room, side, step)
     if longest <= rules.short_step:
@@ -192,7 +192,7 @@ def _propose(
     length = _length(step, unknowns.reach)
     share = 0.5 * _length(correction, unknowns.reach) / length
     if 2.0 * share <= rules.most_bend:
-        step -= 0.5 * correction
+        _add(step, -0.5, correction)
         return GOES_ON
     least = rules.less_bend * rules.most_bend / (2.0 * share)
     shorter = max(least, rules.most_shortened) * length
@@ -212,10 +212,26 @@ def _accepts(rules: Rules, then: float, now: Array) -> bool:
         now[DAMPING] *= max(rules.largest_decrease, 1.0 - (2.0 * ratio - 1.0) ** 3)
         now[GROWTH], now[COST] = 2.0, then
         return True
-    if now[DAMPING] <= rules.most_damping:
-        now[DAMPING] *= now[GROWTH]
-        now[GROWTH] *= 2.0
+    now[DAMPING] *= now[GROWTH]
+    now[GROWTH] *= 2.0
     return False
+
+
+@njit(nogil=True, error_model="numpy")
+def _add(step: Array, factor: float, more: Array) -> None:
+    """Array expressions would load scipy's linear algebra with the kernel."""
+    for k in range(step.size):
+        step[k] += factor * more[k]
+
+
+@njit(nogil=True, error_model="numpy")
+def _scale(reach: Array, floor: float, held: Array) -> None:
+    """1/reach, none less than ``floor`` times the largest."""
+    most = 0.0
+    for k in range(reach.size):
+        most = max(most, 1.0 / reach[k])
+    for k in range(reach.size):
+        held[k] = max(1.0 / reach[k], floor * most)
 
 
 @njit(nogil=True, error_model="numpy")
@@ -224,6 +240,28 @@ def _first_damping(unknowns: Unknowns, room: Room, initial: float) -> float:
     for k in range(unknowns.reach.size):
         most = max(most, room.matrix[0, k, k] * unknowns.reach[k] * unknowns.reach[k])
     return initial * most
+
+
+@njit(nogil=True, error_model="numpy")
+def _next(
+    drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, rules: Rules, side: int,
+    n: int, moving: BoolArray, held: Array, now: Array, step: Array, bent: Array, evaluations: int,
+) -> int:  # fmt: skip
+    """Put the next trial into the other place; anything but GOES_ON where there is none."""
+    how = SHORTENED
+    while how == SHORTENED:
+        if now[USED] >= evaluations or not np.isfinite(now[COST]):
+            return ENDED
+        if now[DAMPING] > rules.most_damping:
+            return ENDED
+        how = _settled(unknowns, room, rules, side, n, moving, now)
+        if how == GOES_ON:
+            how = _propose(
+                drive, measured, unknowns, room, rules, side, moving, held, now, step, bent
+            )
+    if how == GOES_ON and not _try(unknowns, room, side, step, rules.smallest_step):
+        return ENDED
+    return how
 
 
 @kernel
@@ -258,30 +296,30 @@ def descend(
     """
     size = unknowns.reach.size
     moving, step, bent = np.empty(size, np.bool_), np.empty(size), np.empty((3, size))
-    scale = 1.0 / unknowns.reach
-    held = np.maximum(scale, rules.scale_floor * scale.max())
+    held = np.empty(size)
+    _scale(unknowns.reach, rules.scale_floor, held)
     now = np.empty(7)
-    side, how = 0, GOES_ON
-    now[COST], n = evaluate(drive, measured, unknowns, room, side)
-    now[USED], now[GROWTH], now[NEXT_LOOK], now[SEEN] = 1.0, 2.0, rules.stall_evaluations, np.inf
-    fresh = damping < 0.0
-    now[DAMPING] = _first_damping(unknowns, room, rules.initial_damping) if fresh else damping
-    while now[USED] < evaluations and np.isfinite(now[COST]):
-        how = _settled(unknowns, room, rules, side, n, moving, now)
-        if how == GOES_ON:
-            how = _propose(
-                drive, measured, unknowns, room, rules, side, moving, held, now, step, bent
-            )
-        if how == SHORTENED:
-            continue
-        if how != GOES_ON or not _try(unknowns, room, side, step, rules.smallest_step):
-            break
-        then, _ = evaluate(drive, measured, unknowns, room, 1 - side)
+    side, place, how = 0, 0, ENDED
+    now[USED], now[GROWTH], now[NEXT_LOOK], now[SEEN] = 0.0, 2.0, rules.stall_evaluations, np.inf
+    now[COST], now[PREDICTED], n = np.inf, np.inf, 0
+    while True:  # with one call of `evaluate`, of which the compiler writes out every one
+        then, n = evaluate(drive, measured, unknowns, room, place)
         now[USED] += 1.0
-        if _accepts(rules, then, now):
-            side = 1 - side
-        elif now[DAMPING] > rules.most_damping:
+        if now[USED] == 1.0:
+            now[COST] = then
+            fresh = damping < 0.0
+            now[DAMPING] = (
+                _first_damping(unknowns, room, rules.initial_damping) if fresh else damping
+            )
+        elif _accepts(rules, then, now):
+            side = place
+        how = _next(
+            drive, measured, unknowns, room, rules, side, n, moving, held, now, step, bent,
+            evaluations,
+        )  # fmt: skip
+        if how != GOES_ON:
             break
+        place = 1 - side
     offset = np.inf
     if np.isfinite(now[COST]):
         count = _find_movable(unknowns, room, side, moving)
