@@ -15,8 +15,17 @@ import numpy.typing as npt
 
 from softid.fitters import levenberg_marquardt as rules_of
 from softid.kernels.affine_descent import descend
-from softid.kernels.affine_work import Drive, Measured, Room, Rules, Unknowns
-from softid.kernels.lanes import N_COLUMNS, N_PADDED, POINTS, RADAU, RK4, SIZE
+from softid.kernels.affine_work import CHUNK, Drive, Measured, Room, Rules, Unknowns
+from softid.kernels.lanes import (
+    N_COLUMNS,
+    N_PADDED,
+    N_PARAMETERS,
+    N_STATES,
+    POINTS,
+    RADAU,
+    RK4,
+    SIZE,
+)
 from softid.models.division import Division, held
 
 if TYPE_CHECKING:
@@ -296,6 +305,10 @@ def _room(arrays: AffineArrays, size: int, *, keep: bool) -> Room:
         np.empty(SIZE),
         np.empty(POINTS, np.int64),
         np.empty((size + 1, size)),
+        np.empty(N_STATES),
+        np.empty((N_STATES, N_PARAMETERS + N_STATES)),
+        np.empty(2, np.int64),
+        np.empty(CHUNK),
         np.zeros((5, max(size, N_COLUMNS))),
     )
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from softid.kernels.decorators import inner
 from softid.kernels.lanes import (
     BY,
     INPUT,
@@ -40,7 +40,7 @@ Ends = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def load_steps(w: Array, ends: Ends, time_s: Array, u: Array, counts: Counts, at: Ends) -> None:
     """The next steps of a log; ``at`` is the interval and the step within it, and moves on.
 
@@ -80,7 +80,7 @@ def load_steps(w: Array, ends: Ends, time_s: Array, u: Array, counts: Counts, at
     at[0], at[1] = interval, within
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def run_steps(w: Array, law: int, rule: int, theta: Array, state: Array) -> None:
     """Positions and velocities over the block; ``state`` goes on to its end."""
     fill_coefficients(w, law, rule, theta)
@@ -92,7 +92,7 @@ def run_steps(w: Array, law: int, rule: int, theta: Array, state: Array) -> None
     join_states(w, state)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def differentiate_steps(w: Array, rule: int, theta: Array, tangent: Array) -> None:
     """Derivatives over the block, behind `run_steps`; ``tangent`` goes on to its end."""
     if rule == RK4:
@@ -102,7 +102,7 @@ def differentiate_steps(w: Array, rule: int, theta: Array, tangent: Array) -> No
     join_derivatives(w, tangent)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def store_ends(w: Array, ends: Ends, columns: Array, row: int, begin: int, count: int) -> None:
     """Columns at the samples, into so many rows from ``row`` on and columns from ``begin`` on."""
     for p in range(count):
@@ -111,7 +111,7 @@ def store_ends(w: Array, ends: Ends, columns: Array, row: int, begin: int, count
                 columns[row + p, begin + ends[i]] = w[BY + p * POINTS + i]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def run_positions(
     law: int,
     rule: int,
@@ -137,7 +137,7 @@ def run_positions(
                 x[ends[i]] = w[X + i]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def sum_columns(
     law: int,
     rule: int,
@@ -166,7 +166,7 @@ def sum_columns(
     """
     at[0], at[1] = 0, 0
     w[:] = 0.0
-    _sum_first(y, used, gain, level, state, tangent, kept, row, begin, gram)
+    _sum_first(w, y, used, gain, level, state, tangent, kept, row, begin, gram)
     while at[0] < time_s.size - 1:
         load_steps(w, ends, time_s, u, counts, at)
         run_steps(w, law, rule, theta, state)
@@ -185,8 +185,9 @@ def sum_columns(
             gram[b, a] = gram[a, b]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _sum_first(
+    first: Array,
     y: Array,
     used: BoolArray,
     gain: float,
@@ -198,8 +199,9 @@ def _sum_first(
     begin: int,
     gram: Array,
 ) -> None:
-    """The first sample, which no step ends on."""
-    first = np.zeros(N_PADDED)
+    """The first sample, which no step ends on; ``first`` is a block that may be overwritten."""
+    for p in range(N_PADDED):
+        first[p] = 0.0
     if used[0]:
         for p in range(N_PARAMETERS + N_STATES):
             first[p] = tangent[0, p]

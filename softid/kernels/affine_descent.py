@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from softid.kernels import (
     affine_blocks,
@@ -20,7 +19,7 @@ from softid.kernels import (
 )
 from softid.kernels.affine_evaluation import bend, evaluate
 from softid.kernels.affine_work import Drive, Measured, Room, Rules, Unknowns
-from softid.kernels.decorators import kernel
+from softid.kernels.decorators import inner, kernel
 from softid.kernels.small_solve import damped_step, solve_in_place
 from softid.kernels.sources import follow_sources
 
@@ -36,7 +35,7 @@ COST, DAMPING, GROWTH, USED, NEXT_LOOK, SEEN, PREDICTED = 0, 1, 2, 3, 4, 5, 6
 """Where the numbers of the iteration stand."""
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _find_movable(unknowns: Unknowns, room: Room, side: int, moving: BoolArray) -> int:
     """Mark the unknowns inside their bounds or pulled inward, and count them."""
     count = 0
@@ -49,7 +48,7 @@ def _find_movable(unknowns: Unknowns, room: Room, side: int, moving: BoolArray) 
     return count
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _find_offset(
     unknowns: Unknowns, room: Room, side: int, moving: BoolArray, count: int, cost: float, n: int
 ) -> float:
@@ -82,7 +81,7 @@ def _find_offset(
     return float(np.sqrt(max(gain, 0.0) / count / variance))
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _longest(step: Array, reach: Array) -> float:
     """Largest share of what is plausible that a step moves an unknown by."""
     most = 0.0
@@ -91,7 +90,7 @@ def _longest(step: Array, reach: Array) -> float:
     return most
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _length(step: Array, reach: Array) -> float:
     total = 0.0
     for k in range(step.size):
@@ -99,7 +98,7 @@ def _length(step: Array, reach: Array) -> float:
     return float(np.sqrt(total))
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _predicted(unknowns: Unknowns, room: Room, side: int, step: Array) -> float:
     """Fall of the cost along a straight step, cut at the bounds."""
     gradient, matrix, cut = room.gradient[side], room.matrix[side], room.small[1]
@@ -115,7 +114,7 @@ def _predicted(unknowns: Unknowns, room: Room, side: int, step: Array) -> float:
     return gain
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _try(unknowns: Unknowns, room: Room, side: int, step: Array, smallest: float) -> bool:
     """Put the trial into the other place; False where it is no step at all."""
     moved = False
@@ -127,7 +126,7 @@ def _try(unknowns: Unknowns, room: Room, side: int, step: Array, smallest: float
     return moved
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _shorter_damping(
     unknowns: Unknowns, room: Room, side: int, moving: BoolArray, held: Array, damping: float,
     length: float, doublings: int, step: Array,
@@ -143,7 +142,7 @@ def _shorter_damping(
     return trial
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _settled(
     unknowns: Unknowns, room: Room, rules: Rules, side: int, n: int, moving: BoolArray, now: Array
 ) -> int:
@@ -164,7 +163,7 @@ def _settled(
     return GOES_ON
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _propose(
     drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, rules: Rules,
     side: int, moving: BoolArray, held: Array, now: Array, step: Array, bent: Array,
@@ -203,7 +202,7 @@ def _propose(
     return SHORTENED
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _accepts(rules: Rules, then: float, now: Array) -> bool:
     """Whether a trial is better; moves the damping."""
     gained = now[COST] - then
@@ -217,14 +216,14 @@ def _accepts(rules: Rules, then: float, now: Array) -> bool:
     return False
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _add(step: Array, factor: float, more: Array) -> None:
     """Array expressions would load scipy's linear algebra with the kernel."""
     for k in range(step.size):
         step[k] += factor * more[k]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _scale(reach: Array, floor: float, held: Array) -> None:
     """1/reach, none less than ``floor`` times the largest."""
     most = 0.0
@@ -234,7 +233,7 @@ def _scale(reach: Array, floor: float, held: Array) -> None:
         held[k] = max(1.0 / reach[k], floor * most)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _first_damping(unknowns: Unknowns, room: Room, initial: float) -> float:
     most = 0.0
     for k in range(unknowns.reach.size):
@@ -242,7 +241,7 @@ def _first_damping(unknowns: Unknowns, room: Room, initial: float) -> float:
     return initial * most
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _next(
     drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, rules: Rules, side: int,
     n: int, moving: BoolArray, held: Array, now: Array, step: Array, bent: Array, evaluations: int,
@@ -299,9 +298,10 @@ def descend(
     held = np.empty(size)
     _scale(unknowns.reach, rules.scale_floor, held)
     now = np.empty(7)
-    side, place, how = 0, 0, ENDED
     now[USED], now[GROWTH], now[NEXT_LOOK], now[SEEN] = 0.0, 2.0, rules.stall_evaluations, np.inf
-    now[COST], now[PREDICTED], n = np.inf, np.inf, 0
+    now[COST], now[PREDICTED] = np.inf, np.inf
+    side = int(now[USED])  # a literal 0 would have everything compiled once more for it
+    place = side
     while True:  # with one call of `evaluate`, of which the compiler writes out every one
         then, n = evaluate(drive, measured, unknowns, room, place)
         now[USED] += 1.0

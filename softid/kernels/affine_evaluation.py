@@ -12,17 +12,23 @@ import numpy.typing as npt
 from numba import njit
 
 from softid.kernels.affine_blocks import run_positions, sum_columns
-from softid.kernels.affine_work import Drive, Measured, Room, Unknowns
+from softid.kernels.affine_work import CHUNK, Drive, Measured, Room, Unknowns
+from softid.kernels.decorators import inner
 from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PARAMETERS, N_STATES
 
 Array = npt.NDArray[np.float64]
 
+summing = njit(
+    nogil=True,
+    error_model="numpy",
+    fastmath={"contract", "reassoc", "nsz", "arcp"},
+    _nrt=False,
+)
+
 ONE, RESIDUAL = N_COLUMNS - 2, N_COLUMNS - 1
-CHUNK = 512
-"""Samples between two looks at the same columns, so that they are still near."""
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def set_parameters(drive: Drive, unknowns: Unknowns, z: Array) -> None:
     """The kernels' parameters at ``z``."""
     for f in range(unknowns.inner.size):
@@ -30,7 +36,7 @@ def set_parameters(drive: Drive, unknowns: Unknowns, z: Array) -> None:
         drive.theta[unknowns.inner[f]] = unknowns.factor[f] * value
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _begin(
     drive: Drive, unknowns: Unknowns, z: Array, s: int, state: Array, tangent: Array
 ) -> None:
@@ -57,14 +63,13 @@ def _begin(
             state[k] += z[at + k]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _sum_all(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, side: int) -> None:
     """Products of the columns of every segment and channel at a place."""
     z = room.point[side]
     kept = room.first if side == 0 else room.second
     rows = drive.time_s.size
-    state, tangent = np.empty(N_STATES), np.empty((N_STATES, N_PARAMETERS + N_STATES))
-    at = np.empty(2, np.int64)
+    state, tangent, at = room.state, room.tangent, room.at
     set_parameters(drive, unknowns, z)
     for s in range(drive.rules.size):
         a, b = drive.edges[s], drive.edges[s + 1]
@@ -80,7 +85,7 @@ def _sum_all(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, s
             )  # fmt: skip
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _move_zeros(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, side: int) -> int:
     """Move every zero to its optimum, the mean residual of its log; returns the residuals."""
     z, shift, total = room.point[side], room.shift[side], room.small[0]
@@ -100,7 +105,7 @@ def _move_zeros(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room
     return n
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _weigh(drive: Drive, measured: Measured, unknowns: Unknowns, s: int, c: int, t: Array) -> int:
     """T of one piece as the unknown and the weight of every column but the last two.
 
@@ -121,7 +126,7 @@ def _weigh(drive: Drive, measured: Measured, unknowns: Unknowns, s: int, c: int,
     return int(t[0, ONE])
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def evaluate(
     drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, side: int
 ) -> tuple[float, int]:
@@ -164,7 +169,7 @@ def evaluate(
     return cost, n
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
+@summing
 def _dot(kept: Array, row: int, a: int, b: int, away: Array) -> float:
     total = 0.0
     column = kept[row, a:b]
@@ -173,7 +178,7 @@ def _dot(kept: Array, row: int, a: int, b: int, away: Array) -> float:
     return total
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _pull(kept: Array, row: int, a: int, b: int, made: Array, away: Array, pulled: Array) -> None:
     """Add columns times what is left of the straight line, over some samples."""
     for j in range(N_COLUMNS):
@@ -186,7 +191,7 @@ def _pull(kept: Array, row: int, a: int, b: int, made: Array, away: Array, pulle
         pulled[j] += _dot(kept, row + j, a, b, away)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def _pull_piece(
     drive: Drive, measured: Measured, room: Room, side: int, c: int, a: int, b: int, level: float
 ) -> None:
@@ -194,7 +199,7 @@ def _pull_piece(
     kept = room.first if side == 0 else room.second
     made, pulled = room.small[3], room.small[4]
     pulled[:] = 0.0
-    away = np.empty(CHUNK)
+    away = room.away
     gain, rows = measured.gain[c], drive.time_s.size
     for begin in range(a, b, CHUNK):
         end = min(begin + CHUNK, b)
@@ -205,7 +210,7 @@ def _pull_piece(
         _pull(kept, c * N_COLUMNS, begin, end, made, away, pulled)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def bend(
     drive: Drive,
     measured: Measured,
@@ -221,8 +226,7 @@ def bend(
 
     ``z`` is overwritten, shape (U,). Needs the kept columns at the place.
     """
-    state, tangent = np.empty(N_STATES), np.empty((N_STATES, N_PARAMETERS + N_STATES))
-    at = np.empty(2, np.int64)
+    state, tangent, at = room.state, room.tangent, room.at
     t, made, pulled = room.small[1:3], room.small[3], room.small[4]
     for k in range(z.size):
         z[k] = room.point[side, k] + fraction * step[k]

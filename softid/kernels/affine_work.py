@@ -15,6 +15,9 @@ Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
+CHUNK = 512
+"""Samples between two looks at the same columns, so that they are still near."""
+
 
 class Drive(NamedTuple):
     """What is simulated.
@@ -120,6 +123,9 @@ class Room(NamedTuple):
         A block of steps and the samples that its steps end on.
     solve
         For linear systems, shape (U + 1, U).
+    state, tangent, at, away
+        A state, its derivatives, a place in a log and some residuals, of shapes (2,), (2, 9), (2,)
+        and (`CHUNK`,).
     small
         Vectors that come and go, shape (5, max(U, 11)).
     """
@@ -135,6 +141,10 @@ class Room(NamedTuple):
     work: Array
     ends: Index
     solve: Array
+    state: Array
+    tangent: Array
+    at: Index
+    away: Array
     small: Array
 
 

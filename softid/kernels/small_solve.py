@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+
+from softid.kernels.decorators import inner
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def solve_in_place(matrix: Array, vector: Array, n: int) -> bool:
     """Solve by elimination with partial pivoting; False where the matrix is singular.
 
@@ -50,7 +51,7 @@ def solve_in_place(matrix: Array, vector: Array, n: int) -> bool:
     return True
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 def damped_step(
     matrix: Array,
     gradient: Array,
