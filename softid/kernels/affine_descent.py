@@ -19,7 +19,7 @@ from softid.kernels import (
 )
 from softid.kernels.affine_evaluation import bend, evaluate
 from softid.kernels.affine_work import Drive, Measured, Room, Rules, Unknowns
-from softid.kernels.decorators import inner, kernel
+from softid.kernels.decorators import inner, kernel, written_out
 from softid.kernels.small_solve import damped_step, solve_in_place
 from softid.kernels.sources import follow_sources
 
@@ -35,7 +35,7 @@ COST, DAMPING, GROWTH, USED, NEXT_LOOK, SEEN, PREDICTED = 0, 1, 2, 3, 4, 5, 6
 """Where the numbers of the iteration stand."""
 
 
-@inner
+@written_out
 def _find_movable(unknowns: Unknowns, room: Room, side: int, moving: BoolArray) -> int:
     """Mark the unknowns inside their bounds or pulled inward, and count them."""
     count = 0
@@ -48,7 +48,7 @@ def _find_movable(unknowns: Unknowns, room: Room, side: int, moving: BoolArray) 
     return count
 
 
-@inner
+@written_out
 def _find_offset(
     unknowns: Unknowns, room: Room, side: int, moving: BoolArray, count: int, cost: float, n: int
 ) -> float:
@@ -98,7 +98,7 @@ def _length(step: Array, reach: Array) -> float:
     return float(np.sqrt(total))
 
 
-@inner
+@written_out
 def _predicted(unknowns: Unknowns, room: Room, side: int, step: Array) -> float:
     """Fall of the cost along a straight step, cut at the bounds."""
     gradient, matrix, cut = room.gradient[side], room.matrix[side], room.small[1]
@@ -114,7 +114,7 @@ def _predicted(unknowns: Unknowns, room: Room, side: int, step: Array) -> float:
     return gain
 
 
-@inner
+@written_out
 def _try(unknowns: Unknowns, room: Room, side: int, step: Array, smallest: float) -> bool:
     """Put the trial into the other place; False where it is no step at all."""
     moved = False
@@ -126,7 +126,7 @@ def _try(unknowns: Unknowns, room: Room, side: int, step: Array, smallest: float
     return moved
 
 
-@inner
+@written_out
 def _shorter_damping(
     unknowns: Unknowns, room: Room, side: int, moving: BoolArray, held: Array, damping: float,
     length: float, doublings: int, step: Array,
@@ -142,7 +142,7 @@ def _shorter_damping(
     return trial
 
 
-@inner
+@written_out
 def _settled(
     unknowns: Unknowns, room: Room, rules: Rules, side: int, n: int, moving: BoolArray, now: Array
 ) -> int:
@@ -163,7 +163,7 @@ def _settled(
     return GOES_ON
 
 
-@inner
+@written_out
 def _propose(
     drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, rules: Rules,
     side: int, moving: BoolArray, held: Array, now: Array, step: Array, bent: Array,
@@ -233,7 +233,7 @@ def _scale(reach: Array, floor: float, held: Array) -> None:
         held[k] = max(1.0 / reach[k], floor * most)
 
 
-@inner
+@written_out
 def _first_damping(unknowns: Unknowns, room: Room, initial: float) -> float:
     most = 0.0
     for k in range(unknowns.reach.size):
@@ -241,7 +241,7 @@ def _first_damping(unknowns: Unknowns, room: Room, initial: float) -> float:
     return initial * most
 
 
-@inner
+@written_out
 def _next(
     drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, rules: Rules, side: int,
     n: int, moving: BoolArray, held: Array, now: Array, step: Array, bent: Array, evaluations: int,

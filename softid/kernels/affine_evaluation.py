@@ -13,7 +13,7 @@ from numba import njit
 
 from softid.kernels.affine_blocks import run_positions, sum_columns
 from softid.kernels.affine_work import CHUNK, Drive, Measured, Room, Unknowns
-from softid.kernels.decorators import inner
+from softid.kernels.decorators import inner, written_out
 from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PARAMETERS, N_STATES
 
 Array = npt.NDArray[np.float64]
@@ -28,7 +28,7 @@ summing = njit(
 ONE, RESIDUAL = N_COLUMNS - 2, N_COLUMNS - 1
 
 
-@inner
+@written_out
 def set_parameters(drive: Drive, unknowns: Unknowns, z: Array) -> None:
     """The kernels' parameters at ``z``."""
     for f in range(unknowns.inner.size):
@@ -36,7 +36,7 @@ def set_parameters(drive: Drive, unknowns: Unknowns, z: Array) -> None:
         drive.theta[unknowns.inner[f]] = unknowns.factor[f] * value
 
 
-@inner
+@written_out
 def _begin(
     drive: Drive, unknowns: Unknowns, z: Array, s: int, state: Array, tangent: Array
 ) -> None:
@@ -63,7 +63,7 @@ def _begin(
             state[k] += z[at + k]
 
 
-@inner
+@written_out
 def _sum_all(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, side: int) -> None:
     """Products of the columns of every segment and channel at a place."""
     z = room.point[side]
@@ -85,7 +85,7 @@ def _sum_all(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, s
             )  # fmt: skip
 
 
-@inner
+@written_out
 def _move_zeros(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, side: int) -> int:
     """Move every zero to its optimum, the mean residual of its log; returns the residuals."""
     z, shift, total = room.point[side], room.shift[side], room.small[0]
@@ -105,7 +105,7 @@ def _move_zeros(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room
     return n
 
 
-@inner
+@written_out
 def _weigh(drive: Drive, measured: Measured, unknowns: Unknowns, s: int, c: int, t: Array) -> int:
     """T of one piece as the unknown and the weight of every column but the last two.
 
@@ -126,7 +126,7 @@ def _weigh(drive: Drive, measured: Measured, unknowns: Unknowns, s: int, c: int,
     return int(t[0, ONE])
 
 
-@inner
+@written_out
 def evaluate(
     drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, side: int
 ) -> tuple[float, int]:
@@ -191,7 +191,7 @@ def _pull(kept: Array, row: int, a: int, b: int, made: Array, away: Array, pulle
         pulled[j] += _dot(kept, row + j, a, b, away)
 
 
-@inner
+@written_out
 def _pull_piece(
     drive: Drive, measured: Measured, room: Room, side: int, c: int, a: int, b: int, level: float
 ) -> None:
@@ -210,7 +210,7 @@ def _pull_piece(
         _pull(kept, c * N_COLUMNS, begin, end, made, away, pulled)
 
 
-@inner
+@written_out
 def bend(
     drive: Drive,
     measured: Measured,

@@ -137,7 +137,7 @@ def test_sums_are_those_of_python(name: str) -> None:
 
 def test_long_steps_bend_alike_with_columns_asked_for_late(monkeypatch: Any) -> None:
     """From far off, with columns kept from the begin, from the first long step on, or in Python:
-    the same optimum; the second takes one evaluation more for every time it asks."""
+    the same optimum; the second takes more evaluations, for it begins anew when it asks."""
     p = problem("muscle", 500)
     z = p.unknowns(TRUTH)
     z[:7] += [1.5, -0.5, 0.4, -1.0, 1.0, -1.0, 1.0]
@@ -148,7 +148,7 @@ def test_long_steps_bend_alike_with_columns_asked_for_late(monkeypatch: Any) -> 
     assert away_in_errors(early, python) < 1e-6
     assert away_in_errors(late, python) < 1e-6
     assert used <= theirs + 1
-    assert used < more <= used + 4
+    assert used < more
 
 
 def test_the_python_loop_goes_on_where_a_system_is_singular(monkeypatch: Any) -> None:
