@@ -112,12 +112,14 @@ class Descent:
 def affine_arrays(problem: Problem) -> AffineArrays | None:
     """The arrays of a problem; None where its law, its outputs or its parameters need Python."""
     lines = [problem.model.line(name) for name in problem.outputs]
+    if None in lines:
+        return None
     law = problem.model.motion_law(problem.parameters.values_vector())
     form = law.affine() if law is not None else None
     if form is None or problem.tied or not 0 < problem.size <= MOST_UNKNOWNS:
         return None
     slopes = form.by_theta[:, problem.free_index]
-    if any(line is None for line in lines) or np.any(np.count_nonzero(slopes, axis=0) != 1):
+    if np.any(np.count_nonzero(slopes, axis=0) != 1):
         return None
     segments = problem.segments
     sizes = [segment.time_s.size for segment in segments]

@@ -14,16 +14,10 @@ from numba import njit
 from softid.kernels.affine_blocks import run_positions, sum_columns
 from softid.kernels.affine_work import CHUNK, Drive, Measured, Room, Unknowns
 from softid.kernels.decorators import inner, written_out
-from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PARAMETERS, N_STATES
+from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PARAMETERS, N_STATES, SUMMING
 
 Array = npt.NDArray[np.float64]
 
-summing = njit(
-    nogil=True,
-    error_model="numpy",
-    fastmath={"contract", "reassoc", "nsz", "arcp"},
-    _nrt=False,
-)
 
 ONE, RESIDUAL = N_COLUMNS - 2, N_COLUMNS - 1
 
@@ -169,7 +163,7 @@ def evaluate(
     return cost, n
 
 
-@summing
+@njit(nogil=True, error_model="numpy", fastmath=SUMMING)
 def _dot(kept: Array, row: int, a: int, b: int, away: Array) -> float:
     total = 0.0
     column = kept[row, a:b]
