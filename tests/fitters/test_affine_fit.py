@@ -140,7 +140,7 @@ def test_long_steps_bend_alike_with_columns_asked_for_late(monkeypatch: Any) -> 
     the same optimum; the second takes more evaluations, for it begins anew when it asks."""
     p = problem("muscle", 500)
     z = p.unknowns(TRUTH)
-    z[:7] += [1.5, -0.5, 0.4, -1.0, 1.0, -1.0, 1.0]
+    z[:7] += [0.6, -0.2, 0.1, -0.3, 0.4, -0.4, 0.4]
     early, used = solved(p, z, compiled=True)
     monkeypatch.setattr(objectives, "CHEAP_ENTRIES", 0)
     late, more = solved(p, z, compiled=True)
