@@ -13,19 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters import levenberg_marquardt as rules_of
+from softid.kernels import affine_work as work
 from softid.kernels.affine_descent import descend
-from softid.kernels.affine_work import CHUNK, Drive, Measured, Room, Rules, Unknowns
-from softid.kernels.lanes import (
-    N_COLUMNS,
-    N_PADDED,
-    N_PARAMETERS,
-    N_STATES,
-    POINTS,
-    RADAU,
-    RK4,
-    SIZE,
-)
+from softid.kernels.lanes import N_COLUMNS, N_PADDED, RADAU, RK4
 from softid.models.division import Division, held
 
 if TYPE_CHECKING:
@@ -43,34 +33,32 @@ class AffineArrays:
 
     Attributes
     ----------
-    law
-        Kind of the law.
     theta
         The kernels' parameters, shape (8,).
-    time_s, u, edges, anchored
-        As in `Drive`.
-    y, used, gain, level
-        As in `Measured`.
-    inner, factor, logarithmic, zero_at, state_at, states
-        As in `Unknowns`.
+    time_s, u, y, used, pieces, lines, free
+        As in `descend`, but for the rule of every piece and its weight.
+    factor
+        The row `FACTOR`, shape (F,).
+    edges
+        Where each segment begins, and N, shape (S + 1,).
+    gain
+        Every output is gain·x and something, shape (C,).
+    zero_at
+        Which unknown is the zero of a segment and channel, −1 for none, shape (S, C).
     """
 
-    law: int
     theta: Array
     time_s: Array
     u: Array
-    edges: npt.NDArray[np.int64]
-    anchored: npt.NDArray[np.bool_]
     y: Array
     used: npt.NDArray[np.bool_]
-    gain: Array
-    level: Array
-    inner: npt.NDArray[np.int64]
+    pieces: npt.NDArray[np.int64]
+    lines: Array
+    free: npt.NDArray[np.int64]
     factor: Array
-    logarithmic: npt.NDArray[np.bool_]
+    edges: npt.NDArray[np.int64]
+    gain: Array
     zero_at: npt.NDArray[np.int64]
-    state_at: npt.NDArray[np.int64]
-    states: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,26 +119,45 @@ def affine_arrays(problem: Problem) -> AffineArrays | None:
         ]
         for k in rows
     ]
-    positions = [problem.state_positions(k) for k in rows]
     names = problem.outputs
+    zeros = np.array(zero_at, np.int64)
+    edges = np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
+    gain = np.array([line[0] for line in lines if line is not None])
+    level = np.array([line[1] for line in lines if line is not None])
     return AffineArrays(
-        law=form.kind,
         theta=form.theta.copy(),
         time_s=_joined([s.time_s for s in segments]),
         u=_joined([s.input for s in segments]),
-        edges=np.concatenate(([0], np.cumsum(sizes))).astype(np.int64),
-        anchored=np.array([problem.has_equilibrium or not len(p) for p in positions], bool),
         y=_joined([s.outputs[name] for name in names for s in segments]),
         used=_joined([s.used[name] for name in names for s in segments]),
-        gain=np.array([line[0] for line in lines if line is not None]),
-        level=np.array([line[1] for line in lines if line is not None]),
-        inner=np.argmax(slopes != 0.0, axis=0).astype(np.int64),
+        pieces=_pieces(problem, form.kind, edges, zeros),
+        lines=np.tile(np.stack([gain, level, np.ones(gain.size)], axis=1), (len(segments), 1)),
+        free=np.stack([np.argmax(slopes != 0.0, axis=0), problem.log_scaled]).astype(np.int64),
         factor=slopes.sum(axis=0),
-        logarithmic=problem.log_scaled,
-        zero_at=np.array(zero_at, np.int64),
-        state_at=np.array([p.start if len(p) else -1 for p in positions], np.int64),
-        states=len(problem.model.start_states),
+        edges=edges,
+        gain=gain,
+        zero_at=zeros,
     )
+
+
+def _pieces(
+    problem: Problem, kind: int, edges: npt.NDArray[np.int64], zero_at: npt.NDArray[np.int64]
+) -> npt.NDArray[np.int64]:
+    """The columns of ``pieces``, segment by segment."""
+    segments, channels = zero_at.shape
+    pieces = np.zeros((segments, channels, work.PIECE_COLUMNS), np.int64)
+    states = [problem.state_positions(k) for k in range(segments)]
+    pieces[..., work.LAW] = kind
+    pieces[..., work.BEGIN] = edges[:-1, None]
+    pieces[..., work.END] = edges[1:, None]
+    pieces[..., work.CHANNEL] = np.arange(channels)
+    pieces[..., work.OUTPUT] = np.arange(channels) * edges[-1]
+    anchored = [problem.has_equilibrium or not len(p) for p in states]
+    pieces[..., work.ANCHORED] = np.array(anchored)[:, None]
+    pieces[..., work.STATE_AT] = np.array([p.start if len(p) else -1 for p in states])[:, None]
+    pieces[..., work.STATES] = len(problem.model.start_states)
+    pieces[..., work.ZERO_AT] = zero_at
+    return pieces.reshape(-1, work.PIECE_COLUMNS)
 
 
 def run(
@@ -192,60 +199,69 @@ def run(
     damping
         That of a run that goes on; negative begins anew.
     """
-    size = start.size
-    room = _room(arrays, size, keep=keep)
-    room.point[0] = start
-    theta = arrays.theta.copy()
-    centre, weight = (np.zeros(size), np.zeros(size)) if prior is None else prior
-    how, side, used, cost, damping, n, offset = descend(
-        Drive(
-            arrays.law,
-            theta,
-            arrays.time_s,
-            arrays.u,
-            _counts(plans),
-            arrays.edges,
-            np.array([RK4 if p is not None and p.rule == "rk4" else RADAU for p in plans]),
-            arrays.anchored,
-        ),
-        Measured(
-            arrays.y,
-            arrays.used,
-            arrays.gain,
-            arrays.level,
-            np.array([1.0 / s**2 for s in sigma.values()]),
-        ),
-        Unknowns(
-            arrays.inner,
-            arrays.factor,
-            arrays.logarithmic,
-            arrays.zero_at,
-            arrays.state_at,
-            arrays.states,
-            *limits,
-            centre,
-            weight,
-        ),
-        room,
-        _rules(tolerance, bends=bends),
+    size, channels, n_pieces = start.size, arrays.gain.size, len(arrays.pieces)
+    rows = arrays.time_s.size if keep else 0
+    first, second = (np.empty((channels * N_COLUMNS, rows)) for _ in range(2))
+    vectors = _vectors(arrays, start, limits, prior)
+    matrices = np.zeros((2 * size, size))
+    grams = np.zeros((work.gram_rows(n_pieces), N_PADDED))
+    pieces, lines = arrays.pieces.copy(), arrays.lines.copy()
+    rules = [RK4 if p is not None and p.rule == "rk4" else RADAU for p in plans]
+    pieces[:, work.RULE] = np.repeat(rules, channels)
+    lines[:, work.WEIGHT] = np.tile([1.0 / s**2 for s in sigma.values()], len(plans))
+    how, side, n, offset = descend(
+        pieces,
+        lines,
+        arrays.free,
+        arrays.time_s,
+        arrays.u,
+        _counts(plans),
+        arrays.y,
+        arrays.used,
+        arrays.theta.copy(),
+        vectors,
+        matrices,
+        grams,
+        first,
+        second,
+        np.empty(rows),
         evaluations,
+        tolerance,
         damping,
+        bends,
     )
-    kept = room.first if side == 0 else room.second
+    now = vectors[work.NOW]
     return Descent(
-        room.point[side],
-        room.shift[side],
-        room.gram[side, :, :, :N_COLUMNS, :N_COLUMNS],
-        kept.reshape(arrays.gain.size, N_COLUMNS, -1) if keep else None,
-        cost,
-        room.gradient[side],
-        room.matrix[side],
-        used,
-        damping,
-        n,
-        offset,
-        how,
+        point=vectors[work.POINT + side, :size],
+        shift=vectors[work.SHIFT + side, :size],
+        grams=grams.reshape(2, -1, channels, N_PADDED, N_PADDED)[side, ..., :-1, :-1],
+        columns=(second if side else first).reshape(channels, N_COLUMNS, -1) if keep else None,
+        cost=float(now[work.COST]),
+        gradient=vectors[work.GRADIENT + side, :size],
+        matrix=matrices.reshape(2, size, size)[side],
+        used=int(now[work.USED]),
+        damping=float(now[work.DAMPING]),
+        n=n,
+        offset=offset,
+        how=how,
     )
+
+
+def _vectors(
+    arrays: AffineArrays,
+    start: Array,
+    limits: tuple[Array, Array, Array],
+    prior: tuple[Array, Array] | None,
+) -> Array:
+    size = start.size
+    vectors = np.zeros((work.N_VECTORS, work.width(size)))
+    vectors[work.POINT, :size] = start
+    vectors[work.FACTOR, : arrays.factor.size] = arrays.factor
+    for row, values in zip((work.LOWER, work.UPPER, work.REACH), limits, strict=True):
+        vectors[row, :size] = values
+    if prior is not None:
+        vectors[work.CENTRE, :size], vectors[work.PRIOR, :size] = prior
+    return vectors
 
 
 def looked_at(
@@ -291,47 +307,3 @@ def _counts(plans: Sequence[Division | None]) -> npt.NDArray[np.int16]:
         return counts[0]
     filler = np.ones(1, np.int16)
     return np.concatenate([part for c in counts for part in (c, filler)])
-
-
-def _room(arrays: AffineArrays, size: int, *, keep: bool) -> Room:
-    rows, channels = arrays.time_s.size if keep else 0, arrays.gain.size
-    return Room(
-        np.zeros((2, size)),
-        np.zeros((2, size)),
-        np.zeros((2, size)),
-        np.zeros((2, size, size)),
-        np.zeros((2, arrays.anchored.size, channels, N_PADDED, N_PADDED)),
-        np.empty((channels * N_COLUMNS, rows)),
-        np.empty((channels * N_COLUMNS, rows)),
-        np.empty(rows),
-        np.empty(SIZE),
-        np.empty(POINTS, np.int64),
-        np.empty((size + 1, size)),
-        np.empty(N_STATES),
-        np.empty((N_STATES, N_PARAMETERS + N_STATES)),
-        np.empty(2, np.int64),
-        np.empty(CHUNK),
-        np.zeros((5, max(size, N_COLUMNS))),
-    )
-
-
-def _rules(tolerance: float, *, bends: bool) -> Rules:
-    return Rules(
-        bends,
-        tolerance,
-        rules_of.BEND_STEP,
-        rules_of.SHORT_STEP,
-        rules_of.MOST_BEND,
-        rules_of.LESS_BEND,
-        rules_of.MOST_SHORTENED,
-        rules_of.INITIAL_DAMPING,
-        rules_of.LARGEST_DECREASE,
-        rules_of.MOST_DAMPING,
-        rules_of.LARGEST_STEP,
-        rules_of.SMALLEST_STEP,
-        rules_of.STALL_EVALUATIONS,
-        rules_of.STALL_GAIN,
-        rules_of.STALL_OFFSET,
-        rules_of.DOUBLINGS,
-        rules_of.SCALE_FLOOR,
-    )

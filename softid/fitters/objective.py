@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.affine_fit import AffineArrays, run
-from softid.fitters.levenberg_marquardt import BEND_STEP, Minimum, Normal, minimise
+from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
 from softid.fitters.normal_equations import Linearised, bend, linearise, summed
 from softid.fitters.problem import Problem
 from softid.kernels.affine_descent import NEEDS_COLUMNS, SINGULAR
+from softid.kernels.rules import BEND_STEP
 from softid.models.division import Division
 
 Array = npt.NDArray[np.float64]

@@ -73,10 +73,11 @@ def move(
     """
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
-    at = np.zeros(2, np.int64)
+    at = np.zeros(3, np.int64)
+    at[2] = time_s.size - 1
     now = state.copy()
     x[0], v[0] = state[0], state[1]
-    while at[0] < time_s.size - 1:
+    while at[0] < at[2]:
         load_steps(w, ends, time_s, u, counts, at)
         run_steps(w, law, rule, theta, now)
         for i in range(LANES, POINTS):
@@ -112,12 +113,14 @@ def move_with_derivatives(
     """
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
-    at = np.zeros(2, np.int64)
+    at = np.zeros(3, np.int64)
+    at[2] = time_s.size - 1
+    row = at[0]  # a plain 0 would have what it is given to compiled once more
     now, now_by = state.copy(), tangent.copy()
     x[0], v[0] = state[0], state[1]
     for p in range(by.shape[0]):
         by[p, 0] = tangent[0, p]
-    while at[0] < time_s.size - 1:
+    while at[0] < at[2]:
         load_steps(w, ends, time_s, u, counts, at)
         run_steps(w, law, rule, theta, now)
         differentiate_steps(w, rule, theta, now_by)
@@ -125,7 +128,7 @@ def move_with_derivatives(
             if ends[i] >= 0:
                 x[ends[i]] = w[X + i]
                 v[ends[i]] = w[V + i]
-        store_ends(w, ends, by, 0, 0, by.shape[0])
+        store_ends(w, ends, by, row, by.shape[0])
 
 
 @kernel
@@ -163,10 +166,11 @@ def sum_products(
     """
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
-    at = np.zeros(2, np.int64)
+    at = np.zeros(3, np.int64)
+    at[2] = time_s.size - 1
     sum_columns(
-        law, rule, theta, time_s, u, counts, y, used, gain, level, state.copy(), tangent.copy(),
-        w, ends, at, kept, 0, 0, gram,
+        law, rule, theta, time_s, u, counts, y, used, at[0], gain, level, state.copy(),
+        tangent.copy(), w, ends, at, kept, at[0], gram, at[0],
     )  # fmt: skip
 
 
@@ -226,6 +230,7 @@ def move_through(
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
     at = np.zeros(3, np.int64)
+    row = at[0]
     now, now_by = state.copy(), tangent.copy()
     x[0], v[0] = state[0], state[1]
     if by.shape[1]:
@@ -244,7 +249,7 @@ def move_through(
         if by.shape[1]:
             differentiate_radau(w, theta)
             join_derivatives(w, now_by)
-            store_ends(w, ends, by, 0, 0, by.shape[0])
+            store_ends(w, ends, by, row, by.shape[0])
 
 
 for _kernel in (move, move_with_derivatives, sum_products, move_through):

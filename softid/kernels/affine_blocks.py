@@ -42,13 +42,13 @@ BoolArray = npt.NDArray[np.bool_]
 
 @inner
 def load_steps(w: Array, ends: Ends, time_s: Array, u: Array, counts: Counts, at: Ends) -> None:
-    """The next steps of a log; ``at`` is the interval and the step within it, and moves on.
+    """The next steps of a log.
 
-    ``ends`` receives the sample that every step ends on, −1 for none. Behind the last sample the
+    ``at`` is the interval and the step within it, which move on, and the last sample; ``ends``
+    receives the sample that every step ends on, −1 for none. Behind the last sample the
     input stays and no step ends on a sample.
     """
-    interval, within = at[0], at[1]
-    last = time_s.size - 1
+    interval, within, last = at[0], at[1], at[2]
     h = 1.0
     p = u[last]
     for lane in range(LANES):
@@ -103,33 +103,23 @@ def differentiate_steps(w: Array, rule: int, theta: Array, tangent: Array) -> No
 
 
 @inner
-def store_ends(w: Array, ends: Ends, columns: Array, row: int, begin: int, count: int) -> None:
-    """Columns at the samples, into so many rows from ``row`` on and columns from ``begin`` on."""
+def store_ends(w: Array, ends: Ends, columns: Array, row: int, count: int) -> None:
+    """Columns at the samples, into so many rows from ``row`` on."""
     for p in range(count):
         for i in range(LANES, POINTS):
             if ends[i] >= 0:
-                columns[row + p, begin + ends[i]] = w[BY + p * POINTS + i]
+                columns[row + p, ends[i]] = w[BY + p * POINTS + i]
 
 
 @inner
 def run_positions(
-    law: int,
-    rule: int,
-    theta: Array,
-    time_s: Array,
-    u: Array,
-    counts: Counts,
-    state: Array,
-    w: Array,
-    ends: Ends,
-    at: Ends,
-    x: Array,
-) -> None:
-    """Positions at the samples, shape (n,); ``state`` goes on to the end."""
-    at[0], at[1] = 0, 0
+    law: int, rule: int, theta: Array, time_s: Array, u: Array, counts: Counts, state: Array,
+    w: Array, ends: Ends, at: Ends, x: Array,
+) -> None:  # fmt: skip
+    """Positions at the samples that ``at`` tells; ``state`` goes on to the end."""
     w[:] = 0.0
-    x[0] = state[0]
-    while at[0] < time_s.size - 1:
+    x[at[0]] = state[0]
+    while at[0] < at[2]:
         load_steps(w, ends, time_s, u, counts, at)
         run_steps(w, law, rule, theta, state)
         for i in range(LANES, POINTS):
@@ -139,77 +129,52 @@ def run_positions(
 
 @inner
 def sum_columns(
-    law: int,
-    rule: int,
-    theta: Array,
-    time_s: Array,
-    u: Array,
-    counts: Counts,
-    y: Array,
-    used: BoolArray,
-    gain: float,
-    level: float,
-    state: Array,
-    tangent: Array,
-    w: Array,
-    ends: Ends,
-    at: Ends,
-    kept: Array,
-    row: int,
-    begin: int,
-    gram: Array,
-) -> None:
-    """`softid.kernels.affine.sum_products` in arrays that are there already.
+    law: int, rule: int, theta: Array, time_s: Array, u: Array, counts: Counts, y: Array,
+    used: BoolArray, shift: int, gain: float, level: float, state: Array, tangent: Array, w: Array,
+    ends: Ends, at: Ends, kept: Array, row: int, grams: Array, place: int,
+) -> None:  # fmt: skip
+    """`softid.kernels.affine.sum_products` for the samples that ``at`` tells.
 
-    ``w``, ``ends`` and ``at`` are the block; ``state`` and ``tangent`` go on to the end; ``kept``
-    receives the columns in 11 rows from ``row`` on, from column ``begin`` on.
+    ``shift`` leads from a sample to its measurement; ``w`` and ``ends`` are the block; ``state``
+    and ``tangent`` go on to the end; ``kept`` receives the columns in 11 rows from ``row`` on and
+    ``grams`` the products in 12 rows from ``place`` on.
     """
-    at[0], at[1] = 0, 0
     w[:] = 0.0
-    _sum_first(w, y, used, gain, level, state, tangent, kept, row, begin, gram)
-    while at[0] < time_s.size - 1:
+    _sum_first(w, at[0], y, used, shift, gain, level, state, tangent, kept, row, grams, place)
+    while at[0] < at[2]:
         load_steps(w, ends, time_s, u, counts, at)
         run_steps(w, law, rule, theta, state)
         differentiate_steps(w, rule, theta, tangent)
         for i in range(LANES, POINTS):
-            k = ends[i]
-            counted = k >= 0 and used[k]
+            k = ends[i] + shift
+            counted = ends[i] >= 0 and used[k]
             w[ONE + i] = 1.0 if counted else 0.0
             w[RESIDUAL + i] = y[k] if counted else 0.0
         select_ends(w, gain, level)
-        add_gram(w, gram)
+        add_gram(w, grams, place)
         if kept.shape[1]:
-            store_ends(w, ends, kept, row, begin, N_COLUMNS)
+            store_ends(w, ends, kept, row, np.int64(N_COLUMNS))
     for a in range(N_COLUMNS):
         for b in range(a):
-            gram[b, a] = gram[a, b]
+            grams[place + b, a] = grams[place + a, b]
 
 
 @inner
 def _sum_first(
-    first: Array,
-    y: Array,
-    used: BoolArray,
-    gain: float,
-    level: float,
-    state: Array,
-    tangent: Array,
-    kept: Array,
-    row: int,
-    begin: int,
-    gram: Array,
-) -> None:
+    first: Array, sample: int, y: Array, used: BoolArray, shift: int, gain: float, level: float,
+    state: Array, tangent: Array, kept: Array, row: int, grams: Array, place: int,
+) -> None:  # fmt: skip
     """The first sample, which no step ends on; ``first`` is a block that may be overwritten."""
     for p in range(N_PADDED):
         first[p] = 0.0
-    if used[0]:
+    if used[shift + sample]:
         for p in range(N_PARAMETERS + N_STATES):
             first[p] = tangent[0, p]
         first[N_COLUMNS - 2] = 1.0
-        first[N_COLUMNS - 1] = y[0] - level - gain * state[0]
+        first[N_COLUMNS - 1] = y[shift + sample] - level - gain * state[0]
     for a in range(N_PADDED):
         for b in range(N_PADDED):
-            gram[a, b] = first[a] * first[b]
+            grams[place + a, b] = first[a] * first[b]
     if kept.shape[1]:
         for a in range(N_COLUMNS):
-            kept[row + a, begin] = first[a]
+            kept[row + a, sample] = first[a]

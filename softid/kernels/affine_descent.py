@@ -1,6 +1,7 @@
 """Levenberg–Marquardt for affine laws without a step of Python in between.
 
-The iteration is that of `softid.fitters.levenberg_marquardt.minimise`, which explains it.
+The iteration is that of `softid.fitters.levenberg_marquardt.minimise`, which explains it; arrays
+are those of `softid.kernels.affine_work`.
 """
 
 from __future__ import annotations
@@ -15,316 +16,324 @@ from softid.kernels import (
     affine_work,
     exponential,
     lanes,
+    rules,
     small_solve,
 )
-from softid.kernels.affine_evaluation import bend, evaluate
-from softid.kernels.affine_work import Drive, Measured, Room, Rules, Unknowns
-from softid.kernels.decorators import inner, kernel, written_out
+from softid.kernels.affine_evaluation import add_up, bend, move_zeros, sum_pieces
+from softid.kernels.affine_work import (
+    CHUNK,
+    CORRECTION,
+    COST,
+    CUT,
+    DAMPING,
+    GRADIENT,
+    GROWTH,
+    HELD,
+    LOWER,
+    MOVING,
+    NEXT_LOOK,
+    NOW,
+    POINT,
+    PREDICTED,
+    PULL,
+    REACH,
+    SCALE,
+    SEEN,
+    STEP,
+    UPPER,
+    USED,
+)
+from softid.kernels.decorators import inner, kernel
+from softid.kernels.lanes import N_PARAMETERS, N_STATES, POINTS, SIZE
+from softid.kernels.rules import (
+    DOUBLINGS,
+    INITIAL_DAMPING,
+    LARGEST_DECREASE,
+    LARGEST_STEP,
+    LESS_BEND,
+    MOST_BEND,
+    MOST_DAMPING,
+    MOST_SHORTENED,
+    SCALE_FLOOR,
+    SHORT_STEP,
+    SMALLEST_STEP,
+    STALL_EVALUATIONS,
+    STALL_GAIN,
+    STALL_OFFSET,
+)
 from softid.kernels.small_solve import damped_step, solve_in_place
 from softid.kernels.sources import follow_sources
 
 Array = npt.NDArray[np.float64]
+Index = npt.NDArray[np.int64]
+Counts = npt.NDArray[np.int16]
 BoolArray = npt.NDArray[np.bool_]
 
-ENDED, GOES_ON, SHORTENED, SINGULAR, NEEDS_COLUMNS = 0, 1, 2, 3, 4
+ENDED, GOES_ON, SHORTENED, SINGULAR, NEEDS_COLUMNS, LONG = 0, 1, 2, 3, 4, 5
 """What a part of the iteration says. `descend` ends as `minimise` would, before a system that has
 no single solution, or before a step so long that its bend must be known while no columns are kept.
 """
 
-COST, DAMPING, GROWTH, USED, NEXT_LOOK, SEEN, PREDICTED = 0, 1, 2, 3, 4, 5, 6
-"""Where the numbers of the iteration stand."""
 
-
-@written_out
-def _find_movable(unknowns: Unknowns, room: Room, side: int, moving: BoolArray) -> int:
+@inner
+def _find_movable(vectors: Array, side: int, size: int) -> int:
     """Mark the unknowns inside their bounds or pulled inward, and count them."""
     count = 0
-    for k in range(moving.size):
-        z, pull = room.point[side, k], room.gradient[side, k]
-        low, high = unknowns.lower[k], unknowns.upper[k]
+    for k in range(size):
+        z, pull = vectors[POINT + side, k], vectors[GRADIENT + side, k]
+        low, high = vectors[LOWER, k], vectors[UPPER, k]
         stuck = (z <= low and pull < 0.0) or (z >= high and pull > 0.0)
-        moving[k] = not stuck and high > low
-        count += moving[k]
+        vectors[MOVING, k] = 0.0
+        if not stuck and high > low:
+            vectors[MOVING, k] = 1.0
+            count += 1
     return count
 
 
-@written_out
-def _find_offset(
-    unknowns: Unknowns, room: Room, side: int, moving: BoolArray, count: int, cost: float, n: int
-) -> float:
-    """`attainable_offset`; NaN where its system is singular."""
+@inner
+def _find_offset(vectors: Array, matrices: Array, solve: Array, side: int, n: int) -> float:
+    """`attainable_offset`; NaN where its system is singular. Marks what moves."""
+    size = solve.shape[1]
+    count = _find_movable(vectors, side, size)
     if count == 0:
         return 0.0
-    variance = max(2.0 * cost / max(n - count, 1), 1e-300)
-    matrix, gradient, reach = room.matrix[side], room.gradient[side], unknowns.reach
-    right, scale = room.solve[moving.size], room.small[1]
+    variance = max(2.0 * vectors[NOW, COST] / max(n - count, 1), 1e-300)
+    first, pull = side * size, GRADIENT + side
+    for i in range(size):
+        reach = vectors[REACH, i]
+        vectors[SCALE, i] = 1.0 / np.sqrt(matrices[first + i, i] + variance / (reach * reach))
     m = 0
-    for i in range(moving.size):
-        scale[i] = 1.0 / np.sqrt(matrix[i, i] + variance / (reach[i] * reach[i]))
-    for i in range(moving.size):
-        if moving[i]:
+    for i in range(size):
+        if vectors[MOVING, i] != 0.0:
             k = 0
-            for j in range(moving.size):
-                if moving[j]:
-                    room.solve[m, k] = matrix[i, j] * scale[i] * scale[j]
+            for j in range(size):
+                if vectors[MOVING, j] != 0.0:
+                    both = matrices[first + i, j] * vectors[SCALE, i] * vectors[SCALE, j]
+                    solve[m, k] = 1.0 if i == j else both
                     k += 1
-            room.solve[m, m] = 1.0
-            right[m] = gradient[i] * scale[i]
+            solve[size, m] = vectors[pull, i] * vectors[SCALE, i]
             m += 1
-    if not solve_in_place(room.solve, right, m):
+    if not solve_in_place(solve, m):
         return np.nan
     gain, m = 0.0, 0
-    for i in range(moving.size):
-        if moving[i]:
-            gain += right[m] * gradient[i] * scale[i]
+    for i in range(size):
+        if vectors[MOVING, i] != 0.0:
+            gain += solve[size, m] * vectors[pull, i] * vectors[SCALE, i]
             m += 1
     return float(np.sqrt(max(gain, 0.0) / count / variance))
 
 
 @inner
-def _longest(step: Array, reach: Array) -> float:
-    """Largest share of what is plausible that a step moves an unknown by."""
-    most = 0.0
-    for k in range(step.size):
-        most = max(most, abs(step[k]) / reach[k])
-    return most
-
-
-@inner
-def _length(step: Array, reach: Array) -> float:
+def _length(vectors: Array, row: int, size: int) -> float:
     total = 0.0
-    for k in range(step.size):
-        total += (step[k] / reach[k]) ** 2
+    for k in range(size):
+        total += (vectors[row, k] / vectors[REACH, k]) ** 2
     return float(np.sqrt(total))
 
 
-@written_out
-def _predicted(unknowns: Unknowns, room: Room, side: int, step: Array) -> float:
+@inner
+def _predicted(vectors: Array, matrices: Array, side: int) -> float:
     """Fall of the cost along a straight step, cut at the bounds."""
-    gradient, matrix, cut = room.gradient[side], room.matrix[side], room.small[1]
-    for k in range(step.size):
-        z = room.point[side, k]
-        cut[k] = min(max(z + step[k], unknowns.lower[k]), unknowns.upper[k]) - z
+    size = matrices.shape[1]
+    for k in range(size):
+        z = vectors[POINT + side, k]
+        there = min(max(z + vectors[STEP, k], vectors[LOWER, k]), vectors[UPPER, k])
+        vectors[CUT, k] = there - z
     gain = 0.0
-    for k in range(step.size):
-        pull = gradient[k]
-        for j in range(step.size):
-            pull -= 0.5 * matrix[k, j] * cut[j]
-        gain += cut[k] * pull
+    for k in range(size):
+        pull = vectors[GRADIENT + side, k]
+        for j in range(size):
+            pull -= 0.5 * matrices[side * size + k, j] * vectors[CUT, j]
+        gain += vectors[CUT, k] * pull
     return gain
 
 
-@written_out
-def _try(unknowns: Unknowns, room: Room, side: int, step: Array, smallest: float) -> bool:
+@inner
+def _try(vectors: Array, side: int, size: int) -> bool:
     """Put the trial into the other place; False where it is no step at all."""
     moved = False
-    for k in range(step.size):
-        z = room.point[side, k]
-        there = min(max(z + step[k], unknowns.lower[k]), unknowns.upper[k])
-        room.point[1 - side, k] = there
-        moved = moved or not abs(there - z) <= smallest * (abs(z) + smallest)
+    for k in range(size):
+        z = vectors[POINT + side, k]
+        there = min(max(z + vectors[STEP, k], vectors[LOWER, k]), vectors[UPPER, k])
+        vectors[POINT + 1 - side, k] = there
+        moved = moved or not abs(there - z) <= SMALLEST_STEP * (abs(z) + SMALLEST_STEP)
     return moved
 
 
-@written_out
-def _shorter_damping(
-    unknowns: Unknowns, room: Room, side: int, moving: BoolArray, held: Array, damping: float,
-    length: float, doublings: int, step: Array,
-) -> float:  # fmt: skip
-    """The least damping, in doublings, at which the step is no longer than ``length``."""
-    trial = max(damping, 1e-300)
-    matrix, gradient = room.matrix[side], room.gradient[side]
-    for _ in range(doublings):
-        trial *= 2.0
-        sound = damped_step(matrix, gradient, moving, held, trial, room.solve, step)
-        if sound and _length(step, unknowns.reach) <= length:
-            break
-    return trial
-
-
-@written_out
+@inner
 def _settled(
-    unknowns: Unknowns, room: Room, rules: Rules, side: int, n: int, moving: BoolArray, now: Array
-) -> int:
-    """ENDED at the optimum or near it without progress, SINGULAR, or GOES_ON."""
-    cost = now[COST]
-    count = _find_movable(unknowns, room, side, moving)
-    offset = _find_offset(unknowns, room, side, moving, count, cost, n)
+    vectors: Array, matrices: Array, solve: Array, side: int, n: int, evaluations: int,
+    tolerance: float,
+) -> int:  # fmt: skip
+    """ENDED at a limit, at the optimum or near it without progress, SINGULAR, or GOES_ON."""
+    cost, used = vectors[NOW, COST], vectors[NOW, USED]
+    if used >= evaluations or not np.isfinite(cost) or vectors[NOW, DAMPING] > MOST_DAMPING:
+        return ENDED
+    offset = _find_offset(vectors, matrices, solve, side, n)
     if np.isnan(offset):
         return SINGULAR
-    if offset <= rules.tolerance or count == 0:
+    if offset <= tolerance:
         return ENDED
-    if now[USED] >= now[NEXT_LOOK]:
-        variance = 2.0 * cost / max(n - moving.size, 1)
-        slow = now[SEEN] - cost < rules.stall_gain * variance
-        now[NEXT_LOOK], now[SEEN] = now[USED] + rules.stall_evaluations, cost
-        if slow and offset <= rules.stall_offset:
+    if used >= vectors[NOW, NEXT_LOOK]:
+        variance = 2.0 * cost / max(n - solve.shape[1], 1)
+        slow = vectors[NOW, SEEN] - cost < STALL_GAIN * variance
+        vectors[NOW, NEXT_LOOK], vectors[NOW, SEEN] = used + STALL_EVALUATIONS, cost
+        if slow and offset <= STALL_OFFSET:
             return ENDED
     return GOES_ON
 
 
-@written_out
-def _propose(
-    drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, rules: Rules,
-    side: int, moving: BoolArray, held: Array, now: Array, step: Array, bent: Array,
-) -> int:  # fmt: skip
-    """The next step; SHORTENED where it bends so much that a shorter one must be looked at."""
-    matrix, solve = room.matrix[side], room.solve
-    if not damped_step(matrix, room.gradient[side], moving, held, now[DAMPING], solve, step):
+@inner
+def _go_straight(vectors: Array, matrices: Array, solve: Array, side: int) -> int:
+    """The next step, no longer than may be; LONG where its bend should be known."""
+    size = solve.shape[1]
+    damping = vectors[NOW, DAMPING]
+    if not damped_step(matrices, side * size, vectors, GRADIENT + side, damping, solve, STEP):
         return SINGULAR
-    longest = _longest(step, unknowns.reach)
-    if longest > rules.largest_step:
-        _add(step, rules.largest_step / longest - 1.0, step)
-        longest = rules.largest_step
-    now[PREDICTED] = _predicted(unknowns, room, side, step)
-    if longest <= rules.short_step:
-        return GOES_ON
-    if not room.x.size:
-        return NEEDS_COLUMNS if rules.bends else GOES_ON
-    there, pull, correction = bent[0], bent[1], bent[2]
-    sound = bend(drive, measured, unknowns, room, side, step, rules.bend_step, there, pull)
-    now[USED] += 1.0
-    if not sound:
-        return GOES_ON
-    if not damped_step(matrix, pull, moving, held, now[DAMPING], solve, correction):
+    longest = 0.0
+    for k in range(size):
+        longest = max(longest, abs(vectors[STEP, k]) / vectors[REACH, k])
+    if longest > LARGEST_STEP:
+        for k in range(size):
+            vectors[STEP, k] *= LARGEST_STEP / longest
+        longest = LARGEST_STEP
+    vectors[NOW, PREDICTED] = _predicted(vectors, matrices, side)
+    return LONG if longest > SHORT_STEP else GOES_ON
+
+
+@inner
+def _follow_bend(vectors: Array, matrices: Array, solve: Array, side: int) -> int:
+    """Correct the step; SHORTENED, with more damping, where it bends too much to be trusted."""
+    size = solve.shape[1]
+    first, damping = side * size, vectors[NOW, DAMPING]
+    if not damped_step(matrices, first, vectors, PULL, damping, solve, CORRECTION):
         return SINGULAR
-    length = _length(step, unknowns.reach)
-    share = 0.5 * _length(correction, unknowns.reach) / length
-    if 2.0 * share <= rules.most_bend:
-        _add(step, -0.5, correction)
+    length = _length(vectors, STEP, size)
+    share = 0.5 * _length(vectors, CORRECTION, size) / length
+    if 2.0 * share <= MOST_BEND:
+        for k in range(size):
+            vectors[STEP, k] -= 0.5 * vectors[CORRECTION, k]
         return GOES_ON
-    least = rules.less_bend * rules.most_bend / (2.0 * share)
-    shorter = max(least, rules.most_shortened) * length
-    now[DAMPING] = _shorter_damping(
-        unknowns, room, side, moving, held, now[DAMPING], shorter, rules.doublings, step
-    )
-    now[GROWTH] = 2.0
+    shorter = max(LESS_BEND * MOST_BEND / (2.0 * share), MOST_SHORTENED) * length
+    trial = max(damping, 1e-300)
+    for _ in range(DOUBLINGS):
+        trial *= 2.0
+        sound = damped_step(matrices, first, vectors, GRADIENT + side, trial, solve, STEP)
+        if sound and _length(vectors, STEP, size) <= shorter:
+            break
+    vectors[NOW, DAMPING], vectors[NOW, GROWTH] = trial, 2.0
     return SHORTENED
 
 
 @inner
-def _accepts(rules: Rules, then: float, now: Array) -> bool:
+def _accepts(vectors: Array, then: float) -> bool:
     """Whether a trial is better; moves the damping."""
-    gained = now[COST] - then
-    if np.isfinite(then) and gained > 0.0 and now[PREDICTED] > 0.0:
-        ratio = min(gained / now[PREDICTED], 1.5)
-        now[DAMPING] *= max(rules.largest_decrease, 1.0 - (2.0 * ratio - 1.0) ** 3)
-        now[GROWTH], now[COST] = 2.0, then
+    gained, predicted = vectors[NOW, COST] - then, vectors[NOW, PREDICTED]
+    if np.isfinite(then) and gained > 0.0 and predicted > 0.0:
+        bent = 2.0 * min(gained / predicted, 1.5) - 1.0
+        vectors[NOW, DAMPING] *= max(LARGEST_DECREASE, 1.0 - bent * bent * bent)
+        vectors[NOW, GROWTH], vectors[NOW, COST] = 2.0, then
         return True
-    now[DAMPING] *= now[GROWTH]
-    now[GROWTH] *= 2.0
+    vectors[NOW, DAMPING] *= vectors[NOW, GROWTH]
+    vectors[NOW, GROWTH] *= 2.0
     return False
 
 
 @inner
-def _add(step: Array, factor: float, more: Array) -> None:
-    """Array expressions would load scipy's linear algebra with the kernel."""
-    for k in range(step.size):
-        step[k] += factor * more[k]
-
-
-@inner
-def _scale(reach: Array, floor: float, held: Array) -> None:
-    """1/reach, none less than ``floor`` times the largest."""
-    most = 0.0
-    for k in range(reach.size):
-        most = max(most, 1.0 / reach[k])
-    for k in range(reach.size):
-        held[k] = max(1.0 / reach[k], floor * most)
-
-
-@written_out
-def _first_damping(unknowns: Unknowns, room: Room, initial: float) -> float:
-    most = 0.0
-    for k in range(unknowns.reach.size):
-        most = max(most, room.matrix[0, k, k] * unknowns.reach[k] * unknowns.reach[k])
-    return initial * most
-
-
-@written_out
-def _next(
-    drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, rules: Rules, side: int,
-    n: int, moving: BoolArray, held: Array, now: Array, step: Array, bent: Array, evaluations: int,
-) -> int:  # fmt: skip
-    """Put the next trial into the other place; anything but GOES_ON where there is none."""
-    how = SHORTENED
-    while how == SHORTENED:
-        if now[USED] >= evaluations or not np.isfinite(now[COST]):
-            return ENDED
-        if now[DAMPING] > rules.most_damping:
-            return ENDED
-        how = _settled(unknowns, room, rules, side, n, moving, now)
-        if how == GOES_ON:
-            how = _propose(
-                drive, measured, unknowns, room, rules, side, moving, held, now, step, bent
-            )
-    if how == GOES_ON and not _try(unknowns, room, side, step, rules.smallest_step):
-        return ENDED
-    return how
+def _begin(vectors: Array, matrices: Array, cost: float, damping: float) -> None:
+    """Scales and numbers of the iteration behind the first evaluation."""
+    size = matrices.shape[1]
+    stiffest, steepest = 0.0, 0.0
+    for k in range(size):
+        reach = vectors[REACH, k]
+        stiffest = max(stiffest, 1.0 / reach)
+        steepest = max(steepest, matrices[k, k] * reach * reach)
+    for k in range(size):
+        vectors[HELD, k] = max(1.0 / vectors[REACH, k], SCALE_FLOOR * stiffest)
+    vectors[NOW, COST] = cost
+    vectors[NOW, DAMPING] = damping if damping >= 0.0 else INITIAL_DAMPING * steepest
+    vectors[NOW, GROWTH], vectors[NOW, PREDICTED] = 2.0, np.inf
+    vectors[NOW, NEXT_LOOK], vectors[NOW, SEEN] = STALL_EVALUATIONS, np.inf
 
 
 @kernel
 def descend(
-    drive: Drive,
-    measured: Measured,
-    unknowns: Unknowns,
-    room: Room,
-    rules: Rules,
-    evaluations: int,
-    damping: float,
-) -> tuple[int, int, int, float, float, int, float]:
-    """Minimise from ``room.point[0]``, which lies within the bounds.
+    pieces: Index, lines: Array, free: Index, time_s: Array, u: Array, counts: Counts, y: Array,
+    used: BoolArray, theta: Array, vectors: Array, matrices: Array, grams: Array, first: Array,
+    second: Array, x: Array, evaluations: int, tolerance: float, damping: float, bends: bool,
+) -> tuple[int, int, int, float]:  # fmt: skip
+    """Minimise from the row `POINT`, which lies within the bounds.
 
     Parameters
     ----------
-    drive, measured, unknowns, room
-        See `softid.kernels.affine_work`.
-    rules
-        Constants of the iteration.
-    evaluations
-        Limit of evaluations.
+    pieces, lines, free, vectors
+        See `softid.kernels.affine_work`; shapes (P, 10), (P, 3), (2, F) and (26, U or 11).
+    time_s, u, counts
+        Sample times, input and steps per sampling interval of all segments, each of shape (N,).
+    y, used
+        Measured outputs and which samples count, each of shape (C·N,).
+    theta
+        The kernels' parameters and gain, where the free ones are overwritten, shape (8,).
+    matrices, grams
+        Receive JᵀJ and the products of columns at either place, shapes (2U, U) and (24·P, 12).
+    first, second, x
+        Receive the columns at either place, shape (11·C, N), and positions along a trial, shape
+        (N,); of shapes (11·C, 0) and (0,) when none are kept.
+    evaluations, tolerance
+        As in `minimise`.
     damping
         That of a run that goes on; negative begins anew.
+    bends
+        Whether to stop before a long step where no columns are kept to tell how it bends.
 
     Returns
     -------
-    how, side, used, cost, damping, n, offset
-        SINGULAR or NEEDS_COLUMNS where another run must go on, else anything; the place of the room
-        that holds the end; evaluations; cost there with the prior; damping at the end; residuals;
-        `attainable_offset` at the end, NaN where its system is singular.
+    how, side, n, offset
+        SINGULAR or NEEDS_COLUMNS where another run must go on, else anything; the place that holds
+        the end; residuals; `attainable_offset` at the end, NaN where its system is singular.
     """
-    size = unknowns.reach.size
-    moving, step, bent = np.empty(size, np.bool_), np.empty(size), np.empty((3, size))
-    held = np.empty(size)
-    _scale(unknowns.reach, rules.scale_floor, held)
-    now = np.empty(7)
-    now[USED], now[GROWTH], now[NEXT_LOOK], now[SEEN] = 0.0, 2.0, rules.stall_evaluations, np.inf
-    now[COST], now[PREDICTED] = np.inf, np.inf
-    side = int(now[USED])  # a literal 0 would have everything compiled once more for it
-    place = side
-    while True:  # with one call of `evaluate`, of which the compiler writes out every one
-        then, n = evaluate(drive, measured, unknowns, room, place)
-        now[USED] += 1.0
-        if now[USED] == 1.0:
-            now[COST] = then
-            fresh = damping < 0.0
-            now[DAMPING] = (
-                _first_damping(unknowns, room, rules.initial_damping) if fresh else damping
-            )
-        elif _accepts(rules, then, now):
-            side = place
-        how = _next(
-            drive, measured, unknowns, room, rules, side, n, moving, held, now, step, bent,
-            evaluations,
+    work, ends, at = np.empty(SIZE), np.empty(POINTS, np.int64), np.zeros(3, np.int64)
+    state, tangent = np.empty(N_STATES), np.empty((N_STATES, N_PARAMETERS + N_STATES))
+    away, solve = np.empty(CHUNK), np.empty((matrices.shape[1] + 1, matrices.shape[1]))
+    side = at[0]  # a literal 0 would have everything compiled once more for it
+    place, how = side, GOES_ON
+    vectors[NOW, USED] = 0.0
+    while how == GOES_ON:
+        sum_pieces(
+            pieces, lines, free, time_s, u, counts, y, used, theta, vectors, grams,
+            second if place else first, work, ends, at, state, tangent, place,
         )  # fmt: skip
-        if how != GOES_ON:
-            break
+        n = move_zeros(pieces, vectors, grams, place)
+        then = add_up(pieces, lines, free, theta, vectors, matrices, grams, place)
+        vectors[NOW, USED] += 1.0
+        if vectors[NOW, USED] == 1.0:
+            _begin(vectors, matrices, then, damping)
+        elif _accepts(vectors, then):
+            side = place
+        how = SHORTENED
+        while how == SHORTENED:
+            how = _settled(vectors, matrices, solve, side, n, evaluations, tolerance)
+            if how == GOES_ON:
+                how = _go_straight(vectors, matrices, solve, side)
+            if how != LONG:
+                continue
+            how = GOES_ON
+            if not x.size:
+                how = NEEDS_COLUMNS if bends else GOES_ON
+                continue
+            vectors[NOW, USED] += 1.0
+            if bend(
+                pieces, lines, free, time_s, u, counts, y, used, theta, vectors,
+                second if side else first, x, work, ends, at, state, tangent, away, side,
+            ):  # fmt: skip
+                how = _follow_bend(vectors, matrices, solve, side)
+        if how == GOES_ON and not _try(vectors, side, solve.shape[1]):
+            how = ENDED
         place = 1 - side
     offset = np.inf
-    if np.isfinite(now[COST]):
-        count = _find_movable(unknowns, room, side, moving)
-        offset = _find_offset(unknowns, room, side, moving, count, now[COST], n)
-    return how, side, int(now[USED]), now[COST], now[DAMPING], n, offset
+    if np.isfinite(vectors[NOW, COST]):
+        offset = _find_offset(vectors, matrices, solve, side, n)
+    return how, side, n, offset
 
 
 follow_sources(
@@ -336,6 +345,7 @@ follow_sources(
         affine_work,
         exponential,
         lanes,
+        rules,
         small_solve,
     ),
 )

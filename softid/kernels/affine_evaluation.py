@@ -1,8 +1,9 @@
-"""Cost, normal equations and the bend of a fit of an affine law, compiled as one.
+"""Cost, normal equations and the bend of a fit of an affine law.
 
-Every segment and channel contributes columns C (seven derivatives, two by the initial state, one,
-residual) and their products G = C Cᵀ; weights T make up the Jacobian, J = Cᵀ T, and t the residual.
-Then JᵀJ = Tᵀ G T and Jᵀr = Tᵀ G t, and a zero moves to its optimum by changing t.
+Every piece contributes columns C (seven derivatives, two by the initial state, one, residual) and
+their products G = C Cᵀ; weights T make up the Jacobian, J = Cᵀ T, and t the residual. Then
+JᵀJ = Tᵀ G T and Jᵀr = Tᵀ G t, and a zero moves to its optimum by changing t. Arrays are those of
+`softid.kernels.affine_work`.
 """
 
 from __future__ import annotations
@@ -12,35 +13,72 @@ import numpy.typing as npt
 from numba import njit
 
 from softid.kernels.affine_blocks import run_positions, sum_columns
-from softid.kernels.affine_work import CHUNK, Drive, Measured, Room, Unknowns
-from softid.kernels.decorators import inner, written_out
-from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PARAMETERS, N_STATES, SUMMING
+from softid.kernels.affine_work import (
+    ANCHORED,
+    BEGIN,
+    CENTRE,
+    CHANNEL,
+    CHUNK,
+    END,
+    FACTOR,
+    GAIN,
+    GRADIENT,
+    LAW,
+    LEVEL,
+    LOGARITHMIC,
+    MADE,
+    OUTPUT,
+    PARAMETER,
+    POINT,
+    PRIOR,
+    PULL,
+    PULLED,
+    RULE,
+    SHARE,
+    SHIFT,
+    STATE_AT,
+    STATES,
+    STEP,
+    TAKEN,
+    THERE,
+    TOTAL,
+    WEIGHT,
+    ZERO_AT,
+)
+from softid.kernels.decorators import inner
+from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PADDED, N_PARAMETERS, N_STATES, SUMMING
+from softid.kernels.rules import BEND_STEP
 
 Array = npt.NDArray[np.float64]
-
+Index = npt.NDArray[np.int64]
+Counts = npt.NDArray[np.int16]
+BoolArray = npt.NDArray[np.bool_]
 
 ONE, RESIDUAL = N_COLUMNS - 2, N_COLUMNS - 1
 
 
-@written_out
-def set_parameters(drive: Drive, unknowns: Unknowns, z: Array) -> None:
-    """The kernels' parameters at ``z``."""
-    for f in range(unknowns.inner.size):
-        value = np.exp(z[f]) if unknowns.logarithmic[f] else z[f]
-        drive.theta[unknowns.inner[f]] = unknowns.factor[f] * value
+@inner
+def set_parameters(free: Index, vectors: Array, row: int, theta: Array) -> None:
+    """The kernels' parameters at the unknowns of a row."""
+    for f in range(free.shape[1]):
+        value = vectors[row, f]
+        if free[LOGARITHMIC, f]:
+            value = np.exp(value)
+        theta[free[PARAMETER, f]] = vectors[FACTOR, f] * value
 
 
-@written_out
+@inner
 def _begin(
-    drive: Drive, unknowns: Unknowns, z: Array, s: int, state: Array, tangent: Array
-) -> None:
-    """(x, v) at the first sample of a segment, shape (2,), and its derivatives, shape (2, 9)."""
-    theta, u = drive.theta, drive.u[drive.edges[s]]
-    tangent[:] = 0.0
+    pieces: Index, p: int, theta: Array, u: float, vectors: Array, row: int, state: Array,
+    tangent: Array,
+) -> None:  # fmt: skip
+    """(x, v) at the first sample of a piece, shape (2,), and its derivatives, shape (2, 9)."""
+    for k in range(N_PARAMETERS + N_STATES):
+        tangent[0, k], tangent[1, k] = 0.0, 0.0
     tangent[0, N_PARAMETERS] = tangent[1, N_PARAMETERS + 1] = 1.0
     state[0], state[1] = 0.0, 0.0
-    if drive.anchored[s]:
-        if drive.law == MUSCLE:
+    if pieces[p, ANCHORED]:
+        if pieces[p, LAW] == MUSCLE:
             force = np.exp(theta[2] * u)
             force_by = u * force
         else:
@@ -51,204 +89,195 @@ def _begin(
         tangent[0, 1] = -rest * force / stiffness
         tangent[0, 2] = force_by * (1.0 - theta[1] * rest) / stiffness
         tangent[0, 3] = -rest / stiffness
-    at = unknowns.state_at[s]
+    at = pieces[p, STATE_AT]
     if at >= 0:
-        for k in range(unknowns.states):
-            state[k] += z[at + k]
+        for k in range(pieces[p, STATES]):
+            state[k] += vectors[row, at + k]
 
 
-@written_out
-def _sum_all(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, side: int) -> None:
-    """Products of the columns of every segment and channel at a place."""
-    z = room.point[side]
-    kept = room.first if side == 0 else room.second
-    rows = drive.time_s.size
-    state, tangent, at = room.state, room.tangent, room.at
-    set_parameters(drive, unknowns, z)
-    for s in range(drive.rules.size):
-        a, b = drive.edges[s], drive.edges[s + 1]
-        for c in range(measured.gain.size):
-            zero = unknowns.zero_at[s, c]
-            level = measured.level[c] + (z[zero] if zero >= 0 else 0.0)
-            _begin(drive, unknowns, z, s, state, tangent)
-            sum_columns(
-                drive.law, drive.rules[s], drive.theta, drive.time_s[a:b], drive.u[a:b],
-                drive.counts[a : b - 1], measured.y[c * rows + a : c * rows + b],
-                measured.used[c * rows + a : c * rows + b], measured.gain[c], level, state,
-                tangent, room.work, room.ends, at, kept, c * N_COLUMNS, a, room.gram[side, s, c],
-            )  # fmt: skip
+@inner
+def sum_pieces(
+    pieces: Index, lines: Array, free: Index, time_s: Array, u: Array, counts: Counts, y: Array,
+    used: BoolArray, theta: Array, vectors: Array, grams: Array, kept: Array, work: Array,
+    ends: Index, at: Index, state: Array, tangent: Array, side: int,
+) -> None:  # fmt: skip
+    """Products of the columns of every piece at a place; ``kept`` receives the columns."""
+    set_parameters(free, vectors, POINT + side, theta)
+    for p in range(pieces.shape[0]):
+        zero = pieces[p, ZERO_AT]
+        level = lines[p, LEVEL]
+        if zero >= 0:
+            level += vectors[POINT + side, zero]
+        begin = pieces[p, BEGIN]
+        _begin(pieces, p, theta, u[begin], vectors, POINT + side, state, tangent)
+        at[0], at[1], at[2] = begin, 0, pieces[p, END] - 1
+        sum_columns(
+            pieces[p, LAW], pieces[p, RULE], theta, time_s, u, counts, y, used, pieces[p, OUTPUT],
+            lines[p, GAIN], level, state, tangent, work, ends, at, kept,
+            pieces[p, CHANNEL] * N_COLUMNS, grams, (side * pieces.shape[0] + p) * N_PADDED,
+        )  # fmt: skip
 
 
-@written_out
-def _move_zeros(drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, side: int) -> int:
+@inner
+def move_zeros(pieces: Index, vectors: Array, grams: Array, side: int) -> int:
     """Move every zero to its optimum, the mean residual of its log; returns the residuals."""
-    z, shift, total = room.point[side], room.shift[side], room.small[0]
-    shift[:] = 0.0
-    total[:] = 0.0
+    for k in range(vectors.shape[1]):
+        vectors[SHIFT + side, k], vectors[TOTAL, k] = 0.0, 0.0
     n = 0
-    for s in range(drive.rules.size):
-        for c in range(measured.gain.size):
-            gram, zero = room.gram[side, s, c], unknowns.zero_at[s, c]
-            n += round(gram[ONE, ONE]) if np.isfinite(gram[ONE, ONE]) else 0
-            if zero >= 0:
-                total[zero] += gram[ONE, ONE]
-                shift[zero] += gram[ONE, RESIDUAL]
-    for k in range(z.size):
-        shift[k] = shift[k] / total[k] if total[k] > 0.0 and np.isfinite(shift[k]) else 0.0
-        z[k] += shift[k]
+    for p in range(pieces.shape[0]):
+        one = (side * pieces.shape[0] + p) * N_PADDED + ONE
+        zero = pieces[p, ZERO_AT]
+        if np.isfinite(grams[one, ONE]):
+            n += int(grams[one, ONE] + 0.5)
+        if zero >= 0:
+            vectors[TOTAL, zero] += grams[one, ONE]
+            vectors[SHIFT + side, zero] += grams[one, RESIDUAL]
+    for k in range(vectors.shape[1]):
+        shift, total = vectors[SHIFT + side, k], vectors[TOTAL, k]
+        shift = shift / total if total > 0.0 and np.isfinite(shift) else 0.0
+        vectors[SHIFT + side, k] = shift
+        vectors[POINT + side, k] += shift
     return n
 
 
-@written_out
-def _weigh(drive: Drive, measured: Measured, unknowns: Unknowns, s: int, c: int, t: Array) -> int:
-    """T of one piece as the unknown and the weight of every column but the last two.
-
-    Parameters k with an unknown stand at ``t[0, k]`` (the unknown, or −1) and ``t[1, k]``.
-    """
-    gain = measured.gain[c]
+@inner
+def _weigh(
+    pieces: Index, lines: Array, free: Index, theta: Array, vectors: Array, p: int, side: int
+) -> float:
+    """T of a piece: the unknown and the weight of every column; returns by what its zero moved."""
+    gain = lines[p, GAIN]
     for k in range(N_PARAMETERS + N_STATES):
-        t[0, k], t[1, k] = -1.0, 0.0
-    for f in range(unknowns.inner.size):
-        k = unknowns.inner[f]
-        t[0, k] = f
-        t[1, k] = gain * (drive.theta[k] if unknowns.logarithmic[f] else unknowns.factor[f])
-    at = unknowns.state_at[s]
+        vectors[TAKEN, k], vectors[SHARE, k] = -1.0, 0.0
+    for f in range(free.shape[1]):
+        k = free[PARAMETER, f]
+        vectors[TAKEN, k] = f
+        vectors[SHARE, k] = gain * (theta[k] if free[LOGARITHMIC, f] else vectors[FACTOR, f])
+    at = pieces[p, STATE_AT]
     if at >= 0:
-        for k in range(unknowns.states):
-            t[0, N_PARAMETERS + k], t[1, N_PARAMETERS + k] = at + k, gain
-    t[0, ONE], t[1, ONE] = unknowns.zero_at[s, c], 1.0
-    return int(t[0, ONE])
+        for k in range(pieces[p, STATES]):
+            vectors[TAKEN, N_PARAMETERS + k], vectors[SHARE, N_PARAMETERS + k] = at + k, gain
+    zero = pieces[p, ZERO_AT]
+    vectors[TAKEN, ONE], vectors[SHARE, ONE] = zero, 1.0
+    return float(vectors[SHIFT + side, zero]) if zero >= 0 else 0.0
 
 
-@written_out
-def evaluate(
-    drive: Drive, measured: Measured, unknowns: Unknowns, room: Room, side: int
-) -> tuple[float, int]:
-    """Cost with its prior, and number of residuals, at a place of the room; fills the place."""
-    _sum_all(drive, measured, unknowns, room, side)
-    n = _move_zeros(drive, measured, unknowns, room, side)
-    z, t = room.point[side], room.small[1:3]
-    gradient, matrix = room.gradient[side], room.matrix[side]
-    gradient[:] = 0.0
-    matrix[:] = 0.0
+@inner
+def add_up(
+    pieces: Index, lines: Array, free: Index, theta: Array, vectors: Array, matrices: Array,
+    grams: Array, side: int,
+) -> float:  # fmt: skip
+    """Cost with its prior; fills the place with its normal equations."""
+    size = matrices.shape[1]
+    first, gradient = side * size, GRADIENT + side
+    for i in range(size):
+        vectors[gradient, i] = 0.0
+        for j in range(size):
+            matrices[first + i, j] = 0.0
     cost = 0.0
-    for s in range(drive.rules.size):
-        for c in range(measured.gain.size):
-            zero = _weigh(drive, measured, unknowns, s, c, t)
-            gram, weight = room.gram[side, s, c], measured.weight[c]
-            moved = room.shift[side, zero] if zero >= 0 else 0.0
-            left = gram[RESIDUAL, RESIDUAL] - moved * gram[RESIDUAL, ONE]
-            left -= moved * (gram[ONE, RESIDUAL] - moved * gram[ONE, ONE])
-            cost += 0.5 * weight * max(left, 0.0)
-            for i in range(N_COLUMNS - 1):
-                p = int(t[0, i])
-                if p < 0:
-                    continue
-                gradient[p] += weight * t[1, i] * (gram[i, RESIDUAL] - moved * gram[i, ONE])
+    for p in range(pieces.shape[0]):
+        moved = _weigh(pieces, lines, free, theta, vectors, p, side)
+        g, weight = (side * pieces.shape[0] + p) * N_PADDED, lines[p, WEIGHT]
+        left = grams[g + RESIDUAL, RESIDUAL] - moved * grams[g + RESIDUAL, ONE]
+        left -= moved * (grams[g + ONE, RESIDUAL] - moved * grams[g + ONE, ONE])
+        cost += 0.5 * weight * max(left, 0.0)
+        for i in range(N_COLUMNS - 1):
+            a, share = int(vectors[TAKEN, i]), weight * vectors[SHARE, i]
+            if a >= 0:
+                vectors[gradient, a] += share * (grams[g + i, RESIDUAL] - moved * grams[g + i, ONE])
                 for j in range(N_COLUMNS - 1):
-                    q = int(t[0, j])
-                    if q >= 0:
-                        matrix[p, q] += weight * t[1, i] * t[1, j] * gram[i, j]
+                    b = int(vectors[TAKEN, j])
+                    if b >= 0:
+                        matrices[first + a, b] += share * vectors[SHARE, j] * grams[g + i, j]
     total = cost
-    for k in range(z.size):
-        away = z[k] - unknowns.centre[k]
-        cost += 0.5 * unknowns.prior[k] * away * away
-        gradient[k] -= unknowns.prior[k] * away
-        matrix[k, k] += unknowns.prior[k]
-        for j in range(z.size):
-            total += matrix[k, j]
-        total += gradient[k]
-    if not np.isfinite(total):
-        cost = np.inf
-    return cost, n
+    for i in range(size):
+        away, prior = vectors[POINT + side, i] - vectors[CENTRE, i], vectors[PRIOR, i]
+        cost += 0.5 * prior * away * away
+        vectors[gradient, i] -= prior * away
+        matrices[first + i, i] += prior
+        total += vectors[gradient, i]
+        for j in range(size):
+            total += matrices[first + i, j]
+    return cost if np.isfinite(total) else np.inf
 
 
 @njit(nogil=True, error_model="numpy", fastmath=SUMMING)
-def _dot(kept: Array, row: int, a: int, b: int, away: Array) -> float:
+def _dot(kept: Array, row: int, begin: int, end: int, away: Array) -> float:
     total = 0.0
-    column = kept[row, a:b]
-    for i in range(column.size):
-        total += column[i] * away[i]
+    for i in range(end - begin):
+        total += kept[row, begin + i] * away[i]
     return total
 
 
 @inner
-def _pull(kept: Array, row: int, a: int, b: int, made: Array, away: Array, pulled: Array) -> None:
+def _pull(kept: Array, row: int, begin: int, end: int, vectors: Array, away: Array) -> None:
     """Add columns times what is left of the straight line, over some samples."""
     for j in range(N_COLUMNS):
-        weight = made[j]
+        weight = vectors[MADE, j]
         if weight != 0.0:
-            column = kept[row + j, a:b]
-            for i in range(column.size):
-                away[i] += weight * column[i]
+            for i in range(end - begin):
+                away[i] += weight * kept[row + j, begin + i]
     for j in range(N_COLUMNS - 1):
-        pulled[j] += _dot(kept, row + j, a, b, away)
+        vectors[PULLED, j] += _dot(kept, row + j, begin, end, away)
 
 
-@written_out
+@inner
 def _pull_piece(
-    drive: Drive, measured: Measured, room: Room, side: int, c: int, a: int, b: int, level: float
-) -> None:
-    """Columns times (straight − true) residual of one piece, into the fifth small vector."""
-    kept = room.first if side == 0 else room.second
-    made, pulled = room.small[3], room.small[4]
-    pulled[:] = 0.0
-    away = room.away
-    gain, rows = measured.gain[c], drive.time_s.size
-    for begin in range(a, b, CHUNK):
-        end = min(begin + CHUNK, b)
+    pieces: Index, lines: Array, p: int, y: Array, used: BoolArray, vectors: Array, kept: Array,
+    x: Array, away: Array,
+) -> None:  # fmt: skip
+    """Columns times (straight − true) residual of one piece."""
+    zero, shift = pieces[p, ZERO_AT], pieces[p, OUTPUT]
+    gain, level = lines[p, GAIN], lines[p, LEVEL]
+    if zero >= 0:
+        level += vectors[THERE, zero]
+    for j in range(N_COLUMNS):
+        vectors[PULLED, j] = 0.0
+    for begin in range(pieces[p, BEGIN], pieces[p, END], CHUNK):
+        end = min(begin + CHUNK, pieces[p, END])
         for i in range(end - begin):
-            k = c * rows + begin + i
-            there = measured.y[k] - level - gain * room.x[begin + i]
-            away[i] = -there if measured.used[k] else 0.0
-        _pull(kept, c * N_COLUMNS, begin, end, made, away, pulled)
+            k = begin + i
+            there = y[shift + k] - level - gain * x[k]
+            away[i] = -there if used[shift + k] else 0.0
+        _pull(kept, pieces[p, CHANNEL] * N_COLUMNS, begin, end, vectors, away)
 
 
-@written_out
+@inner
 def bend(
-    drive: Drive,
-    measured: Measured,
-    unknowns: Unknowns,
-    room: Room,
-    side: int,
-    step: Array,
-    fraction: float,
-    z: Array,
-    total: Array,
-) -> bool:
-    """Jᵀ∂²ŷ/∂v² for v = ``step`` into ``total``, shape (U,); False where it is not finite.
+    pieces: Index, lines: Array, free: Index, time_s: Array, u: Array, counts: Counts, y: Array,
+    used: BoolArray, theta: Array, vectors: Array, kept: Array, x: Array, work: Array, ends: Index,
+    at: Index, state: Array, tangent: Array, away: Array, side: int,
+) -> bool:  # fmt: skip
+    """Jᵀ∂²ŷ/∂v² for v in the row `STEP` into the row `PULL`; False where it is not finite.
 
-    ``z`` is overwritten, shape (U,). Needs the kept columns at the place.
+    Needs the kept columns at the place.
     """
-    state, tangent, at = room.state, room.tangent, room.at
-    t, made, pulled = room.small[1:3], room.small[3], room.small[4]
-    for k in range(z.size):
-        z[k] = room.point[side, k] + fraction * step[k]
-        total[k] = 0.0
-    for s in range(drive.rules.size):
-        a, b = drive.edges[s], drive.edges[s + 1]
-        set_parameters(drive, unknowns, z)
-        _begin(drive, unknowns, z, s, state, tangent)
-        run_positions(
-            drive.law, drive.rules[s], drive.theta, drive.time_s[a:b], drive.u[a:b],
-            drive.counts[a : b - 1], state, room.work, room.ends, at, room.x[a:b],
-        )  # fmt: skip
-        set_parameters(drive, unknowns, room.point[side])
-        for c in range(measured.gain.size):
-            zero = _weigh(drive, measured, unknowns, s, c, t)
-            for j in range(N_COLUMNS - 1):
-                p = int(t[0, j])
-                made[j] = -fraction * t[1, j] * step[p] if p >= 0 else 0.0
-            made[RESIDUAL] = 1.0
-            made[ONE] -= room.shift[side, zero] if zero >= 0 else 0.0
-            level = measured.level[c] + (z[zero] if zero >= 0 else 0.0)
-            _pull_piece(drive, measured, room, side, c, a, b, level)
-            weight = 2.0 / (fraction * fraction) * measured.weight[c]
-            for j in range(N_COLUMNS - 1):
-                p = int(t[0, j])
-                if p >= 0:
-                    total[p] += weight * t[1, j] * pulled[j]
-    finite = True
-    for k in range(z.size):
-        finite = finite and np.isfinite(total[k])
-    return finite
+    for k in range(vectors.shape[1]):
+        vectors[THERE, k] = vectors[POINT + side, k] + BEND_STEP * vectors[STEP, k]
+        vectors[PULL, k] = 0.0
+    for p in range(pieces.shape[0]):
+        if pieces[p, CHANNEL] == 0:
+            begin = pieces[p, BEGIN]
+            set_parameters(free, vectors, THERE, theta)
+            _begin(pieces, p, theta, u[begin], vectors, THERE, state, tangent)
+            at[0], at[1], at[2] = begin, 0, pieces[p, END] - 1
+            run_positions(
+                pieces[p, LAW], pieces[p, RULE], theta, time_s, u, counts, state, work, ends, at, x
+            )
+            set_parameters(free, vectors, POINT + side, theta)
+        moved = _weigh(pieces, lines, free, theta, vectors, p, side)
+        for j in range(N_COLUMNS - 1):
+            a = int(vectors[TAKEN, j])
+            share = -BEND_STEP * vectors[SHARE, j]
+            vectors[MADE, j] = share * vectors[STEP, a] if a >= 0 else 0.0
+        vectors[MADE, RESIDUAL] = 1.0
+        vectors[MADE, ONE] -= moved
+        _pull_piece(pieces, lines, p, y, used, vectors, kept, x, away)
+        weight = 2.0 / (BEND_STEP * BEND_STEP) * lines[p, WEIGHT]
+        for j in range(N_COLUMNS - 1):
+            a = int(vectors[TAKEN, j])
+            if a >= 0:
+                vectors[PULL, a] += weight * vectors[SHARE, j] * vectors[PULLED, j]
+    total = 0.0
+    for k in range(vectors.shape[1]):
+        total += vectors[PULL, k]
+    return bool(np.isfinite(total))

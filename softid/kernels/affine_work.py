@@ -1,176 +1,64 @@
-"""What a compiled fit of an affine law works on.
+"""Where everything stands in the arrays that a compiled fit of an affine law works on.
 
-Segments follow each other in one array each of times, input and counts; measured outputs follow
-each other channel by channel, each as long as the times.
+A piece is one measured output over one segment. Segments follow each other in one array each of
+times, input and counts; measured outputs follow each other channel by channel, each as long as the
+times. What an iteration needs stands in few arrays of many rows: the compiler spends most of its
+time on passing arrays. Names are of numpy's type since it would compile a function once more for
+every plain integer that it is given.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
-Index = npt.NDArray[np.int64]
-BoolArray = npt.NDArray[np.bool_]
+from softid.kernels.lanes import N_COLUMNS, N_PADDED
+
+LAW, RULE, BEGIN, END, OUTPUT, CHANNEL, ANCHORED, STATE_AT, STATES, ZERO_AT = (
+    np.int64(k) for k in range(10)
+)
+"""Columns of ``pieces``: kind of the law; RK4 or RADAU; first sample and the one behind the last;
+what leads from a sample to its measurement; channel; whether the piece starts from the equilibrium
+of its first input, or so far from it; the unknown that its initial state begins at, −1 at rest, and
+how many there are; the unknown that is its zero, −1 for none."""
+
+PIECE_COLUMNS = 10
+
+GAIN, LEVEL, WEIGHT = (np.int64(k) for k in range(3))
+"""Columns of ``lines``: the output of a piece is gain·x + level and its zero, with weight 1/σ²."""
+
+PARAMETER, LOGARITHMIC = np.int64(0), np.int64(1)
+"""Rows of ``free``: which of the kernels' parameters a free one is, times a factor that is a row of
+the vectors, and whether the unknown is its logarithm."""
+
+(
+    FACTOR, LOWER, UPPER, REACH, CENTRE, PRIOR, HELD, MOVING,
+    TAKEN, SHARE, MADE, PULLED, TOTAL, SCALE, CUT,
+    THERE, PULL, CORRECTION, STEP, NOW,
+) = (np.int64(k) for k in range(20))  # fmt: skip
+"""Rows of ``vectors``. By unknown: factors of the free parameters, bounds, plausible moves, centre
+and weight of a prior, scales that hold the damping, and whether it moves. By column: which unknown
+it belongs to, −1 for none, how much of it, a straight line, and what that leaves. Then sums over
+the zeros, scales and a step within the bounds; a point to bend at, its pull, a correction and a
+step; and numbers of the iteration."""
+
+POINT, SHIFT, GRADIENT = (np.int64(20 + 2 * k) for k in range(3))
+"""Rows of which there are two, one for the place where the fit stands and one for what it tries:
+unknowns, by how much zeros were moved there, and Jᵀr."""
+
+N_VECTORS = 26
+
+COST, DAMPING, GROWTH, USED, NEXT_LOOK, SEEN, PREDICTED = range(7)
+"""Columns of the row `NOW`."""
 
 CHUNK = 512
 """Samples between two looks at the same columns, so that they are still near."""
 
 
-class Drive(NamedTuple):
-    """What is simulated.
-
-    Attributes
-    ----------
-    law
-        MUSCLE or OSCILLATOR.
-    theta
-        The kernels' parameters and gain, where the free ones are overwritten, shape (8,).
-    time_s, u
-        Sample times and input of all segments, each of shape (N,).
-    counts
-        Steps per sampling interval, shape (N,); the last one of every segment means nothing.
-    edges
-        Where each segment begins, and N, shape (S + 1,).
-    rules
-        RK4 or RADAU for every segment, shape (S,).
-    anchored
-        Whether a segment starts from the equilibrium of its first input, or so far from it.
-    """
-
-    law: int
-    theta: Array
-    time_s: Array
-    u: Array
-    counts: npt.NDArray[np.int16]
-    edges: Index
-    rules: Index
-    anchored: BoolArray
+def width(size: int) -> int:
+    """Columns of ``vectors`` for so many unknowns."""
+    return max(size, N_COLUMNS)
 
 
-class Measured(NamedTuple):
-    """What it is compared with.
-
-    Attributes
-    ----------
-    y, used
-        Measured outputs and which samples count, each of shape (C·N,).
-    gain, level
-        Every output is gain·x + level and its sensor zero, each of shape (C,).
-    weight
-        1/σ² of every output, shape (C,).
-    """
-
-    y: Array
-    used: BoolArray
-    gain: Array
-    level: Array
-    weight: Array
-
-
-class Unknowns(NamedTuple):
-    """What is sought: U unknowns, F of them parameters.
-
-    Attributes
-    ----------
-    inner, factor, logarithmic
-        Which of the kernels' parameters a free one is, times what, and whether the unknown is its
-        logarithm, each of shape (F,).
-    zero_at
-        Which unknown is the zero of a segment and channel, −1 for none, shape (S, C).
-    state_at
-        From where the initial state of a segment stands, −1 at rest, shape (S,).
-    states
-        How many initial states there are, up to two.
-    lower, upper, reach
-        As `minimise` takes them, each of shape (U,).
-    centre, prior
-        Centre and weight of a prior, each of shape (U,); zeros for none.
-    """
-
-    inner: Index
-    factor: Array
-    logarithmic: BoolArray
-    zero_at: Index
-    state_at: Index
-    states: int
-    lower: Array
-    upper: Array
-    reach: Array
-    centre: Array
-    prior: Array
-
-
-class Room(NamedTuple):
-    """Two places to evaluate at, the one where the fit stands and the one that it tries.
-
-    Attributes
-    ----------
-    point, shift, gradient
-        Unknowns, by how much zeros were moved there, and Jᵀr, each of shape (2, U).
-    matrix
-        JᵀJ, shape (2, U, U).
-    gram
-        Products of the columns of every segment and channel, shape (2, S, C, 12, 12).
-    first, second
-        The columns at every sample at either place, each of shape (C·11, N); of shape (C·11, 0)
-        when none are kept.
-    x
-        Positions along a trial, shape (N,), or (0,) without columns.
-    work, ends
-        A block of steps and the samples that its steps end on.
-    solve
-        For linear systems, shape (U + 1, U).
-    state, tangent, at, away
-        A state, its derivatives, a place in a log and some residuals, of shapes (2,), (2, 9), (2,)
-        and (`CHUNK`,).
-    small
-        Vectors that come and go, shape (5, max(U, 11)).
-    """
-
-    point: Array
-    shift: Array
-    gradient: Array
-    matrix: Array
-    gram: Array
-    first: Array
-    second: Array
-    x: Array
-    work: Array
-    ends: Index
-    solve: Array
-    state: Array
-    tangent: Array
-    at: Index
-    away: Array
-    small: Array
-
-
-class Rules(NamedTuple):
-    """Constants of the iteration, as `softid.fitters.levenberg_marquardt` explains them.
-
-    Attributes
-    ----------
-    bends
-        Whether to stop before a long step where no columns are kept to tell how it bends.
-    """
-
-    bends: bool
-    tolerance: float
-    bend_step: float
-    short_step: float
-    most_bend: float
-    less_bend: float
-    most_shortened: float
-    initial_damping: float
-    largest_decrease: float
-    most_damping: float
-    largest_step: float
-    smallest_step: float
-    stall_evaluations: int
-    stall_gain: float
-    stall_offset: float
-    doublings: int
-    scale_floor: float
+def gram_rows(pieces: int) -> int:
+    """Rows of ``grams``: products of the columns of every piece, at either place."""
+    return 2 * pieces * N_PADDED

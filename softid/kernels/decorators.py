@@ -81,7 +81,3 @@ on disk as part of the kernel that calls it."""
 
 inlined: Any = njit(forceinline=True, **_OPTIONS)
 """The same, written out where it is called."""
-
-written_out: Any = njit(inline="always", **_OPTIONS)
-"""The same before types are found, for a function of many arrays that is called at one place: to
-pass them would take the compiler longer than the rest."""

@@ -382,8 +382,8 @@ def select_ends(w: Array, gain: float, level: float) -> None:
 
 
 @njit(nogil=True, error_model="numpy", fastmath=SUMMING)
-def add_gram(w: Array, gram: Array) -> None:
-    """Add all products of two columns, shape (12, 12), blocks on and below the diagonal."""
+def add_gram(w: Array, grams: Array, row: int) -> None:
+    """Add all products of two columns to 12 rows, blocks on and below the diagonal."""
     for a in range(0, N_PADDED, 2):
         for b in range(0, a + 1, 2):
             t00, t01, t10, t11 = 0.0, 0.0, 0.0, 0.0
@@ -394,7 +394,7 @@ def add_gram(w: Array, gram: Array) -> None:
                 t01 += a0 * b1
                 t10 += a1 * b0
                 t11 += a1 * b1
-            gram[a, b] += t00
-            gram[a, b + 1] += t01
-            gram[a + 1, b] += t10
-            gram[a + 1, b + 1] += t11
+            grams[row + a, b] += t00
+            grams[row + a, b + 1] += t01
+            grams[row + a + 1, b] += t10
+            grams[row + a + 1, b + 1] += t11

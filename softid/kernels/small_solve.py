@@ -8,94 +8,86 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels.affine_work import HELD, MOVING
 from softid.kernels.decorators import inner
 
 Array = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 
 @inner
-def solve_in_place(matrix: Array, vector: Array, n: int) -> bool:
+def solve_in_place(room: Array, n: int) -> bool:
     """Solve by elimination with partial pivoting; False where the matrix is singular.
 
     Parameters
     ----------
-    matrix
-        Its first n rows and columns are overwritten.
-    vector
-        Right-hand side in its first n entries; overwritten by the solution.
+    room
+        The matrix in its first n rows and columns, and the right-hand side in the first n entries
+        of its last row, which the solution replaces; shape (U + 1, U).
     n
-        Number of unknowns.
+        Number of unknowns, at most U.
     """
+    right = room.shape[0] - 1
     for i in range(n):
-        best, row = abs(matrix[i, i]), i
+        best, row = abs(room[i, i]), i
         for r in range(i + 1, n):
-            if abs(matrix[r, i]) > best:
-                best, row = abs(matrix[r, i]), r
+            if abs(room[r, i]) > best:
+                best, row = abs(room[r, i]), r
         if not best > 0.0:
             return False
         if row != i:
-            vector[i], vector[row] = vector[row], vector[i]
+            room[right, i], room[right, row] = room[right, row], room[right, i]
             for c in range(i, n):
-                matrix[i, c], matrix[row, c] = matrix[row, c], matrix[i, c]
+                room[i, c], room[row, c] = room[row, c], room[i, c]
         for r in range(i + 1, n):
-            factor = matrix[r, i] / matrix[i, i]
-            vector[r] -= factor * vector[i]
+            factor = room[r, i] / room[i, i]
+            room[right, r] -= factor * room[right, i]
             for c in range(i + 1, n):
-                matrix[r, c] -= factor * matrix[i, c]
+                room[r, c] -= factor * room[i, c]
     for i in range(n - 1, -1, -1):
-        total = vector[i]
+        total = room[right, i]
         for c in range(i + 1, n):
-            total -= matrix[i, c] * vector[c]
-        vector[i] = total / matrix[i, i]
+            total -= room[i, c] * room[right, c]
+        room[right, i] = total / room[i, i]
     return True
 
 
 @inner
 def damped_step(
-    matrix: Array,
-    gradient: Array,
-    moving: BoolArray,
-    scale: Array,
-    damping: float,
-    room: Array,
-    step: Array,
+    matrices: Array, first: int, vectors: Array, pull: int, damping: float, room: Array, step: int
 ) -> bool:
     """Step of (JᵀJ + λD²) s = g over the unknowns that move; False where that is singular.
 
     Parameters
     ----------
-    matrix, gradient
-        JᵀJ and g, shapes (U, U) and (U,).
-    moving
-        Which unknowns move, shape (U,).
-    scale, damping
-        Diagonal of D, shape (U,), and λ.
+    matrices, first
+        JᵀJ stands from this row on; U columns.
+    vectors, pull, step
+        Rows of `softid.kernels.affine_work`, with `MOVING`, D's diagonal `HELD`, g, and s to be
+        written, zero where nothing moves.
+    damping
+        λ.
     room
         Overwritten, shape (U + 1, U).
-    step
-        Receives s, zero where nothing moves, shape (U,).
     """
-    u = gradient.size
+    u = room.shape[1]
     m = 0
-    right = room[u]
     for i in range(u):
-        if not moving[i]:
+        if vectors[MOVING, i] == 0.0:
             continue
         k = 0
         for j in range(u):
-            if moving[j]:
-                room[m, k] = matrix[i, j] / scale[j] / scale[i]
+            if vectors[MOVING, j] != 0.0:
+                room[m, k] = matrices[first + i, j] / vectors[HELD, j] / vectors[HELD, i]
                 k += 1
         room[m, m] += damping
-        right[m] = gradient[i] / scale[i]
+        room[u, m] = vectors[pull, i] / vectors[HELD, i]
         m += 1
-    if not solve_in_place(room, right, m):
+    if not solve_in_place(room, m):
         return False
     m = 0
     for i in range(u):
-        step[i] = 0.0
-        if moving[i]:
-            step[i] = right[m] / scale[i]
+        vectors[step, i] = 0.0
+        if vectors[MOVING, i] != 0.0:
+            vectors[step, i] = room[u, m] / vectors[HELD, i]
             m += 1
     return True
