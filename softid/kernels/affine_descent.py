@@ -43,7 +43,7 @@ from softid.kernels.affine_work import (
     UPPER,
     USED,
 )
-from softid.kernels.decorators import inner, kernel
+from softid.kernels.decorators import inner, kernel, written_out
 from softid.kernels.lanes import N_PARAMETERS, N_STATES, POINTS, SIZE
 from softid.kernels.rules import (
     DOUBLINGS,
@@ -76,33 +76,23 @@ no single solution, or before a step so long that its bend must be known while n
 
 
 @inner
-def _find_movable(vectors: Array, side: int, size: int) -> int:
-    """Mark the unknowns inside their bounds or pulled inward, and count them."""
-    count = 0
-    for k in range(size):
-        z, pull = vectors[POINT + side, k], vectors[GRADIENT + side, k]
-        low, high = vectors[LOWER, k], vectors[UPPER, k]
-        stuck = (z <= low and pull < 0.0) or (z >= high and pull > 0.0)
-        vectors[MOVING, k] = 0.0
-        if not stuck and high > low:
-            vectors[MOVING, k] = 1.0
-            count += 1
-    return count
-
-
-@inner
 def _find_offset(vectors: Array, matrices: Array, solve: Array, side: int, n: int) -> float:
     """`attainable_offset`; NaN where its system is singular. Marks what moves."""
-    size = solve.shape[1]
-    count = _find_movable(vectors, side, size)
+    size, pull, count = solve.shape[1], GRADIENT + side, 0
+    for k in range(size):
+        z, down = vectors[POINT + side, k], vectors[pull, k]
+        low, high = vectors[LOWER, k], vectors[UPPER, k]
+        stuck = (z <= low and down < 0.0) or (z >= high and down > 0.0) or not high > low
+        vectors[MOVING, k] = 0.0 if stuck else 1.0
+        count += not stuck
     if count == 0:
         return 0.0
     variance = max(2.0 * vectors[NOW, COST] / max(n - count, 1), 1e-300)
-    first, pull = side * size, GRADIENT + side
+    first = side * size
     for i in range(size):
         reach = vectors[REACH, i]
         vectors[SCALE, i] = 1.0 / np.sqrt(matrices[first + i, i] + variance / (reach * reach))
-    m = 0
+    m = np.int64(0)  # a literal would have what it is given to compiled once more
     for i in range(size):
         if vectors[MOVING, i] != 0.0:
             k = 0
@@ -148,7 +138,7 @@ def _predicted(vectors: Array, matrices: Array, side: int) -> float:
     return gain
 
 
-@inner
+@written_out
 def _try(vectors: Array, side: int, size: int) -> bool:
     """Put the trial into the other place; False where it is no step at all."""
     moved = False
@@ -160,7 +150,7 @@ def _try(vectors: Array, side: int, size: int) -> bool:
     return moved
 
 
-@inner
+@written_out
 def _settled(
     vectors: Array, matrices: Array, solve: Array, side: int, n: int, evaluations: int,
     tolerance: float,
@@ -183,7 +173,7 @@ def _settled(
     return GOES_ON
 
 
-@inner
+@written_out
 def _go_straight(vectors: Array, matrices: Array, solve: Array, side: int) -> int:
     """The next step, no longer than may be; LONG where its bend should be known."""
     size = solve.shape[1]
@@ -201,7 +191,7 @@ def _go_straight(vectors: Array, matrices: Array, solve: Array, side: int) -> in
     return LONG if longest > SHORT_STEP else GOES_ON
 
 
-@inner
+@written_out
 def _follow_bend(vectors: Array, matrices: Array, solve: Array, side: int) -> int:
     """Correct the step; SHORTENED, with more damping, where it bends too much to be trusted."""
     size = solve.shape[1]
@@ -225,7 +215,7 @@ def _follow_bend(vectors: Array, matrices: Array, solve: Array, side: int) -> in
     return SHORTENED
 
 
-@inner
+@written_out
 def _accepts(vectors: Array, then: float) -> bool:
     """Whether a trial is better; moves the damping."""
     gained, predicted = vectors[NOW, COST] - then, vectors[NOW, PREDICTED]
@@ -239,7 +229,7 @@ def _accepts(vectors: Array, then: float) -> bool:
     return False
 
 
-@inner
+@written_out
 def _begin(vectors: Array, matrices: Array, cost: float, damping: float) -> None:
     """Scales and numbers of the iteration behind the first evaluation."""
     size = matrices.shape[1]

@@ -45,7 +45,7 @@ from softid.kernels.affine_work import (
     WEIGHT,
     ZERO_AT,
 )
-from softid.kernels.decorators import inner
+from softid.kernels.decorators import inner, written_out
 from softid.kernels.lanes import MUSCLE, N_COLUMNS, N_PADDED, N_PARAMETERS, N_STATES, SUMMING
 from softid.kernels.rules import BEND_STEP
 
@@ -95,7 +95,7 @@ def _begin(
             state[k] += vectors[row, at + k]
 
 
-@inner
+@written_out
 def sum_pieces(
     pieces: Index, lines: Array, free: Index, time_s: Array, u: Array, counts: Counts, y: Array,
     used: BoolArray, theta: Array, vectors: Array, grams: Array, kept: Array, work: Array,
@@ -118,7 +118,7 @@ def sum_pieces(
         )  # fmt: skip
 
 
-@inner
+@written_out
 def move_zeros(pieces: Index, vectors: Array, grams: Array, side: int) -> int:
     """Move every zero to its optimum, the mean residual of its log; returns the residuals."""
     for k in range(vectors.shape[1]):
@@ -161,7 +161,7 @@ def _weigh(
     return float(vectors[SHIFT + side, zero]) if zero >= 0 else 0.0
 
 
-@inner
+@written_out
 def add_up(
     pieces: Index, lines: Array, free: Index, theta: Array, vectors: Array, matrices: Array,
     grams: Array, side: int,
@@ -220,7 +220,7 @@ def _pull(kept: Array, row: int, begin: int, end: int, vectors: Array, away: Arr
         vectors[PULLED, j] += _dot(kept, row + j, begin, end, away)
 
 
-@inner
+@written_out
 def _pull_piece(
     pieces: Index, lines: Array, p: int, y: Array, used: BoolArray, vectors: Array, kept: Array,
     x: Array, away: Array,
@@ -241,7 +241,7 @@ def _pull_piece(
         _pull(kept, pieces[p, CHANNEL] * N_COLUMNS, begin, end, vectors, away)
 
 
-@inner
+@written_out
 def bend(
     pieces: Index, lines: Array, free: Index, time_s: Array, u: Array, counts: Counts, y: Array,
     used: BoolArray, theta: Array, vectors: Array, kept: Array, x: Array, work: Array, ends: Index,
