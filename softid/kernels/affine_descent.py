@@ -92,7 +92,7 @@ def _find_offset(vectors: Array, matrices: Array, solve: Array, side: int, n: in
     for i in range(size):
         reach = vectors[REACH, i]
         vectors[SCALE, i] = 1.0 / np.sqrt(matrices[first + i, i] + variance / (reach * reach))
-    m = np.int64(0)  # a literal would have what it is given to compiled once more
+    m = int(np.int64(0))  # a literal would have what it is given to compiled once more
     for i in range(size):
         if vectors[MOVING, i] != 0.0:
             k = 0

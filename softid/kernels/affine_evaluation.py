@@ -123,7 +123,7 @@ def move_zeros(pieces: Index, vectors: Array, grams: Array, side: int) -> int:
     """Move every zero to its optimum, the mean residual of its log; returns the residuals."""
     for k in range(vectors.shape[1]):
         vectors[SHIFT + side, k], vectors[TOTAL, k] = 0.0, 0.0
-    n = 0
+    n = int(np.int64(0))  # a literal would have what it is given to compiled once more
     for p in range(pieces.shape[0]):
         one = (side * pieces.shape[0] + p) * N_PADDED + ONE
         zero = pieces[p, ZERO_AT]

@@ -70,7 +70,7 @@ def damped_step(
         Overwritten, shape (U + 1, U).
     """
     u = room.shape[1]
-    m = np.int64(0)  # a literal would have what it is given to compiled once more
+    m = int(np.int64(0))  # a literal would have what it is given to compiled once more
     for i in range(u):
         if vectors[MOVING, i] == 0.0:
             continue
