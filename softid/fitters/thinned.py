@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.affine_fit import looked_at
 from softid.fitters.multiple_shooting import PiecewiseProblem
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
@@ -65,9 +66,8 @@ class ThinnedProblem(Problem):
     """
 
     def __init__(self, whole: Problem, length: int) -> None:
-        super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+        self._adopt(whole)
         self.segments = [_averaged(s.without_knots(), length) for s in whole.segments]
-        self.owner, self.at_rest = whole.owner, whole.at_rest
         self._layout()
 
 
@@ -81,7 +81,7 @@ class WindowedProblem(PiecewiseProblem):
     """
 
     def __init__(self, whole: Problem) -> None:
-        Problem.__init__(self, whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+        self._adopt(whole)
         total = sum(segment.time_s.size for segment in whole.plain_segments)
         cuts = []
         for segment in whole.plain_segments:
@@ -154,17 +154,29 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
         Limit of evaluations.
     """
     whole, rough = objective.problem, Objective(problem, objective.sigma)
-    begin, names = start, whole.parameters.names
+    names = whole.parameters.names
+    begin = start
     if isinstance(problem, WindowedProblem):
-        begin = problem.started(dict(zip(names, whole.theta(start).tolist(), strict=True)))
-        begin = problem.with_best_states(rough(begin))
-    found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
+        values = dict(zip(names, whole.theta(start).tolist(), strict=True))
+        look = looked_at(problem, values, rough.sigma)
+        if look is None:
+            begin = problem.with_best_states(rough(problem.started(values)))
+        else:
+            rough.evaluations, begin = 1, look
+    found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE, columns=False)
     objective.evaluations += rough.evaluations
     if not np.isfinite(found.normal.cost):
         return start
     if not isinstance(problem, WindowedProblem):
         return found.point
-    return whole.unknowns(dict(zip(names, problem.theta(found.point).tolist(), strict=True)))
+    begin = np.zeros(whole.size)  # as `Problem.unknowns`, but for zeros that are known already
+    shared = len(whole.free) + (len(whole.logs) * len(whole.outputs) if whole.zeros else 0)
+    begin[:shared] = found.point[:shared]
+    return (
+        begin
+        if whole.has_equilibrium
+        else whole.unknowns(dict(zip(names, problem.theta(found.point).tolist(), strict=True)))
+    )
 
 
 def _steps(problem: Problem, z: Array) -> int:
