@@ -114,8 +114,9 @@ def describe_motion(time_s: Array, input_values: Array) -> Motion:
     still = span <= 4.5 * spread or span <= 1e-12 * float(np.abs(values).max())
     tolerance = max(spread, SMALLEST_MOTION * span)
     turns = turning_points(values, max(TURN * span, 2.0 * tolerance))
+    height = 2.0 * tolerance
     tubes = tuple(
-        part for tube in _tubes(values, 2.0 * tolerance) for part in _cut_at_jumps(values, tube)
+        part for tube in _tubes(values, height) for part in _cut_at_jumps(values, tube, height)
     )
     return Motion(
         index, time_s[index], values, tolerance, still, turns, tubes, thinning, fresh, full
@@ -258,25 +259,26 @@ def _tubes(values: Array, height: float) -> list[tuple[int, int]]:
     return spans
 
 
-def _cut_at_jumps(values: Array, tube: tuple[int, int]) -> list[tuple[int, int]]:
+def _cut_at_jumps(values: Array, tube: tuple[int, int], height: float) -> list[tuple[int, int]]:
     """The levels of a staircase whose steps are so small that one range holds several.
 
-    A range is cut where its two sides differ most, if each side is far narrower than that: on a
-    ramp or at the extreme of a wave neither is.
+    A range too uneven for a hold is cut where its two sides differ most, if each side is far
+    narrower than their distance: on a ramp or at the extreme of a wave neither is.
     """
     held = values[slice(*tube)]
     count = held.size
-    if count < 2 * MIN_HOLD_SAMPLES or float(np.ptp(held)) == 0.0:
+    if count < 2 * MIN_HOLD_SAMPLES or min(_thirds_apart(held)) <= UNEVEN * height:
         return [tube]
     cuts = np.arange(MIN_HOLD_SAMPLES, count - MIN_HOLD_SAMPLES + 1)
-    centred = np.cumsum(held - held.mean())
-    best = int(cuts[np.argmax(centred[cuts - 1] ** 2 / (cuts * (count - cuts)))])
+    sums = np.cumsum(held - held.mean())
+    best = int(cuts[np.argmax(sums[cuts - 1] ** 2 / (cuts * (count - cuts)))])
     one, other = held[:best], held[best:]
     jump = abs(float(np.median(one)) - float(np.median(other)))
-    if jump < CLEAR_JUMP * max(_wander(one), _wander(other)):
+    if jump <= CLEAR_JUMP * max(_wander(one), _wander(other)):
         return [tube]
     cut = tube[0] + best
-    return [*_cut_at_jumps(values, (tube[0], cut)), *_cut_at_jumps(values, (cut, tube[1]))]
+    parts = (tube[0], cut), (cut, tube[1])
+    return [span for part in parts for span in _cut_at_jumps(values, part, height)]
 
 
 def _unevenness(motion: Motion, span: tuple[int, int], *, strict: bool) -> float:
@@ -285,10 +287,13 @@ def _unevenness(motion: Motion, span: tuple[int, int], *, strict: bool) -> float
     It is 1/3 on a ramp and 0.44 on a sine's extreme, both ways. A hold has one small difference
     even where it still settles or already leaves its level.
     """
-    thirds = np.array_split(motion.values[slice(*span)], 3)
-    first, middle, last = (float(third.mean()) for third in thirds)
-    differences = abs(first - middle), abs(middle - last)
+    differences = _thirds_apart(motion.values[slice(*span)])
     return (max if strict else min)(differences) / (2.0 * motion.tolerance)
+
+
+def _thirds_apart(held: Array) -> tuple[float, float]:
+    first, middle, last = (float(third.mean()) for third in np.array_split(held, 3))
+    return abs(first - middle), abs(middle - last)
 
 
 def _merged(motion: Motion, spans: list[tuple[int, int]]) -> list[tuple[int, int]]:
