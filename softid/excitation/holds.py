@@ -116,7 +116,9 @@ def describe_motion(time_s: Array, input_values: Array) -> Motion:
     turns = turning_points(values, max(TURN * span, 2.0 * tolerance))
     height = 2.0 * tolerance
     tubes = tuple(
-        part for tube in _tubes(values, height) for part in _cut_at_jumps(values, tube, height)
+        part
+        for tube in _tubes(values, height)
+        for part in _cut_at_jumps(values, tube, height, step or 0.0)
     )
     return Motion(
         index, time_s[index], values, tolerance, still, turns, tubes, thinning, fresh, full
@@ -259,11 +261,14 @@ def _tubes(values: Array, height: float) -> list[tuple[int, int]]:
     return spans
 
 
-def _cut_at_jumps(values: Array, tube: tuple[int, int], height: float) -> list[tuple[int, int]]:
+def _cut_at_jumps(
+    values: Array, tube: tuple[int, int], height: float, step: float
+) -> list[tuple[int, int]]:
     """The levels of a staircase whose steps are so small that one range holds several.
 
     A range too uneven for a hold is cut where its two sides differ most, if each side is far
-    narrower than their distance: on a ramp or at the extreme of a wave neither is.
+    narrower than their distance, which on a ramp or at the extreme of a wave it is not. One step
+    of a coarse grid is no jump, for a slow motion takes it too.
     """
     held = values[slice(*tube)]
     count = held.size
@@ -274,11 +279,11 @@ def _cut_at_jumps(values: Array, tube: tuple[int, int], height: float) -> list[t
     best = int(cuts[np.argmax(sums[cuts - 1] ** 2 / (cuts * (count - cuts)))])
     one, other = held[:best], held[best:]
     jump = abs(float(np.median(one)) - float(np.median(other)))
-    if jump <= CLEAR_JUMP * max(_wander(one), _wander(other)):
+    if jump <= CLEAR_JUMP * max(_wander(one), _wander(other), step):
         return [tube]
     cut = tube[0] + best
     parts = (tube[0], cut), (cut, tube[1])
-    return [span for part in parts for span in _cut_at_jumps(values, part, height)]
+    return [span for part in parts for span in _cut_at_jumps(values, part, height, step)]
 
 
 def _unevenness(motion: Motion, span: tuple[int, int], *, strict: bool) -> float:
