@@ -22,13 +22,14 @@ def test_a_sign() -> None:
     assert right.correlation > 0.98
 
 
-def test_a_distance_falls_with_pressure() -> None:
-    """D(θ) falls strictly on the working branch, so a rising distance is the inverted one."""
+@pytest.mark.parametrize("name", ["distance", "length"])
+def test_a_distance_falls_with_pressure(name: str) -> None:
+    """D(θ) falls strictly on the working branch and L = L0 − x always; rising ones are inverted."""
     log = staircase_log()
     pressure = log.pressure_kpa
     for sign, inverted in ((-1.0, False), (1.0, True)):
-        channels = {"pressure": pressure, "distance": 150.0 + sign * 0.5 * pressure}
-        check = check_sign(Log.from_arrays(log.time_s, channels), "distance")
+        channels = {"pressure": pressure, name: 150.0 + sign * 0.5 * pressure}
+        check = check_sign(Log.from_arrays(log.time_s, channels), name)
         assert check is not None
         assert check.inverted is inverted
 
