@@ -89,3 +89,11 @@ def test_an_overshoot() -> None:
     found = inspect(Log.from_arrays(time_s, channels))
     assert found.responses[0].overshoot == pytest.approx(0.254, abs=0.01)
     assert found.ability("inertia").possible == "yes"
+
+
+def test_an_inverted_sign_names_the_option_that_turns_it() -> None:
+    """The remedy is the flag of this channel, with its column and unit and a minus before it."""
+    found = inspect(with_fault(staircase_log(), "angle", lambda v: -v))
+    (issue,) = (i for i in found.issues if i.code == "inverted-sign")
+    assert issue.remedy is not None
+    assert "--channel angle=angle:-deg" in issue.remedy
