@@ -16,6 +16,12 @@ from softid.units import unit_symbol
 LARGEST_NUMBER = 1e100
 """A larger number is an overflow of whatever wrote it, and counts as not recorded."""
 
+FAR = 3.0
+"""A mark for "nothing recorded" lies so many times beyond all other values …"""
+
+LEAST_OTHERS = 10
+"""… of which there are at least so many different ones."""
+
 
 def finite(values: Array) -> Array:
     """The same values with NaN in place of infinities and of numbers that are no measurement."""
@@ -70,9 +76,12 @@ def _mark_of_nothing(table: Table, channel: Channel, index: int) -> InputError |
     worst = int(np.nanargmax(np.abs(values)))
     same = values == values[worst]
     kept = np.where(same, np.nan, values)
-    if np.count_nonzero(same) < 2 or find_doubt(replace(channel, values=kept)) is not None:
+    others = kept[np.isfinite(kept)]
+    if np.count_nonzero(same) < 2 or np.unique(others).size < LEAST_OTHERS:
+        return None  # the level of a step is repeated too
+    if abs(float(values[worst])) < FAR * float(np.abs(others).max()):
         return None
-    if not np.isfinite(kept).any():
+    if find_doubt(replace(channel, values=kept)) is not None:
         return None
     first = int(np.flatnonzero(same)[0])
     shown = channel.display_unit

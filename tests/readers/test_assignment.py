@@ -290,3 +290,10 @@ def test_grad_is_asked_for(write_log: WriteFile) -> None:
     """The degree of a German header or the gon, which differ by a tenth: never a giga-radian."""
     with pytest.raises(InputError, match=r"angle=COLUMN:deg or .*angle=COLUMN:gon"):
         load(write_log("Zeit;Druck;Winkel\ns;bar;Grad\n0;0,1;0,2\n0,1;0,2;0,3\n"))
+
+
+def test_the_level_of_a_step_is_no_mark_for_nothing(write_log: WriteFile) -> None:
+    """0 and 80 bar in turn: one value lies far from the other, but the question is the unit."""
+    rows = [f"{0.1 * k:.1f},{80 * (k // 10 % 2)},{k}" for k in range(40)]
+    with pytest.raises(InputError, match="is that its unit"):
+        load(write_log("\n".join(["time_s,pressure_bar,angle_deg", *rows])))
