@@ -247,7 +247,7 @@ class NoiseModel:
     ljung_box_p
         Its p-value.
     effective_n
-        Number of independent samples with the same variance of the mean.
+        Number of independent samples with the same variance of the mean, at most those there are.
     """
 
     channel: str

@@ -40,7 +40,9 @@ CHANNEL_QUANTITY: dict[str, Quantity] = {
 """The channels that softid knows by name, and what they measure."""
 
 _DEGREE = 0.017453292519943295
+_TURN = 6.283185307179586
 _PSI_KPA = 6.894757293168361
+_KGF_CM2_KPA = 98.0665
 
 # Spelling -> quantity, factor to the canonical unit. Case matters only where it must (mPa, MPa).
 _SPELLINGS: dict[str, tuple[Quantity, float]] = {
@@ -58,6 +60,12 @@ _SPELLINGS: dict[str, tuple[Quantity, float]] = {
     "micros": ("time", 1e-6),
     "ns": ("time", 1e-9),
     "min": ("time", 60.0),
+    "minute": ("time", 60.0),
+    "minutes": ("time", 60.0),
+    "h": ("time", 3600.0),
+    "hr": ("time", 3600.0),
+    "hour": ("time", 3600.0),
+    "hours": ("time", 3600.0),
     "pa": ("pressure", 1e-3),
     "hpa": ("pressure", 0.1),
     "kpa": ("pressure", 1.0),
@@ -66,6 +74,9 @@ _SPELLINGS: dict[str, tuple[Quantity, float]] = {
     "psi": ("pressure", _PSI_KPA),
     "psig": ("pressure", _PSI_KPA),
     "psi(g)": ("pressure", _PSI_KPA),
+    "psia": ("pressure", _PSI_KPA),
+    "n/mm2": ("pressure", 1e3),
+    "kgf/cm2": ("pressure", _KGF_CM2_KPA),
     "barg": ("pressure", 100.0),
     "atm": ("pressure", 101.325),
     "mmhg": ("pressure", 0.133322387415),
@@ -75,10 +86,14 @@ _SPELLINGS: dict[str, tuple[Quantity, float]] = {
     "radians": ("angle", 1.0),
     "mrad": ("angle", 1e-3),
     "deg": ("angle", _DEGREE),
+    "deg.": ("angle", _DEGREE),
     "degs": ("angle", _DEGREE),
     "degree": ("angle", _DEGREE),
     "degrees": ("angle", _DEGREE),
     "°": ("angle", _DEGREE),
+    "gon": ("angle", _TURN / 400.0),
+    "rev": ("angle", _TURN),
+    "revs": ("angle", _TURN),
     "mm": ("length", 1.0),
     "cm": ("length", 10.0),
     "m": ("length", 1000.0),
@@ -103,6 +118,7 @@ _SPELLINGS: dict[str, tuple[Quantity, float]] = {
 }
 _CASE_SENSITIVE: dict[str, tuple[Quantity, float]] = {
     "MPa": ("pressure", 1e3),
+    "MPA": ("pressure", 1e3),
     "mPa": ("pressure", 1e-6),
     "MN": ("force", 1e6),
 }
@@ -127,6 +143,7 @@ _SYMBOLS = {
     "degree": "deg",
     "degrees": "deg",
     "degs": "deg",
+    "deg.": "deg",
     "°": "deg",
     "sec": "s",
     "second": "s",
@@ -135,11 +152,18 @@ _SYMBOLS = {
     "millis": "ms",
     "usec": "us",
     "micros": "us",
+    "minute": "min",
+    "minutes": "min",
+    "hr": "h",
+    "hour": "h",
+    "hours": "h",
 }
 # What may be handed to pint: names with small exponents, so that no text can ask for 9**9**9.
 _UNIT_TEXT = re.compile(r"[^\W\d]\w*(\^-?\d)?( ?[*/·. ] ?[^\W\d]\w*(\^-?\d)?)*")
 _LONGEST_UNIT = 40
-_SCALED = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*[*·]?\s*(\D.*)")
+_SCALED = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|-)\s*[*·]?\s*([^\d\s-].*)")
+_EXPONENT = re.compile(r"(?<=[^\W\d_])(?=-?[23](?!\w))")
+_AMBIGUOUS = frozenset({"grad", "grads"})
 _PINT_DIMENSIONS: tuple[tuple[str, Quantity, str], ...] = (
     ("[time]", "time", "s"),
     ("[mass] / [length] / [time] ** 2", "pressure", "kPa"),
@@ -181,13 +205,20 @@ def parse_unit(text: str, *, where: str | None = None) -> Unit:
     Raises
     ------
     InputError
-        The text is no unit of time, pressure, angle, length, force or torque.
+        The text is no unit of time, pressure, angle, length, force or torque, or means two.
 
     Examples
     --------
     >>> parse_unit("bar")
     Unit(text='bar', quantity='pressure', factor=100.0)
     """
+    if text.strip().lower() in _AMBIGUOUS:
+        raise InputError(
+            "in German this is the degree, elsewhere the gon, of which a turn has 400",
+            where=where,
+            value=text,
+            remedy="state which one with --channel angle=COLUMN:deg or --channel angle=COLUMN:gon",
+        )
     found = lookup_unit(text)
     if found is None:
         found = _parse_with_pint(text)
@@ -219,7 +250,7 @@ def unit_symbol(text: str) -> str:
     """
     stripped = text.strip()
     if stripped in _CASE_SENSITIVE:
-        return stripped
+        return "MPa" if stripped == "MPA" else stripped
     return _SYMBOLS.get(stripped.lower().replace(" ", ""), stripped)
 
 
@@ -229,7 +260,8 @@ def split_scale(text: str) -> tuple[float, str]:
     Parameters
     ----------
     text
-        A unit, or a number times a unit, ``"35.15*N"``.
+        A unit, a number times a unit, ``"35.15*N"``, or a minus before it for a sensor that is
+        mounted the other way round, ``"-deg"``.
 
     Returns
     -------
@@ -238,16 +270,19 @@ def split_scale(text: str) -> tuple[float, str]:
 
     Examples
     --------
-    >>> split_scale("35.15*N"), split_scale("kPa")
-    ((35.15, 'N'), (1.0, 'kPa'))
+    >>> split_scale("35.15*N"), split_scale("kPa"), split_scale("-deg")
+    ((35.15, 'N'), (1.0, 'kPa'), (-1.0, 'deg'))
     """
     match = _SCALED.fullmatch(text.strip())
-    return (float(match[1]), match[2].strip()) if match else (1.0, text.strip())
+    if match is None:
+        return 1.0, text.strip()
+    return -1.0 if match[1] == "-" else float(match[1]), match[2].strip()
 
 
 @cache
 def _parse_with_pint(text: str) -> Unit | None:
-    plain = " ".join(text.replace("**", "^").split())
+    plain = " ".join(text.replace("**", "^").replace("²", "^2").replace("³", "^3").split())
+    plain = _EXPONENT.sub("^", plain)
     if len(plain) > _LONGEST_UNIT or not _UNIT_TEXT.fullmatch(plain):
         return None
 

@@ -124,3 +124,29 @@ def test_the_frequent_units_need_no_pint() -> None:
         "sys.exit('pint' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "factor"),
+    [
+        ("deg.", math.pi / 180),
+        ("rev", 2 * math.pi),
+        ("gon", math.pi / 200),
+        ("psia", 6.894757293168361),
+        ("MPA", 1000.0),
+        ("N/mm2", 1000.0),
+        ("N/m2", 0.001),
+        ("N/mm²", 1000.0),
+        ("kgf/cm2", 98.0665),
+        ("h", 3600.0),
+    ],
+)
+def test_spellings_of_data_sheets(text: str, factor: float) -> None:
+    """By definition: 1 N/mm² = 1 MPa, 1 kgf = 9.80665 N, a turn is 2π or 400 gon."""
+    assert parse_unit(text).factor == pytest.approx(factor, rel=1e-12)
+
+
+def test_grad_is_no_giga_radian() -> None:
+    """Degree in German, gon elsewhere: refused with both named."""
+    with pytest.raises(InputError, match=r"deg or .*gon"):
+        parse_unit("Grad")

@@ -92,7 +92,8 @@ def channel_option(command: Callable[P, R]) -> Callable[P, R]:
         "--channel",
         multiple=True,
         metavar="NAME=COL:UNIT",
-        help="Take channel NAME from column COL, a name or a number from 1; may be repeated.",
+        help="Take channel NAME from column COL, a name or a number from 1; a minus before the "
+        "unit (angle=3:-deg) turns the sign; may be repeated.",
     )(command)
 
 

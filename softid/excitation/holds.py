@@ -31,6 +31,7 @@ LIKE_HOLD = 0.25
 PAUSE = 5.0
 MOST_PAUSED = 0.65
 LEVEL_SPREAD = 2.0
+CLEAR_JUMP = 3.0
 WANDER = 2.0
 WIDEST_WANDER = 4.0
 GREATEST_EXCURSION = 3.0
@@ -74,6 +75,10 @@ class Motion:
     tubes
         Half-open ranges of ``values`` that stay within twice the tolerance, cut greedily; those
         of fewer than 8 samples are left out.
+    thinning
+        Of how many samples of a long log one is kept.
+    fresh, full
+        What ``index`` and ``values`` were before it was thinned, shape (k,).
     """
 
     index: IntArray
@@ -83,6 +88,9 @@ class Motion:
     still: bool
     turns: IntArray
     tubes: tuple[tuple[int, int], ...]
+    thinning: int
+    fresh: IntArray
+    full: Array
 
 
 def describe_motion(time_s: Array, input_values: Array) -> Motion:
@@ -99,15 +107,22 @@ def describe_motion(time_s: Array, input_values: Array) -> Motion:
     sigma = noise_std(time_s, input_values, step=step, hold=hold)
     index = fresh_samples(time_s, input_values, hold)
     spread = _spread(input_values[index], sigma, step)
-    values = median_of_five(input_values[index])
+    fresh, full = index, median_of_five(input_values[index])
     thinning = -(-index.size // MOST_SAMPLES)
-    index, values = index[::thinning], values[::thinning]
+    index, values = fresh[::thinning], full[::thinning]
     span = float(values.max() - values.min())
     still = span <= 4.5 * spread or span <= 1e-12 * float(np.abs(values).max())
     tolerance = max(spread, SMALLEST_MOTION * span)
     turns = turning_points(values, max(TURN * span, 2.0 * tolerance))
-    tubes = tuple(_tubes(values, 2.0 * tolerance))
-    return Motion(index, time_s[index], values, tolerance, still, turns, tubes)
+    height = 2.0 * tolerance
+    tubes = tuple(
+        part
+        for tube in _tubes(values, height)
+        for part in _cut_at_jumps(values, tube, height, step or 0.0)
+    )
+    return Motion(
+        index, time_s[index], values, tolerance, still, turns, tubes, thinning, fresh, full
+    )
 
 
 def _spread(values: Array, sigma: float | None, step: float | None) -> float:
@@ -175,15 +190,35 @@ def windows_of(
     motion: Motion, spans: Sequence[tuple[int, int]], input_values: Array, *, tail: float = 1.0
 ) -> tuple[SettledWindow, ...]:
     """The holds as ranges of the original samples with their levels."""
-    edges = np.append(motion.index, input_values.size)
-    windows = []
-    for first, last in spans:
-        stop = int(edges[last])
-        start = stop - max(round(tail * (stop - int(edges[first]))), 1)
+    windows: list[SettledWindow] = []
+    reached = 0
+    for span in spans:
+        begin, stop = bounds_of(motion, span, input_values.size)
+        begin, reached = max(begin, reached), stop
+        start = stop - max(round(tail * (stop - begin)), 1)
         held = input_values[(start + stop) // 2 : stop]
         usual = np.abs(held - np.median(held)) <= LEVEL_SPREAD * motion.tolerance
         windows.append(SettledWindow(start, stop, float(held[usual].mean())))
     return tuple(windows)
+
+
+def bounds_of(motion: Motion, span: tuple[int, int], size: int) -> tuple[int, int]:
+    """Half-open range of the original samples of a hold, exact to the sample in a thinned log too.
+
+    Between the last sample kept of a hold and the first one kept after it, a long log has others,
+    and the change of level lies anywhere among them.
+    """
+    thinning, full = motion.thinning, motion.full
+    begin, end = span[0] * thinning, min(span[1] * thinning, full.size)
+    if thinning > 1:
+        held = motion.values[slice(*span)]
+        level, allowed = float(np.median(held)), max(motion.tolerance, _wander(held))
+        earliest, known = max(begin - thinning + 1, 0), (span[1] - 1) * thinning + 1
+        before = np.flatnonzero(np.abs(full[earliest:begin] - level) > allowed)
+        after = np.flatnonzero(np.abs(full[known:end] - level) > allowed)
+        begin = earliest + int(before[-1]) + 1 if before.size else earliest
+        end = known + int(after[0]) if after.size else end
+    return int(motion.fresh[begin]), int(motion.fresh[end]) if end < full.size else size
 
 
 def distinct_levels(levels: Sequence[float], tolerance: float) -> tuple[float, ...]:
@@ -226,16 +261,44 @@ def _tubes(values: Array, height: float) -> list[tuple[int, int]]:
     return spans
 
 
+def _cut_at_jumps(
+    values: Array, tube: tuple[int, int], height: float, step: float
+) -> list[tuple[int, int]]:
+    """The levels of a staircase whose steps are so small that one range holds several.
+
+    A range too uneven for a hold is cut where its two sides differ most, if each side is far
+    narrower than their distance, which on a ramp or at the extreme of a wave it is not. One step
+    of a coarse grid is no jump, for a slow motion takes it too.
+    """
+    held = values[slice(*tube)]
+    count = held.size
+    if count < 2 * MIN_HOLD_SAMPLES or min(_thirds_apart(held)) <= UNEVEN * height:
+        return [tube]
+    cuts = np.arange(MIN_HOLD_SAMPLES, count - MIN_HOLD_SAMPLES + 1)
+    sums = np.cumsum(held - held.mean())
+    best = int(cuts[np.argmax(sums[cuts - 1] ** 2 / (cuts * (count - cuts)))])
+    one, other = held[:best], held[best:]
+    jump = abs(float(np.median(one)) - float(np.median(other)))
+    if jump <= CLEAR_JUMP * max(_wander(one), _wander(other), step):
+        return [tube]
+    cut = tube[0] + best
+    parts = (tube[0], cut), (cut, tube[1])
+    return [span for part in parts for span in _cut_at_jumps(values, part, height, step)]
+
+
 def _unevenness(motion: Motion, span: tuple[int, int], *, strict: bool) -> float:
     """Difference of neighbouring thirds of a range, in tube heights; the larger one if strict.
 
     It is 1/3 on a ramp and 0.44 on a sine's extreme, both ways. A hold has one small difference
     even where it still settles or already leaves its level.
     """
-    thirds = np.array_split(motion.values[slice(*span)], 3)
-    first, middle, last = (float(third.mean()) for third in thirds)
-    differences = abs(first - middle), abs(middle - last)
+    differences = _thirds_apart(motion.values[slice(*span)])
     return (max if strict else min)(differences) / (2.0 * motion.tolerance)
+
+
+def _thirds_apart(held: Array) -> tuple[float, float]:
+    first, middle, last = (float(third.mean()) for third in np.array_split(held, 3))
+    return abs(first - middle), abs(middle - last)
 
 
 def _merged(motion: Motion, spans: list[tuple[int, int]]) -> list[tuple[int, int]]:

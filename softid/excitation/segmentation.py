@@ -12,6 +12,7 @@ import numpy.typing as npt
 from softid.excitation.holds import (
     Motion,
     SettledWindow,
+    bounds_of,
     describe_motion,
     distinct_levels,
     windows_of,
@@ -215,6 +216,8 @@ class _Assembly:
         self.input = input_values
         self.spans = spans
         self.edges = np.append(motion.index, input_values.size)
+        for span in spans:
+            self.edges[[span[0], span[1]]] = bounds_of(motion, span, input_values.size)
 
     def stretches(self) -> tuple[Stretch, ...]:
         found: list[Stretch] = []

@@ -98,7 +98,8 @@ class Muscle(Model):
     x_unit
         Unit of x: ``"mm"``, or ``"rad"`` for an angle without geometry.
     inverted
-        Whether the recorded output falls as the pressure rises.
+        Whether the recorded output goes against x: an angle that falls as the pressure rises, or a
+        length that grows, L = L0 + x, as that of a bellows or an extending muscle.
 
     Source: Ru et al. 2019, Eq 3 to 7; geometry Eq 1 and 2.
     """
@@ -167,8 +168,8 @@ class Muscle(Model):
                     remedy="give --fixed-length and --diameter in mm, or fit one output",
                 )
         angle_is_x = self.geometry is None and wanted == ["angle"]
-        falling = inverted and wanted[0] not in ("length", "distance")
-        return replace(self, x_unit="rad" if angle_is_x else "mm", inverted=falling)
+        against = {"length": not inverted, "distance": False}.get(wanted[0], inverted)
+        return replace(self, x_unit="rad" if angle_is_x else "mm", inverted=against)
 
     @property
     def start_states(self) -> tuple[str, ...]:
@@ -236,7 +237,7 @@ class Muscle(Model):
     def _motions(self, segments: Sequence[Segment], output: str) -> list[Array]:
         """Measured x up to a zero."""
         geometry = self.geometry
-        sign = -1.0 if self.inverted or output == "length" else 1.0
+        sign = -1.0 if self.inverted != (output == "length") else 1.0
         motions = []
         for segment in segments:
             y = segment.outputs[output]
@@ -334,7 +335,7 @@ class Muscle(Model):
             return geometry.distance_mm(x), geometry.distance_slope(x)
         if output == "length":
             whole = geometry.fixed_length_mm if geometry is not None else 0.0
-            return whole - x, np.full(x.size, -1.0)
+            return whole - sign * x, np.full(x.size, -sign)
         scale = sign / geometry.diameter_mm if geometry is not None and output == "angle" else sign
         return scale * x, np.full(x.size, scale)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -60,7 +61,8 @@ def list_issues(
             found += [] if at_rest else _of_size(channel)
         elif channel.dead and channel.name in CHANNEL_QUANTITY:
             found.append(_of_dead_neighbour(channel))
-    found += [_of_sign(check) for check in signs if check.inverted]
+    by_name = {channel.name: channel for channel in channels}
+    found += [_of_sign(check, by_name[check.output]) for check in signs if check.inverted]
     return tuple(sorted(found, key=lambda issue: ORDER[issue.severity]))
 
 
@@ -336,13 +338,19 @@ def _of_size(channel: ChannelReport) -> Iterator[Issue]:
         )
 
 
-def _of_sign(check: SignCheck) -> Issue:
+def _of_sign(check: SignCheck, channel: ChannelReport) -> Issue:
+    """An inverted sign; a length that grows may well be right, and models take it either way."""
+    column = channel.column or check.output
+    flag = shlex.quote(f"{check.output}={column}:-{channel.display_unit}")
+    doubt = (
+        "unless the actuator extends" if check.output == "length" else "if the sensor is so mounted"
+    )
     return Issue(
         "inverted-sign",
         "warning",
         f"{check.output} goes against the input (correlation {check.correlation:.2f} at a lag of "
         f"{check.lag_s:.2g} s)",
-        "turn the sign of the channel if that is not how the sensor is mounted",
+        f"turn its sign with --channel {flag} {doubt}",
     )
 
 

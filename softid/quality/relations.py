@@ -15,8 +15,7 @@ from softid.quality.holding import Hold
 
 Array = npt.NDArray[np.float64]
 
-FALLS_WITH_PRESSURE = ("distance",)
-UNSIGNED = ("length",)
+FALLS_WITH_PRESSURE = ("distance", "length")
 CLEARLY_INVERTED = -0.6
 GRID = 2000
 LONGEST_LAG_S = 10.0
@@ -52,7 +51,7 @@ def check_sign(log: Log, output: str) -> SignCheck | None:
     correlations = _lagged_correlations(given, answered, lags)
     best = int(np.abs(correlations).argmax())
     correlation = float(correlations[best])
-    sign = -1.0 if output in FALLS_WITH_PRESSURE else 0.0 if output in UNSIGNED else 1.0
+    sign = -1.0 if output in FALLS_WITH_PRESSURE else 1.0
     if log.channels[output].unit == "1":
         sign = 0.0  # raw counts may fall as the quantity rises
     return SignCheck(output, correlation, best * step_s, sign * correlation <= CLEARLY_INVERTED)

@@ -9,9 +9,9 @@ import numpy as np
 
 from softid.channels import Channel, make_channel
 from softid.errors import InputError, Issue
-from softid.readers.base import Array, Table, listed
+from softid.readers.base import Table, listed
 from softid.readers.columns import best_matches, is_index_name, read_name
-from softid.readers.ranges import find_doubt
+from softid.readers.plausibility import finite, not_measured, unit_doubt
 from softid.readers.sidecar import Sidecar
 from softid.readers.times import TimeAxis, channel_flag, read_times
 from softid.units import (
@@ -21,9 +21,6 @@ from softid.units import (
     split_scale,
     unit_symbol,
 )
-
-LARGEST_NUMBER = 1e100
-"""A larger number is an overflow of whatever wrote it, and counts as not recorded."""
 
 
 @dataclass(frozen=True)
@@ -112,17 +109,18 @@ def find_channels(
         raise problems["time"]
     time = wishes.pop("time", None) or Wish(_time_column(table, matches, free), None)
     free = [k for k in free if k != time.index]
-    channels = {name: _wished_channel(table, name, wish) for name, wish in wishes.items()}
+    told: list[Issue] = []
+    channels = {name: _wished_channel(table, name, wish, told) for name, wish in wishes.items()}
     for name, columns in matches.items():
         if name in channels or name == "time":
             continue
-        named = _named_channel(table, name, columns)
+        named = _named_channel(table, name, columns, told)
         if isinstance(named, InputError):
             problems[name] = named
         else:
             channels[name] = named
             free.remove(columns[0])
-    issues = [_left_raw(name, problem, table) for name, problem in problems.items()]
+    issues = [*told, *(_left_raw(name, problem, table) for name, problem in problems.items())]
     if table.only_on_request:
         free = [k for k in free if table.head.names[k] in needed]
     _add_raw(table, free, channels, issues)
@@ -211,6 +209,9 @@ def _time_column(table: Table, matches: Mapping[str, tuple[int, ...]], free: Ite
     head = table.head
     if candidates:
         raise _ambiguous(table, "time", candidates)
+    for unclear in map(table.unclear_date, free):
+        if unclear is not None:
+            raise unclear
     named = f" ({listed(head.names)})" if head.headed else f" among the {len(head.names)}"
     raise InputError(
         f"no time column is recognised{named}" + ("" if head.headed else ", which have no names"),
@@ -251,20 +252,22 @@ def stated_unit(table: Table, index: int) -> str | None:
     return in_row or in_name
 
 
-def _wished_channel(table: Table, name: str, wish: Wish) -> Channel:
+def _wished_channel(table: Table, name: str, wish: Wish, told: list[Issue]) -> Channel:
     quantity = CHANNEL_QUANTITY.get(name)
     unit = wish.unit or stated_unit(table, wish.index)
     if quantity is not None and unit is None:
         raise _unitless(table, name, wish.index)
-    channel = _channel(table, name, wish.index, unit, wish.scale)
+    channel = _channel(table, name, wish.index, unit, wish.scale, told)
     if wish.unit is None and quantity is not None:
-        doubt = _doubt(table, channel, wish.index)
+        doubt = unit_doubt(table, channel, wish.index)
         if doubt is not None:
             raise doubt
     return channel
 
 
-def _named_channel(table: Table, name: str, columns: tuple[int, ...]) -> Channel | InputError:
+def _named_channel(
+    table: Table, name: str, columns: tuple[int, ...], told: list[Issue]
+) -> Channel | InputError:
     if len(columns) > 1:
         return _ambiguous(table, name, columns)
     index = columns[0]
@@ -272,37 +275,23 @@ def _named_channel(table: Table, name: str, columns: tuple[int, ...]) -> Channel
         unit = stated_unit(table, index)
         if unit is None:
             return _unitless(table, name, index)
-        channel = _channel(table, name, index, unit, 1.0)
+        channel = _channel(table, name, index, unit, 1.0, told)
     except InputError as error:
         return error
-    return _doubt(table, channel, index) or channel
+    return unit_doubt(table, channel, index) or channel
 
 
-def _channel(table: Table, name: str, index: int, unit: str | None, scale: float) -> Channel:
+def _channel(
+    table: Table, name: str, index: int, unit: str | None, scale: float, told: list[Issue]
+) -> Channel:
     quantity = CHANNEL_QUANTITY.get(name, "raw")
     symbol = unit_symbol(unit) if unit else None
     if symbol and quantity != "raw":
         factor_to_canonical(symbol, quantity, where=table.place(index))
-    values = finite(table.numbers(index)) * scale
+    numbers = table.numbers(index)
+    told += not_measured(table, index, numbers)
+    values = finite(numbers) * scale
     return make_channel(name, values, symbol, column=table.head.names[index] or str(index + 1))
-
-
-def _doubt(table: Table, channel: Channel, index: int) -> InputError | None:
-    doubt = find_doubt(channel)
-    if doubt is None:
-        return None
-    shown = channel.display_unit
-    flag = channel_flag(channel.name, table, index, doubt.better)
-    if unit_symbol(doubt.better) == shown:  # no other unit would make them plausible
-        remedy = f"confirm {shown} with {flag}, or map another column in the same way"
-    else:
-        remedy = f"state the unit, as in {flag}, or confirm {shown} in the same way"
-    return InputError(
-        doubt.what,
-        where=table.place(index),
-        value=doubt.value,
-        remedy=remedy,
-    )
 
 
 def _add_raw(
@@ -337,11 +326,6 @@ def _raw_unit(table: Table, index: int) -> str | None:
     except InputError:
         unit = table.head.units[index]
     return unit_symbol(unit) if unit else None
-
-
-def finite(values: Array) -> Array:
-    """The same values with NaN in place of infinities and of numbers that are no measurement."""
-    return np.where(np.abs(values) <= LARGEST_NUMBER, values, np.nan)
 
 
 def _left_raw(name: str, problem: InputError, table: Table) -> Issue:

@@ -111,6 +111,11 @@ class Table(ABC):
             The column begins with a time but does not go on so.
         """
 
+    def unclear_date(self, index: int) -> InputError | None:
+        """What to say of a column of dates in a notation of which there are several readings."""
+        del index
+        return None
+
     @property
     def only_on_request(self) -> bool:
         """Whether columns that nobody asked for stay in the file, because it is large."""

@@ -18,8 +18,16 @@ _NUMBER = re.compile(r"[+-]?(\d+(\.\d*|,\d+)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 _CLOCK = re.compile(r"(\d{1,2}):([0-5]\d):([0-5]\d(?:[.,]\d+)?)", re.ASCII)
 _CALENDAR = re.compile(
-    r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d(:?\d\d)?)?)?", re.ASCII
+    r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d(:?\d\d)?)?)?"
+    r"|\d{8}T\d{4}(\d\d([.,]\d+)?)?(Z|[+-]\d\d(:?\d\d)?)?",  # the basic form
+    re.ASCII,
 )
+_OTHER_DATE = re.compile(
+    r"(\d{4}([./-])\d{1,2}\2\d{1,2}|\d{1,2}([./-])\d{1,2}\3(\d{4}|\d\d))([ T,]\s*\d.*)?"
+    r"|(.*\s)?\d{1,2}:\d\d.*[ap]\.?m\.?",
+    re.ASCII | re.IGNORECASE,
+)
+_GROUPED = re.compile(r"[+-]?\d{1,3}([.,' ]\d{3})+([.,]\d+)?", re.ASCII)
 _MIDNIGHT = datetime(1900, 1, 1)  # of times of day; softid looks at differences only
 
 
@@ -36,6 +44,27 @@ def is_number(cell: str) -> bool:
 def is_timestamp(cell: str) -> bool:
     """Whether a cell is an ISO 8601 date and time, or a time of day."""
     return _CALENDAR.fullmatch(cell) is not None or _CLOCK.fullmatch(cell) is not None
+
+
+def is_other_date(cell: str) -> bool:
+    """Whether a cell is a date or a time of day in a notation that leaves room for doubt.
+
+    Examples
+    --------
+    >>> [is_other_date(c) for c in ("21.11.2026 12:00", "11/21/2026", "11:59 PM", "1.5", "2.11")]
+    [True, True, True, False, False]
+    """
+    return _OTHER_DATE.fullmatch(cell) is not None
+
+
+def is_grouped(cell: str) -> bool:
+    """Whether a cell may be a number whose thousands are set off: 1.234,5 or 50.039."""
+    return _GROUPED.fullmatch(cell) is not None
+
+
+def is_time_of_day(cell: str) -> bool:
+    """Whether a cell is a time without a date."""
+    return _CLOCK.fullmatch(cell) is not None
 
 
 def to_numbers(cells: Sequence[str], *, comma: bool) -> Array | int:

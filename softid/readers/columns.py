@@ -112,7 +112,10 @@ _LAST_TOKEN = re.compile(r"(.*[^\s_.\-:,])[\s_.\-:,]+([^\s_.\-:,]+)")
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _WORD = re.compile(r"[^\W\d_]+|\d+")
 # As the last part of a name these are units only where the quantity fits: inlet, minimum, index.
-_AMBIGUOUS_UNITS = frozenset({"in", "min", "m", "n", "s", "mn", "nm", "atm", "degree", "second"})
+_AMBIGUOUS_UNITS = frozenset(
+    {"in", "min", "m", "n", "s", "h", "hr", "mn", "nm", "atm", "degree", "second", "minute"}
+    | {"hour", "rev"}
+)
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,21 @@ import numpy as np
 
 from softid.errors import InputError, Issue
 from softid.readers.base import Array, ArrayTable, Head, IntArray, Table, Timestamps
-from softid.readers.cells import is_missing, is_number, is_timestamp, to_numbers, to_seconds
+from softid.readers.cells import (
+    is_grouped,
+    is_missing,
+    is_number,
+    is_other_date,
+    is_time_of_day,
+    is_timestamp,
+    to_numbers,
+    to_seconds,
+)
 from softid.readers.decoding import decode, split_lines
 from softid.readers.dialect import Layout, find_layout, is_comment
 from softid.readers.files import read_content, refuse_other_format
+
+HALF_A_DAY_S = 12 * 3600.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,14 +46,60 @@ class TextTable(Table):
         """One column as numbers, NaN where a cell says that there is none."""
         values = to_numbers(self.cells[index], comma=self.comma)
         if isinstance(values, int):
-            cell = self.cells[index][values]
-            raise InputError(
-                "this is not a number",
-                where=self.place(index, values),
-                value=cell[:60],
-                remedy="correct it, or leave the cell empty (or NaN) if nothing was recorded",
-            )
+            raise self._no_number(index, values)
         return values
+
+    def _no_number(self, index: int, sample: int) -> InputError:
+        cell = self.cells[index][sample].strip()
+        remedy = "correct it, or leave the cell empty (or NaN) if nothing was recorded"
+        if is_other_date(cell):
+            return self._other_date(index, sample)
+        grouping = self._grouping_point() if is_number(cell) and "," in cell else None
+        if grouping is not None:
+            return self._two_decimal_signs(cell, *grouping)
+        if is_grouped(cell):
+            remedy = "write it without marks between the thousands"
+        return InputError(
+            "this is not a number", where=self.place(index, sample), value=cell[:60], remedy=remedy
+        )
+
+    def _other_date(self, index: int, sample: int) -> InputError:
+        return InputError(
+            "this date or time may be read in more than one way",
+            where=self.place(index, sample),
+            value=self.cells[index][sample].strip()[:60],
+            remedy="write ISO 8601 (2026-11-21T12:00:00), or the seconds since the start",
+        )
+
+    def _grouping_point(self) -> tuple[int, int] | None:
+        """Column and sample of the first point, if every one may set off thousands."""
+        first = None
+        for index, column in enumerate(self.cells):
+            for sample, padded in enumerate(column):
+                cell = padded.strip()
+                if "." in cell and is_number(cell):
+                    if not is_grouped(cell):
+                        return None
+                    first = first or (index, sample)
+        return first
+
+    def _two_decimal_signs(self, comma: str, index: int, sample: int) -> InputError:
+        """The cell with a point is to blame, where others have a decimal comma."""
+        cell = self.cells[index][sample].strip()
+        return InputError(
+            f"there is a point, where other numbers have a decimal comma ({comma})",
+            where=self.place(index, sample),
+            value=cell[:60],
+            remedy=f"if it sets off thousands, write {cell.replace('.', '')}, else write all "
+            "numbers with the same decimal sign",
+        )
+
+    def unclear_date(self, index: int) -> InputError | None:
+        """What to say of a column of dates in a notation that leaves room for doubt."""
+        first = next((k for k, c in enumerate(self.cells[index]) if not is_missing(c.strip())), 0)
+        if not is_other_date(self.cells[index][first].strip()):
+            return None
+        return self._other_date(index, first)
 
     def timestamps(self, index: int) -> Timestamps | None:
         """One column of ISO 8601 times or times of day as seconds since the first."""
@@ -57,7 +114,23 @@ class TextTable(Table):
                 value=self.cells[index][converted][:60],
                 remedy="write all times alike, as ISO 8601, or as seconds",
             )
+        if is_time_of_day(first):
+            self._require_one_day(index, converted[0])
         return Timestamps(*converted)
+
+    def _require_one_day(self, index: int, seconds: Array) -> None:
+        recorded = np.flatnonzero(np.isfinite(seconds))
+        back = np.flatnonzero(np.diff(seconds[recorded]) < -HALF_A_DAY_S)
+        if back.size:
+            before, after = (int(recorded[back[0] + k]) for k in (0, 1))
+            raise InputError(
+                f"the day changes, after {self.cells[index][before].strip()}, and a time of day "
+                "does not say by how much",
+                where=self.place(index, after),
+                value=self.cells[index][after].strip()[:60],
+                remedy="write the date too, as in 2026-11-21T12:00:00, or the seconds since the "
+                "start",
+            )
 
 
 def read_csv(path: Path) -> Table:

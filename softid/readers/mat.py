@@ -118,7 +118,10 @@ def _variables(
             if inner_kind == _MATRIX:
                 variable = _matrix(inner_payload, order, depth=0)
                 for name, array in variable.parts:
-                    yield variable.name, name or variable.name, array
+                    *above, field = (
+                        f"{variable.name}.{name}".split(".") if name else [variable.name]
+                    )
+                    yield ".".join(above) or variable.name, field, array
 
 
 def _elements(buffer: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:

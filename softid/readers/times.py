@@ -21,6 +21,12 @@ unit that the file states is only questioned, for slow logs of creep exist.
 LONG_LOG_S = 4 * 3600.0
 """A log with a step of a second or more is doubted beyond this length: 1 kHz counted in ms."""
 
+SHORTEST_PERIOD_S = 1e-7
+"""No actuator is sampled quicker than at 10 MHz, whoever vouches for the unit."""
+
+TIME_UNITS = ("ms", "us", "ns", "s", "h", "min")
+"""Units to propose, the first one in which the median step is plausible."""
+
 EPOCH_MIN_S = 1e8
 """Seconds above this count from 1970; they are shifted to the first sample to keep precision."""
 
@@ -73,8 +79,8 @@ def read_times(
     Raises
     ------
     InputError
-        A cell is neither a number nor a time, or the unit is not stated and seconds would be
-        implausible.
+        A cell is neither a number nor a time, the unit is not stated and seconds would be
+        implausible, or no recorder is as quick as the unit makes it.
     """
     stamps = table.timestamps(index)
     if stamps is not None:
@@ -90,11 +96,13 @@ def read_times(
             f"in {unit or 's'} the time would be more than {LATEST_S:g} s from its zero",
             where=where,
             value=float(counts[np.nanargmax(np.abs(seconds))]),
-            remedy=f"state the unit with {_time_flag(table, index)}",
+            remedy=f"state the unit with {_time_flag(table, index, counts)}",
         )
     if unit is None:
         _require_plausible(counts, table, index)
-    issues = () if confirmed else _unit_questioned(valid, table, index, unit)
+    else:
+        _require_possible(seconds, counts, table, index, unit)
+    issues = () if confirmed else _unit_questioned(valid, counts, table, index, unit)
     if valid.size and valid[0] > EPOCH_MIN_S:
         start = {"start_epoch_s": repr(float(valid[0]))}
         return TimeAxis(_since_first(counts, factor), start, issues)
@@ -120,13 +128,25 @@ def _require_plausible(counts: Array, table: Table, index: int) -> None:
         raise InputError(
             "the time has no unit, and as seconds its median step would be implausible",
             where=table.place(index),
-            value=period,
-            remedy=f"state the unit with {_time_flag(table, index)}",
+            value=float(f"{period:.6g}"),
+            remedy=f"state the unit with {_time_flag(table, index, counts)}",
+        )
+
+
+def _require_possible(seconds: Array, counts: Array, table: Table, index: int, unit: str) -> None:
+    period = _median_step(seconds)
+    if period is not None and period < SHORTEST_PERIOD_S:
+        raise InputError(
+            f"in {unit} the median step of the time would be {period:.3g} s, which no recorder of "
+            "an actuator reaches",
+            where=table.place(index),
+            value=float(f"{_median_step(counts) or 0.0:.6g}"),
+            remedy=f"state the unit with {_time_flag(table, index, counts)}",
         )
 
 
 def _unit_questioned(
-    seconds: Array, table: Table, index: int, unit: str | None
+    seconds: Array, counts: Array, table: Table, index: int, unit: str | None
 ) -> tuple[Issue, ...]:
     """A warning where the sampling would be odd for an actuator's log."""
     period = _median_step(seconds)
@@ -139,7 +159,7 @@ def _unit_questioned(
         return ()
     stated = unit or "s"
     lasting = f", the log {length_s / 3600.0:.3g} hours long" if length_s > 3600.0 else ""
-    better = "ms" if slow else "s"
+    better = _plausible_unit(counts) or ("ms" if slow else "s")
     return (
         Issue(
             "time-unit-doubtful",
@@ -152,8 +172,20 @@ def _unit_questioned(
     )
 
 
-def _time_flag(table: Table, index: int) -> str:
-    return channel_flag("time", table, index, "ms")
+def _time_flag(table: Table, index: int, counts: Array) -> str:
+    return channel_flag("time", table, index, _plausible_unit(counts) or "ms")
+
+
+def _plausible_unit(counts: Array) -> str | None:
+    """A unit in which the steps of a clock are those of an actuator's log."""
+    period = _median_step(counts)
+    if period is None:
+        return None
+    shortest, longest = PLAUSIBLE_PERIOD_S
+    for unit in TIME_UNITS:
+        if shortest <= period * factor_to_canonical(unit, "time") <= longest:
+            return unit
+    return None
 
 
 def channel_flag(channel: str, table: Table, index: int, unit: str | None) -> str:

@@ -199,4 +199,5 @@ def _which_bound(value: float, lower: float | None, upper: float | None) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    *before, last = dict.fromkeys(names)
+    return f"{', '.join(before)} and {last}" if before else last

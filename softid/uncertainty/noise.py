@@ -104,5 +104,5 @@ def noise_model(
         ar=model.phi,
         white=test.p_value >= WHITENESS_LEVEL,
         ljung_box_p=test.p_value,
-        effective_n=effective_n(model, [run.size for run in runs]),
+        effective_n=min(effective_n(model, [run.size for run in runs]), float(n)),
     )

@@ -115,3 +115,40 @@ def test_brief_stops_count_neither_as_levels_nor_as_changes() -> None:
     assert len(stretch.levels) == 2
     assert stretch.shortest_hold_s is not None
     assert stretch.shortest_hold_s > 2.0
+
+
+@pytest.mark.parametrize("count", [20_000, 99_999, 300_000])
+@pytest.mark.parametrize("noise", [0.0, 0.2])
+def test_a_long_log_has_windows_as_sharp_as_a_short_one(count: int, noise: float) -> None:
+    """No window reaches into another level, and each misses its own by two samples at most.
+
+    A step of a log has its place to the sample, of which a median of five leaves two in doubt; the
+    levels lie 4 or more apart, twenty times the noise.
+    """
+    per_hold = count // 40
+    rng = np.random.default_rng(3)
+    levels = rng.permutation(np.arange(40) * 5.0 + rng.uniform(-0.5, 0.5, 40))
+    truth = np.repeat(levels, per_hold)
+    values = truth + noise * np.random.default_rng(4).standard_normal(truth.size)
+    windows = settled_windows(np.arange(truth.size) * 0.001, values)
+    assert len(windows) == levels.size
+    for k, window in enumerate(windows):
+        assert abs(window.start - k * per_hold) <= 2
+        assert abs(window.stop - (k + 1) * per_hold) <= 2
+
+
+def test_small_steps_of_a_staircase_are_no_free_motion() -> None:
+    """Rungs 2.4 % of the range apart, within the tube of 3 %, are two windows each to the sample.
+
+    A ramp of the same height has none: both its halves are as wide as they are apart.
+    """
+    rungs = np.array([0.0, 50.0, 52.4, 100.0, 97.3, 21.1, 33.4, 71.9])
+    time_s = np.arange(2400) * 0.01
+    windows = settled_windows(time_s, np.repeat(rungs, 300))
+    assert [(w.start, w.stop, w.level) for w in windows] == [
+        (300 * k, 300 * (k + 1), pytest.approx(rung)) for k, rung in enumerate(rungs)
+    ]
+    (found,) = segment_excitation(time_s, np.repeat(rungs, 300))
+    assert (found.kind, found.start, found.stop) == ("staircase", 0, time_s.size)
+    ramp = np.concatenate([np.zeros(300), np.linspace(0.0, 100.0, 1200), np.full(300, 100.0)])
+    assert len(settled_windows(time_s[:1800], ramp)) == 2

@@ -15,6 +15,8 @@ from softid.identification import fit
 from softid.log import Log
 from softid.models import Muscle
 from softid.readers import load
+from softid.records import load_params, save_fit
+from softid.simulation import simulate
 from softid.synthesis import bundled_datasets, muscle_log, random_muscle_truth, read_manifest
 from softid.synthesis.waveforms import Sine, Steps
 
@@ -250,3 +252,30 @@ def test_a_held_out_log_without_motion_is_told_from_one_badly_followed() -> None
     found = {i.code: i.message for i in fit(fitted, model="muscle", hold_out=still).issues}
     assert "still (held out): contraction moves by only 0.3" in found["nothing-to-score"]
     assert "poor-fit" not in found
+
+
+def test_a_growing_length_is_fitted_like_the_position_it_is(tmp_path: Path) -> None:
+    """L = L0 + x has the parameters of x itself: the same samples under two names, to 1e-6.
+
+    The sign is saved with the options, so a reloaded model follows the log as well.
+    """
+    (log,) = pair(random_muscle_truth(np.random.default_rng(5)), 5)[:1]
+    x = log.channels["contraction"].values
+    named = {
+        name: Log.from_arrays(log.time_s, {"pressure": log.pressure_kpa, name: x + offset})
+        for name, offset in (("position", 0.0), ("length", 100.0))
+    }
+    grown, moved = (fit(named[name], model="muscle") for name in ("length", "position"))
+    assert grown.model.options["inverted"] is True
+    for name, value in moved.values.items():
+        assert grown.values[name] == pytest.approx(value, rel=1e-6), name
+    save_fit(grown, tmp_path / "params.json")
+    back = load_params(tmp_path / "params.json")
+    found = simulate(
+        back.build_model(),
+        back.values,
+        named["length"],
+        nuisance=next(iter(back.nuisances.values())),
+    )
+    left = found.outputs["length"] - named["length"].channels["length"].values
+    assert np.std(left) < 0.1 * np.std(x)

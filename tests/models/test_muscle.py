@@ -81,7 +81,7 @@ def test_units_follow_the_output() -> None:
 
 
 def test_inverted_outputs() -> None:
-    """A falling angle or contraction has its sign turned; a length falls by its nature."""
+    """A falling angle or contraction has its sign turned, and so has a length that grows."""
     angle = Muscle().adapted({"input": "kPa", "angle": "rad"}, inverted=True)
     assert angle.inverted
     found = angle.static_output(THETA, PRESSURE, "angle")
@@ -89,6 +89,22 @@ def test_inverted_outputs() -> None:
     assert not Muscle().adapted({"input": "kPa", "length": "mm"}, inverted=True).inverted
     length = Muscle().static_output(THETA, PRESSURE, "length")
     assert np.all(np.diff(length) < 0)
+
+
+def test_a_length_that_grows_is_the_fixed_length_and_x() -> None:
+    """L = L0 + x, as a bellows records it: the length of Eq 1 mirrored at L0, to rounding."""
+    plain = Muscle(fixed_length_mm=150.0, diameter_mm=20.0)
+    growing = plain.adapted({"input": "kPa", "length": "mm"}, inverted=False)
+    assert growing.inverted
+    x = plain.static_output(THETA, PRESSURE, "contraction")
+    assert growing.static_output(THETA, PRESSURE, "length") == pytest.approx(150.0 + x, rel=1e-13)
+    segment = held(130.0, "length")
+    found = growing.response(THETA, segment, ("length",), start=None, derivatives=True)
+    usual = plain.response(THETA, segment, ("length",), start=None, derivatives=True)
+    assert found.outputs["length"] - 150.0 == pytest.approx(150.0 - usual.outputs["length"])
+    assert found.by_parameter is not None
+    assert usual.by_parameter is not None
+    np.testing.assert_allclose(found.by_parameter["length"], -usual.by_parameter["length"])
 
 
 @pytest.mark.parametrize("units", [{"distance": "mm"}, {"angle": "rad", "length": "mm"}])

@@ -22,13 +22,14 @@ def test_a_sign() -> None:
     assert right.correlation > 0.98
 
 
-def test_a_distance_falls_with_pressure() -> None:
-    """D(θ) falls strictly on the working branch, so a rising distance is the inverted one."""
+@pytest.mark.parametrize("name", ["distance", "length"])
+def test_a_distance_falls_with_pressure(name: str) -> None:
+    """D(θ) falls strictly on the working branch and L = L0 − x always; rising ones are inverted."""
     log = staircase_log()
     pressure = log.pressure_kpa
     for sign, inverted in ((-1.0, False), (1.0, True)):
-        channels = {"pressure": pressure, "distance": 150.0 + sign * 0.5 * pressure}
-        check = check_sign(Log.from_arrays(log.time_s, channels), "distance")
+        channels = {"pressure": pressure, name: 150.0 + sign * 0.5 * pressure}
+        check = check_sign(Log.from_arrays(log.time_s, channels), name)
         assert check is not None
         assert check.inverted is inverted
 
@@ -88,3 +89,11 @@ def test_an_overshoot() -> None:
     found = inspect(Log.from_arrays(time_s, channels))
     assert found.responses[0].overshoot == pytest.approx(0.254, abs=0.01)
     assert found.ability("inertia").possible == "yes"
+
+
+def test_an_inverted_sign_names_the_option_that_turns_it() -> None:
+    """The remedy is the flag of this channel, with its column and unit and a minus before it."""
+    found = inspect(with_fault(staircase_log(), "angle", lambda v: -v))
+    (issue,) = (i for i in found.issues if i.code == "inverted-sign")
+    assert issue.remedy is not None
+    assert "--channel angle=angle:-deg" in issue.remedy

@@ -251,3 +251,49 @@ def test_a_column_of_timestamps_is_the_time_whatever_its_name(write_log: WriteFi
     rows = "2024-01-01T00:00:00,1,2\n2024-01-01T00:00:00.5,2,3\n"
     log = load(write_log("stamp_utc,pressure_kpa,angle_deg\n" + rows))
     assert log.time_s.tolist() == [0.0, 0.5]
+
+
+def test_a_minus_at_the_unit_turns_the_sign(write_log: WriteFile, tmp_path: Path) -> None:
+    """-deg is −1 times deg, by flag and by sidecar: the same log with every angle negated."""
+    path = write_log(table("time_s,pressure_bar,angle_deg"))
+    plain = load(path).channels["angle"]
+    turned = load(path, channels={"angle": "angle_deg:-deg"}).channels["angle"]
+    np.testing.assert_array_equal(turned.values, -plain.values)
+    assert turned.display_unit == "deg"
+    beside = tmp_path / "turned.toml"
+    beside.write_text('[channels]\nangle = {column = "angle_deg", unit = "-deg"}\n')
+    said = load(path, sidecar=beside).channels["angle"]
+    np.testing.assert_array_equal(said.values, -plain.values)
+
+
+def test_a_mark_for_nothing_is_told_with_row_and_sign(write_log: WriteFile) -> None:
+    """Two of 20 angles are -999: the first, in row 5 of the file, is named as it is written."""
+    rows = [f"{0.1 * k:.1f},{k},{-999 if k in (3, 9) else k}" for k in range(20)]
+    with pytest.raises(InputError, match=r"2 rows.*leave these cells empty") as caught:
+        load(write_log("\n".join(["time_s,pressure_kpa,angle_deg", *rows])))
+    assert caught.value.value == -999.0
+    assert "column angle_deg, row 5" in str(caught.value)
+
+
+@pytest.mark.parametrize("cell", ["1e308", "inf", "-inf"])
+def test_a_number_that_is_no_measurement_is_told(write_log: WriteFile, cell: str) -> None:
+    """It counts as missing, as it must for every sum, but with a warning that names its row."""
+    rows = [f"{0.1 * k:.1f},{k},{cell if k == 4 else k}" for k in range(20)]
+    log = load(write_log("\n".join(["time_s,pressure_kpa,angle_deg", *rows])))
+    assert np.isnan(log.channels["angle"].values[4])
+    (issue,) = (i for i in log.issues if i.code == "not-a-measurement")
+    assert issue.severity == "warning"
+    assert "column angle_deg, row 6: 1 number is infinite" in issue.message
+
+
+def test_grad_is_asked_for(write_log: WriteFile) -> None:
+    """The degree of a German header or the gon, which differ by a tenth: never a giga-radian."""
+    with pytest.raises(InputError, match=r"angle=COLUMN:deg or .*angle=COLUMN:gon"):
+        load(write_log("Zeit;Druck;Winkel\ns;bar;Grad\n0;0,1;0,2\n0,1;0,2;0,3\n"))
+
+
+def test_the_level_of_a_step_is_no_mark_for_nothing(write_log: WriteFile) -> None:
+    """0 and 80 bar in turn: one value lies far from the other, but the question is the unit."""
+    rows = [f"{0.1 * k:.1f},{80 * (k // 10 % 2)},{k}" for k in range(40)]
+    with pytest.raises(InputError, match="is that its unit"):
+        load(write_log("\n".join(["time_s,pressure_bar,angle_deg", *rows])))

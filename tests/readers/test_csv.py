@@ -219,3 +219,11 @@ def test_long_files_take_seconds(write_log: WriteFile, last: str) -> None:
     start = time.process_time()
     assert len(load(path)) == 100_000
     assert time.process_time() - start < 2.0
+
+
+def test_points_between_thousands_are_blamed_not_the_decimal_commas(write_log: WriteFile) -> None:
+    """0,000 is a good cell where 50.039 is the only kind of point: that one is named."""
+    with pytest.raises(InputError, match="write 50039") as caught:
+        load(write_log("time_s;pressure_pa;angle_deg\n0,000;50.039;2,5\n0,020;50.127;3,5\n"))
+    assert caught.value.value == "50.039"
+    assert "column pressure_pa, row 2" in str(caught.value)

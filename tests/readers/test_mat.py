@@ -88,7 +88,7 @@ def test_what_is_no_channel_becomes_metadata_or_is_left_out(write_log: WriteFile
         "deep": {"inner": {"x": np.arange(5.0)}},
     }
     table = read_mat(write_log(saved({**COLUMNS, **others}), "log.mat"))
-    assert set(table.head.names) == {*COLUMNS, "matrix_1", "matrix_2", "inner.x"}
+    assert set(table.head.names) == {*COLUMNS, "matrix_1", "matrix_2", "x"}
     second = table.head.names.index("matrix_2")
     np.testing.assert_array_equal(table.numbers(second), others["matrix"][:, 1])
     assert table.head.metadata["gain"] == "2.5"

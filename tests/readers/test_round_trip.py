@@ -96,6 +96,7 @@ def test_what_is_written_is_read(
     assume(dialect.separator != "," or dialect.decimal != ",")
     assume(dialect.decimal != "," or any("." in repr(v) for row in steps for v in row))
     counts = np.cumsum([step for step, *_ in steps])
+    assume(dialect.time_unit != "us" or min(step for step, *_ in steps) > 0.11)  # else above 10 MHz
     pressures = [p for _, p, *_ in steps]
     assume(np.ptp(pressures) > 0.01)  # a smaller span in some unit makes the range check ask
     factor = {"Pa": 1e5, "kPa": 100.0, "psi": 15.0, "bar": 1.0}[dialect.pressure_unit]

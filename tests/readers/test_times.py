@@ -42,13 +42,23 @@ def test_numbers_in_their_unit(write_log: WriteFile, header: str, cells: list[st
     np.testing.assert_allclose(log.time_s, [0.0, 0.02, 0.04], rtol=1e-15)
 
 
-@pytest.mark.parametrize("step", [PLAUSIBLE_PERIOD_S[0] / 2, PLAUSIBLE_PERIOD_S[1] * 2])
-def test_an_implausible_time_without_unit_is_asked_for(write_log: WriteFile, step: float) -> None:
+@pytest.mark.parametrize(
+    ("step", "unit"), [(PLAUSIBLE_PERIOD_S[0] / 2, "h"), (PLAUSIBLE_PERIOD_S[1] * 2, "ms")]
+)
+def test_an_implausible_time_without_unit_is_asked_for(
+    write_log: WriteFile, step: float, unit: str
+) -> None:
+    """The unit proposed makes the step plausible; 50 ns, that of 50 ppm of a ms, nobody records."""
     cells = [repr(k * step) for k in range(4)]
     with pytest.raises(InputError, match="the time has no unit") as caught:
         timed(write_log, "time", cells)
-    assert "--channel time=time:ms" in str(caught.value)
+    assert f"--channel time=time:{unit}" in str(caught.value)
     assert timed(write_log, "time", cells, time_unit="s").period_s == pytest.approx(step)
+    if unit == "h":
+        with pytest.raises(InputError, match="no recorder") as caught:
+            timed(write_log, "time", cells, channels={"time": "time:ms"})
+        assert "--channel time=time:h" in str(caught.value)
+        return
     flagged = timed(write_log, "time", cells, channels={"time": "time:ms"})
     assert flagged.period_s == pytest.approx(step * 1e-3)
     ticks = timed(write_log, "time", cells, channels={"time": "time:2.5*ms"})
@@ -118,3 +128,48 @@ def test_an_epoch_keeps_its_precision(write_log: WriteFile) -> None:
         timed(write_log, "time", ["1700000000000", "1700000000010"])
     log = timed(write_log, "time", ["1700000000000", "1700000000010"], time_unit="ms")
     assert log.time_s.tolist() == [0.0, 0.01]
+
+
+@pytest.mark.parametrize(
+    ("header", "cells"),
+    [
+        ("time_h", [f"{k * 0.02 / 3600:.12f}" for k in range(5)]),
+        ("t [min]", [f"{k * 0.02 / 60:.12f}" for k in range(5)]),
+        ("time", [f"20261121T120000.{20 * k:03d}" for k in range(5)]),
+    ],
+)
+def test_hours_minutes_and_basic_iso_times(
+    write_log: WriteFile, header: str, cells: list[str]
+) -> None:
+    """20 ms in three notations, to the rounding of the cells: 3.6 ns of the hours."""
+    np.testing.assert_allclose(
+        timed(write_log, header, cells).time_s, 0.02 * np.arange(5), atol=1e-8
+    )
+
+
+def test_nanoseconds_since_1970_are_proposed_and_read(write_log: WriteFile) -> None:
+    """What the remedy says is right: 20 ms, to the 256 ns that a float leaves of 1.79e18."""
+    cells = [str(1790000000000000000 + 20_000_000 * k) for k in range(5)]
+    with pytest.raises(InputError, match="--channel time=timestamp:ns"):
+        timed(write_log, "timestamp", cells)
+    log = timed(write_log, "timestamp", cells, channels={"time": "timestamp:ns"})
+    np.testing.assert_allclose(log.time_s, 0.02 * np.arange(5), atol=3e-7)
+
+
+def test_midnight_in_times_of_day_is_said(write_log: WriteFile) -> None:
+    """The cells as in the file, not seconds since the first; the second one is in row 3."""
+    with pytest.raises(InputError, match=r"the day changes, after 23:59:59\.990") as caught:
+        timed(write_log, "time", ["23:59:59.990", "00:00:00.010", "00:00:00.030"])
+    assert caught.value.value == "00:00:00.010"
+    assert "row 3" in str(caught.value)
+
+
+@pytest.mark.parametrize("header", ["time", "Datum"])
+@pytest.mark.parametrize(
+    "cell", ["21.11.2026 12:00:0{}", "11/21/2026 12:00:0{}", "21-11-26 12:00:0{}", "11:59:0{} PM"]
+)
+def test_dates_with_two_readings_ask_for_iso(write_log: WriteFile, header: str, cell: str) -> None:
+    """Day or month first is nobody's to guess, whatever the column is called."""
+    with pytest.raises(InputError, match=r"write ISO 8601 \(2026-11-21T12:00:00\)") as caught:
+        timed(write_log, header, [cell.format(k) for k in range(5)])
+    assert caught.value.value == cell.format(0)

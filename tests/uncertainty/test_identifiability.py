@@ -89,3 +89,10 @@ def test_reasons_name_the_partner_the_bound_and_the_companions() -> None:
     assert "upper bound" in judge(9.0, "linear", 0.1, at_bound=True, lower=0.0, upper=9.0)[1]
     assert "b2 and c2" in judge(1.0, "log", None, companions=("b2", "c2"))[1]
     assert "does not change the response" in judge(1.0, "log", None)[1]
+
+
+def test_companions_are_named_once() -> None:
+    """A parameter of two undetermined directions stands in both, and yet is one name."""
+    reason = judge(1.0, "log", None, companions=("c1", "a2", "c1", "a2"))[1]
+    assert reason == "c1 and a2 can make up for it exactly"
+    assert judge(1.0, "log", None, companions=("c2", "c2"))[1].startswith("c2 can")

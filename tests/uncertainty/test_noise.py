@@ -54,3 +54,12 @@ def test_a_perfect_fit_has_a_noise_model() -> None:
     """Zero residuals: no noise, white, nothing divided by zero."""
     found = noise_model("angle", [np.zeros(100)])
     assert (found.sigma, found.white, found.effective_n) == (0.0, True, 100.0)
+
+
+def test_a_noise_model_counts_no_more_samples_than_there_are() -> None:
+    """±1 in turn has a mean far better known than by as many white samples, yet only 20 of them."""
+    rng = np.random.default_rng(0)
+    residual = (-1.0) ** np.arange(20) + 0.3 * rng.standard_normal(20)
+    ar = AutoRegression((-0.7,), 1.0, (1 / 0.51) ** 0.5, 20, 0.0, 0.0)
+    assert effective_n(ar, [20]) > 50.0
+    assert noise_model("angle", [residual], ar=ar).effective_n == 20.0
