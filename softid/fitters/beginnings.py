@@ -45,11 +45,12 @@ class BeginningProblem(Problem):
     """
 
     def __init__(self, whole: Problem, share: float) -> None:
-        self._adopt(whole)
+        super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
         self.segments = []
         for segment in whole.segments:
             kept = slice(max(LEAST_SAMPLES, round(share * segment.time_s.size)))
             self.segments.append(segment.part(kept))
+        self.owner, self.at_rest = whole.owner, whole.at_rest
         self._layout()
 
 

@@ -17,24 +17,39 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.rules import (
-    DOUBLINGS,
-    INITIAL_DAMPING,
-    LARGEST_DECREASE,
-    LARGEST_STEP,
-    LESS_BEND,
-    MOST_BEND,
-    MOST_DAMPING,
-    MOST_SHORTENED,
-    SCALE_FLOOR,
-    SHORT_STEP,
-    SMALLEST_STEP,
-    STALL_EVALUATIONS,
-    STALL_GAIN,
-    STALL_OFFSET,
-)
-
 Array = npt.NDArray[np.float64]
+
+BEND_STEP = 0.1
+"""Fraction of a step at which the second derivative along it is measured."""
+
+SHORT_STEP = 0.1
+"""Steps shorter than this share of what is plausible hardly bend: the correction would be a tenth
+of the step or less, which the next one makes good, and to measure it takes a simulation."""
+
+MOST_BEND = 0.75
+"""A step whose acceleration is larger than this share of its velocity is too long to trust."""
+
+LESS_BEND = 0.9
+"""A step that bent too much is shortened to this share of what `MOST_BEND` allows: the share grows
+with the length of the step, but turns with its direction too."""
+
+MOST_SHORTENED = 0.1
+"""Share of a step that is left at least: what bends without end may be one place only."""
+
+INITIAL_DAMPING = 1e-9
+LARGEST_DECREASE = 0.1
+MOST_DAMPING = 1e30
+LARGEST_STEP = 3.0
+SMALLEST_STEP = 1e-11
+STALL_EVALUATIONS = 30
+STALL_GAIN = 1e-3
+STALL_OFFSET = 5e-2
+"""Within a twentieth of a standard error of the optimum the iteration also stops when thirty
+evaluations have lowered the cost by less than a thousandth of the residual variance: along a valley
+in which the parameters make up for each other it would creep on without end."""
+
+DOUBLINGS = 40
+_SCALE_FLOOR = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +258,7 @@ class _Progress:
 
 
 def _step(normal: Normal, moving: npt.NDArray[np.bool_], scale: Array, damping: float) -> Array:
-    d = np.maximum(scale[moving], SCALE_FLOOR * float(scale.max()))
+    d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
     matrix = _among(normal.matrix, moving) / d / d[:, None]
     matrix.flat[:: d.size + 1] += damping
     step = np.zeros(moving.size)
@@ -259,7 +274,7 @@ def _damping_for(
     length: float,
 ) -> float:
     """The least damping, in doublings, at which the step is no longer than ``length``."""
-    d = np.maximum(scale[moving], SCALE_FLOOR * float(scale.max()))
+    d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
     values, vectors = np.linalg.eigh(_among(normal.matrix, moving) / d / d[:, None])
     along = (normal.gradient[moving] / d) @ vectors
     trials = max(damping, 1e-300) * 2.0 ** np.arange(1.0, DOUBLINGS + 1.0)

@@ -14,10 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.affine_fit import Descent
 from softid.fitters.levenberg_marquardt import Normal
 from softid.fitters.problem import Block, Problem
-from softid.kernels.lanes import N_STATES
 from softid.models.division import Division
 from softid.models.products import Products
 
@@ -131,58 +129,6 @@ def _summed(
     if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
         cost, gradient, matrix = np.inf, np.zeros(problem.size), np.eye(problem.size)
     return Linearised(moved, cost, gradient, matrix, n, pieces=tuple(pieces), plans=plans)
-
-
-def summed(
-    problem: Problem,
-    found: Descent,
-    sigma: Mapping[str, float],
-    plans: Sequence[Division | None],
-    *,
-    has_prior: bool,
-) -> Linearised:
-    """The normal equations without a prior where a compiled run ended.
-
-    Parameters
-    ----------
-    problem, sigma, plans
-        As in `linearise`.
-    found
-        The end of the run.
-    has_prior
-        Whether its sums hold a prior.
-    """
-    arrays = problem.arrays
-    assert arrays is not None
-    chain = problem.chain(found.point)
-    law = problem.model.motion_law(problem.theta(found.point))
-    form = law.affine() if law is not None else None
-    assert form is not None
-    pieces = []
-    for k in range(len(problem.segments)):
-        rows = slice(int(arrays.edges[k]), int(arrays.edges[k + 1]))
-        for c, channel in enumerate(problem.outputs):
-            gain = float(arrays.gain[c])
-            columns = None if found.columns is None else found.columns[c, :, rows]
-            products = Products(
-                found.grams[k, c], gain * form.by_theta, gain * np.eye(N_STATES), columns
-            )
-            piece = _from_products(problem, chain, k, channel, products)
-            if problem.zeros:
-                piece.residual[-2] -= found.shift[arrays.zero_at[k, c]]
-            pieces.append(piece)
-    if not has_prior and np.isfinite(found.cost):
-        return Linearised(
-            found.point,
-            found.cost,
-            found.gradient,
-            found.matrix,
-            found.n,
-            pieces=tuple(pieces),
-            plans=plans,
-        )
-    with np.errstate(all="ignore"):
-        return _summed(problem, found.point, pieces, sigma, plans)
 
 
 def bend(

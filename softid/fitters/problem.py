@@ -10,14 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from threading import Lock
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.affine_fit import AffineArrays, affine_arrays
-from softid.fitters.rest import spans_of, starts_at_rest
 from softid.log import Log
 from softid.models.base import Model
 from softid.models.division import Division
@@ -25,6 +22,12 @@ from softid.parameters import ParameterSet
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
+
+REST_WINDOW_S = 0.3
+REST_MIN_SAMPLES = 5
+REST_FRACTION = 0.02
+"""A segment starts at rest when over its first 0.3 s (at least five samples) the input stays within
+2 % of its span in that log, and the outputs within 2 % of theirs until the input first moves."""
 
 LOG_REACH = 2.0
 LINEAR_REACH = 3.0
@@ -80,12 +83,11 @@ class Problem:
         self.parameters = parameters
         self.logs = tuple(logs)
         self.outputs = self.logs[0].outputs
-        owned = [(k, s) for k, log in enumerate(self.logs) for s in log.segments()]
-        self.segments: list[Segment] = [s for _, s in owned]
-        self.owner = [k for k, _ in owned]
+        self.segments: list[Segment] = [s for log in self.logs for s in log.segments()]
+        self.owner = [k for k, log in enumerate(self.logs) for _ in log.segments()]
         self.free = parameters.free
-        self.free_index = [parameters.names.index(name) for name in self.free]
-        self.log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
+        self._free_index = [parameters.names.index(name) for name in self.free]
+        self._log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
         self._tied = _tie_function(parameters)
         at_start = parameters.values_vector()
         if self._tied is not None:
@@ -95,18 +97,13 @@ class Problem:
             for s in self.segments
         )
         self.zeros = zeros and self.has_equilibrium and not model.own_zero
-        spans = [spans_of(log) for log in self.logs]
+        spans = [_spans(log) for log in self.logs]
         self.at_rest = [
             not model.start_states
             or (self.has_equilibrium and s.index == 0 and starts_at_rest(s, spans[k]))
             for s, k in zip(self.segments, self.owner, strict=True)
         ]
         self._layout()
-
-    def _adopt(self, whole: Problem) -> None:
-        """Take over all of a problem but its segments, which the caller replaces."""
-        self.__dict__.update(whole.__dict__)
-        self.__dict__.pop("arrays", None)
 
     def plans(self, z: Array) -> list[Division | None]:
         """Division of every segment's sampling intervals that the parameters at ``z`` call for."""
@@ -126,16 +123,6 @@ class Problem:
         self.size = position
         counts = (int(s.used[name].sum()) for s in self.segments for name in self.outputs)
         self._n_samples = sum(counts)
-
-    @property
-    def tied(self) -> bool:
-        """Whether parameters are computed from others."""
-        return self._tied is not None
-
-    @cached_property
-    def arrays(self) -> AffineArrays | None:
-        """The problem as the compiled optimiser takes it, where it can."""
-        return affine_arrays(self)
 
     @property
     def plain_segments(self) -> list[Segment]:
@@ -170,28 +157,20 @@ class Problem:
         linear = LINEAR_REACH * np.maximum(np.abs(values), 1.0)
         rows = [self.parameters[name] for name in self.free]
         linear = np.minimum(linear, [BOUNDED_REACH * (p.upper - p.lower) for p in rows])
-        far[: len(self.free)] = np.where(self.log_scaled, LOG_REACH, linear)
+        far[: len(self.free)] = np.where(self._log_scaled, LOG_REACH, linear)
         return far
 
-    def unknowns(self, values: Mapping[str, float], *, with_zeros: bool = True) -> Array:
-        """Vector of unknowns at given parameter values; zeros and states from the data.
-
-        An optimiser finds the zeros at once: ``with_zeros`` False spares it a simulation.
-        """
-        z = self.free_unknowns(values)
-        self._data_nuisance(z, with_zeros=with_zeros)
-        return z
-
-    def free_unknowns(self, values: Mapping[str, float]) -> Array:
-        """Vector of unknowns at given parameter values; zeros and states are 0."""
+    def unknowns(self, values: Mapping[str, float]) -> Array:
+        """Vector of unknowns at given parameter values; zeros and states from the data."""
         z = np.zeros(self.size)
         for k, name in enumerate(self.free):
             z[k] = values[name]
-        scaled = np.flatnonzero(self.log_scaled)
+        scaled = np.flatnonzero(self._log_scaled)
         z[scaled] = np.log(np.maximum(z[scaled], _LOG_FLOOR))
+        self._data_nuisance(z)
         return z
 
-    def _data_nuisance(self, z: Array, *, with_zeros: bool) -> None:
+    def _data_nuisance(self, z: Array) -> None:
         """Start at equilibrium, or at the first sample where the model has none; zeros to match."""
         if not self.has_equilibrium:
             name = self.outputs[0]
@@ -199,7 +178,7 @@ class Problem:
                 at, first = self._start_from[k], np.flatnonzero(segment.used[name])
                 if at is not None and first.size:
                     z[at] = segment.outputs[name][first[0]]
-        if self.zeros and with_zeros:
+        if self.zeros:
             blocks = list(self.blocks(z, derivatives=False))
             z[:] = self.with_best_zeros(z, blocks)[0]
 
@@ -272,21 +251,21 @@ class Problem:
         """All parameter values at the unknowns, shape (K,)."""
         values = self.parameters.values_vector()
         free = z[: len(self.free)].copy()
-        free[self.log_scaled] = np.exp(free[self.log_scaled])
-        values[self.free_index] = free
+        free[self._log_scaled] = np.exp(free[self._log_scaled])
+        values[self._free_index] = free
         return values if self._tied is None else self._tied(values)
 
     def chain(self, z: Array, theta: Array | None = None) -> Array:
         """∂θ/∂(free unknowns), shape (K, F); ``theta`` is θ at ``z`` where it is known already."""
         theta = self.theta(z) if theta is None else theta
         chain = np.zeros((theta.size, len(self.free)))
-        slope = np.where(self.log_scaled, theta[self.free_index], 1.0)
-        chain[self.free_index, np.arange(len(self.free))] = slope
+        slope = np.where(self._log_scaled, theta[self._free_index], 1.0)
+        chain[self._free_index, np.arange(len(self.free))] = slope
         if self._tied is None:
             return chain
-        for k, index in enumerate(self.free_index):
+        for k, index in enumerate(self._free_index):
             size = abs(theta[index])
-            h = 1e-6 * (size if self.log_scaled[k] else max(size, 1.0))
+            h = 1e-6 * (size if self._log_scaled[k] else max(size, 1.0))
             up, down = theta.copy(), theta.copy()
             up[index] += h
             down[index] -= h
@@ -345,6 +324,43 @@ class Problem:
                         width = len(self.model.start_states)
                         jacobian[:, at : at + width] = response.by_state[name][used_rows]
                 yield Block(name, k, residual, jacobian)
+
+
+def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
+    """Whether input and outputs hold still from the start of a segment to the first input change.
+
+    Parameters
+    ----------
+    segment
+        The segment.
+    spans
+        ``"input"`` and output name → largest minus smallest value over the whole log.
+    """
+    n = int(np.searchsorted(segment.time_s, segment.time_s[0] + REST_WINDOW_S))
+    n = max(n, REST_MIN_SAMPLES)
+    if np.ptp(segment.input[:n]) > REST_FRACTION * spans["input"]:
+        return False
+    level = float(np.median(segment.input[:n]))
+    moving = np.abs(segment.input - level) > REST_FRACTION * spans["input"]
+    end = int(np.argmax(moving)) if moving.any() else segment.input.size
+    for name, values in segment.outputs.items():
+        still = values[: max(end, n)][segment.used[name][: max(end, n)]]
+        if still.size < REST_MIN_SAMPLES:
+            return False
+        few = min(n, still.size // 2)
+        moved = abs(float(still[-few:].mean() - still[:few].mean()))
+        if moved > REST_FRACTION * spans[name]:
+            return False
+    return True
+
+
+def _spans(log: Log) -> dict[str, float]:
+    spans = {"input": float(np.ptp(log.channels[log.input].values))}
+    for name in log.outputs:
+        values = log.channels[name].values
+        finite = values[np.isfinite(values)]
+        spans[name] = float(np.ptp(finite)) if finite.size else 0.0
+    return spans
 
 
 def _tie_function(parameters: ParameterSet) -> Callable[[Array], Array] | None:

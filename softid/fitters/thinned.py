@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.affine_fit import looked_at
 from softid.fitters.multiple_shooting import PiecewiseProblem
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
@@ -66,8 +65,9 @@ class ThinnedProblem(Problem):
     """
 
     def __init__(self, whole: Problem, length: int) -> None:
-        self._adopt(whole)
+        super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
         self.segments = [_averaged(s.without_knots(), length) for s in whole.segments]
+        self.owner, self.at_rest = whole.owner, whole.at_rest
         self._layout()
 
 
@@ -81,7 +81,7 @@ class WindowedProblem(PiecewiseProblem):
     """
 
     def __init__(self, whole: Problem) -> None:
-        self._adopt(whole)
+        Problem.__init__(self, whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
         total = sum(segment.time_s.size for segment in whole.plain_segments)
         cuts = []
         for segment in whole.plain_segments:
@@ -154,29 +154,17 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
         Limit of evaluations.
     """
     whole, rough = objective.problem, Objective(problem, objective.sigma)
-    names = whole.parameters.names
-    begin = start
+    begin, names = start, whole.parameters.names
     if isinstance(problem, WindowedProblem):
-        values = dict(zip(names, whole.theta(start).tolist(), strict=True))
-        look = looked_at(problem, values, rough.sigma)
-        if look is None:
-            begin = problem.with_best_states(rough(problem.started(values)))
-        else:
-            rough.evaluations, begin = 1, look
-    found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE, columns=False)
+        begin = problem.started(dict(zip(names, whole.theta(start).tolist(), strict=True)))
+        begin = problem.with_best_states(rough(begin))
+    found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
     objective.evaluations += rough.evaluations
     if not np.isfinite(found.normal.cost):
         return start
     if not isinstance(problem, WindowedProblem):
         return found.point
-    begin = np.zeros(whole.size)  # as `Problem.unknowns`, but for zeros that are known already
-    shared = len(whole.free) + (len(whole.logs) * len(whole.outputs) if whole.zeros else 0)
-    begin[:shared] = found.point[:shared]
-    return (
-        begin
-        if whole.has_equilibrium
-        else whole.unknowns(dict(zip(names, problem.theta(found.point).tolist(), strict=True)))
-    )
+    return whole.unknowns(dict(zip(names, problem.theta(found.point).tolist(), strict=True)))
 
 
 def _steps(problem: Problem, z: Array) -> int:

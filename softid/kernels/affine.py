@@ -9,30 +9,38 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from softid.kernels import affine_blocks, affine_steps, exponential, lanes
-from softid.kernels.affine_blocks import (
-    differentiate_steps,
-    load_steps,
-    run_steps,
-    store_ends,
-    sum_columns,
-)
+from softid.kernels import affine_steps, exponential, lanes
 from softid.kernels.decorators import kernel
 from softid.kernels.lanes import (
+    BY,
     GIVEN,
+    INPUT,
     LANES,
+    N_COLUMNS,
+    N_PADDED,
+    N_PARAMETERS,
+    N_STATES,
+    ONE,
     POINTS,
+    RESIDUAL,
+    RK4,
     ROWS,
     SIZE,
     STEP,
+    STEPS,
     V,
     X,
+    add_gram,
     differentiate_radau,
+    differentiate_rk4,
+    fill_coefficients,
     fill_from_stages,
     join_derivatives,
     join_states,
     reset,
     run_radau,
+    run_rk4,
+    select_ends,
 )
 from softid.kernels.sources import follow_sources
 
@@ -40,6 +48,74 @@ Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.int16]
 Ends = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
+
+
+@njit(nogil=True, error_model="numpy")
+def _load(w: Array, ends: Ends, time_s: Array, u: Array, counts: Counts, at: Ends) -> None:
+    """The next steps of a log; ``at`` is the interval and the step within it, and moves on.
+
+    ``ends`` receives the sample that every step ends on, −1 for none. Behind the last sample the
+    input stays and no step ends on a sample.
+    """
+    interval, within = at[0], at[1]
+    last = time_s.size - 1
+    h = 1.0
+    p = u[last]
+    for lane in range(LANES):
+        for j in range(ROWS):
+            i = j * LANES + lane
+            ends[i + LANES] = -1
+            if interval < last:
+                count = counts[interval]
+                h = time_s[interval + 1] - time_s[interval]
+                p = u[interval]
+                if count > 1:
+                    p += (u[interval + 1] - p) * (within / count)
+                    h /= count
+                within += 1
+                if within == count:
+                    within = 0
+                    interval += 1
+                    ends[i + LANES] = interval
+            else:
+                p = u[last]
+            w[STEP + i] = h
+            w[INPUT + i] = p
+    for lane in range(LANES - 1):
+        w[INPUT + STEPS + lane] = w[INPUT + lane + 1]
+    p = u[interval]
+    if within:
+        p += (u[interval + 1] - p) * (within / counts[interval])
+    w[INPUT + POINTS - 1] = p
+    at[0], at[1] = interval, within
+
+
+@njit(nogil=True, error_model="numpy")
+def _run(w: Array, law: int, rule: int, theta: Array, state: Array) -> None:
+    fill_coefficients(w, law, rule, theta)
+    reset(w)
+    if rule == RK4:
+        run_rk4(w, theta)
+    else:
+        run_radau(w, theta)
+    join_states(w, state)
+
+
+@njit(nogil=True, error_model="numpy")
+def _differentiate(w: Array, rule: int, theta: Array, tangent: Array) -> None:
+    if rule == RK4:
+        differentiate_rk4(w, theta)
+    else:
+        differentiate_radau(w, theta)
+    join_derivatives(w, tangent)
+
+
+@njit(nogil=True, error_model="numpy")
+def _store(w: Array, ends: Ends, columns: Array) -> None:
+    for p in range(columns.shape[0]):
+        for i in range(LANES, POINTS):
+            if ends[i] >= 0:
+                columns[p, ends[i]] = w[BY + p * POINTS + i]
 
 
 @kernel
@@ -73,13 +149,12 @@ def move(
     """
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
-    at = np.zeros(3, np.int64)
-    at[2] = time_s.size - 1
+    at = np.zeros(2, np.int64)
     now = state.copy()
     x[0], v[0] = state[0], state[1]
-    while at[0] < at[2]:
-        load_steps(w, ends, time_s, u, counts, at)
-        run_steps(w, law, rule, theta, now)
+    while at[0] < time_s.size - 1:
+        _load(w, ends, time_s, u, counts, at)
+        _run(w, law, rule, theta, now)
         for i in range(LANES, POINTS):
             if ends[i] >= 0:
                 x[ends[i]] = w[X + i]
@@ -113,22 +188,20 @@ def move_with_derivatives(
     """
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
-    at = np.zeros(3, np.int64)
-    at[2] = time_s.size - 1
-    row = at[0]  # a plain 0 would have what it is given to compiled once more
+    at = np.zeros(2, np.int64)
     now, now_by = state.copy(), tangent.copy()
     x[0], v[0] = state[0], state[1]
     for p in range(by.shape[0]):
         by[p, 0] = tangent[0, p]
-    while at[0] < at[2]:
-        load_steps(w, ends, time_s, u, counts, at)
-        run_steps(w, law, rule, theta, now)
-        differentiate_steps(w, rule, theta, now_by)
+    while at[0] < time_s.size - 1:
+        _load(w, ends, time_s, u, counts, at)
+        _run(w, law, rule, theta, now)
+        _differentiate(w, rule, theta, now_by)
         for i in range(LANES, POINTS):
             if ends[i] >= 0:
                 x[ends[i]] = w[X + i]
                 v[ends[i]] = w[V + i]
-        store_ends(w, ends, by, row, by.shape[0])
+        _store(w, ends, by)
 
 
 @kernel
@@ -166,12 +239,36 @@ def sum_products(
     """
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
-    at = np.zeros(3, np.int64)
-    at[2] = time_s.size - 1
-    sum_columns(
-        law, rule, theta, time_s, u, counts, y, used, at[0], gain, level, state.copy(),
-        tangent.copy(), w, ends, at, kept, at[0], gram, at[0],
-    )  # fmt: skip
+    at = np.zeros(2, np.int64)
+    now, now_by = state.copy(), tangent.copy()
+    first = np.zeros(N_PADDED)
+    if used[0]:
+        for p in range(N_PARAMETERS + N_STATES):
+            first[p] = tangent[0, p]
+        first[N_COLUMNS - 2] = 1.0
+        first[N_COLUMNS - 1] = y[0] - level - gain * state[0]
+    for a in range(N_PADDED):
+        for b in range(N_PADDED):
+            gram[a, b] = first[a] * first[b]
+    if kept.shape[1]:
+        for a in range(N_COLUMNS):
+            kept[a, 0] = first[a]
+    while at[0] < time_s.size - 1:
+        _load(w, ends, time_s, u, counts, at)
+        _run(w, law, rule, theta, now)
+        _differentiate(w, rule, theta, now_by)
+        for i in range(LANES, POINTS):
+            k = ends[i]
+            counted = k >= 0 and used[k]
+            w[ONE + i] = 1.0 if counted else 0.0
+            w[RESIDUAL + i] = y[k] if counted else 0.0
+        select_ends(w, gain, level)
+        add_gram(w, gram)
+        if kept.shape[1]:
+            _store(w, ends, kept)
+    for a in range(N_COLUMNS):
+        for b in range(a):
+            gram[b, a] = gram[a, b]
 
 
 @njit(nogil=True, error_model="numpy")
@@ -230,7 +327,6 @@ def move_through(
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
     at = np.zeros(3, np.int64)
-    row = at[0]
     now, now_by = state.copy(), tangent.copy()
     x[0], v[0] = state[0], state[1]
     if by.shape[1]:
@@ -249,8 +345,8 @@ def move_through(
         if by.shape[1]:
             differentiate_radau(w, theta)
             join_derivatives(w, now_by)
-            store_ends(w, ends, by, row, by.shape[0])
+            _store(w, ends, by)
 
 
 for _kernel in (move, move_with_derivatives, sum_products, move_through):
-    follow_sources(_kernel, (affine_blocks, affine_steps, exponential, lanes))
+    follow_sources(_kernel, (affine_steps, exponential, lanes))

@@ -97,7 +97,3 @@ on disk as part of the kernel that calls it."""
 
 inlined: Any = njit(forceinline=True, **_OPTIONS)
 """The same, written out where it is called."""
-
-written_out: Any = njit(inline="always", **_OPTIONS)
-"""The same before types are found, for a function of a few arrays that is called at one place: it
-is not compiled for itself first."""

@@ -85,20 +85,43 @@ def fill_coefficients(w: Array, law: int, rule: int, theta: Array) -> None:
         _fill_oscillator(w, rule, theta)
         return
     b1, b2 = theta[2], theta[5]
-    inner = 0.5 if rule == RK4 else FIRST_STAGE
-    for place in range(2 if rule == RK4 else 3):
-        share = 0.0 if place == 0 else inner if place == 1 else SECOND_STAGE
-        _fill_muscle(w, _START + place * (_INNER - _START), share, b1, b2)
+    _fill_starts(w, b1, b2)
+    if rule == RK4:
+        _fill_middles(w, b1, b2)
+    else:
+        _fill_stages(w, b1, b2)
 
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT)
-def _fill_muscle(w: Array, at: int, share: float, b1: float, b2: float) -> None:
-    """The coefficients at a share of every step; at the starts with the ends of the stretches."""
-    for i in range(STEPS if share else POINTS):
-        u = w[INPUT + i] + share * (w[INPUT + i + LANES] - w[INPUT + i])
+def _fill_starts(w: Array, b1: float, b2: float) -> None:
+    for i in range(POINTS):
+        u = w[INPUT + i]
         e1, e2 = exponential(b1 * u), exponential(b2 * u)
-        w[at + _E1 + i], w[at + _D1 + i] = e1, u * e1
-        w[at + _E2 + i], w[at + _D2 + i] = e2, u * e2
+        w[_START + _E1 + i], w[_START + _D1 + i] = e1, u * e1
+        w[_START + _E2 + i], w[_START + _D2 + i] = e2, u * e2
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _fill_middles(w: Array, b1: float, b2: float) -> None:
+    for i in range(STEPS):
+        u = 0.5 * (w[INPUT + i] + w[INPUT + i + LANES])
+        e1, e2 = exponential(b1 * u), exponential(b2 * u)
+        w[_INNER + _E1 + i], w[_INNER + _D1 + i] = e1, u * e1
+        w[_INNER + _E2 + i], w[_INNER + _D2 + i] = e2, u * e2
+
+
+@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+def _fill_stages(w: Array, b1: float, b2: float) -> None:
+    for i in range(STEPS):
+        u = w[INPUT + i] + FIRST_STAGE * (w[INPUT + i + LANES] - w[INPUT + i])
+        e1, e2 = exponential(b1 * u), exponential(b2 * u)
+        w[_INNER + _E1 + i], w[_INNER + _D1 + i] = e1, u * e1
+        w[_INNER + _E2 + i], w[_INNER + _D2 + i] = e2, u * e2
+    for i in range(STEPS):
+        u = w[INPUT + i] + SECOND_STAGE * (w[INPUT + i + LANES] - w[INPUT + i])
+        e1, e2 = exponential(b1 * u), exponential(b2 * u)
+        w[_OUTER + _E1 + i], w[_OUTER + _D1 + i] = e1, u * e1
+        w[_OUTER + _E2 + i], w[_OUTER + _D2 + i] = e2, u * e2
 
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT)
@@ -359,8 +382,8 @@ def select_ends(w: Array, gain: float, level: float) -> None:
 
 
 @njit(nogil=True, error_model="numpy", fastmath=SUMMING)
-def add_gram(w: Array, grams: Array, row: int) -> None:
-    """Add all products of two columns to 12 rows, blocks on and below the diagonal."""
+def add_gram(w: Array, gram: Array) -> None:
+    """Add all products of two columns, shape (12, 12), blocks on and below the diagonal."""
     for a in range(0, N_PADDED, 2):
         for b in range(0, a + 1, 2):
             t00, t01, t10, t11 = 0.0, 0.0, 0.0, 0.0
@@ -371,7 +394,7 @@ def add_gram(w: Array, grams: Array, row: int) -> None:
                 t01 += a0 * b1
                 t10 += a1 * b0
                 t11 += a1 * b1
-            grams[row + a, b] += t00
-            grams[row + a, b + 1] += t01
-            grams[row + a + 1, b] += t10
-            grams[row + a + 1, b + 1] += t11
+            gram[a, b] += t00
+            gram[a, b + 1] += t01
+            gram[a + 1, b] += t10
+            gram[a + 1, b + 1] += t11

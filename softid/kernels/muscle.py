@@ -4,33 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from softid.kernels import exponential as exponentials
 from softid.kernels.decorators import kernel
-from softid.kernels.exponential import EXACT, exponential
-from softid.kernels.sources import follow_sources
 
 Array = npt.NDArray[np.float64]
 
-_PER_KPA = 0.01
-
-
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
-def _exponentials(pressure_kpa: Array, b1: float, b2: float, first: Array, second: Array) -> None:
-    """exp(b1·p) and exp(b2·p), p in bar."""
-    for i in range(first.size):
-        p = pressure_kpa[i] * _PER_KPA
-        first[i], second[i] = exponential(b1 * p), exponential(b2 * p)
-
 
 @kernel
-def coefficients(pressure_kpa: Array, theta: Array) -> tuple[Array, Array, Array]:
+def coefficients(pressure_bar: Array, theta: Array) -> tuple[Array, Array, Array]:
     """N, Q and P at the given pressures.
 
     Parameters
     ----------
-    pressure_kpa
+    pressure_bar
         Any pressures, shape (L,).
     theta
         M, a1, b1, c1, a2, b2, c2.
@@ -41,16 +27,14 @@ def coefficients(pressure_kpa: Array, theta: Array) -> tuple[Array, Array, Array
         N = a2·exp(b2·p) + c2, Q = a1·exp(b1·p) + c1 and P = exp(b1·p), each of shape (L,).
     """
     a1, b1, c1, a2, b2, c2 = theta[1], theta[2], theta[3], theta[4], theta[5], theta[6]
-    n = pressure_kpa.size
+    n = pressure_bar.size
     damping, stiffness, force = np.empty(n), np.empty(n), np.empty(n)
-    _exponentials(pressure_kpa, b1, b2, force, damping)
     for i in range(n):
+        p = pressure_bar[i]
+        force[i] = np.exp(b1 * p)
         stiffness[i] = a1 * force[i] + c1
-        damping[i] = a2 * damping[i] + c2
+        damping[i] = a2 * np.exp(b2 * p) + c2
     return damping, stiffness, force
-
-
-follow_sources(coefficients, (exponentials,))
 
 
 @kernel

@@ -282,14 +282,6 @@ class Model(ABC):
         del output
         return x, np.ones_like(x)
 
-    def line(self, output: str) -> tuple[float, float] | None:
-        """Gain and level of an output gain·x + level, whose law of motion the kernels know.
-
-        None for any other output, and where `motion_law` has no affine form.
-        """
-        del output
-        return None
-
     def derived(
         self, values: Mapping[str, float], input_range: tuple[float, float]
     ) -> dict[str, tuple[float, str]]:

@@ -14,7 +14,7 @@ from softid.kernels.lanes import MUSCLE
 from softid.kernels.muscle import coefficient_derivatives, coefficients, pack
 from softid.kernels.small_matrix import LANES
 from softid.models.base import Model, Response, require_choice
-from softid.models.division import Division, divide, held
+from softid.models.division import Division, divide
 from softid.models.geometry import ArcGeometry
 from softid.models.products import Products
 from softid.models.ringing import ringing_starts
@@ -52,7 +52,7 @@ class MuscleLaw(Law):
 
     def coefficients(self, u: Array) -> tuple[Array, Array, Array]:
         """N, Q and P at pressures of shape (L,)."""
-        found: tuple[Array, Array, Array] = coefficients(held(u), self._theta)
+        found: tuple[Array, Array, Array] = coefficients(u / _KPA_PER_BAR, self._theta)
         return found
 
     def derivatives(self, u: Array) -> tuple[Array, Array, Array]:
@@ -311,10 +311,9 @@ class Muscle(Model):
         keep: bool,
     ) -> Products | None:
         """Summed unless the output is a distance, no line in x; see `Model.products`."""
-        line = self.line(channel)
-        if line is None:
+        if channel == "distance" and self.geometry is not None:
             return None
-        gain, level = line
+        (level,), (gain,) = self.observed(np.zeros(1), channel)
         return sum_law(
             MuscleLaw(theta),
             segment,
@@ -322,8 +321,8 @@ class Muscle(Model):
             start,
             relative=relative,
             plan=plan,
-            gain=gain,
-            level=level + zero,
+            gain=float(gain),
+            level=float(level) + zero,
             keep=keep,
         )
 
@@ -338,13 +337,6 @@ class Muscle(Model):
             return whole - sign * x, np.full(x.size, -sign)
         scale = sign / geometry.diameter_mm if geometry is not None and output == "angle" else sign
         return scale * x, np.full(x.size, scale)
-
-    def line(self, output: str) -> tuple[float, float] | None:
-        """All outputs but a distance, which bends with x; see `Model.line`."""
-        if output == "distance" and self.geometry is not None:
-            return None
-        (level,), (gain,) = self.observed(np.zeros(1), output)
-        return float(gain), float(level)
 
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals; see `Model.plan`."""

@@ -266,11 +266,6 @@ class Oscillator(Model):
             keep=keep,
         )
 
-    def line(self, output: str) -> tuple[float, float] | None:
-        """Every output is x itself; see `Model.line`."""
-        del output
-        return 1.0, 0.0
-
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals; see `Model.plan`."""
         return divide(OscillatorLaw(theta), segment.time_s, segment.input)

@@ -13,7 +13,6 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
-from softid.kernels.autoregression import autocovariances, reflections
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -22,6 +21,7 @@ MAX_ORDER = 8
 """Highest order tried: enough for a slow wander plus white sensor noise at the orders measured in
 ``tests/benchmarks/coverage_of_intervals.py``."""
 
+_BLOCK = 64
 _FADED = 1e-18
 
 MIN_LEFT = 1e-6
@@ -86,8 +86,6 @@ def contiguous_runs(values: Array) -> list[Array]:
 
 def run_slices(used: BoolArray) -> list[slice]:
     """Slices of the stretches in which ``used``, shape (n,), is True."""
-    if used.all():
-        return [slice(0, used.size)] if used.size else []
     edges = np.flatnonzero(np.diff(np.concatenate(([False], used, [False])).astype(np.int8)))
     return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -170,10 +168,21 @@ def fit_ar(
 
 def burg(runs: Sequence[Array], max_order: int) -> Array:
     """Reflection coefficients k_1 … k_max of several stretches; zero once `MIN_LEFT` is left."""
-    joined = np.array(runs[0]) if len(runs) == 1 else np.concatenate([*runs, np.zeros(0)])
-    edges = np.cumsum([0, *(run.size for run in runs)])
-    found: Array = reflections(joined, edges, max_order, MIN_LEFT)
-    return found
+    forward = [run[1:] for run in runs]
+    backward = [run[:-1] for run in runs]
+    out, left = np.zeros(max_order), 1.0
+    for m in range(max_order):
+        cross = sum(float(f @ b) for f, b in zip(forward, backward, strict=True))
+        power = sum(float(f @ f + b @ b) for f, b in zip(forward, backward, strict=True))
+        if power <= 0.0 or left <= 2.0 * MIN_LEFT:
+            break
+        most = float(np.sqrt(1.0 - MIN_LEFT / left))
+        k = float(np.clip(2.0 * cross / power, -most, most))
+        out[m], left = k, left * (1.0 - k * k)
+        pairs = [(f - k * b, b - k * f) for f, b in zip(forward, backward, strict=True)]
+        forward = [f[1:] for f, _ in pairs]
+        backward = [b[:-1] for _, b in pairs]
+    return out
 
 
 def order_criteria(reflection: Array, power: float, n: int) -> dict[str, Array]:
@@ -246,8 +255,44 @@ def autocovariance(ar: AutoRegression, n: int) -> Array:
     >>> autocovariance(ar, 3).round(6).tolist()
     [1.333333, 0.666667, 0.333333]
     """
-    unit: Array = autocovariances(np.array(ar.phi, np.float64), n, _FADED)
+    phi = np.asarray(ar.phi)
+    head = _first_autocovariances(phi)[: min(n, phi.size + 1)]
+    unit = np.zeros(n)
+    unit[: head.size] = head
+    if phi.size and n > head.size:
+        unit = _continue(phi, unit)
     return unit * ar.sigma_innovation**2
+
+
+def _first_autocovariances(phi: Array) -> Array:
+    """Lags 0 … p for unit innovations."""
+    coefficients, ratio = predictors(phi)
+    reflection = to_reflection(phi)
+    gamma = np.zeros(phi.size + 1)
+    gamma[0] = ratio[0]
+    for m in range(1, phi.size + 1):
+        known = gamma[m - 1 : 0 : -1]
+        gamma[m] = coefficients[m - 1] @ known + reflection[m - 1] * ratio[m - 1]
+    return gamma
+
+
+def _continue(phi: Array, known: Array) -> Array:
+    """Run x_k = Σ φ_j x_{k−j} on from the first p + 1 entries.
+
+    Whole blocks follow from the p entries before them by one product with the responses to each.
+    """
+    order, start = phi.size, phi.size + 1
+    response = np.zeros((order + min(_BLOCK, known.size), order))
+    response[:order] = np.eye(order)  # row order + k: x_k from x_{−p} … x_{−1}
+    for k in range(order, response.shape[0]):
+        response[k] = phi[::-1] @ response[k - order : k]
+    result = known.copy()
+    for first in range(start, known.size, _BLOCK):
+        stop = min(first + _BLOCK, known.size)
+        result[first:stop] = response[order : order + stop - first] @ result[first - order : first]
+        if np.abs(result[stop - order : stop]).max() < _FADED * result[0]:
+            break  # what would follow is rounding, and the rest is zero
+    return result
 
 
 def whiten(ar: AutoRegression, values: Array, *, used: BoolArray | None = None) -> Array:
