@@ -21,25 +21,40 @@ def estimate(found: Diagnosis, name: str) -> ParameterEstimate:
     return found.extended.parameter(name)
 
 
+@pytest.fixture(scope="module")
+def drive(measured: Path) -> Diagnosis:
+    """Half a minute of one core."""
+    log = load(measured / "linear-drive-friction" / "DATA_EMPS.csv")
+    return diagnose([log], model=Oscillator(spring="none"))
+
+
 @pytest.mark.slow
-def test_the_drive_has_dry_friction(measured: Path) -> None:
+def test_the_drive_has_dry_friction(drive: Diagnosis) -> None:
     """Stands on the published friction model of the EMPS benchmark (nonlinearbenchmark.org).
 
-    M q̈ = τ − Fv q̇ − Fc sign q̇ − offset with M = 95.1 kg, Fv = 203.5 N·s/m, Fc = 20.4 N and
-    offset = −3.2 N; here in N and mm. The offset is missed: it comes out at −0.5 [−2.4, 1.3] N,
-    for an asymmetric damping, which the published model does not have, takes its place. So it must
-    be called not identified, as it is. Half a minute of one core.
+    M q̈ = τ − Fv q̇ − Fc sign q̇ − offset with M = 95.1 kg, Fv = 203.5 N·s/m and Fc = 20.4 N; here
+    in N and mm.
     """
-    log = load(measured / "linear-drive-friction" / "DATA_EMPS.csv")
-    found = diagnose([log], model=Oscillator(spring="none"))
-    assert found.verdict in (Verdict.NAMED, Verdict.PARTIAL)
-    assert "coulomb_friction" in {cause.effect for cause in found.causes}
+    assert drive.verdict in (Verdict.NAMED, Verdict.PARTIAL)
+    assert "coulomb_friction" in {cause.effect for cause in drive.causes}
     for name, published in (("coulomb_friction_Fc", 20.4), ("M", 0.0951), ("N", 0.2035)):
-        told = estimate(found, name)
+        told = estimate(drive, name)
         inside = told.ci95 is not None and told.ci95[0] <= published <= told.ci95[1]
         assert inside or abs(told.value - published) <= NEAR * published, told
-    offset = estimate(found, "offset")
+    offset = estimate(drive, "offset")
     assert offset.verdict == "not identified" or abs(offset.value - -3.2) <= NEAR * 3.2, offset
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(
+    strict=True,
+    reason="an asymmetric damping, which the published model does not have, takes its place",
+)
+def test_the_drive_has_an_offset(drive: Diagnosis) -> None:
+    """The same source: −3.2 N. It is missed, and comes out at −0.5 [−2.4, 1.3] N."""
+    interval = estimate(drive, "offset").ci95
+    assert interval is not None
+    assert interval[0] <= -3.2 <= interval[1]
 
 
 def test_the_arm_fills_faster_than_it_vents(measured: Path) -> None:

@@ -80,9 +80,9 @@ def test_gripper_finger(measured: Path) -> None:
 @pytest.mark.parametrize("rate_hz", [30.0, 100.0])
 def test_a_uniform_grid_flatters_the_gripper_finger(measured: Path, rate_hz: float) -> None:
     """The same logs interpolated to 30 Hz reach 91.7 to 95.2 → 92.9 to 94.6, to 100 Hz 91.3 to 95.1
-    → 92.5 to 94.2, the figures of the rough script: straight lines between the samples smooth the
-    camera's jumps. On the samples as measured the models so found are no better than one fitted to
-    those, so that nothing speaks for resampling.
+    → 92.5 to 94.2: straight lines between the samples smooth the camera's jumps. On the samples as
+    measured the models so found are no better than one fitted to those, so that nothing speaks for
+    resampling.
     """
     names = [f"calibration_flex_{k}" for k in (40, 80, 120, 160, 200)]
     held = [f"calibration_flex_{k}" for k in (60, 100, 140, 180)]

@@ -68,12 +68,12 @@ def opposed(logs: LogSet, held: Sequence[Log]) -> tuple[Issue, ...]:
         return ()
     first, usual = clear[0]
     name = logs.outputs[0]
-    falls = "rises" if usual < 0.0 else "falls"
+    goes = "rises" if usual < 0.0 else "falls"
     return tuple(
         Issue(
             "opposed-signs",
             "warning",
-            f"{log.name}: {name} {falls} as {logs.input} rises, unlike in {first.name}",
+            f"{log.name}: {name} {goes} as {logs.input} rises, unlike in {first.name}",
             f"turn the sign of {name} in one of them",
         )
         for log, way in clear

@@ -101,9 +101,7 @@ def _autocovariance(
 
 def _is_covariance(total: Array, independent: Array) -> bool:
     scale = np.sqrt(np.diag(independent))
-    known = scale > 0.0
-    relative = total[np.ix_(known, known)] / np.outer(scale[known], scale[known])
-    least = np.linalg.eigvalsh(
-        independent[np.ix_(known, known)] / np.outer(scale[known], scale[known])
-    )
-    return bool(np.linalg.eigvalsh(relative)[0] >= LEAST_SHARE * max(float(least[0]), 0.0))
+    known = np.ix_(scale > 0.0, scale > 0.0)
+    size = np.outer(scale, scale)[known]
+    least, before = (float(np.linalg.eigvalsh(m[known] / size)[0]) for m in (total, independent))
+    return least >= LEAST_SHARE * max(before, 0.0)
