@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy import signal
 
 from softid.diagnoses import Diagnosis, Verdict
 from softid.diagnosis import diagnose
+from softid.log import Log
 from softid.models import Oscillator
 from softid.readers import load
 from softid.results import ParameterEstimate
@@ -21,40 +24,78 @@ def estimate(found: Diagnosis, name: str) -> ParameterEstimate:
     return found.extended.parameter(name)
 
 
+PUBLISHED = {"M": 0.0951, "N": 0.2035, "coulomb_friction_Fc": 20.4, "offset": -3.2}
+"""M q̈ = τ − Fv q̇ − Fc sign q̇ − offset, the EMPS benchmark (nonlinearbenchmark.org), in N and mm."""
+
+USUAL_SPEED_MM_S = 82.5
+"""Median speed of the drive where it moves."""
+
+
+def require_near(found: Diagnosis, name: str) -> None:
+    told, published = estimate(found, name), PUBLISHED[name]
+    inside = told.ci95 is not None and told.ci95[0] <= published <= told.ci95[1]
+    assert inside or abs(told.value - published) <= NEAR * abs(published), told
+
+
 @pytest.fixture(scope="module")
-def drive(measured: Path) -> Diagnosis:
+def drive_log(measured: Path) -> Log:
+    return load(measured / "linear-drive-friction" / "DATA_EMPS.csv")
+
+
+@pytest.fixture(scope="module")
+def drive(drive_log: Log) -> Diagnosis:
     """Half a minute of one core."""
-    log = load(measured / "linear-drive-friction" / "DATA_EMPS.csv")
-    return diagnose([log], model=Oscillator(spring="none"))
+    return diagnose([drive_log], model=Oscillator(spring="none"))
 
 
 @pytest.mark.slow
 def test_the_drive_has_dry_friction(drive: Diagnosis) -> None:
-    """Stands on the published friction model of the EMPS benchmark (nonlinearbenchmark.org).
-
-    M q̈ = τ − Fv q̇ − Fc sign q̇ − offset with M = 95.1 kg, Fv = 203.5 N·s/m and Fc = 20.4 N; here
-    in N and mm.
-    """
+    """Stands on the published model: dry friction is named, mass and frictions are those."""
     assert drive.verdict in (Verdict.NAMED, Verdict.PARTIAL)
     assert "coulomb_friction" in {cause.effect for cause in drive.causes}
-    for name, published in (("coulomb_friction_Fc", 20.4), ("M", 0.0951), ("N", 0.2035)):
-        told = estimate(drive, name)
-        inside = told.ci95 is not None and told.ci95[0] <= published <= told.ci95[1]
-        assert inside or abs(told.value - published) <= NEAR * published, told
-    offset = estimate(drive, "offset")
-    assert offset.verdict == "not identified" or abs(offset.value - -3.2) <= NEAR * 3.2, offset
+    for name in ("coulomb_friction_Fc", "M", "N"):
+        require_near(drive, name)
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="an asymmetric damping, which the published model does not have, takes its place",
-)
-def test_the_drive_has_an_offset(drive: Diagnosis) -> None:
-    """The same source: −3.2 N. It is missed, and comes out at −0.5 [−2.4, 1.3] N."""
-    interval = estimate(drive, "offset").ci95
-    assert interval is not None
-    assert interval[0] <= -3.2 <= interval[1]
+def test_the_published_structure_has_the_published_values(drive_log: Log) -> None:
+    """With dry friction as the only effect the model is the published one, offset and all."""
+    found = diagnose([drive_log], model=Oscillator(spring="none"), effects=["coulomb_friction"])
+    for name in PUBLISHED:
+        require_near(found, name)
+
+
+def force_that_does_not_turn_with_speed(log: Log) -> tuple[float, float]:
+    """Constant and factor of |v| (N·s/mm) by regression of the force on filtered derivatives."""
+    low_pass = signal.butter(4, 40.0, fs=1000.0)
+    position = signal.filtfilt(*low_pass, log.channels["position"].values)
+    speed = np.gradient(position, log.time_s)
+    columns = [np.gradient(speed, log.time_s), speed, np.sign(speed), np.abs(speed)]
+    moves = np.abs(speed[::25]) > 0.02 * np.abs(speed).max()
+    rows = (log.channels["force"].values, *columns)
+    slow = [signal.decimate(row, 25, zero_phase=True)[moves] for row in rows]
+    fitted = np.linalg.lstsq(np.column_stack((*slow[1:], np.ones(moves.sum()))), slow[0])[0]
+    return float(fitted[4]), float(fitted[3])
+
+
+@pytest.mark.slow
+def test_the_offset_of_the_drive_grows_with_speed(drive: Diagnosis, drive_log: Log) -> None:
+    """Stands on a regression by inverse dynamics, which has nothing in common with the diagnosis.
+
+    It puts what the published model calls an offset of −3.2 N into a damping that differs by
+    direction: with |q̇| among its columns the constant is 0.1 ± 0.2 N. The diagnosis shares it out
+    between the two, as it cannot tell, but at the usual speed their sum is that of the regression.
+    """
+    constant, by_speed = force_that_does_not_turn_with_speed(drive_log)
+    assert abs(constant) < 1.0
+    regression = constant + by_speed * USUAL_SPEED_MM_S
+    assert drive.extended is not None
+    values = {p.name: p.value for p in drive.extended.parameters}
+    share = values.get("asymmetric_damping_eps", 0.0) * np.tanh(
+        USUAL_SPEED_MM_S / values.get("asymmetric_damping_v0", 1.0)
+    )
+    told = values["offset"] + values["N"] * share * USUAL_SPEED_MM_S
+    assert abs(told - regression) <= NEAR * abs(regression)
 
 
 def test_the_arm_fills_faster_than_it_vents(measured: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance, prior_about
 from softid.diagnosis.screening import Signature, screen
-from softid.diagnosis.search import Ranked, race, rank
+from softid.diagnosis.search import UNSETTLED, Ranked, race, rank
 from softid.effects.base import Effect, Scale
 
 
@@ -51,7 +51,12 @@ MAX_LINKS = 3
 MOST_TRIED = 3
 """When what is held out refuses the best contender, so many are tried in all."""
 
-SETTLING = 40
+SETTLING, SETTLING_LAPS = 40, 3
+"""Evaluations that bring a model to its optimum, and how often they are granted while it is more
+than a standard error away."""
+
+STILL_FALLS = 0.999
+"""It is granted them again only if its sum of squares fell below this share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +77,8 @@ class Link:
         Every effect's best promise.
     squares_before
         Sum of squares of what was to be extended, for white noise: what the promises are shares of.
+    found
+        The model with this link and those before it, at its optimum when the link was added.
     """
 
     before: Ranked
@@ -80,6 +87,7 @@ class Link:
     rivals: tuple[str, ...]
     signatures: tuple[Signature, ...]
     squares_before: float
+    found: Candidate | None = None
 
     @property
     def added(self) -> Effect:
@@ -166,7 +174,7 @@ def find_chain(
         if found is None:
             break
         link, extended = found
-        links.append(link)
+        links.append(replace(link, found=extended))
         last = None
         now = extended
         demand = BEHIND_NOISE if is_noise(now) else FURTHER
@@ -281,8 +289,13 @@ def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:
 
 def settled(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
     """The candidate brought to its optimum for white noise, from which the next round starts."""
-    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
-    point, problem = candidate.minimum.point, candidate.problem
-    prior = prior_about(problem, point, problem.free, candidate.squares / n)
-    begin = replace(candidate.minimum, damping=None)
-    return advance(replace(candidate, minimum=begin, prior=prior), sigma, SETTLING)
+    for _ in range(SETTLING_LAPS):
+        before = candidate.squares
+        n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+        point, problem = candidate.minimum.point, candidate.problem
+        prior = prior_about(problem, point, problem.free, before / n)
+        begin = replace(candidate.minimum, damping=None)
+        candidate = advance(replace(candidate, minimum=begin, prior=prior), sigma, SETTLING)
+        if candidate.minimum.reach <= UNSETTLED or candidate.squares > STILL_FALLS * before:
+            break
+    return candidate

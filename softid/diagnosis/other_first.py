@@ -7,6 +7,7 @@ helps, while from the second best single cause the search goes straight to the t
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import FIRST, Chain, next_link, pays, settled
@@ -45,4 +46,5 @@ def other_beginnings(
         forms = [effect for effect in effects if effect.name == name]
         link = next_link(base, forms, scale, sigma, FIRST, screened=promising)
         if link is not None and pays(link, FIRST):
-            yield Chain((link,), None, settled(link.chosen.plain, sigma))
+            found = settled(link.chosen.plain, sigma)
+            yield Chain((replace(link, found=found),), None, found)

@@ -72,13 +72,13 @@ def revised(
 
 
 def _with_first_look(link: Link, first: Link) -> Link:
-    """The link with what was promised, when it was first asked, by effects not asked again."""
+    """The link with what it was found with, and what effects not asked again promised then."""
     asked = {signature.effect.key for signature in link.signatures}
     scale = link.squares_before / max(first.squares_before, 1e-300)
     earlier = [
         replace(s, drop=scale * s.drop) for s in first.signatures if s.effect.key not in asked
     ]
-    return replace(link, signatures=(*link.signatures, *earlier))
+    return replace(link, signatures=(*link.signatures, *earlier), found=first.found)
 
 
 def _is_beyond_doubt(link: Link, final: Candidate) -> bool:
@@ -138,12 +138,15 @@ def prefixes(
     """
     if not chain.links:
         return (base,)
-    known = {frozenset(link.chosen.plain.keys): link.chosen.plain for link in chain.links}
+    known = [c for link in chain.links for c in (link.chosen.plain, link.found) if c is not None]
     effects = [link.added for link in chain.links]
     between = []
     for k in range(1, len(effects)):
-        found = known.get(frozenset(effect.key for effect in effects[:k]))
-        between.append(found or _without(chain.final, base, effects[:k], scale, sigma))
+        keys = {effect.key for effect in effects[:k]}
+        found = [candidate for candidate in known if set(candidate.keys) == keys]
+        if not found:
+            found = [_without(chain.final, base, effects[:k], scale, sigma)]
+        between.append(min(found, key=lambda c: c.squares))
     return (base, *between, chain.final)
 
 

@@ -139,6 +139,16 @@ def test_models_with_the_first_causes() -> None:
     assert models[1].squares == pytest.approx(alone.squares, rel=1e-3)
 
 
+def test_a_model_of_the_search_stands_for_the_first_causes() -> None:
+    """A refit from where all causes stand may stop at a worse optimum than the search found."""
+    base, scale = base_with(rate=0.01, size=0.2)
+    chain = chained(base, scale, "sensor_drift", "bow")
+    alone = chained(base, scale, "sensor_drift").final
+    first, second = chain.links
+    first = replace(first, chosen=replace(first.chosen, plain=chain.final), found=alone)
+    assert prefixes(replace(chain, links=(first, second)), base, scale, SIGMA)[1] is alone
+
+
 def test_a_single_link_is_not_asked_again() -> None:
     """Nothing came after it that could change the answer."""
     base, scale = base_with(rate=0.01)
