@@ -15,12 +15,12 @@ from softid.effects import EFFECTS
 from softid.identification import fit
 from softid.synthesis import HiddenPair, hidden_pair
 from softid.synthesis.hidden import names_of
+from softid.synthesis.recovery import is_recovered
 from softid.synthesis.rig import Rig
 
 SINGLE = tuple(sorted(key for key in EFFECTS if "." not in key))
 BACKGROUND_SIZE = (0.1, 0.2)
 SCALINGS, SIZES, LEAST_MISFIT, QUIET = 3, (1e-3, 3.0), 1e-3, 2e-4
-FROM_TRUTH = 0.2
 
 RIGS: dict[str, dict[str, Any]] = {
     "usual": {},
@@ -214,8 +214,7 @@ class Score:
         Fall of the held-out error as a share of it, and that of a diagnosis that considers the true
         effects only; where they are not in the catalogue, what would leave nothing but noise.
     recovered
-        Whether every parameter of the hidden effects that has a true value lies within its interval
-        or a fifth of the truth; None where nothing was named rightly.
+        Whether every hidden effect that was named is recovered; None where there is none.
     seconds, cpu_seconds
         Of the diagnosis, by the clock and of the processor.
     values
@@ -288,14 +287,6 @@ def run(case: Case) -> Score:
 
 
 def _recovered(found: Diagnosis, pair: HiddenPair) -> bool | None:
-    checked = []
-    for cause in found.causes:
-        truth = pair.hidden.get(cause.effect, {})
-        for estimate in cause.parameters:
-            true = truth.get(estimate.name.removeprefix(f"{cause.effect}_"))
-            if true is not None:
-                inside = estimate.ci95 is not None and (
-                    estimate.ci95[0] <= true <= estimate.ci95[1]
-                )
-                checked.append(inside or abs(estimate.value - true) <= FROM_TRUTH * abs(true))
-    return all(checked) if checked else None
+    judged = [is_recovered(cause, pair.hidden.get(cause.effect, {})) for cause in found.causes]
+    known = [found for found in judged if found is not None]
+    return all(known) if known else None

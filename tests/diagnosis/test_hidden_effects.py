@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
 import pytest
 
-from softid.diagnoses import Cause, Verdict
+from softid.diagnoses import Verdict
 from softid.diagnosis import diagnose
 from softid.effects import EFFECTS
 from softid.synthesis import hidden_pair
 from softid.synthesis.hidden import names_of
+from softid.synthesis.recovery import is_recovered
 from softid.synthesis.rig import Rig
-
-FROM_TRUTH = 0.2
-"""A parameter counts as recovered within its interval or a fifth of the truth."""
 
 GAIN_SHARE = 0.9
 """The gain is at least nine tenths of that of the true law, which leaves the noise."""
-
-KNOTS = 4
-"""So many parameters or more are the knots of a curve."""
 
 SEEN = 0.5
 """A misfit of half of the noise is seen."""
@@ -60,8 +54,7 @@ class Outcome:
     is_misnamed
         Whether an effect that is not hidden is named without a tie.
     is_recovered
-        Whether every parameter of a hidden effect that was named lies in its interval or within a
-        fifth of the truth.
+        Whether every hidden effect that was named is recovered.
     gain, oracle_gain
         Fall of the held-out error as a share of it, and what leaves nothing but the noise.
     """
@@ -94,38 +87,12 @@ def outcome_of(names: Sequence[str], seed: int, rig: Rig = USUAL) -> Outcome:
         is_right=told == set(names) or (bool(tied) and set(names) <= told | tied),
         is_misnamed=bool(told - set(names) - tied),
         is_recovered=all(
-            is_near(cause, pair.hidden.get(cause.effect, {})) for cause in found.causes
+            is_recovered(cause, pair.hidden.get(cause.effect, {})) is not False
+            for cause in found.causes
         ),
         gain=1.0 - outside.rmse_after / before,
         oracle_gain=max(1.0 - pair.hold_out.sigma[channel] / before, 0.0),
     )
-
-
-def is_near(cause: Cause, truth: Mapping[str, float]) -> bool:
-    """Whether every parameter with a true value lies in its interval or within a fifth of it.
-
-    Knots of a curve are judged by its shape: level and slope are as well those of the base and the
-    sensor's zero, which is why softid calls each knot not identified.
-    """
-    known = [
-        (estimate, truth[name])
-        for estimate in cause.parameters
-        if (name := estimate.name.removeprefix(f"{cause.effect}_")) in truth
-    ]
-    if len(known) >= KNOTS:
-        found, true = bend_of([e.value for e, _ in known]), bend_of([t for _, t in known])
-        return float(np.linalg.norm(found - true)) <= FROM_TRUTH * float(np.linalg.norm(true))
-    return all(
-        (e.ci95 is not None and e.ci95[0] <= true <= e.ci95[1])
-        or abs(e.value - true) <= FROM_TRUTH * abs(true)
-        for e, true in known
-    )
-
-
-def bend_of(knots: Sequence[float]) -> np.ndarray:
-    """What a straight line leaves of equidistant knots."""
-    places = np.arange(float(len(knots)))
-    return np.asarray(knots) - np.polyval(np.polyfit(places, knots, 1), places)
 
 
 @pytest.mark.parametrize("name", ["creep", "sensor_clipping"])

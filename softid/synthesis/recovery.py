@@ -1,0 +1,57 @@
+"""How near a diagnosis comes to the truth of what was hidden."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnoses import Cause
+
+FROM_TRUTH = 0.2
+"""A parameter counts as recovered within its interval or a fifth of the truth."""
+
+KNOTS = 4
+"""So many parameters or more are the knots of a curve."""
+
+
+def is_recovered(cause: Cause, truth: Mapping[str, float]) -> bool | None:
+    """Whether every parameter with a true value lies in its interval or within a fifth of it.
+
+    Knots of a curve are judged by its shape: level and slope are as well those of the base and the
+    sensor's zero, which is why each knot is called not identified.
+
+    Parameters
+    ----------
+    cause
+        A cause that was named.
+    truth
+        Parameter → true value, without the name of the effect.
+
+    Returns
+    -------
+    bool | None
+        None where nothing has a true value.
+    """
+    known = [
+        (estimate, truth[name])
+        for estimate in cause.parameters
+        if (name := estimate.name.removeprefix(f"{cause.effect}_")) in truth
+    ]
+    if not known:
+        return None
+    if len(known) >= KNOTS:
+        found, true = _bend([e.value for e, _ in known]), _bend([t for _, t in known])
+        return bool(np.linalg.norm(found - true) <= FROM_TRUTH * np.linalg.norm(true))
+    return all(
+        (estimate.ci95 is not None and estimate.ci95[0] <= true <= estimate.ci95[1])
+        or abs(estimate.value - true) <= FROM_TRUTH * abs(true)
+        for estimate, true in known
+    )
+
+
+def _bend(knots: Sequence[float]) -> npt.NDArray[np.float64]:
+    """What a straight line leaves of equidistant knots."""
+    places = np.arange(float(len(knots)))
+    return np.asarray(knots) - np.polyval(np.polyfit(places, knots, 1), places)

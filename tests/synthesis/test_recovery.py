@@ -1,0 +1,43 @@
+"""Parameters of a cause against their truth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from handmade_diagnosis import cause, estimate
+
+from softid.diagnoses import Cause
+from softid.synthesis.recovery import is_recovered
+
+
+def cause_with(*values: float, half_width: float = 0.0) -> Cause:
+    """A creep with parameters q0, q1, … and intervals of one width."""
+    rows = [
+        replace(estimate(f"creep_q{k}", v, ""), ci95=(v - half_width, v + half_width))
+        for k, v in enumerate(values)
+    ]
+    return cause("creep", rows, before=2.0, after=0.5)
+
+
+@pytest.mark.parametrize(
+    ("value", "half_width", "found"), [(1.19, 0.0, True), (1.21, 0.0, False), (1.5, 0.51, True)]
+)
+def test_within_the_interval_or_a_fifth(value: float, half_width: float, found: bool) -> None:
+    """The truth is 1; what has no true value is not judged."""
+    told = cause_with(value, 7.0, half_width=half_width)
+    assert is_recovered(told, {"q0": 1.0}) is found
+
+
+def test_nothing_is_known() -> None:
+    """A law of another form has no parameters in common with the one that is named."""
+    assert is_recovered(cause_with(1.0), {}) is None
+
+
+def test_knots_are_judged_by_their_shape() -> None:
+    """A straight line added to the knots is that of the base; a bend of half the size is not."""
+    bow = np.array([1.0, -0.2, -0.8, -0.8, -0.2, 1.0])
+    truth = {f"q{k}": v for k, v in enumerate(bow.tolist())}
+    assert is_recovered(cause_with(*(bow + 5.0 + 3.0 * np.arange(6.0)).tolist()), truth)
+    assert not is_recovered(cause_with(*(0.5 * bow).tolist()), truth)
