@@ -220,7 +220,8 @@ def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> b
     sign, an interval over zero is no effect, and a size at its bound stands for something else; so
     does a time of a relaxation: at its shortest it is a damper, at its longest a drift.
     Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
-    unknown beside the base's own parameters, and their shape well known.
+    unknown beside the base's own parameters, or run into its bound with their common level, and
+    their shape well known.
 
     Parameters
     ----------
@@ -238,7 +239,8 @@ def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> b
     names = {f"{effect.name}_{name}" for name in effect.amplitudes if effect.changes_sign}
     sizes = [p for p in cause.parameters if p.name in names]
     essential = {f"{effect.name}_{name}" for name in effect.essential}
-    if any(p.at_bound for p in (*sizes, *(q for q in cause.parameters if q.name in essential))):
+    held = [p for p in cause.parameters if p.name in essential]
+    if any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held))):
         return False
     if len(sizes) == 1:
         return not _covers_zero(sizes[0])

@@ -87,6 +87,28 @@ class Beginning:
 
 
 @dataclass(frozen=True)
+class Given:
+    """Logs to explain and logs that judge.
+
+    Attributes
+    ----------
+    logs, hold_out
+        As in `diagnose`.
+    """
+
+    logs: LogSet
+    hold_out: tuple[Log, ...]
+
+    def each(self, change: Callable[[Log], Log]) -> Given:
+        """Every log changed alike; the same object where none is."""
+        logs, hold_out = [change(log) for log in self.logs], [change(log) for log in self.hold_out]
+        pairs = zip((*self.logs, *self.hold_out), (*logs, *hold_out), strict=True)
+        if all(before is after for before, after in pairs):
+            return self
+        return Given(LogSet(tuple(logs)), tuple(hold_out))
+
+
+@dataclass(frozen=True)
 class Asked:
     """What the user asked for.
 

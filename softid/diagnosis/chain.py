@@ -133,6 +133,7 @@ def find_chain(
     is_noise: Callable[[Candidate], bool],
     report: Callable[[str, float], None] = lambda message, fraction: None,
     begun: Sequence[Link] = (),
+    besides: Sequence[Candidate] = (),
     max_links: int = MAX_LINKS,
 ) -> Chain:
     """Extend the base by one effect after the other.
@@ -155,6 +156,8 @@ def find_chain(
         Called with a sentence and the fraction done.
     begun
         The links to those causes.
+    besides
+        Candidates for the first cause that began elsewhere, as in `race`.
     max_links
         No more causes than this.
     """
@@ -166,7 +169,8 @@ def find_chain(
     while len(links) < max_links:
         number = len(links)
         report(f"looking for cause {number + 1}", number / max_links)
-        link = next_link(now, effects, scale, sigma, demand)
+        others = () if links else besides
+        link = next_link(now, effects, scale, sigma, demand, besides=others)
         if link is None:
             break
         last = link
@@ -214,11 +218,12 @@ def next_link(
     *,
     screened: Sequence[Signature] | None = None,
     known: Sequence[Candidate] = (),
+    besides: Sequence[Candidate] = (),
 ) -> Link | None:
     """One round; None when nothing in the catalogue promises enough.
 
-    ``screened`` holds the signatures of these effects and perhaps others, if they are known, and
-    ``known`` candidates that are near their optimum already.
+    ``screened`` holds the signatures of these effects and perhaps others, if they are known,
+    ``known`` candidates that are near their optimum already, ``besides`` some that began elsewhere.
     """
     taken = {effect.name for effect in now.effects}
     left = [effect for effect in effects if effect.name not in taken]
@@ -229,9 +234,10 @@ def next_link(
     asked = {effect.key for effect in left}
     signatures = [signature for signature in screened if signature.effect.key in asked]
     share = max((s.drop for s in signatures), default=0.0) / max(now.squares, 1e-300)
-    if -now.problem.n_samples * np.log1p(-min(share, 0.999)) < demand.promise:
+    promise = -now.problem.n_samples * np.log1p(-min(share, 0.999))
+    if promise < demand.promise and not besides:
         return None
-    contenders = race(now, left, scale, sigma, signatures=signatures, known=known)
+    contenders = race(now, left, scale, sigma, signatures=signatures, known=known, besides=besides)
     ranked = rank([*contenders, now], sigma)
     before = next(r for r in ranked if r.candidate.keys == now.keys)
     others = [r for r in ranked if r is not before]

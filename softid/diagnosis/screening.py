@@ -269,6 +269,36 @@ def richer_form(
     return _placed(fitted, effect, problem, best, variance)
 
 
+def candidate_at(
+    place: Candidate,
+    effect: Effect,
+    values: Mapping[str, float],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> tuple[float, Candidate]:
+    """The sum of squares at one start of an effect over a base that stands anywhere, and there.
+
+    Parameters
+    ----------
+    place
+        The base, at unknowns that need not be an optimum.
+    effect
+        The effect to add.
+    values
+        Its parameters.
+    scale
+        Sizes of the base fit.
+    sigma
+        Weight of each output channel.
+    """
+    problem = extend(place.problem, (effect,), scale)
+    named = named_values(effect, values)
+    start = start_unknowns(problem, place.problem, place.minimum.point, named)
+    squares = _squares(problem, start, sigma)
+    variance = squares / max(problem.n_samples - problem.size, 1)
+    return squares, _placed(place, effect, problem, start, variance)
+
+
 def takes_time(effect: Effect, scale: Scale) -> bool:
     """Whether an effect makes the response late, as an inertia does, outside the motion itself."""
     if effect.stage == "state" or effect.amplitude is None:

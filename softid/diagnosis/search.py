@@ -38,6 +38,9 @@ SECOND_FIELD, LAST_FIELD, FORMS_FIELD = 7, 4, 2
 start with the base's terms in another form; all of them with the times of inertia and lag
 exchanged, for which of two poles is whose has nothing to do with who leads."""
 
+ELSEWHERE_LAPS, ELSEWHERE_FIELD = (8, 8, 16), 8
+"""Evaluations of the laps of those that begin elsewhere, and how many of them join the race."""
+
 PROMISING_SIGNATURES = 5
 """Effects of the best signatures stay for the second lap however far the first one brought them: a
 motion that integrates its force answers violently to a start that is a little off."""
@@ -93,6 +96,7 @@ def race(
     *,
     signatures: Sequence[Signature] | None = None,
     known: Sequence[Candidate] = (),
+    besides: Sequence[Candidate] = (),
     report: Callable[[float], None] = lambda fraction: None,
 ) -> list[Candidate]:
     """Refit the base with each effect, polishing the contenders only; best first.
@@ -115,6 +119,8 @@ def race(
     known
         Candidates near their optimum already, which join for the last lap; their effects do not run
         the others.
+    besides
+        Candidates that began elsewhere and came far; their effects run as usual, too.
     report
         Called with the fraction done.
     """
@@ -134,7 +140,7 @@ def race(
     first = _best_of_each(_run(entrants, sigma, FIRST_LAP, COARSE, straight=True))
     report(0.5)
     second = _second_lap(first, promising, sigma)
-    second = _by_squares([*second, *known])
+    second = _best_of_each([*second, *known, *besides])
     forms = [
         (candidate.squares, richer_form(fitted, candidate, effect, scale, sigma, variance))
         for candidate in second
@@ -156,6 +162,23 @@ def race(
     last = _last_lap(kept, sigma)
     report(1.0)
     return _best_of_each(last)
+
+
+def led_on(starts: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Candidate]:
+    """Candidates from starts of their own near their optimum, the best of each effect.
+
+    Parameters
+    ----------
+    starts
+        Where they begin.
+    sigma
+        Weight of each output channel.
+    """
+    running, out = list(starts), list[Candidate]()
+    for evaluations in ELSEWHERE_LAPS:
+        running, without_hope = _lap(running, out, sigma, evaluations, COARSE)
+        out += without_hope
+    return _best_of_each([*running, *out])[:ELSEWHERE_FIELD]
 
 
 def _run(

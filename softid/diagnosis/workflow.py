@@ -4,25 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softid.diagnoses import Cause, Diagnosis, Remainder
+from softid.diagnoses import Cause, Diagnosis, Verdict
 from softid.diagnosis.assessment import (
-    LEAST_GAIN,
-    assess,
     gains_by,
     has_spring,
-    held_out_share,
-    nameable,
     stands,
     surroundings,
     verdict_of,
 )
-from softid.diagnosis.beginning import Asked, Beginning, Progress, require_enough
+from softid.diagnosis.beginning import Asked, Beginning, Given, Progress, require_enough
 from softid.diagnosis.candidates import Candidate, catalogue
-from softid.diagnosis.chain import MAX_LINKS, Chain, find_chain
+from softid.diagnosis.chain import Chain
 from softid.diagnosis.credibility import credible, with_presliding
 from softid.diagnosis.findings import (
     alternatives_of,
@@ -31,19 +28,17 @@ from softid.diagnosis.findings import (
     gains_of,
     whole_gain_of,
 )
-from softid.diagnosis.held_out import BETTER, NO_WORSE
-from softid.diagnosis.indistinct import with_rivals_in_misfit
 from softid.diagnosis.input_noise import without_input_noise
+from softid.diagnosis.lost_input import without_lost_input
 from softid.diagnosis.marks import marks_in
-from softid.diagnosis.other_first import other_beginnings
 from softid.diagnosis.other_reading import better_reading, is_open, read_as
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
-from softid.diagnosis.revision import prefixes, revised, without_link
+from softid.diagnosis.revision import prefixes, without_link
 from softid.diagnosis.scale import fastest_time
+from softid.diagnosis.searches import Found, extended, from_other_places, searched_thoroughly
 from softid.diagnosis.thinning import samples_to_average, thinned
 from softid.diagnosis.words import worded
-from softid.effects.base import Effect
 from softid.fitters.output_error import Optimum
 from softid.identification.assembly import Identified, assemble
 from softid.identification.preparation import as_log_set, without_dropouts
@@ -56,9 +51,6 @@ from softid.results import FitResult, FitStatus
 
 if TYPE_CHECKING:
     import lmfit
-
-BETTER_BASE = 0.98
-"""Another optimum of the base counts when it leaves so much less than the first."""
 
 
 def diagnose(
@@ -106,41 +98,49 @@ def diagnose(
         As `softid.fit`.
     """
     report = _rising(progress)
-    log_set = LogSet(tuple(_cleaned(log) for log in as_log_set(logs)))
-    hold_out = tuple(_cleaned(log) for log in hold_out)
-    require_enough(log_set)
+    given = Given(as_log_set(logs), tuple(hold_out)).each(_cleaned)
+    require_enough(given.logs)
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
-    start = asked.begin(log_set, hold_out, thorough=False)
-    fastest_s = fastest_time(start.base.problem, start.base.minimum.point)
-    motion_s = min(start.scale.motion_s, fastest_s)
-    count = samples_to_average((*log_set, *hold_out), motion_s)
-    if count > 1:
-        log_set = LogSet(tuple(thinned(log, count) for log in log_set))
-        hold_out = tuple(thinned(log, count) for log in hold_out)
-        start = asked.begin(log_set, hold_out, thorough=False)
+    given, start, count = _prepared(given, asked)
     first = None
-    if is_open(log_set):
-        first = _extended(start, catalogue(effects), report, seed, max_links=1)
+    if is_open(given.logs):
+        first = extended(start, catalogue(effects), report, seed, max_links=1)
         reading = better_reading(first.final, dict(start.work.found.optimum.sigma))
         if reading is not None:
-            log_set, hold_out = LogSet(read_as(log_set.logs, reading)), read_as(hold_out, reading)
+            given = Given(
+                LogSet(read_as(given.logs.logs, reading)), read_as(given.hold_out, reading)
+            )
             first = None
-            start = asked.begin(log_set, hold_out, thorough=False)
-    chain, remainder, is_named = _searched(start, effects, report, seed, first)
-    if remainder.structured and not any(is_named):  # perhaps the base itself is a false optimum
-        again = asked.begin(log_set, hold_out, thorough=True)
-        if again.base.squares < BETTER_BASE * start.base.squares:
-            start = again
-            chain, remainder, is_named = _searched(start, effects, report, seed, None)
-    if remainder.structured and not any(is_named):  # or the first cause stands for two others
-        other = _from_other_causes(start, chain, effects, report, seed)
-        chain, remainder, is_named = other or (chain, remainder, is_named)
+            start = asked.begin(given.logs, given.hold_out, thorough=False)
+    found, start = searched_thoroughly(given, asked, start, effects, report, first)
     report("computing errors", 0.9)
-    found = _answer(start, chain, remainder, is_named, seed)
+    answer = _answer(start, found, seed)
+    if answer.verdict is Verdict.UNKNOWN and not found.remainder.structured:
+        other = from_other_places(start, effects, report, seed)
+        answer = _answer(start, other, seed) if other else answer
     remarks = (*restriction(effects), *averaged_over(count))
     if has_spring(start.base):
-        remarks = (*remarks, *sets_left(log_set))
-    return worded(replace(found, issues=(*found.issues, *remarks)))
+        remarks = (*remarks, *sets_left(given.logs))
+    return worded(replace(answer, issues=(*answer.issues, *remarks)))
+
+
+def _prepared(given: Given, asked: Asked) -> tuple[Given, Beginning, int]:
+    """Logs without what hangs on lost input and without needless samples, fitted; how many a mean.
+
+    Both need a fit that knows how long the actuator remembers.
+    """
+    start = asked.begin(given.logs, given.hold_out, thorough=False)
+    known = partial(
+        without_lost_input, model=start.base.problem.model, values=start.base.parameters
+    )
+    kept = given.each(known)
+    fastest_s = fastest_time(start.base.problem, start.base.minimum.point)
+    count = samples_to_average((*given.logs, *given.hold_out), min(start.scale.motion_s, fastest_s))
+    if count > 1:
+        kept = kept.each(partial(thinned, count=count))
+    if kept is not given:
+        start = asked.begin(kept.logs, kept.hold_out, thorough=False)
+    return kept, start, count
 
 
 def _rising(progress: Progress | None) -> Progress:
@@ -156,14 +156,9 @@ def _rising(progress: Progress | None) -> Progress:
     return report
 
 
-def _answer(
-    start: Beginning,
-    chain: Chain,
-    remainder: Remainder,
-    is_named: tuple[bool, ...],
-    seed: int,
-) -> Diagnosis:
+def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
     """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
+    chain, remainder, is_named = found
     work, held, base = start.work, start.held, start.base
     rng = np.random.default_rng(seed)
     before = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
@@ -225,108 +220,6 @@ def _with_errors_without(
 def _cleaned(log: Log) -> Log:
     """The log as it is fitted, averaged and judged by: a drop-out must be in none of the three."""
     return without_dropouts(without_input_noise(log))
-
-
-def _extended(
-    start: Beginning,
-    considered: Sequence[Effect],
-    report: Progress,
-    seed: int,
-    *,
-    begun: Chain | None = None,
-    max_links: int = MAX_LINKS,
-) -> Chain:
-    """The base extended by causes that what is held out does not speak against."""
-
-    def holds(before: Candidate, after: Candidate) -> bool:
-        limit = BETTER if before.effects else NO_WORSE
-        return start.held.rms(after) <= limit * start.held.rms(before)
-
-    def is_noise(now: Candidate) -> bool:
-        return not _left(start, now, seed).structured
-
-    return find_chain(
-        start.base if begun is None else begun.final,
-        considered,
-        start.scale,
-        dict(start.work.found.optimum.sigma),
-        holds=holds,
-        is_noise=is_noise,
-        report=lambda message, fraction: report(message, 0.3 + 0.4 * fraction),
-        begun=() if begun is None else begun.links,
-        max_links=max_links,
-    )
-
-
-def _left(start: Beginning, now: Candidate, seed: int) -> Remainder:
-    return assess(start.base, now, start.scale, rng=np.random.default_rng(seed))
-
-
-def _searched(
-    start: Beginning,
-    effects: Sequence[str],
-    report: Progress,
-    seed: int,
-    begun: Chain | None = None,
-) -> tuple[Chain, Remainder, tuple[bool, ...]]:
-    """The chain of causes, each judged by what is held out; what it leaves; what may be named."""
-    considered = catalogue(effects)
-    if begun is not None and not begun.links:
-        chain = begun
-    else:
-        chain = _extended(start, considered, report, seed, begun=begun, max_links=2)
-    if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
-        chain = _asked_again(start, considered, chain, report)
-        longer = _extended(start, considered, report, seed, begun=chain)
-        if len(longer.links) > len(chain.links):
-            chain = _asked_again(start, considered, longer, report)
-        else:
-            chain = replace(chain, last=longer.last)
-    before, after = start.held.rms(start.base), start.held.rms(chain.final)
-    if chain.links and after > (1.0 - LEAST_GAIN) * before:
-        chain = Chain((), chain.links[0], start.base)  # a chain that gains nothing is chance
-        after = before
-    report("looking at what is left", 0.85)
-    remainder = _left(start, chain.final, seed)
-    if remainder.structured:
-        chain = replace(chain, links=tuple(with_rivals_in_misfit(link) for link in chain.links))
-    remainder = replace(remainder, held_out_share=held_out_share(before, after, remainder))
-    is_named = nameable(chain.links, chain.final, remainder, gain=1.0 - after / before)
-    largest_first = sorted(
-        zip(chain.links, is_named, strict=True), key=lambda pair: -pair[0].squares_before
-    )
-    links = tuple(link for link, _ in largest_first)
-    return replace(chain, links=links), remainder, tuple(sure for _, sure in largest_first)
-
-
-def _from_other_causes(
-    start: Beginning, chain: Chain, effects: Sequence[str], report: Progress, seed: int
-) -> tuple[Chain, Remainder, tuple[bool, ...]] | None:
-    """What a search finds from another first cause, if that leaves noise and may be named.
-
-    So many more tries find something that explains most of any misfit.
-    """
-    sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
-    known = chain.links[0].added.name if chain.links else None
-    for begun in other_beginnings(known, start.base, considered, start.scale, sigma):
-        longer = _extended(start, considered, report, seed, begun=begun, max_links=2)
-        if not _left(start, longer.final, seed).structured:
-            found = _searched(start, effects, report, seed, longer)
-            if any(found[2]):
-                return found
-    return None
-
-
-def _asked_again(
-    start: Beginning, considered: Sequence[Effect], chain: Chain, report: Progress
-) -> Chain:
-    """The chain with its earlier causes revised, unless that is worse on what is held out."""
-    report("checking the first causes again", 0.75)
-    sigma = dict(start.work.found.optimum.sigma)
-    again = revised(chain, start.base, considered, start.scale, sigma)
-    if start.held.rms(again.final) <= NO_WORSE * start.held.rms(chain.final):
-        return again
-    return chain
 
 
 def _fit_of(final: Candidate, work: Work, seed: int) -> FitResult:

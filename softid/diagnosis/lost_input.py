@@ -1,0 +1,102 @@
+"""Samples that hang on what the input did while samples were lost.
+
+Between two samples the input is drawn straight. Where it jumped in a gap nobody knows when, and
+what the actuator did until it had settled follows from that: a dozen samples many times larger than
+the noise, which no law of motion explains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import Issue
+from softid.excitation.noise import noise_std
+from softid.log import Log
+from softid.models.base import Model
+from softid.simulation import simulate
+
+Array = npt.NDArray[np.float64]
+Places = npt.NDArray[np.intp]
+
+GAP_PERIODS = 1.5
+"""An interval of so many sampling periods has lost a sample."""
+
+MATTERS = 0.5
+"""Share of the output's noise that the course of the input in the gaps may change."""
+
+MOST_LEFT_OUT = 0.2
+"""Where more than this share hangs on it the log is taken as it is."""
+
+
+def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> Log:
+    """Leave out, and say so, what the input in the gaps may change by more than the noise.
+
+    In the middle of a gap of length g the input may lie to either side of the straight line by
+    half of what the slopes before and after it, s, leave of its change: max |Δu − s g| / 2. That is
+    half the height of a jump, and nothing where it only goes on.
+
+    Parameters
+    ----------
+    log
+        A log.
+    model, values
+        A fitted model, which knows how long the actuator remembers.
+    """
+    gaps = _gaps(log)
+    if gaps.size == 0:
+        return log
+    above, below = (simulate(model, values, _through(log, gaps, side)) for side in (1.0, -1.0))
+    recorded = np.searchsorted(above.time_s, log.time_s)
+    hangs = np.zeros(len(log), bool)
+    for name in log.outputs:
+        measured = log.channels[name].values
+        seen = np.isfinite(measured)
+        sigma = noise_std(log.time_s[seen], measured[seen]) or 0.0
+        differs = np.abs(above.outputs[name] - below.outputs[name])[recorded]
+        hangs |= differs > MATTERS * sigma
+    if not 0 < hangs.sum() <= MOST_LEFT_OUT * len(log):
+        return log
+    first_s = float(log.time_s[np.flatnonzero(hangs)[0]])
+    issue = Issue(
+        "lost-input",
+        "info",
+        f"{log.name}: {hangs.sum()} samples, from {first_s:.4g} s, hang on what the input did "
+        "while samples were lost; they are left out of the residuals",
+        "record the input without gaps",
+    )
+    return replace(log.with_masked(hangs), issues=(*log.issues, issue))
+
+
+def _gaps(log: Log) -> Places:
+    """Last samples before an interval that has lost others, and is none between two segments."""
+    interval_s = np.diff(log.time_s)
+    lost = (interval_s > GAP_PERIODS * log.period_s) & (interval_s <= log.stall_s)
+    found: Places = np.flatnonzero(lost)
+    return found
+
+
+def _through(log: Log, gaps: Places, side: float) -> Log:
+    """The log with the input to one side of the straight line in the middle of every gap."""
+    u = log.channels[log.input].values
+    interval_s, change = np.diff(log.time_s), np.diff(u)
+    slope = np.pad(change / interval_s, 1, mode="edge")
+    led_to = np.stack((slope[:-2], slope[2:])) * interval_s
+    aside = 0.5 * np.abs(change - led_to).max(axis=0)
+    middle = 0.5 * (u[:-1] + u[1:]) + side * aside
+    outputs = {name: log.channels[name] for name in log.outputs}
+    channels = {
+        name: replace(channel, values=np.insert(channel.values, gaps + 1, np.nan))
+        for name, channel in outputs.items()
+    }
+    driven = replace(log.channels[log.input], values=np.insert(u, gaps + 1, middle[gaps]))
+    return replace(
+        log,
+        time_s=np.insert(log.time_s, gaps + 1, log.time_s[gaps] + 0.5 * interval_s[gaps]),
+        channels={**channels, log.input: driven},
+        masked=None,
+        issues=(),
+    )

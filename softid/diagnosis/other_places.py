@@ -1,0 +1,113 @@
+"""Candidates that do not begin where the base stands, for one that is no place to begin.
+
+A base that was fitted to a misfit may have gone far to make room for it: a term of it vanishes, or
+another part of its curve lies in the range. What is added there finds no way back. The start values
+of the base know nothing of that; and where an effect changes the input, they are searched anew with
+the input that arrives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.candidates import Candidate
+from softid.diagnosis.parallel import in_parallel
+from softid.diagnosis.screening import candidate_at, takes_time
+from softid.diagnosis.search import led_on
+from softid.effects.base import Effect, InputEffect, OutputEffect, Scale
+from softid.segment import Segment
+
+PLACES = 3
+"""So many of the best start values of the base are tried with every start of an effect."""
+
+STARTS = 2
+"""And so many of those are led on."""
+
+VANISHED = 1e-3
+"""A term has vanished when a factor of e in it changes the output by less than this share of the
+misfit's power: no step of an optimiser brings it back."""
+
+
+def has_vanished(base: Candidate) -> bool:
+    """Whether a term of the base has vanished, to make room for what it cannot explain."""
+    problem = base.problem
+    scaled = [problem.parameters[name].scale == "log" for name in problem.free]
+    felt = np.diag(base.minimum.normal.matrix)[: len(scaled)][scaled]
+    return bool(np.any(felt < VANISHED * base.squares))
+
+
+def candidates_elsewhere(
+    base: Candidate, effects: Sequence[Effect], scale: Scale, sigma: Mapping[str, float]
+) -> list[Candidate]:
+    """The base with each effect from start values of the base, those that came far.
+
+    Parameters
+    ----------
+    base
+        The base fit, without effects.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Weight of each output channel.
+    """
+    usual = list(_places(base, base.problem.plain_segments))
+
+    def placed(effect: Effect) -> list[Candidate]:
+        found = (
+            [] if isinstance(effect, InputEffect) else [(v, usual) for v in effect.starts(scale)]
+        )
+        chosen = _best(found, effect, scale, sigma)
+        if isinstance(effect, InputEffect | OutputEffect) and _comes_first(effect, scale):
+            own = [
+                (values, _driven(base, effect, values, scale)) for values in effect.starts(scale)
+            ]
+            chosen += _best(own, effect, scale, sigma)
+        return chosen
+
+    return led_on([c for found in in_parallel(placed, effects) for c in found], sigma)
+
+
+def _comes_first(effect: Effect, scale: Scale) -> bool:
+    """Whether start values are searched anew: a late sensor is to them what a late input is."""
+    return isinstance(effect, InputEffect) or takes_time(effect, scale)
+
+
+def _best(
+    starts: Iterable[tuple[Mapping[str, float], Sequence[Candidate]]],
+    effect: Effect,
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """The best of an effect's starts at the places that belong to each."""
+    tried = [
+        candidate_at(place, effect, values, scale, sigma)
+        for values, places in starts
+        for place in places
+    ]
+    best = sorted(tried, key=lambda pair: pair[0])[:STARTS]
+    return [candidate for squares, candidate in best if np.isfinite(squares)]
+
+
+def _driven(
+    base: Candidate, effect: InputEffect | OutputEffect, values: Mapping[str, float], scale: Scale
+) -> list[Candidate]:
+    """The base at start values for what arrives behind an effect."""
+    eta = effect.parameters(scale).with_values(values).values_vector()
+    arriving = [
+        replace(s, input=effect.apply(eta, s.time_s - s.log_start_s, s.input, scale))
+        for s in base.problem.plain_segments
+    ]
+    return list(_places(base, arriving))
+
+
+def _places(base: Candidate, segments: Sequence[Segment]) -> Iterator[Candidate]:
+    """The base at the best start values for given segments."""
+    problem = base.problem
+    for start in problem.model.guess(segments, problem.outputs[0])[:PLACES]:
+        point = problem.unknowns(start.values_dict())
+        yield replace(base, minimum=replace(base.minimum, point=point))
