@@ -35,6 +35,10 @@ none."""
 LEAST_GAIN = 0.01
 """Share of the held-out error that a cause takes away at least, and a chain of them, too."""
 
+SLIGHT_GAIN, UNKNOWN_SIZE = 0.1, 30.0
+"""A cause that takes away less than the first share of the held-out error is not named when its
+size may be so many times larger or smaller: the last corner of a law that another one fits."""
+
 NO_EFFECT = 0.05
 """Zero sizes that are no less likely than this are no effect."""
 
@@ -236,6 +240,8 @@ def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> b
     """
     if not gains_by(cause, whole):
         return False
+    if _is_slight(cause) and not effect.changes_sign and _is_unknown(cause, effect):
+        return False
     names = {f"{effect.name}_{name}" for name in effect.amplitudes if effect.changes_sign}
     sizes = [p for p in cause.parameters if p.name in names]
     essential = {f"{effect.name}_{name}" for name in effect.essential}
@@ -245,6 +251,19 @@ def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> b
     if len(sizes) == 1:
         return not _covers_zero(sizes[0])
     return not sizes or not _cover_zero_together(sizes, extended)
+
+
+def _is_slight(cause: Cause) -> bool:
+    """Whether a cause gains little on what is held out."""
+    before, after = cause.holdout_rmse_before, cause.holdout_rmse_after
+    return after > (1.0 - SLIGHT_GAIN) * before
+
+
+def _is_unknown(cause: Cause, effect: Effect) -> bool:
+    """Whether not even the order of magnitude of its size is known."""
+    names = {f"{effect.name}_{name}" for name in effect.amplitudes}
+    intervals = [p.ci95 for p in cause.parameters if p.name in names and p.ci95 is not None]
+    return any(high > UNKNOWN_SIZE * max(low, 0.0) for low, high in intervals)
 
 
 def _covers_zero(parameter: ParameterEstimate) -> bool:

@@ -235,24 +235,24 @@ def candidate_from(
     return _placed(fitted, signature.effect, problem, best, variance)
 
 
-def richer_form(
+def form_of(
     fitted: Candidate,
-    plain: Candidate,
+    first: Candidate,
     effect: Effect,
     scale: Scale,
     sigma: Mapping[str, float],
     variance: float,
 ) -> Candidate:
-    """A candidate with a richer form of a law, where the plain form stands.
+    """A candidate with another form of a law, where a first form stands.
 
     Parameters
     ----------
     fitted
         The base, or a candidate that already has effects.
-    plain
-        The same with the plain form of the law.
+    first
+        The same with the first form of the law.
     effect
-        The richer form; what only it has begins at the best of its own starts.
+        The other form; what only it has begins at the best of its own starts.
     scale
         Sizes of the base fit.
     sigma
@@ -262,7 +262,7 @@ def richer_form(
     """
     problem = extend(fitted.problem, (effect,), scale)
     starts = [
-        start_unknowns(problem, plain.problem, plain.minimum.point, named_values(effect, values))
+        start_unknowns(problem, first.problem, first.minimum.point, named_values(effect, values))
         for values in effect.starts(scale)
     ]
     best = min(starts, key=lambda z: _squares(problem, z, sigma))

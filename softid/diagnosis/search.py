@@ -13,8 +13,8 @@ from softid.diagnosis.parallel import in_parallel
 from softid.diagnosis.screening import (
     Signature,
     candidate_from,
+    form_of,
     late_candidate,
-    richer_form,
     screen,
     takes_time,
 )
@@ -102,7 +102,8 @@ def race(
     """Refit the base with each effect, polishing the contenders only; best first.
 
     A richer form of a law enters where the plain one has got to, when that is still in the race
-    after its second lap, and leaves again if it hardly gains on it.
+    after its second lap, and leaves again if it hardly gains on it. Where it led to a better place,
+    the plain one follows it there at the end.
 
     Parameters
     ----------
@@ -142,7 +143,7 @@ def race(
     second = _second_lap(first, promising, sigma)
     second = _best_of_each([*second, *known, *besides])
     forms = [
-        (candidate.squares, richer_form(fitted, candidate, effect, scale, sigma, variance))
+        (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
         for candidate in second
         for effect in richer
         if _is_richer(effect, candidate.effects[-1], scale)
@@ -160,6 +161,7 @@ def race(
     others = _run(others, sigma, SECOND_LAP, COARSE) + _run(swaps, sigma, SWAP_LAP, COARSE)
     kept += [form for form in others if form.squares <= limit]
     last = _last_lap(kept, sigma)
+    last += _plain_forms(fitted, _best_of_each(last)[:FORMS_FIELD], effects, scale, sigma)
     report(1.0)
     return _best_of_each(last)
 
@@ -229,6 +231,24 @@ def _is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
     if effect.name != plain.name or effect.key == plain.key:
         return False
     return set(plain.parameters(scale).names) < set(effect.parameters(scale).names)
+
+
+def _plain_forms(
+    fitted: Candidate,
+    leaders: Sequence[Candidate],
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """The plain form of every richer one, from where that stands."""
+    variance = fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
+    placed = [
+        form_of(fitted, leader, effect, scale, sigma, variance)
+        for leader in leaders
+        for effect in effects
+        if _is_richer(leader.effects[-1], effect, scale)
+    ]
+    return _run(placed, sigma, SWAP_LAP, FINE)
 
 
 def _those_that_gain(

@@ -15,9 +15,10 @@ from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
-SHORTEST_PERIODS = 1e-2
+SHORTEST_PERIODS = 3.0
 LONGEST_SHARE = 0.25
-"""Bounds of the ringing period, in sampling intervals and as a share of the log."""
+"""Bounds of the ringing period, in sampling intervals and as a share of the log. What rings faster
+is not told from what the input does between two samples."""
 
 ZETA = (0.02, 3.0)
 START_ZETA = 0.2
@@ -48,6 +49,7 @@ class LineResonance(InputEffect):
     shown_by: ClassVar[str] = "fast steps, or a chirp beyond the ringing frequency"
     source: ClassVar[str] = "Bergh and Tijdeman, NLR-TR F.238, 1965"
     amplitude: ClassVar[str] = "period"
+    essential: ClassVar[tuple[str, ...]] = ("period",)
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The ringing period 2π/ω and the damping ratio ζ."""
