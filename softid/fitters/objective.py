@@ -118,8 +118,27 @@ class Objective:
         self.evaluations += 1
         return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
 
-    def solve(self, start: Array, evaluations: int, *, tolerance: float = TOLERANCE) -> Minimum:
-        """Minimise from a start, planning the substeps anew until the plan stays."""
+    def solve(
+        self,
+        start: Array,
+        evaluations: int,
+        *,
+        tolerance: float = TOLERANCE,
+        bends: bool = True,
+    ) -> Minimum:
+        """Minimise from a start, planning the substeps anew until the plan stays.
+
+        Parameters
+        ----------
+        start
+            Unknowns, shape (U,).
+        evaluations
+            Limit of evaluations of each run.
+        tolerance
+            As in `minimise`.
+        bends
+            Whether long steps follow their bend.
+        """
         lower, upper = self.problem.bounds()
         reach = self.problem.reach()
         point = np.clip(start, lower, upper)
@@ -136,7 +155,7 @@ class Objective:
                 reach,
                 evaluations=evaluations,
                 tolerance=tolerance,
-                bend=self.bend,
+                bend=self.bend if bends else None,
             )
             point = found.point
             if evaluations <= SCOUT_EVALUATIONS:

@@ -65,9 +65,8 @@ class ThinnedProblem(Problem):
     """
 
     def __init__(self, whole: Problem, length: int) -> None:
-        super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+        self._adopt(whole)
         self.segments = [_averaged(s.without_knots(), length) for s in whole.segments]
-        self.owner, self.at_rest = whole.owner, whole.at_rest
         self._layout()
 
 
@@ -81,7 +80,7 @@ class WindowedProblem(PiecewiseProblem):
     """
 
     def __init__(self, whole: Problem) -> None:
-        Problem.__init__(self, whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+        self._adopt(whole)
         total = sum(segment.time_s.size for segment in whole.plain_segments)
         cuts = []
         for segment in whole.plain_segments:

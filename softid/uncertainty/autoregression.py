@@ -86,6 +86,8 @@ def contiguous_runs(values: Array) -> list[Array]:
 
 def run_slices(used: BoolArray) -> list[slice]:
     """Slices of the stretches in which ``used``, shape (n,), is True."""
+    if used.all():
+        return [slice(0, used.size)] if used.size else []
     edges = np.flatnonzero(np.diff(np.concatenate(([False], used, [False])).astype(np.int8)))
     return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +24,7 @@ from softid.uncertainty.autoregression import (
 )
 
 Array = npt.NDArray[np.float64]
+Index = npt.NDArray[np.int64]
 
 NUGGET = 1e-12
 """White variance added to every column, relative to its mean square: rounding in the moments of
@@ -65,13 +67,36 @@ class Moments:
         """Samples used."""
         return int(self.counts.sum())
 
+    @cached_property
+    def terms(self) -> tuple[Index, Index, Index]:
+        """The t, i and j of `packed`: a sample with t predecessors has no lag beyond t."""
+        size = self.counts.size
+        rows = [(t, i, j) for t in range(size) for i in range(t + 1) for j in range(i + 1)]
+        when, first, second = np.array(rows).T
+        return when, first, second
+
+    @cached_property
+    def packed(self) -> Array:
+        """``products`` of every pair of lags with those of the pair turned round, (terms, m²)."""
+        when, first, second = self.terms
+        there = self.products[when, first, second]
+        both = there + np.where((first > second)[:, None, None], there.transpose(0, 2, 1), 0.0)
+        return both.reshape(len(when), -1)
+
     @property
     def reachable(self) -> int:
         """Directions that the parameters can reach."""
         return int(self.products.shape[-1]) - 1
 
 
-def gather_moments(residuals: Sequence[Array], reach: Sequence[Array], max_order: int) -> Moments:
+def gather_moments(
+    residuals: Sequence[Array],
+    reach: Sequence[Array],
+    max_order: int,
+    *,
+    project: Array | None = None,
+    gram: Array | None = None,
+) -> Moments:
     """Sum the lagged products of residuals and basis over all stretches.
 
     Parameters
@@ -82,6 +107,10 @@ def gather_moments(residuals: Sequence[Array], reach: Sequence[Array], max_order
         Basis of what the parameters can do to each segment, shape (n_s, m − 1).
     max_order
         Highest order p of an autoregression that will be asked for.
+    project
+        What makes ``reach`` the basis where it is not one itself, shape (columns, m − 1).
+    gram
+        Products of those columns over all samples in use where they are known already.
     """
     width = reach[0].shape[1] + 1
     size = max_order + 1
@@ -90,18 +119,35 @@ def gather_moments(residuals: Sequence[Array], reach: Sequence[Array], max_order
     longest = 0
     for residual, basis in zip(residuals, reach, strict=True):
         for span in run_slices(np.isfinite(residual)):
+            longest = max(longest, span.stop - span.start)
+            if max_order == 0:
+                products[0, 0, 0] += _squares(basis[span], residual[span], bare=gram is not None)
+                counts[0] += span.stop - span.start
+                continue
             y = np.column_stack((basis[span], residual[span]))
-            longest = max(longest, y.shape[0])
             _add_start(products, counts, y[:max_order])
             if y.shape[0] > max_order:
                 products[max_order] += _bulk(y, max_order)
                 counts[max_order] += y.shape[0] - max_order
+    if max_order == 0 and gram is not None:
+        products[0, 0, 0, :-1, :-1] = gram
+    if project is not None:
+        whole = np.zeros((width, project.shape[1] + 1))
+        whole[:-1, :-1], whole[-1, -1] = project, 1.0
+        products = whole.T @ products @ whole
     scale = np.einsum("taakk->k", products[:, :1, :1]) / max(counts.sum(), 1.0)
     floor = np.diag(np.append(NUGGET * scale[:-1], MIN_LEFT * scale[-1]))
     for t in range(size):
         for i in range(t + 1):
             products[t, i, i] += counts[t] * floor
     return Moments(products, counts, longest)
+
+
+def _squares(basis: Array, residual: Array, *, bare: bool) -> Array:
+    """Products of basis and residual at one time, shape (m, m); bare without those of the basis."""
+    cross = residual @ basis
+    own = np.zeros((cross.size, cross.size)) if bare else basis.T @ basis
+    return np.block([[own, cross[:, None]], [cross[None], residual @ residual]])
 
 
 def _add_start(products: Array, counts: Array, start: Array) -> None:
@@ -163,10 +209,10 @@ def evaluate(moments: Moments, reflection: Array) -> Objective:
     """
     size = moments.counts.size
     filters, ratio = _filters(reflection, size)
-    weights = filters[:, :, :, None] * filters[:, :, None, :] / ratio[:, :, None, None]
+    when, first, second = moments.terms
+    weights = filters[:, when, first] * filters[:, when, second] / ratio[:, when]
     width = moments.products.shape[-1]
-    flat = weights.reshape(len(weights), -1) @ moments.products.reshape(-1, width * width)
-    form = flat.reshape(-1, width, width)
+    form = (weights @ moments.packed).reshape(-1, width, width)
     determinant, left, good = _reduced(form)
     freedom = moments.n - moments.reachable
     variance = np.where(good, left, 1.0) / freedom
@@ -269,7 +315,7 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
         )
     limit = np.arctanh(np.exp(-1.0 / max(moments.longest, 2)))
     x = np.clip(np.arctanh(to_reflection(np.asarray(start.phi))), -limit, limit)
-    value = float(evaluate(moments, np.tanh(x)[None]).value[0])
+    value = float(evaluate(moments, np.tanh(x)[None]).value[0]) if x.size else np.inf
     curvature = None
     for _ in range(MAX_ITERATIONS if x.size else 0):
         gradient, curvature = differences(moments, x)
