@@ -21,6 +21,9 @@ from softid.models.products import Products
 
 Array = npt.NDArray[np.float64]
 
+KEPT_ENTRIES = 8_000_000
+"""Largest Jacobian that is kept whole (64 MB); a larger one is only summed."""
+
 
 @dataclass(frozen=True, eq=False)
 class Piece:
@@ -102,7 +105,8 @@ def linearise(
     plans
         Steps per segment, held still by an optimiser; None plans anew.
     keep
-        Whether to keep the columns at every sample.
+        Whether to keep the columns at every sample; those that are there anyway, for a law whose
+        products no kernel sums, are kept unless they are too many.
     """
     with np.errstate(all="ignore"):
         pieces = _pieces(problem, z, plans, keep=keep)
@@ -194,7 +198,8 @@ def _pieces(
         ]
         if any(products is None for products in summed):
             blocks = problem.blocks(z, derivatives=True, plans=plans, only=k)
-            found.extend(_from_block(problem, block, keep=keep) for block in blocks)
+            few = problem.n_samples * problem.size <= KEPT_ENTRIES
+            found.extend(_from_block(problem, block, keep=few) for block in blocks)
             continue
         for name, products in zip(problem.outputs, summed, strict=True):
             assert products is not None

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.levenberg_marquardt import BEND_STEP, Minimum, Normal, minimise
-from softid.fitters.normal_equations import Linearised, bend, linearise
+from softid.fitters.normal_equations import KEPT_ENTRIES, Linearised, bend, linearise
 from softid.fitters.problem import Problem
 from softid.models.division import Division
 
@@ -22,8 +22,9 @@ PRIOR_REACHES = 4.0
 """Standard deviation of the prior in units of each unknown's plausible move: a factor of e⁸ = 3000
 for a parameter on a logarithmic scale."""
 
-KEPT_ENTRIES = 8_000_000
-"""Largest Jacobian that is kept whole for the acceleration (64 MB); a larger one is only summed."""
+CHEAP_ENTRIES = 50_000
+"""Largest Jacobian that is kept at every evaluation: it stays in the processor's cache. Of a larger
+one the columns are kept where a step is long, and where they are asked for at the end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,10 +63,13 @@ class Objective:
         self._last: Linearised | None = None
         self._weighted: dict[str, float] = {}
         self._planned: tuple[Array, list[Division | None]] | None = None
+        self._bent: Linearised | None = None
 
     def __call__(self, z: Array) -> Normal:
         """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
-        found = self._at(z)
+        return self._with_prior(self._at(z))
+
+    def _with_prior(self, found: Linearised) -> Normal:
         if self.prior is None or not np.isfinite(found.cost):
             return found
         return replace(
@@ -75,8 +79,12 @@ class Objective:
             matrix=found.matrix + np.diag(self.prior.weight),
         )
 
-    def _at(self, z: Array) -> Linearised:
-        """The normal equations without the prior; the last ones are kept, to begin a run with."""
+    def _at(self, z: Array, *, columns: bool = False) -> Linearised:
+        """The normal equations without the prior; the last ones are kept, to begin a run with.
+
+        Columns are kept where that is cheap, where they are asked for, and behind a long step: one
+        seldom comes alone.
+        """
         last = self._last
         if (
             last is not None
@@ -85,13 +93,31 @@ class Objective:
             and np.array_equal(z, last.point)
             and self.sigma == self._weighted
             and _same(self.plans, last.plans)
+            and (last.kept or not columns)
         ):
             return last
         self.evaluations += 1
-        keep = self.problem.n_samples * self.problem.size <= KEPT_ENTRIES
+        keep = columns or self._bent is not None or self._entries <= CHEAP_ENTRIES
+        keep = keep and self._entries <= KEPT_ENTRIES
         found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
-        self._last, self._weighted = found, dict(self.sigma)
+        self._last, self._weighted, self._bent = found, dict(self.sigma), None
         return found
+
+    @property
+    def _entries(self) -> int:
+        return self.problem.n_samples * self.problem.size
+
+    def with_columns(self, found: Minimum) -> Minimum:
+        """The end of a run with the columns at every sample, unless they are too many to keep."""
+        normal = found.normal
+        if not isinstance(normal, Linearised) or normal.kept or not np.isfinite(normal.cost):
+            return found
+        if self._entries > KEPT_ENTRIES:
+            return found
+        self.plans = None if normal.plans is None else list(normal.plans)
+        kept = self._with_prior(self._at(found.point, columns=True))
+        self.plans = None
+        return replace(found, point=kept.point, normal=kept)
 
     def adopt(self, other: Objective) -> None:
         """Go on from another one's last evaluation, of the same problem."""
@@ -100,8 +126,10 @@ class Objective:
             self._planned = other._planned
 
     def _plans(self, z: Array) -> list[Division | None]:
-        if self._planned is None or not np.array_equal(z, self._planned[0]):
-            self._planned = z.copy(), self.problem.plans(z)
+        """Steps at ``z``; zeros and initial states, which follow the parameters, change none."""
+        free = z[: len(self.problem.free)]
+        if self._planned is None or not np.array_equal(free, self._planned[0]):
+            self._planned = free.copy(), self.problem.plans(z)
         return self._planned[1]
 
     def set_prior(self, centre: Array, at: Minimum) -> None:
@@ -113,10 +141,16 @@ class Objective:
 
     def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
         """Jᵀ∂²ŷ/∂v² along ``step``, or None where the Jacobian was too large to keep."""
-        if not isinstance(normal, Linearised) or not normal.kept:
+        if not isinstance(normal, Linearised) or self._entries > KEPT_ENTRIES:
             return None
+        if normal.kept:
+            self._bent = normal
+        elif self._bent is None or not np.array_equal(self._bent.point, normal.point):
+            self._bent = self._at(normal.point, columns=True)
         self.evaluations += 1
-        return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
+        return bend(
+            self.problem, self._bent, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP
+        )
 
     def solve(
         self,
@@ -125,6 +159,7 @@ class Objective:
         *,
         tolerance: float = TOLERANCE,
         bends: bool = True,
+        damping: float | None = None,
     ) -> Minimum:
         """Minimise from a start, planning the substeps anew until the plan stays.
 
@@ -138,6 +173,8 @@ class Objective:
             As in `minimise`.
         bends
             Whether long steps follow their bend.
+        damping
+            That of a run that goes on; None begins anew.
         """
         lower, upper = self.problem.bounds()
         reach = self.problem.reach()
@@ -146,7 +183,9 @@ class Objective:
             plans = self._plans(point)
             if self.plans is not None and _same(plans, self.plans):
                 break
-            self.plans = plans
+            near, self.plans = self.plans is not None, plans
+            if near:
+                point = self._at(point, columns=True).point  # most often the last one
             found = minimise(
                 self,
                 point,
@@ -156,8 +195,9 @@ class Objective:
                 evaluations=evaluations,
                 tolerance=tolerance,
                 bend=self.bend if bends else None,
+                damping=damping,
             )
-            point = found.point
+            point, damping = found.point, None
             if evaluations <= SCOUT_EVALUATIONS:
                 break
         self.plans = None

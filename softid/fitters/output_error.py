@@ -167,7 +167,7 @@ def output_error(
             best, stable = _challenge(objective, objective.solve(point, limit), start, rng, rounds)
     report("checking the optimum", 0.9)
     if rounds:
-        best = _released(objective, best)
+        best = objective.with_columns(_released(objective, best))
     return _judge(objective, best, start, stable=stable)
 
 
@@ -200,7 +200,10 @@ def _search(
         points = [objective.problem.unknowns(s, with_zeros=False) for s in starts[begin:end]]
         found = _scout(objective, points, limit, rough)
         scouted = sorted([*scouted, *found], key=_cost)
-        if alone_if_white and scouted and at_noise_level(objective.problem, scouted[0][0]):
+        if not (alone_if_white and scouted):
+            continue
+        scouted[0] = objective.with_columns(scouted[0][0]), scouted[0][1]
+        if at_noise_level(objective.problem, scouted[0][0]):
             return scouted, True
     return scouted, False
 
@@ -218,9 +221,9 @@ def _scout(
 
     def run(point: Array) -> tuple[Minimum, Array, Objective]:
         own = Objective(objective.problem, objective.sigma)
-        begin = point if rough is None else led(own, point, rough, limit)
+        begin, damping = (point, None) if rough is None else led(own, point, rough, limit)
         own.prior = objective.prior
-        found = own.solve(begin, limit)
+        found = own.solve(begin, limit, damping=damping)
         objective.evaluations += own.evaluations
         return found, point, own
 

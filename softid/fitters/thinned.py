@@ -138,8 +138,10 @@ def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
     return bool(times_s) and LASTING * max(times_s) <= shortest_s
 
 
-def led(objective: Objective, start: Array, problem: Problem, evaluations: int) -> Array:
-    """Unknowns to which a rough problem leads from a start, or the start itself, shape (U,).
+def led(
+    objective: Objective, start: Array, problem: Problem, evaluations: int
+) -> tuple[Array, float | None]:
+    """Where a rough problem leads from a start, or the start itself.
 
     Parameters
     ----------
@@ -151,6 +153,12 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
         From `rough_problem`.
     evaluations
         Limit of evaluations.
+
+    Returns
+    -------
+    unknowns, damping
+        Those of the whole problem, shape (U,), and the damping with which a run over all samples
+        goes on; None where it begins anew.
     """
     whole, rough = objective.problem, Objective(problem, objective.sigma)
     begin, names = start, whole.parameters.names
@@ -160,10 +168,14 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
     found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
     objective.evaluations += rough.evaluations
     if not np.isfinite(found.normal.cost):
-        return start
+        return start, None
+    damping = found.damping
+    if damping is not None:
+        damping *= whole.n_samples / max(problem.n_samples, 1)
     if not isinstance(problem, WindowedProblem):
-        return found.point
-    return whole.unknowns(dict(zip(names, problem.theta(found.point).tolist(), strict=True)))
+        return found.point, damping
+    values = dict(zip(names, problem.theta(found.point).tolist(), strict=True))
+    return whole.unknowns(values, with_zeros=False), damping
 
 
 def _steps(problem: Problem, z: Array) -> int:

@@ -93,7 +93,7 @@ def test_a_fast_motion_is_led_through_windows() -> None:
     assert isinstance(windows, WindowedProblem)
     assert [s.time_s.size for s in windows.segments] == [1250] * WINDOWS
     objective = Objective(problem, {"contraction": 1.0})
-    reached = led(objective, start, windows, 30)
+    reached, _ = led(objective, start, windows, 30)
     assert objective(reached).cost < 0.01 * objective(start).cost
     slow = problem.unknowns(truth | {"c2": 30.0})
     assert isinstance(rough_problem(problem, slow), ThinnedProblem)
