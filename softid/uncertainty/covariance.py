@@ -14,8 +14,8 @@ from softid.uncertainty.autoregression import (
     MAX_ORDER,
     AutoRegression,
     autocovariance,
+    autocovariances,
     fit_ar,
-    to_phi,
 )
 from softid.uncertainty.lag_form import LagForm
 from softid.uncertainty.linearisation import (
@@ -327,19 +327,12 @@ def _log_variance_doubt(form: LagForm, moments: Moments, fit: RestrictedFit) -> 
     steps = DIFFERENCE_STEP * np.eye(fit.position.size)
     trials = np.tanh(np.concatenate([fit.position + steps, fit.position - steps]))
     variances = evaluate(moments, trials).innovation_variance
-    diagonals = [
-        form.diagonal(_autocovariance(reflection, variance, form.lags))
-        for reflection, variance in zip(trials, variances.tolist(), strict=True)
-    ]
+    gammas = variances[:, None] * autocovariances(trials, form.lags)
+    diagonals = [form.diagonal(gamma) for gamma in gammas]
     logarithms = np.log(np.maximum(diagonals, np.finfo(float).tiny))
     up, down = np.split(logarithms, 2)
     slope = (up - down) / (2.0 * DIFFERENCE_STEP)
     return np.asarray(doubt + np.einsum("ik,ij,jk->k", slope, fit.spread, slope), np.float64)
-
-
-def _autocovariance(reflection: Array, variance: float, lags: int) -> Array:
-    phi = tuple(to_phi(reflection).tolist())
-    return autocovariance(AutoRegression(phi, variance**0.5, 1.0, 0, 0.0, 0.0), lags)
 
 
 def _mean_square(block: ResidualBlock, freedom: int) -> float:
