@@ -8,7 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.levenberg_marquardt import BEND_STEP, Minimum, Normal, minimise
+from softid.fitters.levenberg_marquardt import (
+    BEND_STEP,
+    Minimum,
+    Normal,
+    minimise,
+    next_point,
+    offset_within,
+)
 from softid.fitters.normal_equations import KEPT_ENTRIES, Linearised, bend, linearise
 from softid.fitters.problem import Problem
 from softid.models.division import Division
@@ -18,6 +25,9 @@ Array = npt.NDArray[np.float64]
 SCOUT_EVALUATIONS = 30
 TOLERANCE = 1e-3
 MAX_PLANS = 6
+LAST_STEP = 1e-4
+"""`attainable_offset` from which a last step is worth to be taken; below, it is rounding."""
+
 PRIOR_REACHES = 4.0
 """Standard deviation of the prior in units of each unknown's plausible move: a factor of e⁸ = 3000
 for a parameter on a logarithmic scale."""
@@ -108,16 +118,24 @@ class Objective:
         return self.problem.n_samples * self.problem.size
 
     def with_columns(self, found: Minimum) -> Minimum:
-        """The end of a run with the columns at every sample, unless they are too many to keep."""
+        """The end of a run with the columns at every sample, unless they are too many to keep.
+
+        They take an evaluation, which also takes the last step that the normal equations promise.
+        """
         normal = found.normal
         if not isinstance(normal, Linearised) or normal.kept or not np.isfinite(normal.cost):
             return found
         if self._entries > KEPT_ENTRIES:
             return found
         self.plans = None if normal.plans is None else list(normal.plans)
-        kept = self._with_prior(self._at(found.point, columns=True))
+        limits = *self.problem.bounds(), self.problem.reach()
+        kept: Normal | None = None
+        if found.reach > LAST_STEP:
+            kept = self._with_prior(self._at(next_point(found, *limits), columns=True))
+        if kept is None or not kept.cost <= found.normal.cost:
+            kept = self._with_prior(self._at(found.point, columns=True))
         self.plans = None
-        return replace(found, point=kept.point, normal=kept)
+        return replace(found, point=kept.point, normal=kept, reach=offset_within(kept, *limits))
 
     def adopt(self, other: Objective) -> None:
         """Go on from another one's last evaluation, of the same problem."""
@@ -170,7 +188,7 @@ class Objective:
         evaluations
             Limit of evaluations of each run.
         tolerance
-            As in `minimise`.
+            As in `minimise`; a rough one needs no second plan.
         bends
             Whether long steps follow their bend.
         damping
@@ -198,7 +216,7 @@ class Objective:
                 damping=damping,
             )
             point, damping = found.point, None
-            if evaluations <= SCOUT_EVALUATIONS:
+            if evaluations <= SCOUT_EVALUATIONS or tolerance > TOLERANCE:
                 break
         self.plans = None
         return found

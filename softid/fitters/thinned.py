@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.multiple_shooting import PiecewiseProblem
+from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
 from softid.segment import Segment
@@ -34,6 +35,9 @@ WINDOWED = 2500
 """Samples in all windows together."""
 
 WINDOWS = 2
+"""One window in the middle of a log is half the work around the same samples; where it does not
+show the motion, two, which begin and end with the log."""
+
 COVERED = 0.8
 """Share of the range of the input that windows must hold."""
 
@@ -77,17 +81,21 @@ class WindowedProblem(PiecewiseProblem):
     ----------
     whole
         The problem.
+    windows
+        About how many of them all segments make together.
     """
 
-    def __init__(self, whole: Problem) -> None:
+    def __init__(self, whole: Problem, windows: int = WINDOWS) -> None:
         self._adopt(whole)
         total = sum(segment.time_s.size for segment in whole.plain_segments)
         cuts = []
         for segment in whole.plain_segments:
             n = segment.time_s.size
-            count = max(1, round(WINDOWS * n / total))
+            count = max(1, round(windows * n / total))
             size = max(1, WINDOWED * n // total // count)
             begins = np.linspace(0, n - size, count).astype(int).tolist()
+            if count == 1:
+                begins = [(n - size) // 2]
             cuts.append([(begin, begin + size) for begin in begins])
         self._keep(whole, cuts)
 
@@ -104,9 +112,10 @@ def rough_problem(problem: Problem, z: Array) -> Problem | None:
     """
     few = len(problem.segments) <= WINDOWS and bool(problem.model.start_states)
     if few and problem.n_samples >= LEAST_SAVING * WINDOWED:
-        windows = WindowedProblem(problem)
-        if _show_the_motion(windows, problem, z):
-            return windows
+        for count in range(1, WINDOWS + 1):
+            windows = WindowedProblem(problem, count)
+            if _show_the_motion(windows, problem, z):
+                return windows
     length = thinning(problem)
     if length > 1:
         averaged = ThinnedProblem(problem, length)
@@ -163,8 +172,11 @@ def led(
     whole, rough = objective.problem, Objective(problem, objective.sigma)
     begin, names = start, whole.parameters.names
     if isinstance(problem, WindowedProblem):
-        begin = problem.started(dict(zip(names, whole.theta(start).tolist(), strict=True)))
-        begin = problem.with_best_states(rough(begin))
+        values = dict(zip(names, whole.theta(start).tolist(), strict=True))
+        look = rough(problem.free_unknowns(values))
+        if not (isinstance(look, Linearised) and look.affine):
+            look = rough(problem.started(values))
+        begin = problem.with_best_states(look)
     found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
     objective.evaluations += rough.evaluations
     if not np.isfinite(found.normal.cost):

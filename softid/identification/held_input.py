@@ -103,13 +103,13 @@ def _promised(there: Normal) -> float:
 
 def _misfit(problem: Problem, unknowns: Array, known: Linearised | None) -> float:
     """n·ln(mean square) over all channels."""
-    if known is not None and known.kept:
-        blocks = known.blocks(problem, derivatives=False)
+    if known is not None:
+        sums = [(p.channel, p.squares) for p in known.pieces]
     else:
-        blocks = list(problem.blocks(unknowns, derivatives=False))
+        blocks = problem.blocks(unknowns, derivatives=False)
+        sums = [(b.channel, (float(b.residual @ b.residual), b.residual.size)) for b in blocks]
     total = 0.0
     for name in problem.outputs:
-        parts = [b.residual for b in blocks if b.channel == name]
-        n, squares = sum(r.size for r in parts), sum(float(r @ r) for r in parts)
+        squares, n = np.sum([own for channel, own in sums if channel == name], axis=0).tolist()
         total += n * float(np.log(squares / n + np.finfo(float).tiny))
     return total

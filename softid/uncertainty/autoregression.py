@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
+from softid.uncertainty.burg import burg
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -23,10 +24,6 @@ MAX_ORDER = 8
 
 _BLOCK = 256
 _FADED = 1e-18
-
-MIN_LEFT = 1e-6
-"""Share of the residual's power below which no prediction is believed: a thousandth of its size is
-quantisation, rounding or the smoothness of a noise-free simulation, and no memory of a noise."""
 
 
 @dataclass(frozen=True)
@@ -166,25 +163,6 @@ def fit_ar(
         aicc=float(criteria["aicc"][order]),
         bic=float(criteria["bic"][order]),
     )
-
-
-def burg(runs: Sequence[Array], max_order: int) -> Array:
-    """Reflection coefficients k_1 … k_max of several stretches; zero once `MIN_LEFT` is left."""
-    forward = [run[1:] for run in runs]
-    backward = [run[:-1] for run in runs]
-    out, left = np.zeros(max_order), 1.0
-    for m in range(max_order):
-        cross = sum(float(f @ b) for f, b in zip(forward, backward, strict=True))
-        power = sum(float(f @ f + b @ b) for f, b in zip(forward, backward, strict=True))
-        if power <= 0.0 or left <= 2.0 * MIN_LEFT:
-            break
-        most = float(np.sqrt(1.0 - MIN_LEFT / left))
-        k = float(np.clip(2.0 * cross / power, -most, most))
-        out[m], left = k, left * (1.0 - k * k)
-        pairs = [(f - k * b, b - k * f) for f, b in zip(forward, backward, strict=True)]
-        forward = [f[1:] for f, _ in pairs]
-        backward = [b[:-1] for _, b in pairs]
-    return out
 
 
 def order_criteria(reflection: Array, power: float, n: int) -> dict[str, Array]:

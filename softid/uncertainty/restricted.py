@@ -16,12 +16,12 @@ import numpy.typing as npt
 
 from softid.errors import IdentificationError
 from softid.uncertainty.autoregression import (
-    MIN_LEFT,
     AutoRegression,
     run_slices,
     to_phi,
     to_reflection,
 )
+from softid.uncertainty.burg import MIN_LEFT
 
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]

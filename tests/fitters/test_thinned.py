@@ -13,7 +13,7 @@ from softid.fitters.problem import Problem
 from softid.fitters.thinned import (
     LONGEST,
     SAMPLES,
-    WINDOWS,
+    WINDOWED,
     ThinnedProblem,
     WindowedProblem,
     led,
@@ -83,7 +83,8 @@ def test_the_optimum_is_that_of_all_samples() -> None:
 def test_a_fast_motion_is_led_through_windows() -> None:
     """A log of 28,000 samples that steps every 0.2 s; a slow start goes through blocks.
 
-    The windows are two of 1,250 samples, and lead to a hundredth of the start's cost.
+    One window of 2,500 samples holds the range of the input, and leads to a hundredth of the
+    start's cost.
     """
     truth = {"M": 1e-4, "a1": 0.014, "b1": 3.0, "c1": 1.0, "a2": 1e-3, "b2": 2.0, "c2": 0.1}
     made = muscle_log(truth, Steps(LEVELS * 20, 0.2), noise_mm=0.3, rate_hz=1000.0)
@@ -91,7 +92,7 @@ def test_a_fast_motion_is_led_through_windows() -> None:
     start = problem.unknowns({name: 1.3 * value for name, value in truth.items()})
     windows = rough_problem(problem, start)
     assert isinstance(windows, WindowedProblem)
-    assert [s.time_s.size for s in windows.segments] == [1250] * WINDOWS
+    assert [s.time_s.size for s in windows.segments] == [WINDOWED]
     objective = Objective(problem, {"contraction": 1.0})
     reached, _ = led(objective, start, windows, 30)
     assert objective(reached).cost < 0.01 * objective(start).cost
