@@ -314,8 +314,9 @@ def _at_scale(
 def _moments(block: ResidualBlock, order: int) -> Moments:
     """Moments in a basis of what the parameters can reach, which is not made where none is due."""
     if is_clear(block):
-        project = projection(block)
-        return gather_moments(block.residuals, block.rows, order, project=project, gram=block.gram)
+        known = (block.gram, block.cross) if order == 0 else None
+        rows = () if known is not None else block.rows
+        return gather_moments(block.residuals, rows, order, project=projection(block), known=known)
     return gather_moments(block.residuals, reachable(block), order)
 
 

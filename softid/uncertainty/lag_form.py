@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from softid.uncertainty.factored_rows import FactoredRows
+
 Array = npt.NDArray[np.float64]
 
 
@@ -29,7 +31,7 @@ class LagForm:
         Points of the transform, so many that nothing wraps around.
     """
 
-    rows: tuple[Array, ...]
+    rows: tuple[Array | FactoredRows, ...]
     mix: Array | None
     squares: Array
     lags: int
@@ -37,7 +39,11 @@ class LagForm:
 
     @classmethod
     def of(
-        cls, rows: Sequence[Array], mix: Array | None = None, *, gram: Array | None = None
+        cls,
+        rows: Sequence[Array | FactoredRows],
+        mix: Array | None = None,
+        *,
+        gram: Array | None = None,
     ) -> LagForm:
         """Keep the series; they are made and transformed when a T that is no diagonal asks.
 
@@ -48,7 +54,10 @@ class LagForm:
         gram
             Σ_s rowsᵀ rows where it is known already, shape (M, M).
         """
-        squares = np.sum([w.T @ w for w in rows], axis=0) if gram is None else gram
+        if gram is None:
+            own = [w.gram if isinstance(w, FactoredRows) else w.T @ w for w in rows]
+            gram = np.sum(own, axis=0)
+        squares = np.asarray(gram, np.float64)
         if mix is not None:
             squares = mix.T @ squares @ mix
         lags = max(w.shape[0] for w in rows)
@@ -57,7 +66,9 @@ class LagForm:
     @cached_property
     def series(self) -> tuple[Array, ...]:
         """The series W_s, each of shape (n_s, K)."""
-        return self.rows if self.mix is None else tuple(w @ self.mix for w in self.rows)
+        if self.mix is not None:
+            return tuple(w @ self.mix for w in self.rows)
+        return tuple(w.dense if isinstance(w, FactoredRows) else w for w in self.rows)
 
     def diagonal(self, toeplitz: Array) -> Array:
         """Diagonal of the form, shape (K,), for T_tu = toeplitz[|t − u|], shape (lags,)."""

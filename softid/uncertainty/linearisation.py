@@ -10,9 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError
+from softid.uncertainty.factored_rows import FactoredRows
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+Rows = Array | FactoredRows
 
 RANK_TOLERANCE = 1e-8
 """Singular values of the column-scaled Jacobian below this share of the largest count as zero:
@@ -42,7 +44,8 @@ class ResidualBlock:
         Output channel, or any name for messages: ``"step_1 angle"``.
     jacobians
         ∂(simulated)/∂(internal coordinate), one per segment, shape (n_s, K) with the same K in all
-        blocks; the internal coordinate of a parameter on a logarithmic scale is its logarithm.
+        blocks; the internal coordinate of a parameter on a logarithmic scale is its logarithm. As
+        arrays, or as the factors that make them up.
     residuals
         Measured minus simulated, one per segment, shape (n_s,); NaN where a sample is not used.
     weight
@@ -58,7 +61,7 @@ class ResidualBlock:
     """
 
     channel: str
-    jacobians: tuple[Array, ...]
+    jacobians: tuple[Rows, ...]
     residuals: tuple[Array, ...]
     weight: float = 1.0
     recording: int | None = None
@@ -75,9 +78,7 @@ class ResidualBlock:
             )
         if self.n == 0:
             raise InputError("no residual is used", where=self.channel, remedy="mask fewer samples")
-        pairs = zip(self.jacobians, self.used, strict=True)
-        # A sum is finite only where all of its terms are, and takes no second array.
-        if not all(np.isfinite(j.sum()) or np.isfinite(j[u]).all() for j, u in pairs):
+        if not all(_is_finite(j, u) for j, u in zip(self.jacobians, self.used, strict=True)):
             raise InputError(
                 "a derivative is not finite",
                 where=self.channel,
@@ -95,10 +96,18 @@ class ResidualBlock:
         return tuple(np.isfinite(r) for r in self.residuals)
 
     @cached_property
-    def rows(self) -> tuple[Array, ...]:
-        """The derivatives with zeros where a sample is not used, shapes as `jacobians`."""
+    def factors(self) -> tuple[Rows, ...]:
+        """The derivatives with zeros where a sample is not used, as they were given."""
         pairs = zip(self.jacobians, self.used, strict=True)
-        return tuple(j if u.all() else np.where(u[:, None], j, 0.0) for j, u in pairs)
+        return tuple(
+            j if isinstance(j, FactoredRows) or u.all() else np.where(u[:, None], j, 0.0)
+            for j, u in pairs
+        )
+
+    @property
+    def rows(self) -> tuple[Array, ...]:
+        """The same as arrays."""
+        return tuple(_dense(rows) for rows in self.factors)
 
     @property
     def n(self) -> int:
@@ -109,13 +118,23 @@ class ResidualBlock:
     def stacked(self) -> Array:
         """Rows in use, shape (n, K), without the weight."""
         pairs = zip(self.jacobians, self.used, strict=True)
-        parts = [j if u.all() else j[u] for j, u in pairs]
+        parts = [_dense(j) if u.all() else _dense(j)[u] for j, u in pairs]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     @cached_property
     def gram(self) -> Array:
         """JᵀJ over the samples in use, without the weight, shape (K, K)."""
-        return np.asarray(np.sum([rows.T @ rows for rows in self.rows], axis=0), np.float64)
+        own = [r.gram if isinstance(r, FactoredRows) else r.T @ r for r in self.factors]
+        return np.asarray(np.sum(own, axis=0), np.float64)
+
+    @property
+    def cross(self) -> Array:
+        """Jᵀr over the samples in use, without the weight, shape (K,)."""
+        total = np.zeros(self.width)
+        for rows, residual, used in zip(self.factors, self.residuals, self.used, strict=True):
+            r = residual if used.all() else np.where(used, residual, 0.0)
+            total += rows.along(r) if isinstance(rows, FactoredRows) else r @ rows
+        return total
 
     @cached_property
     def decomposed(self) -> tuple[Array, Array, Array]:
@@ -125,6 +144,17 @@ class ResidualBlock:
     def averaged(self, length: int) -> ResidualBlock:
         """Means over stretches of ``length`` samples; see `Stretches.averaged`."""
         return self if length == 1 else Stretches.of(self).coarser(length).averaged(self)
+
+
+def _dense(rows: Rows) -> Array:
+    return rows.dense if isinstance(rows, FactoredRows) else rows
+
+
+def _is_finite(rows: Rows, used: BoolArray) -> bool:
+    """A sum is finite only where all of its terms are, and takes no second array."""
+    if isinstance(rows, FactoredRows):
+        return bool(np.isfinite(rows.gram).all())
+    return bool(np.isfinite(rows.sum()) or np.isfinite(rows[used]).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +168,7 @@ class Stretches:
         shapes (m_s, K), (m_s,) and (m_s,).
     """
 
-    rows: tuple[Array, ...]
+    rows: tuple[Rows, ...]
     residuals: tuple[Array, ...]
     counts: tuple[Array, ...]
 
@@ -147,13 +177,17 @@ class Stretches:
         """Every sample as a stretch of its own."""
         pairs = zip(block.residuals, block.used, strict=True)
         residuals = tuple(r if u.all() else np.where(u, r, 0.0) for r, u in pairs)
-        return cls(block.rows, residuals, tuple(u.astype(np.float64) for u in block.used))
+        return cls(block.factors, residuals, tuple(u.astype(np.float64) for u in block.used))
 
     def coarser(self, step: int) -> Stretches:
         """So many stretches taken together; the last may be short."""
-        rows, residuals, counts = (
+        rows = tuple(
+            r.sums(step) if isinstance(r, FactoredRows) else stretch_sums(r, step)
+            for r in self.rows
+        )
+        residuals, counts = (
             tuple(stretch_sums(values, step) for values in parts)
-            for parts in (self.rows, self.residuals, self.counts)
+            for parts in (self.residuals, self.counts)
         )
         return Stretches(rows, residuals, counts)
 
@@ -167,7 +201,7 @@ class Stretches:
         for rows, sums, counts in zip(self.rows, self.residuals, self.counts, strict=True):
             divisor = np.maximum(counts, 1.0)
             enough = counts >= max(1.0, counts.max(initial=0.0) / 2.0)
-            jacobians.append(rows / divisor[:, None])
+            jacobians.append(_dense(rows) / divisor[:, None])
             residuals.append(np.where(enough, sums / divisor, np.nan))
         return ResidualBlock(
             block.channel, tuple(jacobians), tuple(residuals), block.weight, block.recording

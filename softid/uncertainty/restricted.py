@@ -95,7 +95,7 @@ def gather_moments(
     max_order: int,
     *,
     project: Array | None = None,
-    gram: Array | None = None,
+    known: tuple[Array, Array] | None = None,
 ) -> Moments:
     """Sum the lagged products of residuals and basis over all stretches.
 
@@ -104,33 +104,37 @@ def gather_moments(
     residuals
         Segments of shape (n_s,); NaN where a sample is not used.
     reach
-        Basis of what the parameters can do to each segment, shape (n_s, m − 1).
+        Basis of what the parameters can do to each segment, shape (n_s, m − 1); of order 0 its
+        products will do.
     max_order
         Highest order p of an autoregression that will be asked for.
     project
         What makes ``reach`` the basis where it is not one itself, shape (columns, m − 1).
-    gram
-        Products of those columns over all samples in use where they are known already.
+    known
+        Its products over all samples in use with itself and with the residuals, of shapes
+        (m − 1, m − 1) and (m − 1,), where they will do.
     """
-    width = reach[0].shape[1] + 1
+    width = (reach[0] if known is None else known[0]).shape[1] + 1
     size = max_order + 1
     products = np.zeros((size, size, size, width, width))
     counts = np.zeros(size)
     longest = 0
-    for residual, basis in zip(residuals, reach, strict=True):
+    for k, residual in enumerate(residuals):
         for span in run_slices(np.isfinite(residual)):
             longest = max(longest, span.stop - span.start)
-            if max_order == 0:
-                products[0, 0, 0] += _squares(basis[span], residual[span], bare=gram is not None)
+            if known is not None:
+                products[0, 0, 0, -1, -1] += residual[span] @ residual[span]
                 counts[0] += span.stop - span.start
                 continue
+            basis = reach[k]
             y = np.column_stack((basis[span], residual[span]))
             _add_start(products, counts, y[:max_order])
             if y.shape[0] > max_order:
                 products[max_order] += _bulk(y, max_order)
                 counts[max_order] += y.shape[0] - max_order
-    if max_order == 0 and gram is not None:
-        products[0, 0, 0, :-1, :-1] = gram
+    if known is not None:
+        products[0, 0, 0, :-1, :-1], cross = known
+        products[0, 0, 0, :-1, -1] = products[0, 0, 0, -1, :-1] = cross
     if project is not None:
         whole = np.zeros((width, project.shape[1] + 1))
         whole[:-1, :-1], whole[-1, -1] = project, 1.0
@@ -141,13 +145,6 @@ def gather_moments(
         for i in range(t + 1):
             products[t, i, i] += counts[t] * floor
     return Moments(products, counts, longest)
-
-
-def _squares(basis: Array, residual: Array, *, bare: bool) -> Array:
-    """Products of basis and residual at one time, shape (m, m); bare without those of the basis."""
-    cross = residual @ basis
-    own = np.zeros((cross.size, cross.size)) if bare else basis.T @ basis
-    return np.block([[own, cross[:, None]], [cross[None], residual @ residual]])
 
 
 def _add_start(products: Array, counts: Array, start: Array) -> None:
