@@ -33,6 +33,8 @@ smooth regressors is some 1e-14 of it and may not turn a square negative."""
 STEP = 1e-3
 """Step of the central differences in artanh k; second differences are then good to 1e-3."""
 
+Differences = tuple[Array, Array, tuple[float, float]]
+
 SIGNS = np.array([[1.0], [-1.0]])
 
 MAX_ITERATIONS = 30
@@ -312,26 +314,31 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
         )
     limit = np.arctanh(np.exp(-1.0 / max(moments.longest, 2)))
     x = np.clip(np.arctanh(to_reflection(np.asarray(start.phi))), -limit, limit)
-    value = float(evaluate(moments, np.tanh(x)[None]).value[0]) if x.size else np.inf
-    curvature = None
+    known = None
     for _ in range(MAX_ITERATIONS if x.size else 0):
-        gradient, curvature = differences(moments, x)
+        known = gradient, curvature, (value, _) = differences(moments, x)
         trial = np.clip(x + damped_steps(gradient, curvature), -limit, limit)
         found = evaluate(moments, np.tanh(trial)).value
         best = int(np.argmin(found))
         if not found[best] < value - 1e-7:
             break
-        x, value, curvature = trial[best], float(found[best]), None
-    return _finish(moments, start, x, curvature)
+        x, known = trial[best], None
+    if known is None and x.size:
+        known = differences(moments, x)
+    return _finish(moments, start, x, known)
 
 
 def _finish(
-    moments: Moments, start: AutoRegression, x: Array, curvature: Array | None
+    moments: Moments, start: AutoRegression, x: Array, known: Differences | None
 ) -> RestrictedFit:
+    """The fit at an optimum, where its differences are known unless nothing is to be found."""
     phi, capped = draw_in(to_phi(np.tanh(x)), moments.longest)
     reflection = to_reflection(phi)
     left = float(np.prod(1.0 - reflection**2))
-    variance = float(evaluate(moments, reflection[None]).innovation_variance[0])
+    if known is None or capped:
+        variance = float(evaluate(moments, reflection[None]).innovation_variance[0])
+    else:
+        variance = known[2][1]
     variance = max(variance, start.sigma**2 * left)
     ar = AutoRegression(
         phi=tuple(phi.tolist()),
@@ -342,11 +349,9 @@ def _finish(
         bic=start.bic,
         capped=capped,
     )
-    if not x.size:
+    if known is None:
         return RestrictedFit(ar, x, np.zeros((0, 0)), moments.n - moments.reachable)
-    if curvature is None:
-        curvature = differences(moments, x)[1]
-    values, vectors = np.linalg.eigh(curvature)
+    values, vectors = np.linalg.eigh(known[1])
     spread = (vectors / np.maximum(values, MIN_CURVATURE)) @ vectors.T * 2.0
     return RestrictedFit(ar, np.arctanh(reflection), spread, moments.n - moments.reachable)
 
@@ -372,20 +377,21 @@ def draw_in(phi: Array, longest: int) -> tuple[Array, bool]:
     return phi * (limit / radius) ** np.arange(1, phi.size + 1), True
 
 
-def differences(moments: Moments, x: Array) -> tuple[Array, Array]:
-    """Gradient and Hessian of the objective in artanh k, by central differences."""
+def differences(moments: Moments, x: Array) -> Differences:
+    """Gradient and Hessian of the objective in artanh k, its value and the innovation variance."""
     q = x.size
     eye = STEP * np.eye(q)
     first, second = np.triu_indices(q, 1)
     pairs = eye[first][:, None, None] * SIGNS[:, None] + eye[second][:, None, None] * SIGNS
     points = np.concatenate([x[None], x + eye, x - eye, x + pairs.reshape(-1, q)])
-    value = evaluate(moments, np.tanh(points)).value
+    found = evaluate(moments, np.tanh(points))
+    value = found.value
     centre, plus, minus = value[0], value[1 : q + 1], value[q + 1 : 2 * q + 1]
     gradient = (plus - minus) / (2.0 * STEP)
     curvature = np.diag((plus - 2.0 * centre + minus) / STEP**2)
     mixed = value[2 * q + 1 :].reshape(-1, 4) @ np.array([1.0, -1.0, -1.0, 1.0])
     curvature[first, second] = curvature[second, first] = mixed / (4.0 * STEP**2)
-    return gradient, curvature
+    return gradient, curvature, (float(centre), float(found.innovation_variance[0]))
 
 
 def damped_steps(gradient: Array, curvature: Array) -> Array:
