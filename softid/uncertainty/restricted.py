@@ -106,8 +106,7 @@ def gather_moments(
     residuals
         Segments of shape (n_s,); NaN where a sample is not used.
     reach
-        Basis of what the parameters can do to each segment, shape (n_s, m − 1); of order 0 its
-        products will do.
+        Basis of what the parameters can do to each segment, shape (n_s, m − 1).
     max_order
         Highest order p of an autoregression that will be asked for.
     project
@@ -331,14 +330,12 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
 def _finish(
     moments: Moments, start: AutoRegression, x: Array, known: Differences | None
 ) -> RestrictedFit:
-    """The fit at an optimum, where its differences are known unless nothing is to be found."""
     phi, capped = draw_in(to_phi(np.tanh(x)), moments.longest)
     reflection = to_reflection(phi)
     left = float(np.prod(1.0 - reflection**2))
+    variance = 0.0 if known is None else known[2][1]
     if known is None or capped:
         variance = float(evaluate(moments, reflection[None]).innovation_variance[0])
-    else:
-        variance = known[2][1]
     variance = max(variance, start.sigma**2 * left)
     ar = AutoRegression(
         phi=tuple(phi.tolist()),
