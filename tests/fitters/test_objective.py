@@ -34,7 +34,8 @@ def test_columns_that_are_kept_late_change_no_optimum(monkeypatch: pytest.Monkey
     found = late.with_columns(late.solve(start, 400))
     monkeypatch.setattr(module, "CHEAP_ENTRIES", 10**9)
     early = Objective(problem, {"contraction": 1.0}).solve(start, 400)
-    assert isinstance(found.normal, Linearised) and found.normal.kept
+    assert isinstance(found.normal, Linearised)
+    assert found.normal.kept
     assert max(found.reach, early.reach) <= TOLERANCE
     assert found.normal.cost == pytest.approx(early.normal.cost, rel=1e-9)
     variance = 2.0 * early.normal.cost / early.normal.n
