@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -173,7 +174,7 @@ class Log:
             )
         return self.channels[name].values
 
-    @property
+    @cached_property
     def period_s(self) -> float:
         """Median sampling interval."""
         return float(np.median(np.diff(self.time_s)))

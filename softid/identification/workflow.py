@@ -196,7 +196,9 @@ def identify(
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
     found = _identify(adapted, log_set, wishes, starts, rng, report, thorough=thorough)
     other = with_held_input(log_set) if np.isfinite(found.optimum.cost) else None
-    if other is not None and explains_better(found.problem, found.optimum.unknowns, other):
+    if other is not None and explains_better(
+        found.problem, found.optimum.unknowns, other, known=found.optimum.linearised
+    ):
         log_set, held = other, tuple(log.with_intersample("held") for log in held)
         found = _identify(adapted, log_set, wishes, starts, rng, report, thorough=thorough)
     return Work(found, log_set, held, choice)
