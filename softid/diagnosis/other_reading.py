@@ -13,12 +13,11 @@ import numpy as np
 from softid.diagnosis.candidates import Candidate, advance
 from softid.diagnosis.parallel import in_parallel
 from softid.fitters.problem import Problem
-from softid.identification.held_input import BETTER_BY, held
-from softid.intersample import HELD, Intersample, jumps
+from softid.identification.held_input import BETTER_BY, as_held, held_readings
+from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
 
 READINGS: tuple[Intersample, ...] = ("straight", *HELD)
-COMMAND = "pressure_command"
 
 LAP = 15
 """Evaluations from the optimum of one reading to that of the other."""
@@ -29,9 +28,7 @@ def is_open(logs: LogSet) -> bool:
 
     It may have been where it jumps, and where it is a command.
     """
-    return all(log.intersample is None for log in logs) and any(
-        log.input == COMMAND or jumps(log.channels[log.input].values).size for log in logs
-    )
+    return all(log.intersample is None for log in logs) and bool(held_readings(logs))
 
 
 def better_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
@@ -73,5 +70,5 @@ def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample
 def read_as(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
     """The logs with a declared reading of the input; a held one is told."""
     if reading in HELD and logs:
-        return held(logs, reading)
+        return as_held(logs, reading)
     return tuple(replace(log, intersample=reading) for log in logs)

@@ -1,4 +1,4 @@
-"""Whether an input that jumps was held until the next sample, decided by what fits better."""
+"""Whether an input was held until the next sample, decided by what fits better."""
 
 from __future__ import annotations
 
@@ -14,10 +14,12 @@ from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
-from softid.intersample import jumps
+from softid.intersample import HELD, Intersample, jumps
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
+
+COMMAND = "pressure_command"
 
 BETTER_BY = 10.0
 """n·ln(mean square) must fall by this much: both readings have the same number of unknowns."""
@@ -29,37 +31,42 @@ TRUSTED = 3.0
 """They may promise too little; three times their promise is taken for possible."""
 
 
-def with_held_input(logs: LogSet) -> LogSet | None:
-    """The logs with an input that is held where it jumps; None where that is settled or no matter.
+def held_readings(logs: LogSet) -> tuple[Intersample, ...]:
+    """In which ways the input may have been held; none where that is settled or no matter.
+
+    At its jumps, if it has any, and a command or an input that jumps at every sample.
 
     Parameters
     ----------
     logs
-        Logs to fit; the input of those that say what it does between samples stays as it is.
+        Logs to fit.
     """
     open_ones = [log for log in logs if log.intersample is None]
-    if not any(jumps(log.channels[log.input].values).size for log in open_ones):
-        return None
-    return LogSet(held(logs.logs))
+    if any(jumps(log.channels[log.input].values).size for log in open_ones):
+        return HELD
+    return ("zoh",) if any(log.input == COMMAND for log in open_ones) else ()
 
 
-def held(logs: Sequence[Log]) -> tuple[Log, ...]:
-    """The logs with an input that is held where it jumps, and the remark that says so.
+def as_held(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
+    """The logs with an input that is held, and the remark that says so.
 
     Parameters
     ----------
     logs
         Logs to fit; the input of those that say what it does between samples stays as it is.
+    reading
+        Where it is held.
     """
     first = logs[0]
+    what = "is held at every sample" if reading == "zoh" else "jumps within single samples"
     issue = Issue(
         "held-input",
         "info",
-        f"{first.input} jumps within single samples; held until the next sample it explains the "
-        "output better than as straight lines between samples, and is taken so",
+        f"{first.input} {what}; held until the next sample it explains the output better than as "
+        "straight lines between samples, and is taken so",
         "if it is not a command, record it faster, or declare it with --intersample straight",
     )
-    changed = [log.with_intersample("held") for log in logs]
+    changed = [log.with_intersample(reading) for log in logs]
     return (replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:])
 
 
