@@ -22,7 +22,8 @@ SHARP = 190.0
 LARGE = 0.05
 """Near a turn the friction changes within a time that goes with vs; beyond vs = v_max/`SHARP` it is
 a jump for the steps, whose error goes with their square and with the force, and stops growing at a
-friction of `LARGE` of the elastic force, where the motion begins to stick."""
+friction of `LARGE` of the elastic force, where the motion begins to stick. No sharper one is looked
+for: its errors at the turns would be false optima."""
 
 SPEEDS = (0.01, 0.06)
 STRIBECK_SPEEDS = (0.03, 0.1)
@@ -72,7 +73,7 @@ class CoulombFriction(StateEffect):
                     "vs",
                     SPEEDS[1] * scale.v_max,
                     f"{scale.x_unit}/s",
-                    1e-3 * scale.v_max,
+                    scale.v_max / SHARP,
                     0.3 * scale.v_max,
                     "log",
                     meaning="speed at which the friction has come up",
