@@ -27,6 +27,11 @@ LOOK_S = 0.5
 """Length of the pieces in which the input is looked at."""
 
 
+PIECE_S, FEWEST_PIECES, EVENTFUL = 4.0, 4, 10.0
+"""In one of at least so many pieces of a rest something happened that is no noise, when it holds so
+many times the power of the usual one: slow noise of 1 s colour does that once in thousands."""
+
+
 @dataclass(frozen=True)
 class NoiseFloor:
     """Variance of the noise and how well it is known.
@@ -62,7 +67,7 @@ def noise_floor(
         Time constant of the motion.
     """
     rests = [
-        residual[span] - np.nanmean(residual[span])
+        _without_events(residual[span], time_s[span])
         for residual, u, time_s in zip(residuals, inputs, times, strict=True)
         for span in rest_spans(u, time_s, motion_s)
     ]
@@ -80,6 +85,23 @@ def noise_floor(
     )
     sigma = float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0))
     return NoiseFloor(sigma**2, float(np.sqrt(7.0 / max(second.size, 1))), from_rest=False)
+
+
+def _without_events(rest: Array, time_s: Array) -> Array:
+    """The residual of a rest about its mean; NaN where something touched the actuator."""
+    pieces = np.array_split(rest, max(int((time_s[-1] - time_s[0]) / PIECE_S), 1))
+    seen = [piece for piece in pieces if np.isfinite(piece).any()]
+    if len(seen) < FEWEST_PIECES:
+        return rest - float(np.nanmean(rest))
+    level = float(np.median([np.nanmedian(piece) for piece in seen]))
+    power = [float(np.nanmean((piece - level) ** 2)) for piece in seen]
+    limit = EVENTFUL * float(np.median(power))
+    kept = [
+        piece if own <= limit else np.full(piece.size, np.nan)
+        for piece, own in zip(seen, power, strict=True)
+    ]
+    quiet = np.concatenate(kept)
+    return quiet - float(np.nanmean(quiet))
 
 
 def rest_spans(u: Array, time_s: Array, motion_s: float) -> tuple[slice, ...]:

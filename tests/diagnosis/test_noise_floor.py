@@ -53,6 +53,17 @@ def test_rests_tell_the_variance_as_well_as_they_say(phi: float) -> None:
     assert abs(float(np.mean(off))) < 0.9
 
 
+def test_a_push_during_a_rest_is_no_noise() -> None:
+    """Closed form 1/(1 − φ²) with and without a push of 1.6 s and 20 times the noise in one rest."""
+    time_s, u = with_rests()
+    push = np.where((time_s > 12.0) & (time_s < 13.6), 60.0, 0.0)
+    residual = coloured(np.random.default_rng(3), time_s.size, 0.95)
+    quiet = noise_floor([residual], [u], [time_s], MOTION_S)
+    pushed = noise_floor([residual + push], [u], [time_s], MOTION_S)
+    assert pushed.from_rest
+    assert pushed.variance == pytest.approx(quiet.variance, rel=3.0 * quiet.relative_sd)
+
+
 def test_colour_is_paid_for() -> None:
     """Closed form: the samples count as for a mean, fewer by (1 + φ)/(1 − φ) = 9 for φ = 0.8.
 
