@@ -54,7 +54,7 @@ def test_rests_tell_the_variance_as_well_as_they_say(phi: float) -> None:
 
 
 def test_a_push_during_a_rest_is_no_noise() -> None:
-    """Closed form 1/(1 − φ²) with and without a push of 1.6 s and 20 times the noise in one rest."""
+    """Closed form 1/(1 − φ²) with and without a push of 1.6 s, 20 times the noise, in one rest."""
     time_s, u = with_rests()
     push = np.where((time_s > 12.0) & (time_s < 13.6), 60.0, 0.0)
     residual = coloured(np.random.default_rng(3), time_s.size, 0.95)
