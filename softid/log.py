@@ -247,6 +247,20 @@ class Log:
         channels = {k: replace(c, values=c.values[kept]) for k, c in self.channels.items()}
         return replace(self, time_s=self.time_s[kept], channels=channels, masked=self.masked[kept])
 
+    def every(self, step: int) -> Log:
+        """Every so many-th sample as a log of its own.
+
+        Parameters
+        ----------
+        step
+            One or more.
+        """
+        assert self.masked is not None
+        channels = {k: replace(c, values=c.values[::step]) for k, c in self.channels.items()}
+        return replace(
+            self, time_s=self.time_s[::step], channels=channels, masked=self.masked[::step]
+        )
+
     @classmethod
     def from_arrays(
         cls,

@@ -13,11 +13,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.candidates import Candidate
+from softid.diagnosis.candidates import COARSE, Candidate, advance, extend
 from softid.diagnosis.parallel import in_parallel
 from softid.diagnosis.screening import candidate_at, takes_time
 from softid.diagnosis.search import led_on
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale
+from softid.fitters.problem import Problem
+from softid.intersample import HELD
 from softid.segment import Segment
 
 PLACES = 3
@@ -25,6 +27,9 @@ PLACES = 3
 
 STARTS = 2
 """And so many of those are led on."""
+
+ENOUGH, OVER_ALL = 3000, 5
+"""Samples that lead the candidates, and the evaluations over all that follow."""
 
 VANISHED = 1e-3
 """A term has vanished when a factor of e in it changes the output by less than this share of the
@@ -55,7 +60,8 @@ def candidates_elsewhere(
     sigma
         Weight of each output channel.
     """
-    usual = list(_places(base, base.problem.plain_segments))
+    rough = _sparse(base)
+    usual = list(_places(rough, rough.problem.plain_segments))
 
     def placed(effect: Effect) -> list[Candidate]:
         found = (
@@ -64,12 +70,35 @@ def candidates_elsewhere(
         chosen = _best(found, effect, scale, sigma)
         if isinstance(effect, InputEffect | OutputEffect) and _comes_first(effect, scale):
             own = [
-                (values, _driven(base, effect, values, scale)) for values in effect.starts(scale)
+                (values, _driven(rough, effect, values, scale)) for values in effect.starts(scale)
             ]
             chosen += _best(own, effect, scale, sigma)
         return chosen
 
-    return led_on([c for found in in_parallel(placed, effects) for c in found], sigma)
+    led = led_on([c for found in in_parallel(placed, effects) for c in found], sigma)
+    if rough is base:
+        return led
+    return in_parallel(lambda c: _over_all(c, base, scale, sigma), led)
+
+
+def _sparse(base: Candidate) -> Candidate:
+    """The base over every k-th sample of long logs: a rough optimum needs no more."""
+    step = base.problem.n_samples // ENOUGH
+    if step < 2 or any(log.intersample in HELD for log in base.problem.logs):
+        return base
+    logs = [log.every(step) for log in base.problem.logs]
+    sparse = Problem(base.problem.model, base.problem.parameters, logs)
+    return replace(base, problem=sparse) if sparse.size == base.problem.size else base
+
+
+def _over_all(
+    candidate: Candidate, base: Candidate, scale: Scale, sigma: Mapping[str, float]
+) -> Candidate:
+    """A candidate over all samples, led on from where few of them brought it."""
+    problem = extend(base.problem, candidate.effects, scale)
+    begin = replace(candidate.minimum, damping=None)
+    placed = replace(candidate, problem=problem, minimum=begin)
+    return advance(placed, sigma, OVER_ALL, substeps=COARSE)
 
 
 def _comes_first(effect: Effect, scale: Scale) -> bool:
