@@ -87,7 +87,7 @@ def test_the_hidden_effect_leads_from_elsewhere() -> None:
     assert found[0].parameters["dead_zone_p0"] == pytest.approx(THRESHOLD_KPA, abs=1.0)
     assert squares[0] == pytest.approx(1000.0, abs=180.0)
     assert squares[1] > 2.0 * squares[0]
-    assert squares[-1] < 0.1 * base.squares
+    assert squares[-1] < 0.2 * base.squares
 
 
 def test_so_many_are_handed_back(monkeypatch: pytest.MonkeyPatch) -> None:
