@@ -1,8 +1,9 @@
-"""What the input does between its samples: straight from one to the next, or held at a jump.
+"""What the input does between its samples: straight from one to the next, or held.
 
 A recorded command, or an input that was written as steps, changes within one sampling interval and
 is flat before and after. Taken as straight it comes half an interval early, which looks like a
-delay of the actuator.
+delay of the actuator. It may be held at its jumps alone, where the rest of it is a measured course,
+or at every sample, as a digital controller holds it (zero-order hold).
 """
 
 from __future__ import annotations
@@ -15,7 +16,10 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-Intersample = Literal["straight", "held"]
+Intersample = Literal["straight", "held", "zoh"]
+"""Straight (first-order hold), held where it jumps, or held at every sample (zero-order hold)."""
+
+HELD: tuple[Intersample, ...] = ("held", "zoh")
 
 FLAT = 0.1
 """Before and after a jump the input moves by less than this share of it."""
@@ -55,19 +59,23 @@ def jumps(values: Array) -> IntArray:
     return np.flatnonzero(found)
 
 
-def knots(time_s: Array, values: Array) -> tuple[Array, Array]:
-    """Times and values to be put in just before the sample at which a held input jumps.
+def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array, Array]:
+    """Times and values to be put in just before the samples at which a held input changes.
 
     Parameters
     ----------
     time_s, values
         Sample times and input, each of shape (n,).
+    intersample
+        ``"zoh"`` for every change, ``"held"`` for the jumps, ``"straight"`` for none.
 
     Returns
     -------
     Array, Array
-        In order of time, each of shape (m,) for m jumps.
+        In order of time, each of shape (m,) for m changes.
     """
-    at = jumps(values)
+    if intersample == "straight":
+        return np.empty(0), np.empty(0)
+    at = np.flatnonzero(np.diff(values)) if intersample == "zoh" else jumps(values)
     stop_s = time_s[at + 1]
     return stop_s - BEFORE * (stop_s - time_s[at]), values[at]

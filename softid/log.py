@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -12,7 +13,7 @@ import numpy.typing as npt
 
 from softid.channels import Channel, default_outputs, make_channel, read_only
 from softid.errors import InputError, Issue, UsageError
-from softid.intersample import Intersample
+from softid.intersample import HELD, Intersample
 from softid.segment import Segment, with_knots
 
 Array = npt.NDArray[np.float64]
@@ -70,7 +71,8 @@ class Log:
         Free text facts from the file's preamble or sidecar.
     intersample
         What the input does between samples: ``"straight"`` (first-order hold), ``"held"`` until the
-        next sample where it jumps, or None to let a fit decide, which elsewhere means straight.
+        next sample where it jumps, ``"zoh"`` (zero-order hold) held at every sample, or None to let
+        a fit decide, which elsewhere means straight.
 
     Raises
     ------
@@ -172,7 +174,7 @@ class Log:
             )
         return self.channels[name].values
 
-    @property
+    @cached_property
     def period_s(self) -> float:
         """Median sampling interval."""
         return float(np.median(np.diff(self.time_s)))
@@ -206,7 +208,7 @@ class Log:
             used,
             float(self.time_s[0]),
         )
-        return with_knots(segment) if self.intersample == "held" else segment
+        return with_knots(segment, self.intersample) if self.intersample in HELD else segment
 
     def with_roles(self, *, input: str | None = None, outputs: Sequence[str] = ()) -> Log:
         """The same recording with other input and output channels."""
@@ -215,16 +217,17 @@ class Log:
         )
 
     def with_intersample(self, intersample: object) -> Log:
-        """The same recording, its input held at jumps if so told and if nothing said so before.
+        """The same recording, its input held if so told and if nothing said so before.
 
         Parameters
         ----------
         intersample
-            ``"held"``, as the record of a fit may say; anything else changes nothing.
+            ``"held"`` or ``"zoh"``, as the record of a fit may say; anything else changes nothing.
         """
-        if self.intersample is not None or intersample != "held":
+        known = next((name for name in HELD if name == intersample), None)
+        if self.intersample is not None or known is None:
             return self
-        return replace(self, intersample="held")
+        return replace(self, intersample=known)
 
     def with_masked(self, masked: npt.ArrayLike) -> Log:
         """The same recording with more samples left out of the residuals."""

@@ -392,7 +392,9 @@ def _mean_product(
 
 
 def _lagged_sums(first: Array, second: Array, max_lag: int) -> Array:
-    """Σ_t first_t second_{t+k}, k = 0 … max_lag, by a zero-padded transform."""
+    """Σ_t first_t second_{t+k}, k = 0 … max_lag, by a zero-padded transform unless k are few."""
+    if max_lag < min(first.size, 32):
+        return np.array([first[: first.size - k] @ second[k:] for k in range(max_lag + 1)])
     size = 1 << int(first.size + max_lag).bit_length()
     spectrum = np.conj(np.fft.rfft(first, size)) * np.fft.rfft(second, size)
     return np.fft.irfft(spectrum, size)[: max_lag + 1]

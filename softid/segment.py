@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from softid.intersample import knots
+from softid.intersample import Intersample, knots
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -81,9 +81,17 @@ class Segment:
         )
 
 
-def with_knots(segment: Segment) -> Segment:
-    """The segment with a row before every jump of its input, which no output was recorded at."""
-    knot_s, level = knots(segment.time_s, segment.input)
+def with_knots(segment: Segment, intersample: Intersample) -> Segment:
+    """The segment with a row before each change of a held input, which no output was recorded at.
+
+    Parameters
+    ----------
+    segment
+        Samples alone.
+    intersample
+        What the input does between them.
+    """
+    knot_s, level = knots(segment.time_s, segment.input, intersample)
     if knot_s.size == 0:
         return segment
     places = np.searchsorted(segment.time_s, knot_s)

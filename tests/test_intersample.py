@@ -35,9 +35,31 @@ def test_a_spike_of_one_sample_is_no_step() -> None:
 
 def test_knots_lie_just_before_the_jump() -> None:
     """The last level, a thousandth of the interval before the sample that has the next one."""
-    knot_s, level = knots(TIME_S, STEP)
+    knot_s, level = knots(TIME_S, STEP, "held")
     np.testing.assert_allclose(knot_s, [2.0 - BEFORE * 0.01], rtol=0.0, atol=1e-12)
     assert level.tolist() == [0.0]
+
+
+def test_every_change_of_a_staircase_has_a_knot() -> None:
+    """A staircase of five levels changes four times; as straight lines it has no knots."""
+    knot_s, level = knots(TIME_S[:5], np.array([0.0, 1.0, 1.0, 3.0, 2.0]), "zoh")
+    expected = TIME_S[[1, 3, 4]] - BEFORE * 0.01
+    np.testing.assert_allclose(knot_s, expected, rtol=0.0, atol=1e-12)
+    assert level.tolist() == [0.0, 1.0, 3.0]
+    assert knots(TIME_S, STEP, "straight")[0].size == 0
+
+
+def test_a_staircase_is_followed_exactly() -> None:
+    """A first-order lag behind a sine that is held at every sample, by its exact recursion."""
+    u = 50.0 + 50.0 * np.sin(3.0 * TIME_S)
+    decay = np.exp(-0.01 / 0.1)
+    exact = [u[0]]
+    for level in u[:-1]:
+        exact.append(level + (exact[-1] - level) * decay)
+    log = Log.from_arrays(TIME_S, {"pressure": u, "angle": 0.01 * u}).with_intersample("zoh")
+    values = {"M": 0.0, "N": 10.0, "Q": 100.0, "G": 1.0, "offset": 0.0}
+    found = simulate(Oscillator(order="first", x_unit="rad", u_unit="kPa"), values, log)
+    np.testing.assert_allclose(found.outputs["angle"], 0.01 * np.array(exact), atol=1e-4)
 
 
 def test_rows_of_a_held_log_are_its_samples_again() -> None:

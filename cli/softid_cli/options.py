@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, cast
 
 import click
 
@@ -115,8 +115,9 @@ def intersample_option(command: Callable[P, R]) -> Callable[P, R]:
     """Add ``--intersample`` (keyword: intersample)."""
     return click.option(
         "--intersample",
-        type=click.Choice(("straight", "held")),
-        help="What the input does between samples; without it, what fits better where it jumps.",
+        type=click.Choice(("straight", "held", "zoh")),
+        help="What the input does between samples: straight, held where it jumps, or held at every "
+        "sample (zero-order hold); without it, what fits better.",
     )(command)
 
 
@@ -229,7 +230,7 @@ def load_logs(
         for path in paths
     ]
     if intersample is not None:
-        declared: Intersample = "held" if intersample == "held" else "straight"
+        declared = cast("Intersample", intersample)  # one of the option's choices
         logs = [replace(log, intersample=declared) for log in logs]
     names = [log.name for log in logs]
     return [

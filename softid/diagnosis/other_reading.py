@@ -1,6 +1,6 @@
 """The input between its samples once more, when a first cause is known.
 
-A misfit of the base decides wrongly whether a jump was held: a late motion asks for a late input.
+A misfit of the base decides wrongly whether an input was held: a late motion asks for a late input.
 """
 
 from __future__ import annotations
@@ -11,24 +11,28 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance
+from softid.diagnosis.parallel import in_parallel
 from softid.fitters.problem import Problem
-from softid.identification.held_input import BETTER_BY, held
-from softid.intersample import Intersample, jumps
+from softid.identification.held_input import BETTER_BY, as_held, held_readings
+from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
+
+READINGS: tuple[Intersample, ...] = ("straight", *HELD)
 
 LAP = 15
 """Evaluations from the optimum of one reading to that of the other."""
 
 
 def is_open(logs: LogSet) -> bool:
-    """Whether an input jumps, and none of the logs says what it does between samples."""
-    return all(log.intersample is None for log in logs) and any(
-        jumps(log.channels[log.input].values).size for log in logs
-    )
+    """Whether an input may have been held, and none of the logs says what it does between samples.
+
+    It may have been where it jumps, and where it is a command.
+    """
+    return all(log.intersample is None for log in logs) and bool(held_readings(logs))
 
 
 def better_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
-    """The other reading of the input where it explains the logs better with the same effects.
+    """Another reading of the input where it explains the logs better with the same effects.
 
     Parameters
     ----------
@@ -40,22 +44,31 @@ def better_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersam
     Returns
     -------
     str or None
-        ``"held"`` or ``"straight"``; None where the reading of the candidate stays.
+        None where the reading of the candidate stays.
     """
+    now = candidate.problem.logs[0].intersample or "straight"
+    others = [reading for reading in READINGS if reading != now]
+    falls = in_parallel(lambda reading: _fall(candidate, sigma, reading), others)
+    most, best = max(zip(falls, others, strict=True))
+    return best if most > BETTER_BY else None
+
+
+def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample) -> float:
+    """By how much n ln(S) falls with another reading of the input."""
     problem = candidate.problem
-    other: Intersample = "straight" if problem.logs[0].intersample == "held" else "held"
-    logs = [replace(log, intersample=other) for log in problem.logs]
+    logs = [replace(log, intersample=reading) for log in problem.logs]
     changed = Problem(problem.model, problem.parameters, logs)
     if changed.size != problem.size:
-        return None
+        return -np.inf
     begin = replace(candidate.minimum, damping=None)
     refitted = advance(replace(candidate, problem=changed, minimum=begin), sigma, LAP)
-    fall = problem.n_samples * float(np.log(candidate.squares / refitted.squares))
-    return other if fall > BETTER_BY else None
+    if not np.isfinite(refitted.squares):
+        return -np.inf
+    return problem.n_samples * float(np.log(candidate.squares / refitted.squares))
 
 
 def read_as(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
     """The logs with a declared reading of the input; a held one is told."""
-    if reading == "held" and logs:
-        return held(logs)
+    if reading in HELD and logs:
+        return as_held(logs, reading)
     return tuple(replace(log, intersample=reading) for log in logs)

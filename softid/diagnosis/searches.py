@@ -24,6 +24,11 @@ BETTER_BASE = 0.98
 """Another optimum of the base counts when it leaves so much less than the first."""
 
 
+BETTER_PLACE, NEAR_CURVE = 0.99, 1.02
+"""Candidates from elsewhere join the race when one leaves less than this share of what the first
+cause does, or of what a curve with more unknowns does."""
+
+
 class Found(NamedTuple):
     """What a search found.
 
@@ -105,6 +110,10 @@ def _searched(
         chain = begun
     else:
         chain = extended(start, considered, report, seed, begun=begun, max_links=2)
+    if _stands_for_another(start, chain, seed):
+        found = _tried_elsewhere(start, considered, chain, report, seed, BETTER_PLACE)
+        if found is not chain:
+            chain = extended(start, considered, report, seed, begun=found, max_links=2)
     if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
         chain = _asked_again(start, considered, chain, report)
         longer = extended(start, considered, report, seed, begun=chain)
@@ -128,6 +137,13 @@ def _searched(
     links = tuple(link for link, _ in largest_first)
     is_named = tuple(sure for _, sure in largest_first)
     return Found(replace(chain, links=links), remainder, is_named)
+
+
+def _stands_for_another(start: Beginning, chain: Chain, seed: int) -> bool:
+    """Whether a single cause leaves structure that nothing takes away, and was never tried so."""
+    if len(chain.links) != 1 or len(chain.links[0].added.amplitudes) > 1:
+        return False
+    return not has_vanished(start.base) and _left(start, chain.final, seed).structured
 
 
 def from_other_places(
@@ -231,10 +247,26 @@ def _first_link(
     if not besides and has_vanished(start.base):
         besides = candidates_elsewhere(start.base, considered, start.scale, sigma)
     chain = _led_on(start, considered, report, seed, nothing, besides=besides, max_links=1)
-    if chain.links and len(chain.links[0].added.amplitudes) > 1 and not besides:
-        besides = candidates_elsewhere(start.base, considered, start.scale, sigma)
-        chain = _led_on(start, considered, report, seed, nothing, besides=besides, max_links=1)
+    if not besides and chain.links and len(chain.links[0].added.amplitudes) > 1:
+        return _tried_elsewhere(start, considered, chain, report, seed, NEAR_CURVE)
     return chain
+
+
+def _tried_elsewhere(
+    start: Beginning,
+    considered: Sequence[Effect],
+    chain: Chain,
+    report: Progress,
+    seed: int,
+    share: float,
+) -> Chain:
+    """A chain of one link, or another where a candidate from elsewhere leaves less than a share."""
+    sigma = dict(start.work.found.optimum.sigma)
+    besides = candidates_elsewhere(start.base, considered, start.scale, sigma)
+    if min((c.squares for c in besides), default=np.inf) > share * chain.final.squares:
+        return chain
+    nothing = Chain((), None, start.base)
+    return _led_on(start, considered, report, seed, nothing, besides=besides, max_links=1)
 
 
 def _led_on(

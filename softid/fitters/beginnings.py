@@ -45,12 +45,11 @@ class BeginningProblem(Problem):
     """
 
     def __init__(self, whole: Problem, share: float) -> None:
-        super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+        self._adopt(whole)
         self.segments = []
         for segment in whole.segments:
             kept = slice(max(LEAST_SAMPLES, round(share * segment.time_s.size)))
             self.segments.append(segment.part(kept))
-        self.owner, self.at_rest = whole.owner, whole.at_rest
         self._layout()
 
 

@@ -190,10 +190,22 @@ def minimise(
             break
         else:
             damping, growth = damping * growth, growth * 2.0
-    if not np.isfinite(now.cost):
-        return Minimum(z, now, used, np.inf, damping)
-    moving = movable(z, now.gradient, lower, upper)
-    return Minimum(z, now, used, attainable_offset(now, moving, reach), damping)
+    return Minimum(z, now, used, offset_within(now, lower, upper, reach), damping)
+
+
+def offset_within(normal: Normal, lower: Array, upper: Array, reach: Array) -> float:
+    """`attainable_offset` over what may move between bounds; infinite where nothing is finite."""
+    if not np.isfinite(normal.cost):
+        return float("inf")
+    moving = movable(normal.point, normal.gradient, lower, upper)
+    return attainable_offset(normal, moving, reach)
+
+
+def next_point(found: Minimum, lower: Array, upper: Array, reach: Array) -> Array:
+    """Where the next step of a run that has ended would lead, shape (U,)."""
+    moving = movable(found.point, found.normal.gradient, lower, upper)
+    step = _step(found.normal, moving, 1.0 / reach, found.damping or 0.0)
+    return np.clip(found.point + step, lower, upper)
 
 
 def movable(z: Array, gradient: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:

@@ -35,7 +35,7 @@ class PiecewiseProblem(Problem):
     """
 
     def __init__(self, whole: Problem, pieces: int) -> None:
-        super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+        self._adopt(whole)
         total_s = sum(float(s.time_s[-1] - s.time_s[0]) for s in whole.segments)
         cuts = []
         for segment in whole.plain_segments:

@@ -21,6 +21,9 @@ from softid.models.products import Products
 
 Array = npt.NDArray[np.float64]
 
+KEPT_ENTRIES = 8_000_000
+"""Largest Jacobian that is kept whole (64 MB); a larger one is only summed."""
+
 
 @dataclass(frozen=True, eq=False)
 class Piece:
@@ -38,6 +41,9 @@ class Piece:
         Weights with which they make up the residual, shape (C,).
     columns
         The columns at every sample, zero where it is not used, shape (C, n), or None.
+    summed
+        Whether a kernel summed the products, which it does for an output on a line in a motion that
+        is affine in its state.
     """
 
     channel: str
@@ -46,6 +52,14 @@ class Piece:
     jacobian: Array
     residual: Array
     columns: Array | None
+    summed: bool = False
+
+    @property
+    def squares(self) -> tuple[float, int]:
+        """Σr² and the number of residuals."""
+        count = float(self.gram[-2, -2])
+        total = max(float(self.residual @ self.gram @ self.residual), 0.0)
+        return total, round(count) if np.isfinite(count) else 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +76,11 @@ class Linearised(Normal):
 
     pieces: tuple[Piece, ...] = field(default=())
     plans: Sequence[Division | None] | None = None
+
+    @property
+    def affine(self) -> bool:
+        """Whether zeros and initial states stand linearly in all outputs."""
+        return all(piece.summed for piece in self.pieces)
 
     @property
     def kept(self) -> bool:
@@ -102,7 +121,8 @@ def linearise(
     plans
         Steps per segment, held still by an optimiser; None plans anew.
     keep
-        Whether to keep the columns at every sample.
+        Whether to keep the columns at every sample; those that are there anyway, for a law whose
+        products no kernel sums, are kept unless they are too many.
     """
     with np.errstate(all="ignore"):
         pieces = _pieces(problem, z, plans, keep=keep)
@@ -194,7 +214,8 @@ def _pieces(
         ]
         if any(products is None for products in summed):
             blocks = problem.blocks(z, derivatives=True, plans=plans, only=k)
-            found.extend(_from_block(problem, block, keep=keep) for block in blocks)
+            few = problem.n_samples * problem.size <= KEPT_ENTRIES
+            found.extend(_from_block(problem, block, keep=few) for block in blocks)
             continue
         for name, products in zip(problem.outputs, summed, strict=True):
             assert products is not None
@@ -237,7 +258,7 @@ def _from_products(
     jacobian[inner:-2, states] = products.by_state[:, : len(states)]
     residual = np.zeros(products.gram.shape[0])
     residual[-1] = 1.0
-    return Piece(channel, segment, products.gram, jacobian, residual, products.columns)
+    return Piece(channel, segment, products.gram, jacobian, residual, products.columns, summed=True)
 
 
 def _from_block(problem: Problem, block: Block, *, keep: bool) -> Piece:

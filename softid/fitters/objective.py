@@ -8,8 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.levenberg_marquardt import BEND_STEP, Minimum, Normal, minimise
-from softid.fitters.normal_equations import Linearised, bend, linearise
+from softid.fitters.levenberg_marquardt import (
+    BEND_STEP,
+    Minimum,
+    Normal,
+    minimise,
+    next_point,
+    offset_within,
+)
+from softid.fitters.normal_equations import KEPT_ENTRIES, Linearised, bend, linearise
 from softid.fitters.problem import Problem
 from softid.models.division import Division
 
@@ -18,12 +25,20 @@ Array = npt.NDArray[np.float64]
 SCOUT_EVALUATIONS = 30
 TOLERANCE = 1e-3
 MAX_PLANS = 6
+NEAR = 1e-2
+"""`attainable_offset` from which the next step of a run over many samples is taken for the last:
+the columns, which cost a half more, are then kept at its end and nowhere else."""
+
+LAST_STEP = 1e-4
+"""`attainable_offset` from which a last step is worth to be taken; below, it is rounding."""
+
 PRIOR_REACHES = 4.0
 """Standard deviation of the prior in units of each unknown's plausible move: a factor of e⁸ = 3000
 for a parameter on a logarithmic scale."""
 
-KEPT_ENTRIES = 8_000_000
-"""Largest Jacobian that is kept whole for the acceleration (64 MB); a larger one is only summed."""
+CHEAP_ENTRIES = 50_000
+"""Largest Jacobian that is kept at every evaluation: it stays in the processor's cache. Of a larger
+one the columns are kept where a step is long, and where they are asked for at the end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,10 +77,13 @@ class Objective:
         self._last: Linearised | None = None
         self._weighted: dict[str, float] = {}
         self._planned: tuple[Array, list[Division | None]] | None = None
+        self._bent: Linearised | None = None
 
     def __call__(self, z: Array) -> Normal:
         """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
-        found = self._at(z)
+        return self._with_prior(self._at(z))
+
+    def _with_prior(self, found: Linearised) -> Normal:
         if self.prior is None or not np.isfinite(found.cost):
             return found
         return replace(
@@ -75,8 +93,12 @@ class Objective:
             matrix=found.matrix + np.diag(self.prior.weight),
         )
 
-    def _at(self, z: Array) -> Linearised:
-        """The normal equations without the prior; the last ones are kept, to begin a run with."""
+    def _at(self, z: Array, *, columns: bool = False) -> Linearised:
+        """The normal equations without the prior; the last ones are kept, to begin a run with.
+
+        Columns are kept where that is cheap, where they are asked for, and behind a long step: one
+        seldom comes alone.
+        """
         last = self._last
         if (
             last is not None
@@ -85,13 +107,39 @@ class Objective:
             and np.array_equal(z, last.point)
             and self.sigma == self._weighted
             and _same(self.plans, last.plans)
+            and (last.kept or not columns)
         ):
             return last
         self.evaluations += 1
-        keep = self.problem.n_samples * self.problem.size <= KEPT_ENTRIES
+        keep = columns or self._bent is not None or self._entries <= CHEAP_ENTRIES
+        keep = keep and self._entries <= KEPT_ENTRIES
         found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
-        self._last, self._weighted = found, dict(self.sigma)
+        self._last, self._weighted, self._bent = found, dict(self.sigma), None
         return found
+
+    @property
+    def _entries(self) -> int:
+        return self.problem.n_samples * self.problem.size
+
+    def with_columns(self, found: Minimum) -> Minimum:
+        """The end of a run with the columns at every sample, unless they are too many to keep.
+
+        They take an evaluation, which also takes the last step that the normal equations promise.
+        """
+        normal = found.normal
+        if not isinstance(normal, Linearised) or normal.kept or not np.isfinite(normal.cost):
+            return found
+        if self._entries > KEPT_ENTRIES:
+            return found
+        self.plans = None if normal.plans is None else list(normal.plans)
+        limits = *self.problem.bounds(), self.problem.reach()
+        kept: Normal | None = None
+        if found.reach > LAST_STEP:
+            kept = self._with_prior(self._at(next_point(found, *limits), columns=True))
+        if kept is None or not kept.cost <= found.normal.cost:
+            kept = self._with_prior(self._at(found.point, columns=True))
+        self.plans = None
+        return replace(found, point=kept.point, normal=kept, reach=offset_within(kept, *limits))
 
     def adopt(self, other: Objective) -> None:
         """Go on from another one's last evaluation, of the same problem."""
@@ -100,8 +148,10 @@ class Objective:
             self._planned = other._planned
 
     def _plans(self, z: Array) -> list[Division | None]:
-        if self._planned is None or not np.array_equal(z, self._planned[0]):
-            self._planned = z.copy(), self.problem.plans(z)
+        """Steps at ``z``; zeros and initial states, which follow the parameters, change none."""
+        free = z[: len(self.problem.free)]
+        if self._planned is None or not np.array_equal(free, self._planned[0]):
+            self._planned = free.copy(), self.problem.plans(z)
         return self._planned[1]
 
     def set_prior(self, centre: Array, at: Minimum) -> None:
@@ -113,34 +163,73 @@ class Objective:
 
     def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
         """Jᵀ∂²ŷ/∂v² along ``step``, or None where the Jacobian was too large to keep."""
-        if not isinstance(normal, Linearised) or not normal.kept:
+        if not isinstance(normal, Linearised) or self._entries > KEPT_ENTRIES:
             return None
+        if normal.kept:
+            self._bent = normal
+        elif self._bent is None or not np.array_equal(self._bent.point, normal.point):
+            self._bent = self._at(normal.point, columns=True)
         self.evaluations += 1
-        return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
+        return bend(
+            self.problem, self._bent, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP
+        )
 
-    def solve(self, start: Array, evaluations: int, *, tolerance: float = TOLERANCE) -> Minimum:
-        """Minimise from a start, planning the substeps anew until the plan stays."""
-        lower, upper = self.problem.bounds()
-        reach = self.problem.reach()
-        point = np.clip(start, lower, upper)
-        for _ in range(MAX_PLANS):
-            plans = self._plans(point)
-            if self.plans is not None and _same(plans, self.plans):
-                break
-            self.plans = plans
-            found = minimise(
+    def solve(
+        self,
+        start: Array,
+        evaluations: int,
+        *,
+        tolerance: float = TOLERANCE,
+        bends: bool = True,
+        damping: float | None = None,
+    ) -> Minimum:
+        """Minimise from a start, planning the substeps anew until the plan stays.
+
+        Parameters
+        ----------
+        start
+            Unknowns, shape (U,).
+        evaluations
+            Limit of evaluations of each run.
+        tolerance
+            As in `minimise`; a rough one needs no second plan.
+        bends
+            Whether long steps follow their bend.
+        damping
+            That of a run that goes on; None begins anew.
+        """
+        limits = *self.problem.bounds(), self.problem.reach()
+        lower, upper, _ = limits
+        rough = evaluations <= SCOUT_EVALUATIONS or tolerance > TOLERANCE
+
+        def run(point: Array, aim: float, damping: float | None) -> Minimum:
+            bend = self.bend if bends else None
+            return minimise(
                 self,
                 point,
-                lower,
-                upper,
-                reach,
+                *limits,
                 evaluations=evaluations,
-                tolerance=tolerance,
-                bend=self.bend,
+                tolerance=aim,
+                bend=bend,
+                damping=damping,
             )
-            point = found.point
-            if evaluations <= SCOUT_EVALUATIONS:
+
+        point = np.clip(start, lower, upper)
+        self.plans = self._plans(point)
+        sums_first = not rough and self._entries > CHEAP_ENTRIES
+        found = run(point, max(tolerance, NEAR) if sums_first else tolerance, damping)
+        for _ in range(0 if rough else MAX_PLANS - 1):
+            on_the_way = sums_first and tolerance < found.reach <= NEAR
+            point = next_point(found, *limits) if on_the_way else found.point
+            plans = self._plans(point)
+            same = _same(plans, self.plans)
+            if same and not on_the_way:
                 break
+            self.plans = plans
+            there = self._with_prior(self._at(point, columns=True))  # most often the last one
+            back = on_the_way and same and not there.cost <= found.normal.cost
+            sums_first = sums_first and not back
+            found = run(found.point if back else there.point, tolerance, None)
         self.plans = None
         return found
 

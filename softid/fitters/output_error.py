@@ -167,7 +167,7 @@ def output_error(
             best, stable = _challenge(objective, objective.solve(point, limit), start, rng, rounds)
     report("checking the optimum", 0.9)
     if rounds:
-        best = _released(objective, best)
+        best = objective.with_columns(_released(objective, best))
     return _judge(objective, best, start, stable=stable)
 
 
@@ -189,19 +189,21 @@ def _search(
     """Scouts from the starts in turn, best first, and whether one has ended at the noise level."""
     rough: Problem | None = None
     first = SCOUTS
-    if alone_if_white:
+    if alone_if_white and starts:
         first = 1
+        rough = rough_problem(objective.problem, objective.problem.free_unknowns(starts[0]))
     scouted: list[tuple[Minimum, Array]] = []
     edges = [0, *range(first, len(starts), SCOUTS), len(starts)]
     for begin, end in itertools.pairwise(edges):
         alone = begin == 0 and alone_if_white
         limit = (FIRST_TIMES if alone else 1) * SCOUT_EVALUATIONS
-        points = [objective.problem.unknowns(start) for start in starts[begin:end]]
-        if alone and points:
-            rough = rough_problem(objective.problem, points[0])
+        points = [objective.problem.unknowns(s, with_zeros=False) for s in starts[begin:end]]
         found = _scout(objective, points, limit, rough)
         scouted = sorted([*scouted, *found], key=_cost)
-        if alone_if_white and scouted and at_noise_level(objective.problem, scouted[0][0]):
+        if not (alone_if_white and scouted):
+            continue
+        scouted[0] = objective.with_columns(scouted[0][0]), scouted[0][1]
+        if at_noise_level(objective.problem, scouted[0][0]):
             return scouted, True
     return scouted, False
 
@@ -219,9 +221,9 @@ def _scout(
 
     def run(point: Array) -> tuple[Minimum, Array, Objective]:
         own = Objective(objective.problem, objective.sigma)
-        begin = point if rough is None else led(own, point, rough, limit)
+        begin, damping = (point, None) if rough is None else led(own, point, rough, limit)
         own.prior = objective.prior
-        found = own.solve(begin, limit)
+        found = own.solve(begin, limit, damping=damping)
         objective.evaluations += own.evaluations
         return found, point, own
 
@@ -311,13 +313,14 @@ def _judge(objective: Objective, best: Minimum, start: Array, *, stable: bool) -
     width = np.where(np.isfinite(upper - lower), upper - lower, np.inf)
     near = np.where(np.isfinite(width), 1e-6 * width, 0.0)
     at_bound = (z - lower <= near) | (upper - z <= near)
+    told = slice(len(objective.problem.free) or None)  # zeros move by themselves
     moving = movable(z, normal.gradient, lower, upper)
     offset = attainable_offset(normal, moving, reach, floor=RESIDUAL_FLOOR)
     if not np.isfinite(normal.cost):
         status = FitStatus.NON_FINITE
     elif offset <= OFFSET_TOLERANCE and stable:
         status = FitStatus.CONVERGED
-    elif np.allclose(z, np.clip(start, lower, upper), rtol=2e-3, atol=1e-12):
+    elif np.allclose(z[told], np.clip(start, lower, upper)[told], rtol=2e-3, atol=1e-12):
         status = FitStatus.NOT_MOVED
     else:
         status = FitStatus.NOT_OPTIMAL if stable else FitStatus.MAX_EVALUATIONS

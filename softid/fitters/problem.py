@@ -15,6 +15,7 @@ from threading import Lock
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.rest import spans_of, starts_at_rest
 from softid.log import Log
 from softid.models.base import Model
 from softid.models.division import Division
@@ -22,12 +23,6 @@ from softid.parameters import ParameterSet
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
-
-REST_WINDOW_S = 0.3
-REST_MIN_SAMPLES = 5
-REST_FRACTION = 0.02
-"""A segment starts at rest when over its first 0.3 s (at least five samples) the input stays within
-2 % of its span in that log, and the outputs within 2 % of theirs until the input first moves."""
 
 LOG_REACH = 2.0
 LINEAR_REACH = 3.0
@@ -83,8 +78,9 @@ class Problem:
         self.parameters = parameters
         self.logs = tuple(logs)
         self.outputs = self.logs[0].outputs
-        self.segments: list[Segment] = [s for log in self.logs for s in log.segments()]
-        self.owner = [k for k, log in enumerate(self.logs) for _ in log.segments()]
+        owned = [(k, s) for k, log in enumerate(self.logs) for s in log.segments()]
+        self.segments: list[Segment] = [s for _, s in owned]
+        self.owner = [k for k, _ in owned]
         self.free = parameters.free
         self._free_index = [parameters.names.index(name) for name in self.free]
         self._log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
@@ -97,13 +93,17 @@ class Problem:
             for s in self.segments
         )
         self.zeros = zeros and self.has_equilibrium and not model.own_zero
-        spans = [_spans(log) for log in self.logs]
+        spans = [spans_of(log) for log in self.logs]
         self.at_rest = [
             not model.start_states
             or (self.has_equilibrium and s.index == 0 and starts_at_rest(s, spans[k]))
             for s, k in zip(self.segments, self.owner, strict=True)
         ]
         self._layout()
+
+    def _adopt(self, whole: Problem) -> None:
+        """Take over all of a problem but its segments, which the caller replaces."""
+        self.__dict__.update(whole.__dict__)
 
     def plans(self, z: Array) -> list[Division | None]:
         """Division of every segment's sampling intervals that the parameters at ``z`` call for."""
@@ -160,17 +160,25 @@ class Problem:
         far[: len(self.free)] = np.where(self._log_scaled, LOG_REACH, linear)
         return far
 
-    def unknowns(self, values: Mapping[str, float]) -> Array:
-        """Vector of unknowns at given parameter values; zeros and states from the data."""
+    def unknowns(self, values: Mapping[str, float], *, with_zeros: bool = True) -> Array:
+        """Vector of unknowns at given parameter values; zeros and states from the data.
+
+        An optimiser finds the zeros at once: ``with_zeros`` False spares it a simulation.
+        """
+        z = self.free_unknowns(values)
+        self._data_nuisance(z, with_zeros=with_zeros)
+        return z
+
+    def free_unknowns(self, values: Mapping[str, float]) -> Array:
+        """Vector of unknowns at given parameter values; zeros and states are 0."""
         z = np.zeros(self.size)
         for k, name in enumerate(self.free):
             z[k] = values[name]
         scaled = np.flatnonzero(self._log_scaled)
         z[scaled] = np.log(np.maximum(z[scaled], _LOG_FLOOR))
-        self._data_nuisance(z)
         return z
 
-    def _data_nuisance(self, z: Array) -> None:
+    def _data_nuisance(self, z: Array, *, with_zeros: bool) -> None:
         """Start at equilibrium, or at the first sample where the model has none; zeros to match."""
         if not self.has_equilibrium:
             name = self.outputs[0]
@@ -178,7 +186,7 @@ class Problem:
                 at, first = self._start_from[k], np.flatnonzero(segment.used[name])
                 if at is not None and first.size:
                     z[at] = segment.outputs[name][first[0]]
-        if self.zeros:
+        if self.zeros and with_zeros:
             blocks = list(self.blocks(z, derivatives=False))
             z[:] = self.with_best_zeros(z, blocks)[0]
 
@@ -324,43 +332,6 @@ class Problem:
                         width = len(self.model.start_states)
                         jacobian[:, at : at + width] = response.by_state[name][used_rows]
                 yield Block(name, k, residual, jacobian)
-
-
-def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
-    """Whether input and outputs hold still from the start of a segment to the first input change.
-
-    Parameters
-    ----------
-    segment
-        The segment.
-    spans
-        ``"input"`` and output name → largest minus smallest value over the whole log.
-    """
-    n = int(np.searchsorted(segment.time_s, segment.time_s[0] + REST_WINDOW_S))
-    n = max(n, REST_MIN_SAMPLES)
-    if np.ptp(segment.input[:n]) > REST_FRACTION * spans["input"]:
-        return False
-    level = float(np.median(segment.input[:n]))
-    moving = np.abs(segment.input - level) > REST_FRACTION * spans["input"]
-    end = int(np.argmax(moving)) if moving.any() else segment.input.size
-    for name, values in segment.outputs.items():
-        still = values[: max(end, n)][segment.used[name][: max(end, n)]]
-        if still.size < REST_MIN_SAMPLES:
-            return False
-        few = min(n, still.size // 2)
-        moved = abs(float(still[-few:].mean() - still[:few].mean()))
-        if moved > REST_FRACTION * spans[name]:
-            return False
-    return True
-
-
-def _spans(log: Log) -> dict[str, float]:
-    spans = {"input": float(np.ptp(log.channels[log.input].values))}
-    for name in log.outputs:
-        values = log.channels[name].values
-        finite = values[np.isfinite(values)]
-        spans[name] = float(np.ptp(finite)) if finite.size else 0.0
-    return spans
 
 
 def _tie_function(parameters: ParameterSet) -> Callable[[Array], Array] | None:

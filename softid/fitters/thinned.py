@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.multiple_shooting import PiecewiseProblem
+from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
 from softid.segment import Segment
@@ -34,6 +35,9 @@ WINDOWED = 2500
 """Samples in all windows together."""
 
 WINDOWS = 2
+"""One window in the middle of a log is half the work around the same samples; where it does not
+show the motion, two, which begin and end with the log."""
+
 COVERED = 0.8
 """Share of the range of the input that windows must hold."""
 
@@ -65,9 +69,8 @@ class ThinnedProblem(Problem):
     """
 
     def __init__(self, whole: Problem, length: int) -> None:
-        super().__init__(whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+        self._adopt(whole)
         self.segments = [_averaged(s.without_knots(), length) for s in whole.segments]
-        self.owner, self.at_rest = whole.owner, whole.at_rest
         self._layout()
 
 
@@ -78,17 +81,21 @@ class WindowedProblem(PiecewiseProblem):
     ----------
     whole
         The problem.
+    windows
+        About how many of them all segments make together.
     """
 
-    def __init__(self, whole: Problem) -> None:
-        Problem.__init__(self, whole.model, whole.parameters, whole.logs, zeros=whole.zeros)
+    def __init__(self, whole: Problem, windows: int = WINDOWS) -> None:
+        self._adopt(whole)
         total = sum(segment.time_s.size for segment in whole.plain_segments)
         cuts = []
         for segment in whole.plain_segments:
             n = segment.time_s.size
-            count = max(1, round(WINDOWS * n / total))
+            count = max(1, round(windows * n / total))
             size = max(1, WINDOWED * n // total // count)
             begins = np.linspace(0, n - size, count).astype(int).tolist()
+            if count == 1:
+                begins = [(n - size) // 2]
             cuts.append([(begin, begin + size) for begin in begins])
         self._keep(whole, cuts)
 
@@ -105,9 +112,10 @@ def rough_problem(problem: Problem, z: Array) -> Problem | None:
     """
     few = len(problem.segments) <= WINDOWS and bool(problem.model.start_states)
     if few and problem.n_samples >= LEAST_SAVING * WINDOWED:
-        windows = WindowedProblem(problem)
-        if _show_the_motion(windows, problem, z):
-            return windows
+        for count in range(1, WINDOWS + 1):
+            windows = WindowedProblem(problem, count)
+            if _show_the_motion(windows, problem, z):
+                return windows
     length = thinning(problem)
     if length > 1:
         averaged = ThinnedProblem(problem, length)
@@ -139,8 +147,10 @@ def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
     return bool(times_s) and LASTING * max(times_s) <= shortest_s
 
 
-def led(objective: Objective, start: Array, problem: Problem, evaluations: int) -> Array:
-    """Unknowns to which a rough problem leads from a start, or the start itself, shape (U,).
+def led(
+    objective: Objective, start: Array, problem: Problem, evaluations: int
+) -> tuple[Array, float | None]:
+    """Where a rough problem leads from a start, or the start itself.
 
     Parameters
     ----------
@@ -152,19 +162,32 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
         From `rough_problem`.
     evaluations
         Limit of evaluations.
+
+    Returns
+    -------
+    unknowns, damping
+        Those of the whole problem, shape (U,), and the damping with which a run over all samples
+        goes on; None where it begins anew.
     """
     whole, rough = objective.problem, Objective(problem, objective.sigma)
     begin, names = start, whole.parameters.names
     if isinstance(problem, WindowedProblem):
-        begin = problem.started(dict(zip(names, whole.theta(start).tolist(), strict=True)))
-        begin = problem.with_best_states(rough(begin))
+        values = dict(zip(names, whole.theta(start).tolist(), strict=True))
+        look = rough(problem.free_unknowns(values))
+        if not (isinstance(look, Linearised) and look.affine):
+            look = rough(problem.started(values))
+        begin = problem.with_best_states(look)
     found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
     objective.evaluations += rough.evaluations
     if not np.isfinite(found.normal.cost):
-        return start
+        return start, None
+    damping = found.damping
+    if damping is not None:
+        damping *= whole.n_samples / max(problem.n_samples, 1)
     if not isinstance(problem, WindowedProblem):
-        return found.point
-    return whole.unknowns(dict(zip(names, problem.theta(found.point).tolist(), strict=True)))
+        return found.point, damping
+    values = dict(zip(names, problem.theta(found.point).tolist(), strict=True))
+    return whole.unknowns(values, with_zeros=False), damping
 
 
 def _steps(problem: Problem, z: Array) -> int:

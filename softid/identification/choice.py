@@ -11,7 +11,8 @@ import numpy.typing as npt
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.output_error import Optimum, output_error
-from softid.fitters.problem import REST_MIN_SAMPLES, REST_WINDOW_S, Problem
+from softid.fitters.problem import Problem
+from softid.fitters.rest import REST_MIN_SAMPLES, REST_WINDOW_S
 from softid.identification.preparation import adapted_model, require_channels
 from softid.log import Log, LogSet
 from softid.models import MODELS

@@ -14,6 +14,7 @@ from softid.results import NoiseModel
 from softid.uncertainty import (
     AutoRegression,
     Covariance,
+    FactoredRows,
     ResidualBlock,
     fit_ar,
     log_likelihood,
@@ -68,7 +69,7 @@ def unknown_names(problem: Problem) -> list[str]:
 
 def errors_of(problem: Problem, optimum: Optimum) -> Errors:
     """Covariance, noise models and information criteria at an optimum."""
-    blocks = optimum.blocks(problem)
+    blocks = _rows_at(problem, optimum)
     stuck = optimum.at_bound.copy()
     stuck[len(problem.free) :] = False
     columns = np.flatnonzero(~stuck)
@@ -120,34 +121,68 @@ def _noise_groups(problem: Problem, channel: str) -> list[set[int]]:
     return [*alone, rest] if rest else alone
 
 
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Residuals and derivatives of one channel over all samples of one segment; NaN where unused.
+
+    The derivatives are by all unknowns: an array of shape (n, U), or columns of shape (C, n), their
+    products and their weights, of shapes (C, C) and (C, U).
+    """
+
+    channel: str
+    segment: int
+    residual: Array
+    jacobian: Array | tuple[Array, Array, Array]
+
+    def by(self, columns: IndexArray) -> Array | FactoredRows:
+        """Derivatives by some of the unknowns, with zeros where a sample is not used."""
+        if not isinstance(self.jacobian, tuple):
+            whole = len(columns) == self.jacobian.shape[1]
+            return self.jacobian if whole else self.jacobian[:, columns]
+        values, products, weights = self.jacobian
+        weights = weights[:, columns]
+        return FactoredRows(values, weights, weights.T @ products @ weights)
+
+
+def _rows_at(problem: Problem, optimum: Optimum) -> list[_Rows]:
+    """Residuals used spread over all samples of their segments, so that gaps stay gaps."""
+    if optimum.linearised is None:
+        return [_spread(problem, block) for block in optimum.blocks(problem)]
+    found = []
+    for piece in optimum.linearised.pieces:
+        assert piece.columns is not None
+        segment = problem.segments[piece.segment]
+        used = segment.samples_of(segment.used[piece.channel])
+        columns = segment.samples_of(piece.columns.T).T
+        residual = piece.residual @ columns
+        residual[~used] = np.nan
+        jacobian = columns, piece.gram, piece.jacobian
+        found.append(_Rows(piece.channel, piece.segment, residual, jacobian))
+    return found
+
+
+def _spread(problem: Problem, block: Block) -> _Rows:
+    assert block.jacobian is not None
+    segment = problem.segments[block.segment]
+    used = segment.samples_of(segment.used[block.channel])
+    jacobian, residual = np.zeros((used.size, problem.size)), np.full(used.size, np.nan)
+    jacobian[used], residual[used] = block.jacobian, block.residual
+    return _Rows(block.channel, block.segment, residual, jacobian)
+
+
 def _residual_block(
     problem: Problem,
-    blocks: Sequence[Block],
+    rows: Sequence[_Rows],
     logs: set[int],
     channel: str,
     columns: IndexArray,
     optimum: Optimum,
 ) -> ResidualBlock:
-    """Spread used residuals over all samples of their segment, so that gaps stay gaps."""
-    jacobians, residuals = [], []
-    for block in blocks:
-        if block.channel != channel or block.jacobian is None:
-            continue
-        if problem.owner[block.segment] not in logs:
-            continue
-        segment = problem.segments[block.segment]
-        used = segment.samples_of(segment.used[channel])
-        jacobian, residual = block.jacobian, block.residual
-        if len(columns) < jacobian.shape[1]:
-            jacobian = jacobian[:, columns]
-        if not used.all():
-            spread, residual = np.zeros((used.size, len(columns))), np.full(used.size, np.nan)
-            spread[used], residual[used] = jacobian, block.residual
-            jacobian = spread
-        jacobians.append(jacobian)
-        residuals.append(residual)
+    """What shares a noise model, by the unknowns that are not stuck."""
+    own = [r for r in rows if r.channel == channel and problem.owner[r.segment] in logs]
     weight = 1.0 / optimum.sigma[channel]
-    return ResidualBlock(channel, tuple(jacobians), tuple(residuals), weight, min(logs))
+    jacobians, residuals = tuple(r.by(columns) for r in own), tuple(r.residual for r in own)
+    return ResidualBlock(channel, jacobians, residuals, weight, min(logs))
 
 
 def free_covariance(

@@ -1,4 +1,4 @@
-"""Whether an input that jumps was held until the next sample, decided by what fits better."""
+"""Whether an input was held until the next sample, decided by what fits better."""
 
 from __future__ import annotations
 
@@ -9,53 +9,74 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
+from softid.fitters.levenberg_marquardt import Normal
+from softid.fitters.normal_equations import Linearised
+from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
-from softid.intersample import jumps
+from softid.intersample import HELD, Intersample, jumps
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
 
+COMMAND = "pressure_command"
+
 BETTER_BY = 10.0
 """n·ln(mean square) must fall by this much: both readings have the same number of unknowns."""
 
+LOOKS = 2
+"""Evaluations before the promise of the normal equations is asked."""
 
-def with_held_input(logs: LogSet) -> LogSet | None:
-    """The logs with an input that is held where it jumps; None where that is settled or no matter.
+TRUSTED = 3.0
+"""They may promise too little; three times their promise is taken for possible."""
+
+
+def held_readings(logs: LogSet) -> tuple[Intersample, ...]:
+    """In which ways the input may have been held; none where that is settled or no matter.
+
+    At its jumps, if it has any, and a command or an input that jumps at every sample.
 
     Parameters
     ----------
     logs
-        Logs to fit; the input of those that say what it does between samples stays as it is.
+        Logs to fit.
     """
     open_ones = [log for log in logs if log.intersample is None]
-    if not any(jumps(log.channels[log.input].values).size for log in open_ones):
-        return None
-    return LogSet(held(logs.logs))
+    if any(jumps(log.channels[log.input].values).size for log in open_ones):
+        return HELD
+    return ("zoh",) if any(log.input == COMMAND for log in open_ones) else ()
 
 
-def held(logs: Sequence[Log]) -> tuple[Log, ...]:
-    """The logs with an input that is held where it jumps, and the remark that says so.
+def as_held(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
+    """The logs with an input that is held, and the remark that says so.
 
     Parameters
     ----------
     logs
         Logs to fit; the input of those that say what it does between samples stays as it is.
+    reading
+        Where it is held.
     """
     first = logs[0]
+    what = "is held at every sample" if reading == "zoh" else "jumps within single samples"
     issue = Issue(
         "held-input",
         "info",
-        f"{first.input} jumps within single samples; held until the next sample it explains the "
-        "output better than as straight lines between samples, and is taken so",
+        f"{first.input} {what}; held until the next sample it explains the output better than as "
+        "straight lines between samples, and is taken so",
         "if it is not a command, record it faster, or declare it with --intersample straight",
     )
-    changed = [log.with_intersample("held") for log in logs]
+    changed = [log.with_intersample(reading) for log in logs]
     return (replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:])
 
 
-def explains_better(problem: Problem, unknowns: Array, other: LogSet) -> bool:
+def explains_better(
+    problem: Problem, unknowns: Array, other: LogSet, *, known: Linearised | None = None
+) -> bool:
     """Whether a model explains other logs better than its own, of as many samples.
+
+    A step from the optimum of its own logs often settles it: where `TRUSTED` times what the normal
+    equations promise beyond would not do, no search is made.
 
     Parameters
     ----------
@@ -63,20 +84,39 @@ def explains_better(problem: Problem, unknowns: Array, other: LogSet) -> bool:
         A fit and its optimum; the search for the other one begins there.
     other
         The logs with another input.
+    known
+        Normal equations at the optimum, which may hold its residuals.
     """
-    values = dict(zip(problem.parameters.names, problem.theta(unknowns).tolist(), strict=True))
     changed = Problem(problem.model, problem.parameters, other.logs)
+    wanted = _misfit(problem, unknowns, known) - BETTER_BY
+    if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:
+        looking = Objective(changed, dict.fromkeys(problem.outputs, 1.0))
+        there = looking.solve(unknowns, LOOKS, bends=False).normal
+        if np.isfinite(there.cost) and _promised(there) > wanted:
+            return False
+    values = dict(zip(problem.parameters.names, problem.theta(unknowns).tolist(), strict=True))
     draft = output_error(changed, [values], rng=np.random.default_rng(0), rounds=0)
     if not np.isfinite(draft.cost):
         return False
-    return _misfit(problem, unknowns) - _misfit(changed, draft.unknowns) > BETTER_BY
+    return _misfit(changed, draft.unknowns, draft.linearised) < wanted
 
 
-def _misfit(problem: Problem, unknowns: Array) -> float:
+def _promised(there: Normal) -> float:
+    """n·ln(mean square) of one channel, lowered by `TRUSTED` times what one step promises."""
+    step = np.linalg.lstsq(there.matrix, there.gradient, rcond=None)[0]
+    cost = max(there.cost - TRUSTED * 0.5 * float(step @ there.gradient), 0.0)
+    return there.n * float(np.log(2.0 * cost / there.n + np.finfo(float).tiny))
+
+
+def _misfit(problem: Problem, unknowns: Array, known: Linearised | None) -> float:
     """n·ln(mean square) over all channels."""
+    if known is not None:
+        sums = [(p.channel, p.squares) for p in known.pieces]
+    else:
+        blocks = problem.blocks(unknowns, derivatives=False)
+        sums = [(b.channel, (float(b.residual @ b.residual), b.residual.size)) for b in blocks]
     total = 0.0
-    blocks = list(problem.blocks(unknowns, derivatives=False))
     for name in problem.outputs:
-        residual = np.concatenate([b.residual for b in blocks if b.channel == name])
-        total += residual.size * float(np.log(np.mean(residual**2) + np.finfo(float).tiny))
+        squares, n = np.sum([own for channel, own in sums if channel == name], axis=0).tolist()
+        total += n * float(np.log(squares / n + np.finfo(float).tiny))
     return total

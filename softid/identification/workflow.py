@@ -15,7 +15,7 @@ from softid.identification.assembly import Identified, assemble
 from softid.identification.choice import ModelChoice, choose_model
 from softid.identification.direction import falls_with_input, opposed
 from softid.identification.findings import fitted_range, require_explained
-from softid.identification.held_input import explains_better, with_held_input
+from softid.identification.held_input import as_held, explains_better, held_readings
 from softid.identification.limits import simpler_model
 from softid.identification.preparation import (
     adapted_model,
@@ -195,11 +195,16 @@ def identify(
         require_channels(named, log_set)
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
     found = _identify(adapted, log_set, wishes, starts, rng, report, thorough=thorough)
-    other = with_held_input(log_set) if np.isfinite(found.optimum.cost) else None
-    if other is not None and explains_better(found.problem, found.optimum.unknowns, other):
-        log_set, held = other, tuple(log.with_intersample("held") for log in held)
-        found = _identify(adapted, log_set, wishes, starts, rng, report, thorough=thorough)
-    return Work(found, log_set, held, choice)
+    read = straight = log_set
+    for reading in held_readings(straight) if np.isfinite(found.optimum.cost) else ():
+        other = LogSet(as_held(straight.logs, reading))
+        known = found.optimum.linearised
+        if explains_better(found.problem, found.optimum.unknowns, other, known=known):
+            read = other
+            found = _identify(adapted, read, wishes, starts, rng, report, thorough=thorough)
+    if read is not straight:
+        held = tuple(log.with_intersample(read.logs[0].intersample) for log in held)
+    return Work(found, read, held, choice)
 
 
 def _check_hold_out(logs: LogSet, held: Sequence[Log]) -> None:

@@ -65,8 +65,8 @@ def _radau_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
     longer = max(RINGING * 2.0 * mass * omega / max(damping, 1e-300), 1.0)
     oscillating = omega * min(np.sqrt(np.sqrt(longer)), MOST_RINGING)
     slow = 2.0 * stiffness / (damping + np.sqrt(max(discriminant, 0.0)))
-    fast = omega / slow * (omega / slow)
-    bold = slow * (np.sqrt(fast) * np.sqrt(np.sqrt(fast)) if fast < STIFF_RATIO else 1.0)
+    faster = omega / slow  # the square root of fast/slow
+    bold = slow * (faster * np.sqrt(faster) if faster * faster < STIFF_RATIO else 1.0)
     return (oscillating if discriminant < 0.0 else bold) / MAX_PHASE_PER_STEP
 
 

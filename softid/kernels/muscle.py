@@ -5,18 +5,23 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels import exponential as exponentials
 from softid.kernels.decorators import kernel
+from softid.kernels.exponential import exponential
+from softid.kernels.sources import follow_sources
 
 Array = npt.NDArray[np.float64]
 
+_PER_KPA = 0.01
+
 
 @kernel
-def coefficients(pressure_bar: Array, theta: Array) -> tuple[Array, Array, Array]:
+def coefficients(pressure_kpa: Array, theta: Array) -> tuple[Array, Array, Array]:
     """N, Q and P at the given pressures.
 
     Parameters
     ----------
-    pressure_bar
+    pressure_kpa
         Any pressures, shape (L,).
     theta
         M, a1, b1, c1, a2, b2, c2.
@@ -27,14 +32,17 @@ def coefficients(pressure_bar: Array, theta: Array) -> tuple[Array, Array, Array
         N = a2·exp(b2·p) + c2, Q = a1·exp(b1·p) + c1 and P = exp(b1·p), each of shape (L,).
     """
     a1, b1, c1, a2, b2, c2 = theta[1], theta[2], theta[3], theta[4], theta[5], theta[6]
-    n = pressure_bar.size
+    n = pressure_kpa.size
     damping, stiffness, force = np.empty(n), np.empty(n), np.empty(n)
     for i in range(n):
-        p = pressure_bar[i]
-        force[i] = np.exp(b1 * p)
+        p = pressure_kpa[i] * _PER_KPA
+        force[i] = exponential(b1 * p)
         stiffness[i] = a1 * force[i] + c1
-        damping[i] = a2 * np.exp(b2 * p) + c2
+        damping[i] = a2 * exponential(b2 * p) + c2
     return damping, stiffness, force
+
+
+follow_sources(coefficients, (exponentials,))
 
 
 @kernel

@@ -1,9 +1,9 @@
 """How well many parameters explain a motion whose gain and zero are free.
 
-Eight sets of parameters run side by side over the samples, one to a lane of a vector, by one step
-of the two-stage Radau rule for each sampling interval with the coefficients held at its middle:
-stable for any stiffness, of second order, and a quarter of the work of the rule that fits use. It
-ranks starts, for which 1e-2 of the motion is enough.
+Many sets of parameters run side by side over the samples, so that none has to wait for the end of
+its own arithmetic, by one step of the two-stage Radau rule for each sampling interval with the
+coefficients held at its middle: stable for any stiffness, of second order, and a quarter of the
+work of the rule that fits use. It ranks starts, for which 1e-2 of the motion is enough.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from softid.kernels.sources import follow_sources
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-LANES = 8
+LANES = 32
 MASS, A1, B1, C1, A2, B2, C2 = (k * LANES for k in range(7))
 """Where the parameters of the lanes stand in the workspace."""
 
@@ -37,7 +37,7 @@ LEAST_INERTIA = 1e-3
 LEAST_PERIOD = 1e-3
 """A motion without inertia, or without damping too, follows within a thousandth of a step."""
 
-_TINY = 1e-300
+_TINY = 1e-70
 
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT)
@@ -63,23 +63,28 @@ def _coefficients(w: Array, u: float, varying: bool) -> None:
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT)
 def _step(w: Array, h: float) -> None:
-    """(1 − ⅔B + ⅙B²) y⁺ = (1 + ⅓B) y for y = (x − x∞, h·v) and B = [[0, 1], [−k, −d]]."""
+    """(1 − ⅔B + ⅙B²) y⁺ = (1 + ⅓B) y for y = (x − x∞, h·v) and B = [[0, 1], [−k/m, −d/m]].
+
+    Both sides are multiplied by powers of m, and the one division is shared: divisions take longer
+    than all the rest.
+    """
+    over = 1.0 / h
     for lane in range(LANES):
         stiffness = w[A1 + lane] * w[FORCE + lane] + w[C1 + lane]
-        slow, spring = h * w[DAMPING + lane], h * h * stiffness
-        least = max(LEAST_INERTIA * slow, LEAST_PERIOD * LEAST_PERIOD * spring)
-        over = 1.0 / max(max(w[MASS + lane], least), _TINY)
-        rest = w[FORCE + lane] / stiffness
-        k, d = spring * over, slow * over
+        d, k = h * w[DAMPING + lane], h * h * stiffness
+        least = max(LEAST_INERTIA * d, LEAST_PERIOD * LEAST_PERIOD * k)
+        m = max(max(w[MASS + lane], least), _TINY)
+        slow, four = m * (6.0 * m + 4.0 * d - k) + d * d, 4.0 * m + d
+        quick = 6.0 * m - k
+        whole = quick * slow + k * four * four
+        inverse = 1.0 / (whole * stiffness)
+        rest = w[FORCE + lane] * whole * inverse
+        scale = 2.0 * m * stiffness * inverse
         away, speed = w[X + lane] - rest, h * w[V + lane]
-        d11, d12 = 1.0 - (1.0 / 6.0) * k, -(2.0 / 3.0) - (1.0 / 6.0) * d
-        d21 = k * ((2.0 / 3.0) + (1.0 / 6.0) * d)
-        d22 = 1.0 + (2.0 / 3.0) * d + (1.0 / 6.0) * (d * d - k)
-        r1 = away + (1.0 / 3.0) * speed
-        r2 = speed - (1.0 / 3.0) * (k * away + d * speed)
-        scale = 1.0 / (d11 * d22 - d12 * d21)
-        w[X + lane] = rest + scale * (d22 * r1 - d12 * r2)
-        w[V + lane] = scale * (d11 * r2 - d21 * r1) / h
+        r1 = 3.0 * away + speed
+        r2 = 3.0 * m * speed - k * away - d * speed
+        w[X + lane] = rest + scale * (slow * r1 + four * r2)
+        w[V + lane] = scale * over * (quick * r2 - k * four * r1)
 
 
 @njit(nogil=True, error_model="numpy", fastmath=EXACT)

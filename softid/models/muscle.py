@@ -14,7 +14,7 @@ from softid.kernels.lanes import MUSCLE
 from softid.kernels.muscle import coefficient_derivatives, coefficients, pack
 from softid.kernels.small_matrix import LANES
 from softid.models.base import Model, Response, require_choice
-from softid.models.division import Division, divide
+from softid.models.division import Division, divide, held
 from softid.models.geometry import ArcGeometry
 from softid.models.products import Products
 from softid.models.ringing import ringing_starts
@@ -52,7 +52,7 @@ class MuscleLaw(Law):
 
     def coefficients(self, u: Array) -> tuple[Array, Array, Array]:
         """N, Q and P at pressures of shape (L,)."""
-        found: tuple[Array, Array, Array] = coefficients(u / _KPA_PER_BAR, self._theta)
+        found: tuple[Array, Array, Array] = coefficients(held(u), self._theta)
         return found
 
     def derivatives(self, u: Array) -> tuple[Array, Array, Array]:

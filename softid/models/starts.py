@@ -9,7 +9,7 @@ with pressure; only then does the optimiser start.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -160,10 +160,13 @@ def _moving(bases: Array, frequencies: Array, low: float, span: float) -> Array:
 
 def _ranked(
     stretches: Sequence[Stretch], law: Callable[[Array], Law], grid: Array
-) -> list[tuple[float, float, Array]]:
+) -> Iterator[tuple[float, float, Array]]:
     """Residual sum of squares, gain and theta of every grid point, best first."""
-    scored = [(*row, theta) for row, theta in zip(scores(stretches, law, grid), grid, strict=True)]
-    return sorted(scored, key=lambda row: row[0])
+    if not len(grid):
+        return
+    squares, gains = _scored(stretches, law, grid)
+    for k in np.argsort(squares, kind="stable").tolist():
+        yield float(squares[k]), float(gains[k]), grid[k]
 
 
 def _refined(
@@ -203,8 +206,8 @@ def _theta(
     tau: float | Array,
     *,
     inertia: float | Array = 0.0,
-    share: float = 0.0,
-    b2: float = 0.0,
+    share: float | Array = 0.0,
+    b2: float | Array = 0.0,
 ) -> Array:
     """Parameters with a1 = 1 that have N/Q = ``tau`` and M/N = ``inertia`` at the midpoint.
 
@@ -229,24 +232,22 @@ def damping_shapes(theta: Array) -> list[Array]:
     """The same static curve and speed with damping that is constant, grows or falls."""
     mass, _, b1, c1, _, _, damping = theta.tolist()
     p50, tau, inertia = np.log(c1) / b1, damping / (2.0 * c1), max(mass / damping, 0.0)
-    return [
-        _theta(b1, p50, tau, inertia=inertia, share=share, b2=factor * b1)
-        for share, factor in DAMPING_SHAPES
-    ]
+    share, factor = np.array(DAMPING_SHAPES).T
+    return list(_theta(b1, p50, tau, inertia=inertia, share=share, b2=factor * b1))
 
 
 def diverse(
-    ranked: Sequence[tuple[float, float, Array]],
+    ranked: Iterable[tuple[float, float, Array]],
     count: int,
     kind: Callable[[Array], tuple[int, ...]],
 ) -> list[tuple[float, float, Array]]:
     """The best row of each kind, at most ``count``."""
     chosen: dict[tuple[int, ...], tuple[float, float, Array]] = {}
     for row in ranked:
-        if len(chosen) == count:
-            break
         if np.isfinite(row[0]):
             chosen.setdefault(kind(row[2]), row)
+        if len(chosen) == count:
+            break
     return list(chosen.values())
 
 
@@ -298,7 +299,14 @@ def scores(
     """`score` of every grid point."""
     if not len(grid):
         return []
-    rows = np.asarray(grid)
+    squares, gains = _scored(stretches, law, np.asarray(grid))
+    return list(zip(squares.tolist(), gains.tolist(), strict=True))
+
+
+def _scored(
+    stretches: Sequence[Stretch], law: Callable[[Array], Law], rows: Array
+) -> tuple[Array, Array]:
+    """Residual sums of squares and gains of grid points, each of shape (G,)."""
     form = law(rows[0]).affine()
     assert form is not None
     thetas = rows * np.diag(form.by_theta)  # the kernels' parameters are in other units
@@ -310,8 +318,7 @@ def scores(
     sound = (cross > 0.0) & (power > 0.0) & (power < np.inf)
     power = np.where(sound, power, 1.0)
     squares = np.where(sound, total - cross**2 / power, np.inf)
-    gains = np.where(sound, cross / power, 1.0)
-    return list(zip(squares.tolist(), gains.tolist(), strict=True))
+    return squares, np.where(sound, cross / power, 1.0)
 
 
 def _speeds(stretches: Sequence[Stretch]) -> Array:

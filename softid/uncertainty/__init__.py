@@ -22,6 +22,7 @@ from softid.uncertainty.covariance import (
     standard_error,
     to_linear,
 )
+from softid.uncertainty.factored_rows import FactoredRows
 from softid.uncertainty.identifiability import (
     companions,
     condition_number,
@@ -39,6 +40,7 @@ __all__ = [
     "CI_METHOD",
     "AutoRegression",
     "Covariance",
+    "FactoredRows",
     "MeanInterval",
     "ProfileResult",
     "ResidualBlock",

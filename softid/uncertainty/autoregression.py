@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
+from softid.uncertainty.burg import burg
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -21,12 +22,8 @@ MAX_ORDER = 8
 """Highest order tried: enough for a slow wander plus white sensor noise at the orders measured in
 ``tests/benchmarks/coverage_of_intervals.py``."""
 
-_BLOCK = 64
+_BLOCK = 256
 _FADED = 1e-18
-
-MIN_LEFT = 1e-6
-"""Share of the residual's power below which no prediction is believed: a thousandth of its size is
-quantisation, rounding or the smoothness of a noise-free simulation, and no memory of a noise."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +83,8 @@ def contiguous_runs(values: Array) -> list[Array]:
 
 def run_slices(used: BoolArray) -> list[slice]:
     """Slices of the stretches in which ``used``, shape (n,), is True."""
+    if used.all():
+        return [slice(0, used.size)] if used.size else []
     edges = np.flatnonzero(np.diff(np.concatenate(([False], used, [False])).astype(np.int8)))
     return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -166,25 +165,6 @@ def fit_ar(
     )
 
 
-def burg(runs: Sequence[Array], max_order: int) -> Array:
-    """Reflection coefficients k_1 … k_max of several stretches; zero once `MIN_LEFT` is left."""
-    forward = [run[1:] for run in runs]
-    backward = [run[:-1] for run in runs]
-    out, left = np.zeros(max_order), 1.0
-    for m in range(max_order):
-        cross = sum(float(f @ b) for f, b in zip(forward, backward, strict=True))
-        power = sum(float(f @ f + b @ b) for f, b in zip(forward, backward, strict=True))
-        if power <= 0.0 or left <= 2.0 * MIN_LEFT:
-            break
-        most = float(np.sqrt(1.0 - MIN_LEFT / left))
-        k = float(np.clip(2.0 * cross / power, -most, most))
-        out[m], left = k, left * (1.0 - k * k)
-        pairs = [(f - k * b, b - k * f) for f, b in zip(forward, backward, strict=True)]
-        forward = [f[1:] for f, _ in pairs]
-        backward = [b[:-1] for _, b in pairs]
-    return out
-
-
 def order_criteria(reflection: Array, power: float, n: int) -> dict[str, Array]:
     """AICc and BIC of the orders 0 … len(reflection), from the innovation variances."""
     variance = power * np.concatenate(([1.0], np.cumprod(1.0 - reflection**2)))
@@ -255,44 +235,65 @@ def autocovariance(ar: AutoRegression, n: int) -> Array:
     >>> autocovariance(ar, 3).round(6).tolist()
     [1.333333, 0.666667, 0.333333]
     """
-    phi = np.asarray(ar.phi)
-    head = _first_autocovariances(phi)[: min(n, phi.size + 1)]
-    unit = np.zeros(n)
-    unit[: head.size] = head
-    if phi.size and n > head.size:
-        unit = _continue(phi, unit)
+    reflection = to_reflection(np.asarray(ar.phi))
+    unit: Array = autocovariances(reflection[None], n)[0]
     return unit * ar.sigma_innovation**2
 
 
-def _first_autocovariances(phi: Array) -> Array:
-    """Lags 0 … p for unit innovations."""
-    coefficients, ratio = predictors(phi)
-    reflection = to_reflection(phi)
-    gamma = np.zeros(phi.size + 1)
-    gamma[0] = ratio[0]
-    for m in range(1, phi.size + 1):
-        known = gamma[m - 1 : 0 : -1]
-        gamma[m] = coefficients[m - 1] @ known + reflection[m - 1] * ratio[m - 1]
-    return gamma
+def autocovariances(reflection: Array, n: int) -> Array:
+    """Autocovariances of several models for unit innovations, as `autocovariance`.
+
+    Parameters
+    ----------
+    reflection
+        Reflection coefficients, shape (B, p).
+    n
+        Number of lags, from 0 to n − 1.
+
+    Returns
+    -------
+    array
+        Shape (B, n).
+    """
+    count, order = reflection.shape
+    gamma = np.zeros((count, max(n, order + 1)))
+    left = 1.0 / np.prod(1.0 - reflection**2, axis=1)
+    gamma[:, 0] = left
+    phi = np.zeros((count, 0))
+    for m in range(1, order + 1):
+        k = reflection[:, m - 1 : m]
+        known = gamma[:, m - 1 : 0 : -1]
+        gamma[:, m] = np.einsum("bj,bj->b", phi, known) + k[:, 0] * left
+        phi = np.concatenate((phi - k * phi[:, ::-1], k), axis=1)
+        left = left * (1.0 - k[:, 0] ** 2)
+    if order and n > order + 1:
+        _continue(phi, gamma)
+    return gamma[:, :n]
 
 
-def _continue(phi: Array, known: Array) -> Array:
-    """Run x_k = Σ φ_j x_{k−j} on from the first p + 1 entries.
+def _continue(phi: Array, gamma: Array) -> None:
+    """Run x_k = Σ φ_j x_{k−j} on from the first p + 1 entries of every row.
 
     Whole blocks follow from the p entries before them by one product with the responses to each.
+    The responses to twice as many steps follow from those to half of them.
     """
-    order, start = phi.size, phi.size + 1
-    response = np.zeros((order + min(_BLOCK, known.size), order))
-    response[:order] = np.eye(order)  # row order + k: x_k from x_{−p} … x_{−1}
-    for k in range(order, response.shape[0]):
-        response[k] = phi[::-1] @ response[k - order : k]
-    result = known.copy()
-    for first in range(start, known.size, _BLOCK):
-        stop = min(first + _BLOCK, known.size)
-        result[first:stop] = response[order : order + stop - first] @ result[first - order : first]
-        if np.abs(result[stop - order : stop]).max() < _FADED * result[0]:
+    count, order = phi.shape
+    response = np.zeros((count, order, order))  # row k: x_k from x_{−p} … x_{−1}
+    before = np.broadcast_to(np.eye(order), (count, order, order))
+    for k in range(order):
+        past = np.concatenate((before[:, k:], response[:, :k]), axis=1)
+        response[:, k] = np.matmul(phi[:, None, ::-1], past)[:, 0]
+    while response.shape[1] < min(_BLOCK, gamma.shape[1]):
+        response = np.concatenate((response, response @ response[:, -order:]), axis=1)
+    length = response.shape[1]
+    for first in range(order + 1, gamma.shape[1], length):
+        stop = min(first + length, gamma.shape[1])
+        ahead = response[:, : stop - first] @ gamma[:, first - order : first, None]
+        gamma[:, first:stop] = ahead[..., 0]
+        tail = np.abs(gamma[:, stop - order : stop]).max(axis=1)
+        if np.all(tail < _FADED * gamma[:, 0]):
             break  # what would follow is rounding, and the rest is zero
-    return result
+    gamma[np.abs(gamma) < _FADED * gamma[:, :1]] = 0.0
 
 
 def whiten(ar: AutoRegression, values: Array, *, used: BoolArray | None = None) -> Array:

@@ -14,18 +14,19 @@ from softid.uncertainty.autoregression import (
     MAX_ORDER,
     AutoRegression,
     autocovariance,
+    autocovariances,
     fit_ar,
-    to_phi,
 )
 from softid.uncertainty.lag_form import LagForm
 from softid.uncertainty.linearisation import (
     RANK_TOLERANCE,
     Linearisation,
     ResidualBlock,
-    influence,
+    Stretches,
+    is_clear,
     linearise,
+    projection,
     reachable,
-    stretch_sums,
 )
 from softid.uncertainty.restricted import (
     Moments,
@@ -186,12 +187,13 @@ def sandwich_covariance(
     """
     _check(blocks, names)
     line = linearise(blocks, rank_tolerance=rank_tolerance)
-    series = [influence(block, line.inverse) for block in blocks]
+    sums = [Stretches.of(block) for block in blocks]
     enough = max(MIN_STRETCHES, MIN_STRETCHES_PER_PARAMETER * len(names))
-    length, scales = 1, [_at_scale(blocks, series, 1, max_order, noise)]
+    length, scales = 1, [_at_scale(blocks, sums, line.inverse, 1, max_order, noise)]
     while length * SCALE_STEP * enough <= min(block.n for block in blocks):
         length *= SCALE_STEP
-        scales.append(_at_scale(blocks, series, length, max_order))
+        sums = [stretches.coarser(SCALE_STEP) for stretches in sums]
+        scales.append(_at_scale(blocks, sums, line.inverse, length, max_order))
     variances = np.array([np.diag(scale.matrix) for scale in scales])
     freedoms = np.array([scale.freedom for scale in scales])
     widest = np.argmax(_quantile(freedoms, 0.95) * np.sqrt(variances), axis=0)
@@ -268,7 +270,8 @@ class _Scale:
 
 def _at_scale(
     blocks: Sequence[ResidualBlock],
-    series: Sequence[Sequence[Array]],
+    sums: Sequence[Stretches],
+    inverse: Array,
     length: int,
     max_order: int,
     first: Sequence[AutoRegression] | None = None,
@@ -276,49 +279,61 @@ def _at_scale(
     width = blocks[0].width
     total, white, doubt = np.zeros((width, width)), np.zeros(width), np.zeros(width)
     noise = []
-    parts = [block.averaged(length) for block in blocks]
-    sums = [[stretch_sums(w, length) for w in weights] for weights in series]
-    for k, part in enumerate(parts):
-        form = LagForm.of(sums[k])
+    parts = [
+        block if length == 1 else stretches.averaged(block)
+        for block, stretches in zip(blocks, sums, strict=True)
+    ]
+    forms = [
+        LagForm.of(
+            stretches.rows, block.weight**2 * inverse, gram=block.gram if length == 1 else None
+        )
+        for block, stretches in zip(blocks, sums, strict=True)
+    ]
+    for k, (part, form) in enumerate(zip(parts, forms, strict=True)):
         start = first[k] if first else fit_ar(part.residuals, max_order=max_order)
         if start.sigma == 0.0:
             noise.append(start)
             continue
-        moments = gather_moments(part.residuals, reachable(part), start.order)
+        moments = _moments(part, start.order)
         fit = restricted_ar(moments, start)
         matrix = form.matrix(autocovariance(fit.ar, form.lags))
         total += matrix
         doubt += np.diag(matrix) ** 2 * _log_variance_doubt(form, moments, fit)
         white += form.diagonal(np.eye(1, form.lags)[0]) * _mean_square(part, fit.freedom)
         noise.append(fit.ar)
-    total = add_shared_noise(total, parts, sums, max_order=max_order)
+    recordings = [part.recording for part in parts if part.recording is not None]
+    if len(set(recordings)) < len(recordings):
+        series = [form.series for form in forms]
+        total = add_shared_noise(total, parts, series, max_order=max_order)
     variance = np.diag(total)
     known = np.where(variance > 0.0, variance, 1.0)
     freedom = 2.0 / np.maximum(np.where(variance > 0.0, doubt / known**2, 0.0), 1e-12)
     return _Scale(total, np.maximum(freedom, MIN_FREEDOM), white, tuple(noise))
 
 
+def _moments(block: ResidualBlock, order: int) -> Moments:
+    """Moments in a basis of what the parameters can reach, which is not made where none is due."""
+    if is_clear(block):
+        known = (block.gram, block.cross) if order == 0 else None
+        rows = () if known is not None else block.rows
+        return gather_moments(block.residuals, rows, order, project=projection(block), known=known)
+    return gather_moments(block.residuals, reachable(block), order)
+
+
 def _log_variance_doubt(form: LagForm, moments: Moments, fit: RestrictedFit) -> Array:
     """Variance of log C_kk from the uncertainty of the noise model, shape (K,)."""
-    doubt = np.full(form.series[0].shape[1], 2.0 / fit.freedom)
+    doubt = np.full(form.squares.shape[0], 2.0 / fit.freedom)
     if not fit.position.size:
         return doubt
     steps = DIFFERENCE_STEP * np.eye(fit.position.size)
     trials = np.tanh(np.concatenate([fit.position + steps, fit.position - steps]))
     variances = evaluate(moments, trials).innovation_variance
-    diagonals = [
-        form.diagonal(_autocovariance(reflection, variance, form.lags))
-        for reflection, variance in zip(trials, variances.tolist(), strict=True)
-    ]
+    gammas = variances[:, None] * autocovariances(trials, form.lags)
+    diagonals = [form.diagonal(gamma) for gamma in gammas]
     logarithms = np.log(np.maximum(diagonals, np.finfo(float).tiny))
     up, down = np.split(logarithms, 2)
     slope = (up - down) / (2.0 * DIFFERENCE_STEP)
     return np.asarray(doubt + np.einsum("ik,ij,jk->k", slope, fit.spread, slope), np.float64)
-
-
-def _autocovariance(reflection: Array, variance: float, lags: int) -> Array:
-    phi = tuple(to_phi(reflection).tolist())
-    return autocovariance(AutoRegression(phi, variance**0.5, 1.0, 0, 0.0, 0.0), lags)
 
 
 def _mean_square(block: ResidualBlock, freedom: int) -> float:

@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from softid.uncertainty.factored_rows import FactoredRows
+
 Array = npt.NDArray[np.float64]
 
 
@@ -18,42 +20,69 @@ class LagForm:
 
     Attributes
     ----------
-    series
-        The series W_s, each of shape (n_s, K).
+    rows, mix
+        What the series are made of, W_s = rows @ mix, of shapes (n_s, M) and (M, K); ``mix`` may be
+        None for W_s itself.
+    squares
+        Σ_s W_sᵀ W_s, shape (K, K).
     lags
         Samples of the longest series: lags that T must have.
     size
         Points of the transform, so many that nothing wraps around.
     """
 
-    series: tuple[Array, ...]
+    rows: tuple[Array | FactoredRows, ...]
+    mix: Array | None
+    squares: Array
     lags: int
     size: int
 
     @classmethod
-    def of(cls, series: Sequence[Array]) -> LagForm:
-        """Keep series of shape (n_s, K); they are transformed when a T that is no diagonal asks."""
-        lags = max(w.shape[0] for w in series)
-        return cls(tuple(series), lags, _quick_size(2 * lags - 1))
+    def of(
+        cls,
+        rows: Sequence[Array | FactoredRows],
+        mix: Array | None = None,
+        *,
+        gram: Array | None = None,
+    ) -> LagForm:
+        """Keep the series; they are made and transformed when a T that is no diagonal asks.
+
+        Parameters
+        ----------
+        rows, mix
+            What they are made of.
+        gram
+            Σ_s rowsᵀ rows where it is known already, shape (M, M).
+        """
+        if gram is None:
+            own = [w.gram if isinstance(w, FactoredRows) else w.T @ w for w in rows]
+            gram = np.sum(own, axis=0)
+        squares = np.asarray(gram, np.float64)
+        if mix is not None:
+            squares = mix.T @ squares @ mix
+        lags = max(w.shape[0] for w in rows)
+        return cls(tuple(rows), mix, squares, lags, _quick_size(2 * lags - 1))
+
+    @cached_property
+    def series(self) -> tuple[Array, ...]:
+        """The series W_s, each of shape (n_s, K)."""
+        if self.mix is not None:
+            return tuple(w @ self.mix for w in self.rows)
+        return tuple(w.dense if isinstance(w, FactoredRows) else w for w in self.rows)
 
     def diagonal(self, toeplitz: Array) -> Array:
         """Diagonal of the form, shape (K,), for T_tu = toeplitz[|t − u|], shape (lags,)."""
         if not toeplitz[1:].any():
-            return np.asarray(toeplitz[0] * np.diag(self._squares), np.float64)
+            return np.asarray(toeplitz[0] * np.diag(self.squares), np.float64)
         return np.asarray(self._products @ toeplitz, np.float64)
 
     def matrix(self, toeplitz: Array) -> Array:
         """The form, shape (K, K), for T_tu = toeplitz[|t − u|], shape (lags,)."""
         if not toeplitz[1:].any():
-            return float(toeplitz[0]) * self._squares
+            return float(toeplitz[0]) * self.squares
         weights = np.repeat(self._weights(toeplitz), 2)
         total = np.sum([(parts * weights) @ parts.T for parts in self._spectra], axis=0)
         return np.asarray(total, dtype=np.float64)
-
-    @cached_property
-    def _squares(self) -> Array:
-        """Σ_s W_sᵀ W_s, shape (K, K)."""
-        return np.asarray(np.sum([w.T @ w for w in self.series], axis=0), np.float64)
 
     @cached_property
     def _spectra(self) -> tuple[Array, ...]:

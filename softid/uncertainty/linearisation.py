@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,13 +10,19 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError
+from softid.uncertainty.factored_rows import FactoredRows
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+Rows = Array | FactoredRows
 
 RANK_TOLERANCE = 1e-8
 """Singular values of the column-scaled Jacobian below this share of the largest count as zero:
 exact sensitivities carry errors of some 1e-12, and a direction that weak is unknown anyway."""
+
+CLEAR = 1e-3
+"""Smallest singular value as a share of the largest down to which the products JᵀJ tell it to 1e-9;
+their rounding is that of the squares. Below, J itself is decomposed."""
 
 MIN_LOADING = 0.01
 """A parameter takes part in an undetermined direction when its share of the unit vector, in
@@ -38,7 +44,8 @@ class ResidualBlock:
         Output channel, or any name for messages: ``"step_1 angle"``.
     jacobians
         ∂(simulated)/∂(internal coordinate), one per segment, shape (n_s, K) with the same K in all
-        blocks; the internal coordinate of a parameter on a logarithmic scale is its logarithm.
+        blocks; the internal coordinate of a parameter on a logarithmic scale is its logarithm. As
+        arrays, or as the factors that make them up.
     residuals
         Measured minus simulated, one per segment, shape (n_s,); NaN where a sample is not used.
     weight
@@ -54,7 +61,7 @@ class ResidualBlock:
     """
 
     channel: str
-    jacobians: tuple[Array, ...]
+    jacobians: tuple[Rows, ...]
     residuals: tuple[Array, ...]
     weight: float = 1.0
     recording: int | None = None
@@ -71,9 +78,7 @@ class ResidualBlock:
             )
         if self.n == 0:
             raise InputError("no residual is used", where=self.channel, remedy="mask fewer samples")
-        pairs = zip(self.jacobians, self.used, strict=True)
-        # A sum is finite only where all of its terms are, and takes no second array.
-        if not all(np.isfinite(j.sum()) or np.isfinite(j[u]).all() for j, u in pairs):
+        if not all(_is_finite(j, u) for j, u in zip(self.jacobians, self.used, strict=True)):
             raise InputError(
                 "a derivative is not finite",
                 where=self.channel,
@@ -90,11 +95,19 @@ class ResidualBlock:
         """Which samples of each segment are used."""
         return tuple(np.isfinite(r) for r in self.residuals)
 
+    @cached_property
+    def factors(self) -> tuple[Rows, ...]:
+        """The derivatives with zeros where a sample is not used, as they were given."""
+        pairs = zip(self.jacobians, self.used, strict=True)
+        return tuple(
+            j if isinstance(j, FactoredRows) or u.all() else np.where(u[:, None], j, 0.0)
+            for j, u in pairs
+        )
+
     @property
     def rows(self) -> tuple[Array, ...]:
-        """The derivatives with zeros where a sample is not used, shapes as `jacobians`."""
-        pairs = zip(self.jacobians, self.used, strict=True)
-        return tuple(j if u.all() else np.where(u[:, None], j, 0.0) for j, u in pairs)
+        """The same as arrays."""
+        return tuple(_dense(rows) for rows in self.factors)
 
     @property
     def n(self) -> int:
@@ -105,41 +118,94 @@ class ResidualBlock:
     def stacked(self) -> Array:
         """Rows in use, shape (n, K), without the weight."""
         pairs = zip(self.jacobians, self.used, strict=True)
-        parts = [j if u.all() else j[u] for j, u in pairs]
+        parts = [_dense(j) if u.all() else _dense(j)[u] for j, u in pairs]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    @cached_property
+    def gram(self) -> Array:
+        """JᵀJ over the samples in use, without the weight, shape (K, K)."""
+        own = [r.gram if isinstance(r, FactoredRows) else r.T @ r for r in self.factors]
+        return np.asarray(np.sum(own, axis=0), np.float64)
+
+    @property
+    def cross(self) -> Array:
+        """Jᵀr over the samples in use, without the weight, shape (K,)."""
+        total = np.zeros(self.width)
+        for rows, residual, used in zip(self.factors, self.residuals, self.used, strict=True):
+            r = residual if used.all() else np.where(used, residual, 0.0)
+            total += rows.along(r) if isinstance(rows, FactoredRows) else r @ rows
+        return total
 
     @cached_property
     def decomposed(self) -> tuple[Array, Array, Array]:
         """Column lengths of `stacked`, its singular values and right vectors."""
-        return _scaled_svd(self.stacked)
+        return _scaled_svd(self.gram, lambda: self.stacked)
 
     def averaged(self, length: int) -> ResidualBlock:
-        """Means over stretches of ``length`` samples, unused where many samples are missing.
+        """Means over stretches of ``length`` samples; see `Stretches.averaged`."""
+        return self if length == 1 else Stretches.of(self).coarser(length).averaged(self)
+
+
+def _dense(rows: Rows) -> Array:
+    return rows.dense if isinstance(rows, FactoredRows) else rows
+
+
+def _is_finite(rows: Rows, used: BoolArray) -> bool:
+    """A sum is finite only where all of its terms are, and takes no second array."""
+    if isinstance(rows, FactoredRows):
+        return bool(np.isfinite(rows.gram).all())
+    return bool(np.isfinite(rows.sum()) or np.isfinite(rows[used]).all())
+
+
+@dataclass(frozen=True, eq=False)
+class Stretches:
+    """Sums of a block over consecutive stretches of samples.
+
+    Attributes
+    ----------
+    rows, residuals, counts
+        Sums of the derivatives and residuals in use, and how many they are, one per segment, of
+        shapes (m_s, K), (m_s,) and (m_s,).
+    """
+
+    rows: tuple[Rows, ...]
+    residuals: tuple[Array, ...]
+    counts: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, block: ResidualBlock) -> Stretches:
+        """Every sample as a stretch of its own."""
+        pairs = zip(block.residuals, block.used, strict=True)
+        residuals = tuple(r if u.all() else np.where(u, r, 0.0) for r, u in pairs)
+        return cls(block.factors, residuals, tuple(u.astype(np.float64) for u in block.used))
+
+    def coarser(self, step: int) -> Stretches:
+        """So many stretches taken together; the last may be short."""
+        rows = tuple(
+            r.sums(step) if isinstance(r, FactoredRows) else stretch_sums(r, step)
+            for r in self.rows
+        )
+        residuals, counts = (
+            tuple(stretch_sums(values, step) for values in parts)
+            for parts in (self.residuals, self.counts)
+        )
+        return Stretches(rows, residuals, counts)
+
+    def averaged(self, block: ResidualBlock) -> ResidualBlock:
+        """Means over the stretches of a block, unused where many samples are missing.
 
         Many is more than half of those that the fullest stretch of the segment has: a channel with
         a slower clock than the log is missing most samples everywhere, and is used all the same.
         """
-        if length == 1:
-            return self
-        means = [
-            _average(j, r, u, length)
-            for j, r, u in zip(self.rows, self.residuals, self.used, strict=True)
-        ]
-        jacobians, residuals = tuple(m[0] for m in means), tuple(m[1] for m in means)
-        return ResidualBlock(self.channel, jacobians, residuals, self.weight, self.recording)
-
-
-def _average(jacobian: Array, residual: Array, used: BoolArray, length: int) -> tuple[Array, Array]:
-    if used.all():
-        counts = np.full(-(-used.size // length), float(length))
-        counts[-1] = used.size - length * (counts.size - 1)
-    else:
-        counts = stretch_sums(used.astype(float), length)
-        residual = np.where(used, residual, 0.0)
-    divisor = np.maximum(counts, 1.0)
-    mean = stretch_sums(residual, length) / divisor
-    slope = stretch_sums(jacobian, length) / divisor[:, None]
-    return slope, np.where(counts >= max(1.0, counts.max(initial=0.0) / 2.0), mean, np.nan)
+        jacobians, residuals = [], []
+        for rows, sums, counts in zip(self.rows, self.residuals, self.counts, strict=True):
+            divisor = np.maximum(counts, 1.0)
+            enough = counts >= max(1.0, counts.max(initial=0.0) / 2.0)
+            jacobians.append(_dense(rows) / divisor[:, None])
+            residuals.append(np.where(enough, sums / divisor, np.nan))
+        return ResidualBlock(
+            block.channel, tuple(jacobians), tuple(residuals), block.weight, block.recording
+        )
 
 
 def stretch_sums(values: Array, length: int) -> Array:
@@ -213,8 +279,10 @@ def linearise(
         norm, singular, right = blocks[0].decomposed
         norm = norm * blocks[0].weight
     else:
-        rows = np.concatenate([block.weight * block.stacked for block in blocks])
-        norm, singular, right = _scaled_svd(rows)
+        gram = np.sum([block.weight**2 * block.gram for block in blocks], axis=0)
+        norm, singular, right = _scaled_svd(
+            gram, lambda: np.concatenate([block.weight * block.stacked for block in blocks])
+        )
     kept = singular > rank_tolerance * singular[0]
     inverse = (right[kept].T / singular[kept] ** 2) @ right[kept] / np.outer(norm, norm)
     singular = np.where(kept, singular, 0.0)
@@ -222,10 +290,19 @@ def linearise(
     return Linearisation(inverse, singular, null)
 
 
-def _scaled_svd(rows: Array) -> tuple[Array, Array, Array]:
-    """Column lengths (1 for a zero column), singular values (K,) and right vectors (K, K)."""
-    norm = np.sqrt(np.einsum("ij,ij->j", rows, rows))
+def _scaled_svd(gram: Array, stacked: Callable[[], Array]) -> tuple[Array, Array, Array]:
+    """Column lengths (1 for a zero column), singular values (K,) and right vectors (K, K).
+
+    From the products JᵀJ where they are clear enough, else from J, which is then asked for.
+    """
+    norm = np.sqrt(np.maximum(np.diag(gram), 0.0))
     norm = np.where(norm > 0.0, norm, 1.0)
+    scaled = gram / np.outer(norm, norm)
+    if np.isfinite(scaled).all():
+        values, vectors = np.linalg.eigh(scaled)
+        if values[0] > CLEAR**2 * values[-1]:
+            return norm, np.sqrt(values[::-1]), vectors.T[::-1]
+    rows = stacked()
     triangle = np.linalg.qr(rows / norm, mode="r")
     _, found, right = np.linalg.svd(triangle, full_matrices=True)
     singular = np.zeros(rows.shape[1])
@@ -233,11 +310,23 @@ def _scaled_svd(rows: Array) -> tuple[Array, Array, Array]:
     return norm, singular, right
 
 
-def reachable(block: ResidualBlock) -> list[Array]:
-    """Orthonormal basis, per segment, of what the parameters can do to one block's response."""
+def is_clear(block: ResidualBlock) -> bool:
+    """Whether the products of a block's derivatives tell all that the derivatives do."""
+    singular = block.decomposed[1]
+    return bool(singular[-1] > CLEAR * singular[0])
+
+
+def projection(block: ResidualBlock) -> Array:
+    """What makes the derivatives of a block orthonormal where they are independent, (K, m)."""
     norm, singular, right = block.decomposed
     kept = singular > RANK_TOLERANCE * max(singular[0], np.finfo(float).tiny)
-    project = right[kept].T / singular[kept] / norm[:, None]
+    project: Array = right[kept].T / singular[kept] / norm[:, None]
+    return project
+
+
+def reachable(block: ResidualBlock) -> list[Array]:
+    """Orthonormal basis, per segment, of what the parameters can do to one block's response."""
+    project = projection(block)
     return [rows @ project for rows in block.rows]
 
 

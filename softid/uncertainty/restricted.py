@@ -9,20 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError
 from softid.uncertainty.autoregression import (
-    MIN_LEFT,
     AutoRegression,
     run_slices,
     to_phi,
     to_reflection,
 )
+from softid.uncertainty.burg import MIN_LEFT
 
 Array = npt.NDArray[np.float64]
+Index = npt.NDArray[np.int64]
 
 NUGGET = 1e-12
 """White variance added to every column, relative to its mean square: rounding in the moments of
@@ -30,6 +32,8 @@ smooth regressors is some 1e-14 of it and may not turn a square negative."""
 
 STEP = 1e-3
 """Step of the central differences in artanh k; second differences are then good to 1e-3."""
+
+Differences = tuple[Array, Array, tuple[float, float]]
 
 SIGNS = np.array([[1.0], [-1.0]])
 
@@ -65,13 +69,36 @@ class Moments:
         """Samples used."""
         return int(self.counts.sum())
 
+    @cached_property
+    def terms(self) -> tuple[Index, Index, Index]:
+        """The t, i and j of `packed`: a sample with t predecessors has no lag beyond t."""
+        size = self.counts.size
+        rows = [(t, i, j) for t in range(size) for i in range(t + 1) for j in range(i + 1)]
+        when, first, second = np.array(rows).T
+        return when, first, second
+
+    @cached_property
+    def packed(self) -> Array:
+        """``products`` of every pair of lags with those of the pair turned round, (terms, m²)."""
+        when, first, second = self.terms
+        there = self.products[when, first, second]
+        both = there + np.where((first > second)[:, None, None], there.transpose(0, 2, 1), 0.0)
+        return both.reshape(len(when), -1)
+
     @property
     def reachable(self) -> int:
         """Directions that the parameters can reach."""
         return int(self.products.shape[-1]) - 1
 
 
-def gather_moments(residuals: Sequence[Array], reach: Sequence[Array], max_order: int) -> Moments:
+def gather_moments(
+    residuals: Sequence[Array],
+    reach: Sequence[Array],
+    max_order: int,
+    *,
+    project: Array | None = None,
+    known: tuple[Array, Array] | None = None,
+) -> Moments:
     """Sum the lagged products of residuals and basis over all stretches.
 
     Parameters
@@ -82,20 +109,37 @@ def gather_moments(residuals: Sequence[Array], reach: Sequence[Array], max_order
         Basis of what the parameters can do to each segment, shape (n_s, m − 1).
     max_order
         Highest order p of an autoregression that will be asked for.
+    project
+        What makes ``reach`` the basis where it is not one itself, shape (columns, m − 1).
+    known
+        Its products over all samples in use with itself and with the residuals, of shapes
+        (m − 1, m − 1) and (m − 1,), where they will do.
     """
-    width = reach[0].shape[1] + 1
+    width = (reach[0] if known is None else known[0]).shape[1] + 1
     size = max_order + 1
     products = np.zeros((size, size, size, width, width))
     counts = np.zeros(size)
     longest = 0
-    for residual, basis in zip(residuals, reach, strict=True):
+    for k, residual in enumerate(residuals):
         for span in run_slices(np.isfinite(residual)):
+            longest = max(longest, span.stop - span.start)
+            if known is not None:
+                products[0, 0, 0, -1, -1] += residual[span] @ residual[span]
+                counts[0] += span.stop - span.start
+                continue
+            basis = reach[k]
             y = np.column_stack((basis[span], residual[span]))
-            longest = max(longest, y.shape[0])
             _add_start(products, counts, y[:max_order])
             if y.shape[0] > max_order:
                 products[max_order] += _bulk(y, max_order)
                 counts[max_order] += y.shape[0] - max_order
+    if known is not None:
+        products[0, 0, 0, :-1, :-1], cross = known
+        products[0, 0, 0, :-1, -1] = products[0, 0, 0, -1, :-1] = cross
+    if project is not None:
+        whole = np.zeros((width, project.shape[1] + 1))
+        whole[:-1, :-1], whole[-1, -1] = project, 1.0
+        products = whole.T @ products @ whole
     scale = np.einsum("taakk->k", products[:, :1, :1]) / max(counts.sum(), 1.0)
     floor = np.diag(np.append(NUGGET * scale[:-1], MIN_LEFT * scale[-1]))
     for t in range(size):
@@ -163,10 +207,10 @@ def evaluate(moments: Moments, reflection: Array) -> Objective:
     """
     size = moments.counts.size
     filters, ratio = _filters(reflection, size)
-    weights = filters[:, :, :, None] * filters[:, :, None, :] / ratio[:, :, None, None]
+    when, first, second = moments.terms
+    weights = filters[:, when, first] * filters[:, when, second] / ratio[:, when]
     width = moments.products.shape[-1]
-    flat = weights.reshape(len(weights), -1) @ moments.products.reshape(-1, width * width)
-    form = flat.reshape(-1, width, width)
+    form = (weights @ moments.packed).reshape(-1, width, width)
     determinant, left, good = _reduced(form)
     freedom = moments.n - moments.reachable
     variance = np.where(good, left, 1.0) / freedom
@@ -269,26 +313,29 @@ def restricted_ar(moments: Moments, start: AutoRegression) -> RestrictedFit:
         )
     limit = np.arctanh(np.exp(-1.0 / max(moments.longest, 2)))
     x = np.clip(np.arctanh(to_reflection(np.asarray(start.phi))), -limit, limit)
-    value = float(evaluate(moments, np.tanh(x)[None]).value[0])
-    curvature = None
+    known = None
     for _ in range(MAX_ITERATIONS if x.size else 0):
-        gradient, curvature = differences(moments, x)
+        known = gradient, curvature, (value, _) = differences(moments, x)
         trial = np.clip(x + damped_steps(gradient, curvature), -limit, limit)
         found = evaluate(moments, np.tanh(trial)).value
         best = int(np.argmin(found))
         if not found[best] < value - 1e-7:
             break
-        x, value, curvature = trial[best], float(found[best]), None
-    return _finish(moments, start, x, curvature)
+        x, known = trial[best], None
+    if known is None and x.size:
+        known = differences(moments, x)
+    return _finish(moments, start, x, known)
 
 
 def _finish(
-    moments: Moments, start: AutoRegression, x: Array, curvature: Array | None
+    moments: Moments, start: AutoRegression, x: Array, known: Differences | None
 ) -> RestrictedFit:
     phi, capped = draw_in(to_phi(np.tanh(x)), moments.longest)
     reflection = to_reflection(phi)
     left = float(np.prod(1.0 - reflection**2))
-    variance = float(evaluate(moments, reflection[None]).innovation_variance[0])
+    variance = 0.0 if known is None else known[2][1]
+    if known is None or capped:
+        variance = float(evaluate(moments, reflection[None]).innovation_variance[0])
     variance = max(variance, start.sigma**2 * left)
     ar = AutoRegression(
         phi=tuple(phi.tolist()),
@@ -299,11 +346,9 @@ def _finish(
         bic=start.bic,
         capped=capped,
     )
-    if not x.size:
+    if known is None:
         return RestrictedFit(ar, x, np.zeros((0, 0)), moments.n - moments.reachable)
-    if curvature is None:
-        curvature = differences(moments, x)[1]
-    values, vectors = np.linalg.eigh(curvature)
+    values, vectors = np.linalg.eigh(known[1])
     spread = (vectors / np.maximum(values, MIN_CURVATURE)) @ vectors.T * 2.0
     return RestrictedFit(ar, np.arctanh(reflection), spread, moments.n - moments.reachable)
 
@@ -329,20 +374,21 @@ def draw_in(phi: Array, longest: int) -> tuple[Array, bool]:
     return phi * (limit / radius) ** np.arange(1, phi.size + 1), True
 
 
-def differences(moments: Moments, x: Array) -> tuple[Array, Array]:
-    """Gradient and Hessian of the objective in artanh k, by central differences."""
+def differences(moments: Moments, x: Array) -> Differences:
+    """Gradient and Hessian of the objective in artanh k, its value and the innovation variance."""
     q = x.size
     eye = STEP * np.eye(q)
     first, second = np.triu_indices(q, 1)
     pairs = eye[first][:, None, None] * SIGNS[:, None] + eye[second][:, None, None] * SIGNS
     points = np.concatenate([x[None], x + eye, x - eye, x + pairs.reshape(-1, q)])
-    value = evaluate(moments, np.tanh(points)).value
+    found = evaluate(moments, np.tanh(points))
+    value = found.value
     centre, plus, minus = value[0], value[1 : q + 1], value[q + 1 : 2 * q + 1]
     gradient = (plus - minus) / (2.0 * STEP)
     curvature = np.diag((plus - 2.0 * centre + minus) / STEP**2)
     mixed = value[2 * q + 1 :].reshape(-1, 4) @ np.array([1.0, -1.0, -1.0, 1.0])
     curvature[first, second] = curvature[second, first] = mixed / (4.0 * STEP**2)
-    return gradient, curvature
+    return gradient, curvature, (float(centre), float(found.innovation_variance[0]))
 
 
 def damped_steps(gradient: Array, curvature: Array) -> Array:

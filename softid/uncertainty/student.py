@@ -29,6 +29,7 @@ _CLOSE = 1e-7
 """Relative step after which Newton's method is exact to 1e-13, for its error is squared."""
 
 
+@lru_cache(maxsize=256)
 def student_quantile(freedom: float, probability: float) -> float:
     """The value that Student's t stays below with a given probability.
 

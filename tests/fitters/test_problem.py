@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.fitters.problem import Problem, starts_at_rest
+from softid.fitters.problem import Problem
+from softid.fitters.rest import starts_at_rest
 from softid.log import Log
 from softid.models.muscle import Muscle
 from softid.models.oscillator import Oscillator

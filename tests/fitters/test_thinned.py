@@ -13,6 +13,7 @@ from softid.fitters.problem import Problem
 from softid.fitters.thinned import (
     LONGEST,
     SAMPLES,
+    WINDOWED,
     WINDOWS,
     ThinnedProblem,
     WindowedProblem,
@@ -83,7 +84,8 @@ def test_the_optimum_is_that_of_all_samples() -> None:
 def test_a_fast_motion_is_led_through_windows() -> None:
     """A log of 28,000 samples that steps every 0.2 s; a slow start goes through blocks.
 
-    The windows are two of 1,250 samples, and lead to a hundredth of the start's cost.
+    One window of 2,500 samples holds the range of the input, and leads to a hundredth of the
+    start's cost.
     """
     truth = {"M": 1e-4, "a1": 0.014, "b1": 3.0, "c1": 1.0, "a2": 1e-3, "b2": 2.0, "c2": 0.1}
     made = muscle_log(truth, Steps(LEVELS * 20, 0.2), noise_mm=0.3, rate_hz=1000.0)
@@ -91,9 +93,31 @@ def test_a_fast_motion_is_led_through_windows() -> None:
     start = problem.unknowns({name: 1.3 * value for name, value in truth.items()})
     windows = rough_problem(problem, start)
     assert isinstance(windows, WindowedProblem)
-    assert [s.time_s.size for s in windows.segments] == [1250] * WINDOWS
+    assert [s.time_s.size for s in windows.segments] == [WINDOWED]
     objective = Objective(problem, {"contraction": 1.0})
-    reached = led(objective, start, windows, 30)
+    reached, _ = led(objective, start, windows, 30)
     assert objective(reached).cost < 0.01 * objective(start).cost
     slow = problem.unknowns(truth | {"c2": 30.0})
     assert isinstance(rough_problem(problem, slow), ThinnedProblem)
+
+
+def test_two_windows_lead_where_the_middle_rests() -> None:
+    """The middle third holds the lowest level; the begin and the end cover the whole range."""
+    truth = {"M": 1e-4, "a1": 0.014, "b1": 3.0, "c1": 1.0, "a2": 1e-3, "b2": 2.0, "c2": 0.1}
+    levels = LEVELS * 6 + (0.0,) * 42 + LEVELS * 6
+    made = muscle_log(truth, Steps(levels, 0.2), noise_mm=0.3, rate_hz=1000.0)
+    problem = problem_of(made.to_log())
+    windows = rough_problem(problem, problem.unknowns(truth))
+    assert isinstance(windows, WindowedProblem)
+    assert [s.time_s.size for s in windows.segments] == [WINDOWED // WINDOWS] * WINDOWS
+    assert [s.index for s in windows.segments] == [0, 0]
+
+
+def test_affine_windows_begin_with_the_best_states_from_anywhere() -> None:
+    """Zero and initial states stand linearly: one evaluation finds them from 0 as from the data."""
+    problem = problem_of(staircase(1000.0))
+    windows = WindowedProblem(problem)
+    objective = Objective(windows, {"contraction": 1.0})
+    plain, measured = windows.free_unknowns(TRUTH), windows.started(TRUTH)
+    found, known = (windows.with_best_states(objective(z)) for z in (plain, measured))
+    np.testing.assert_allclose(found, known, rtol=1e-7, atol=1e-7)

@@ -10,7 +10,7 @@ import pytest
 
 from softid.fitters.problem import Problem
 from softid.identification import fit
-from softid.identification.held_input import explains_better, with_held_input
+from softid.identification.held_input import explains_better, held_readings
 from softid.log import Log, LogSet
 from softid.models import Oscillator
 from softid.records import load_params, save_fit
@@ -59,8 +59,27 @@ def test_the_true_reading_is_taken(is_held: bool, tmp_path: Path) -> None:
 def test_a_log_that_says_it_is_believed() -> None:
     """Declared as straight, a held input is not looked at again."""
     log = replace(stepped(0, is_held=True), intersample="straight")
-    assert with_held_input(LogSet((log,))) is None
+    assert held_readings(LogSet((log,))) == ()
     assert fit(log, model="oscillator").options["intersample"] == "straight"
+
+
+@pytest.mark.parametrize(("name", "reading"), [("pressure_command", "zoh"), ("pressure", None)])
+def test_a_command_may_be_held_at_every_sample(name: str, reading: str | None) -> None:
+    """A held sine has no jump, but half a sample of it is many times the noise, and the truth is
+    found with it; a measured pressure is not asked, for no actuator sees samples of a gauge."""
+    time_s = PERIOD_S * np.arange(1500)
+    u = 50.0 + 40.0 * np.sin(4.0 * time_s + 0.05 * time_s**2)
+    decay, x = np.exp(-PERIOD_S / TAU_S), np.empty(time_s.size)
+    x[0] = u[0]
+    for k in range(time_s.size - 1):
+        x[k + 1] = u[k] + (x[k] - u[k]) * decay
+    y = 0.01 * x + np.random.default_rng(0).normal(0.0, NOISE, x.size)
+    log = Log.from_arrays(time_s, {name: u, "angle": y}, input=name)
+    found = fit(log, model=Oscillator(order="first"))
+    assert found.options["intersample"] == reading
+    interval = found.parameter("N").ci95
+    assert interval is not None
+    assert (interval[0] <= 100.0 * TAU_S <= interval[1]) is (reading == "zoh")
 
 
 def test_the_same_logs_explain_nothing_better() -> None:

@@ -9,7 +9,6 @@ from scipy.signal import lfilter
 
 from softid.errors import IdentificationError, UsageError
 from softid.uncertainty.autoregression import (
-    MIN_LEFT,
     AutoRegression,
     autocovariance,
     contiguous_runs,
@@ -19,6 +18,7 @@ from softid.uncertainty.autoregression import (
     to_reflection,
     whiten,
 )
+from softid.uncertainty.burg import MIN_LEFT
 
 AR3 = to_phi(np.array([0.8, -0.5, 0.3]))
 
