@@ -10,12 +10,14 @@ import pytest
 from handmade_diagnosis import remainder
 from handmade_rounds import candidate, ranked
 
+from softid.diagnoses import Remainder
 from softid.diagnosis import searches
 from softid.diagnosis.chain import Chain, Link
 from softid.diagnosis.searches import (
     BETTER_BASE,
     Found,
     _first_link,
+    _stands_for_another,
     from_other_places,
     searched_thoroughly,
 )
@@ -23,7 +25,7 @@ from softid.effects import effect_of
 
 NOISE = remainder(structured=False, explained=1.0)
 STRUCTURE = remainder(structured=True, explained=0.7)
-ELSEWHERE, GIVEN = (candidate(("creep",)),), (candidate(("delay",)),)
+GIVEN = (candidate(("delay",)),)
 
 
 def chain_of(*keys: str) -> Chain:
@@ -56,34 +58,45 @@ def ignore(message: str, fraction: float) -> None:
     ],
 )
 def test_a_search_that_came_to_nothing(
-    left: Any, is_named: tuple[bool, ...], nothing: bool
+    left: Remainder, is_named: tuple[bool, ...], nothing: bool
 ) -> None:
     """Structure is left, and no cause may be named; noise with no name is an answer."""
     keys = ("delay", "creep")[: len(is_named)]
     assert Found(chain_of(*keys), left, is_named).came_to_nothing is nothing
 
 
+def elsewhere(squares: float) -> tuple[Any, ...]:
+    """Candidates beside a first cause that leaves 100."""
+    return candidate(("creep",), squares), candidate(("ageing",), 2.0 * squares)
+
+
+NEAR, FAR = elsewhere(101.9), elsewhere(102.1)
+
+
 @pytest.mark.parametrize(
-    ("first", "vanished", "given", "asked"),
+    ("first", "vanished", "given", "others", "asked"),
     [
-        ("delay", False, (), [()]),
-        ("static_curve", False, (), [(), ELSEWHERE]),
-        ("delay", True, (), [ELSEWHERE]),
-        ("static_curve", True, (), [ELSEWHERE]),
-        ("static_curve", False, GIVEN, [GIVEN]),
-        (None, False, (), [()]),
+        ("delay", False, (), NEAR, [()]),
+        ("static_curve", False, (), NEAR, [(), NEAR]),
+        ("static_curve", False, (), FAR, [()]),
+        ("static_curve", False, (), (), [()]),
+        ("delay", True, (), NEAR, [NEAR]),
+        ("static_curve", True, (), NEAR, [NEAR]),
+        ("static_curve", False, GIVEN, NEAR, [GIVEN]),
+        (None, False, (), NEAR, [()]),
     ],
 )
 def test_a_curve_with_free_knots_is_asked_again(
     first: str | None,
     vanished: bool,
     given: Sequence[Any],
+    others: tuple[Any, ...],
     asked: list[Sequence[Any]],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The rule: a curve is believed only beside candidates from elsewhere, and so is any first
-    cause of a base of which a term has vanished; never are they sought twice. The last answer
-    counts."""
+    """The rule: a curve, which has more unknowns, is believed when no candidate from elsewhere
+    comes within 2 % of it; any first cause of a base of which a term has vanished is looked for
+    beside them at once; never are they sought twice. The last answer counts."""
     told: list[Sequence[Any]] = []
     answers: list[Chain] = []
 
@@ -96,11 +109,36 @@ def test_a_curve_with_free_knots_is_asked_again(
 
     monkeypatch.setattr(searches, "_led_on", led_on)
     monkeypatch.setattr(searches, "has_vanished", lambda base: vanished)
-    monkeypatch.setattr(searches, "candidates_elsewhere", lambda *args: ELSEWHERE)
+    monkeypatch.setattr(searches, "candidates_elsewhere", lambda *args: others)
     assert len(effect_of("static_curve").amplitudes) > 1
     found = _first_link(beginning(), (), ignore, 0, given)
     assert told == asked
     assert found is answers[-1]
+
+
+@pytest.mark.parametrize(
+    ("keys", "vanished", "left", "stands"),
+    [
+        (("delay",), False, STRUCTURE, True),
+        (("delay",), False, NOISE, False),
+        (("delay",), True, STRUCTURE, False),
+        (("static_curve",), False, STRUCTURE, False),
+        (("delay", "creep"), False, STRUCTURE, False),
+        ((), False, STRUCTURE, False),
+    ],
+)
+def test_a_single_cause_that_leaves_structure_may_stand_for_another(
+    keys: tuple[str, ...],
+    vanished: bool,
+    left: Remainder,
+    stands: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where nothing followed it; a curve was tried against candidates from elsewhere already, and
+    so was any cause of a base of which a term has vanished."""
+    monkeypatch.setattr(searches, "has_vanished", lambda base: vanished)
+    monkeypatch.setattr(searches, "_left", lambda start, now, seed: left)
+    assert _stands_for_another(beginning(), chain_of(*keys), 0) is stands
 
 
 def searched_as(answers: dict[str, Found], *, by: list[str]) -> Callable[..., Found]:
@@ -168,7 +206,7 @@ def test_only_a_whole_answer_from_elsewhere_counts(
 ) -> None:
     """It leaves noise and a name; and where a term had vanished it was asked for at first."""
     monkeypatch.setattr(searches, "has_vanished", lambda base: vanished)
-    monkeypatch.setattr(searches, "candidates_elsewhere", lambda *args: ELSEWHERE)
+    monkeypatch.setattr(searches, "candidates_elsewhere", lambda *args: NEAR)
     monkeypatch.setattr(searches, "extended", lambda *args, **options: chain_of("delay"))
     monkeypatch.setattr(searches, "_searched", searched_as({"begun": answer}, by=[]))
     found = from_other_places(beginning(), (), ignore, 0)
