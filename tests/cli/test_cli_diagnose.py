@@ -173,11 +173,24 @@ def test_a_failure_writes_nothing(softid: Cli, bench: Desk, tmp_path: Path) -> N
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_interruption_says_how_to_go_on(softid: Cli, bench: Desk, tmp_path: Path) -> None:
-    """130 is 128 + SIGINT; one sentence, nothing written."""
+@pytest.mark.parametrize(
+    ("given", "sooner"),
+    [
+        ((), ", or be done sooner with --model NAME or --effects NAME,..."),
+        (("--model", "muscle"), ", or be done sooner with --effects NAME,..."),
+        (("--effects", "delay,creep"), ", or be done sooner with --model NAME or fewer --effects"),
+        (("--effects", "delay"), ", or be done sooner with --model NAME"),
+        (("--model", "muscle", "--effects", "delay"), ""),
+    ],
+)
+def test_an_interruption_says_how_to_go_on(
+    softid: Cli, bench: Desk, tmp_path: Path, given: tuple[str, ...], sooner: str
+) -> None:
+    """130 is 128 + SIGINT; one sentence without what was given already, nothing written."""
     bench.answer = KeyboardInterrupt()
-    told = softid("diagnose", "a.csv", "--quiet")
+    told = softid("diagnose", "a.csv", "--quiet", *given)
     assert told.code == 130
     (line,) = told.err.splitlines()
-    assert line.startswith("softid: interrupted: nothing was written; run the same command again")
+    again = "softid: interrupted: nothing was written; run the same command again"
+    assert line.rstrip(".") == f"{again}{sooner}".rstrip(".")
     assert list(tmp_path.iterdir()) == []
