@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -13,7 +14,7 @@ import pytest
 from desk import Desk, Outcome
 from extended_fits import extended_fit
 from handmade import failed_fit, fit_result
-from handmade_diagnosis import diagnosis
+from handmade_diagnosis import FRICTION, cause, diagnosis, estimate
 
 from softid.diagnoses import Diagnosis, Verdict
 from softid.diagnosis.words import worded
@@ -171,6 +172,22 @@ def test_a_failure_writes_nothing(softid: Cli, bench: Desk, tmp_path: Path) -> N
     bench.answer = Diagnosis(**{**vars(worded(diagnosis(Verdict.NAMED))), "base": failed_fit()})
     assert softid("diagnose", "a.csv").code == 4
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_tables_tell_what_a_cause_was_added_to(softid: Cli, bench: Desk) -> None:
+    """2 → 1.5 → 1 → 0.5 with a description in the middle: each of the tables has a gap in it."""
+    size = [estimate("delay_tau", 0.05, "s")]
+    first = cause("coulomb_friction", FRICTION.parameters, before=2.0, after=1.5)
+    between = cause("creep", [estimate("creep_k", 0.1, "1")], before=1.5, after=1.0)
+    second = cause("delay", size, before=1.0, after=0.5)
+    made = diagnosis(Verdict.PARTIAL)
+    bench.answer = replace(made, causes=(first, second), descriptive=(between,))
+    flat = " ".join(softid("diagnose", "a.csv").out.split())
+    assert "2 → 1.5 deg vs" in flat
+    assert "1 → 0.5 deg after creep" in flat
+    assert "1.5 → 1 deg after coulomb_friction" in flat
+    bench.answer = replace(made, causes=(first, between, second))
+    assert "deg after" not in " ".join(softid("diagnose", "b.csv").out.split())
 
 
 @pytest.mark.parametrize(
