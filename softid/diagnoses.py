@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -96,6 +96,21 @@ class Cause:
     holdout_rmse_without: float | None = None
 
 
+def cause_before(cause: Cause, others: Sequence[Cause]) -> Cause | None:
+    """The link of the chain that a cause was added to; None for the first one.
+
+    Causes and descriptions form one chain, in which the error after one is that before the next.
+
+    Parameters
+    ----------
+    cause
+        A cause or a description.
+    others
+        The causes and descriptions of the same diagnosis.
+    """
+    return next((c for c in others if c.holdout_rmse_after == cause.holdout_rmse_before), None)
+
+
 @dataclass(frozen=True)
 class Alternative:
     """A set of causes that the data cannot split.
@@ -108,11 +123,20 @@ class Alternative:
         Name → BIC above the best.
     why
         Why they cannot be split, and what would split them.
+    forms
+        Keys of the forms that explain it best, in the order of the effects; empty for the plain
+        ones.
     """
 
     effects: tuple[str, ...]
     delta_bic: Mapping[str, float]
     why: str
+    forms: tuple[str, ...] = ()
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of what is meant, the best first."""
+        return self.forms or self.effects
 
 
 @dataclass(frozen=True)

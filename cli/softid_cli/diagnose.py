@@ -33,10 +33,6 @@ if TYPE_CHECKING:
 
 RESULTS = Path("softid-out")
 SUFFIX = "-diagnosis"
-HOW_TO_GO_ON = (
-    "nothing was written; run the same command again, or be done sooner with --model NAME or fewer "
-    "--effects"
-)
 
 
 @dataclass(frozen=True)
@@ -193,8 +189,21 @@ def examine(request: DiagnoseRequest) -> None:
     try:
         found, plots = _found(request)
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(HOW_TO_GO_ON) from None
+        raise KeyboardInterrupt(_how_to_go_on(request)) from None
     _deliver(request, found, plots)
+
+
+def _how_to_go_on(request: DiagnoseRequest) -> str:
+    """What an interrupted user may do, without what this run had already."""
+    sooner = []
+    if request.model is None and request.params is None:
+        sooner.append("--model NAME")
+    if not request.effects:
+        sooner.append("--effects NAME,...")
+    elif len(request.effects) > 1:
+        sooner.append("fewer --effects")
+    again = "nothing was written; run the same command again"
+    return f"{again}, or be done sooner with {' or '.join(sooner)}" if sooner else again
 
 
 def _require_effects(names: Sequence[str]) -> None:

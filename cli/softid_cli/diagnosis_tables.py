@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnoses import Cause, Diagnosis
+from softid.diagnoses import Cause, Diagnosis, cause_before
 from softid.results import ParameterEstimate
 from softid_cli.tables import interval, name_in_effect, print_issues, print_rows, print_text
 
@@ -24,7 +24,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     _print_causes("Description, not a cause:", diagnosis.descriptive, diagnosis)
     for alternative in diagnosis.alternatives:
         print_text("")
-        print_text(f"Cannot be split: {', '.join(alternative.effects)}. {alternative.why}".rstrip())
+        print_text(f"Cannot be split: {', '.join(alternative.keys)}. {alternative.why}".rstrip())
     print_issues(diagnosis.issues)
 
 
@@ -35,14 +35,21 @@ def _print_causes(heading: str, causes: Sequence[Cause], diagnosis: Diagnosis) -
     if heading:
         print_text(heading)
     unit, factor = _display(diagnosis)
-    print_rows(COLUMNS, [_row(cause, unit, factor) for cause in causes])
+    chain = (*diagnosis.causes, *diagnosis.descriptive)
+    rows = []
+    for above, cause in zip((None, *causes), causes, strict=False):
+        earlier = cause_before(cause, chain)
+        rows.append(_row(cause, unit, factor, earlier if earlier is not above else None))
+    print_rows(COLUMNS, rows)
 
 
-def _row(cause: Cause, unit: str, factor: float) -> tuple[str, ...]:
+def _row(cause: Cause, unit: str, factor: float, earlier: Cause | None) -> tuple[str, ...]:
+    """One cause, and the one of the other table that it was added to."""
     before, after = (v * factor for v in (cause.holdout_rmse_before, cause.holdout_rmse_after))
     error = ""
     if math.isfinite(before) and math.isfinite(after):
         error = f"{before:.3g} → {after:.3g} {unit}".rstrip()
+        error += f"\nafter {earlier.key}" if earlier else ""
     if cause.gain_ci95 is not None:
         low, high = (100.0 * end for end in cause.gain_ci95)
         error += f"\ngain {low:z.0f} to {high:z.0f} %"

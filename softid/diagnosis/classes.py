@@ -143,7 +143,7 @@ def splitting_experiment(effects: Sequence[str]) -> Split | None:
         best = max(worst)
         if best >= HOPELESS:
             return Split(EXPERIMENTS[worst.index(best)], best)
-    shown = dict.fromkeys(EFFECTS[name].shown_by for name in names if name in EFFECTS)
+    shown = dict.fromkeys(EFFECTS[key].shown_by for key in effects if key in EFFECTS)
     return Split("; ".join(shown), None) if shown else None
 
 
@@ -165,7 +165,7 @@ def why_unsplit(effects: Sequence[str], *, alike: bool = True) -> str:
     Parameters
     ----------
     effects
-        Names of the causes that are not told apart, the best first.
+        Names or keys of the causes that are not told apart, the best first.
     alike
         Whether they explain the logs equally well; otherwise they differ by less than what all of
         them leave.

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -12,8 +13,10 @@ from softid.diagnoses import Alternative, Cause, Evidence, Gain
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import Chain, Link
 from softid.diagnosis.held_out import HeldOut, gain_interval
+from softid.effects import EFFECTS, effect_of, extended_name
+from softid.effects.base import Effect
 from softid.residuals import fit_percent
-from softid.results import FitResult
+from softid.results import FitResult, ParameterEstimate
 
 Array = npt.NDArray[np.float64]
 
@@ -42,14 +45,15 @@ def causes_of(
         effect = link.added
         prefix = f"{effect.name}_"
         own = [p for p in after.parameters if p.name.startswith(prefix)] if after else []
+        told = told_as(effect, own)
         found.append(
             Cause(
                 effect=effect.name,
                 key=effect.key,
-                title=effect.title,
+                title=told.title,
                 law=effect.law,
-                meaning=effect.meaning,
-                remedy=effect.remedy,
+                meaning=told.meaning,
+                remedy=told.remedy,
                 parameters=tuple(own),
                 delta_bic=link.delta_bic,
                 holdout_rmse_before=_rms(before_rows),
@@ -58,6 +62,25 @@ def causes_of(
             )
         )
     return tuple(found)
+
+
+def told_as(effect: Effect, parameters: Sequence[ParameterEstimate]) -> Effect:
+    """The effect, or its plain form where its parameters do not tell the two apart.
+
+    Parameters
+    ----------
+    effect
+        What was fitted.
+    parameters
+        Its parameters, named as in the extended model.
+    """
+    if effect.plain_at is None or effect.name not in EFFECTS:
+        return effect
+    name, value = effect.plain_at
+    for p in parameters:
+        if p.name == extended_name(effect, name) and p.ci95 is not None:
+            return effect_of(effect.name) if p.ci95[0] <= value <= p.ci95[1] else effect
+    return effect
 
 
 def whole_gain_of(errors: Sequence[Array], rng: np.random.Generator) -> tuple[float, float] | None:
@@ -124,28 +147,33 @@ def _fitted(candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
     return found
 
 
-def alternatives_of(links: Sequence[Link]) -> tuple[Alternative, ...]:
+def alternatives_of(
+    links: Sequence[Link], told: Mapping[str, str] = MappingProxyType({})
+) -> tuple[Alternative, ...]:
     """Sets of effects that explain the logs equally well.
 
     Parameters
     ----------
     links
         The chain.
+    told
+        Key → that of the form as which it is told, where this is another.
     """
     found = []
     for link in links:
         if len(link.rivals) < 2:
             continue
-        bic: dict[str, float] = {}
+        best = {link.added.name: link.chosen}
         for row in link.ranked:
             if row is not link.before and row.candidate.keys != link.before.candidate.keys:
-                name = link.added_by(row).name
-                bic[name] = min(bic.get(name, np.inf), row.bic - link.chosen.bic)
-        found.append(
-            Alternative(
-                link.rivals, {name: max(bic.get(name, 0.0), 0.0) for name in link.rivals}, ""
-            )
-        )
+                best.setdefault(link.added_by(row).name, row)
+        behind = {
+            name: best[name].bic - link.chosen.bic if name in best else 0.0 for name in link.rivals
+        }
+        forms = [link.added_by(best[name]).key if name in best else name for name in link.rivals]
+        delta_bic = {name: max(bic, 0.0) for name, bic in behind.items()}
+        keys = tuple(told.get(key, key) for key in forms)
+        found.append(Alternative(link.rivals, delta_bic, "", keys))
     return tuple(found)
 
 

@@ -40,7 +40,8 @@ def has_vanished(base: Candidate) -> bool:
     """Whether a term of the base has vanished, to make room for what it cannot explain."""
     problem = base.problem
     scaled = [problem.parameters[name].scale == "log" for name in problem.free]
-    felt = np.diag(base.minimum.normal.matrix)[: len(scaled)][scaled]
+    by_samples = np.diag(base.minimum.normal.matrix) - base.prior.weight
+    felt = by_samples[: len(scaled)][scaled]
     return bool(np.any(felt < VANISHED * base.squares))
 
 

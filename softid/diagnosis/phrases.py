@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnoses import NOTABLE, Remainder
+from softid.diagnoses import NOTABLE, Cause, Evidence, Remainder
+from softid.diagnosis.classes import classes_of
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
 
@@ -27,6 +28,12 @@ VARIATIONS = {
     "x and v": "every position passed at several speeds",
 }
 """What would show a dependence on each of them better."""
+
+ENOUGH = 0.9
+"""From this share on it is not the misfit that forbids a name."""
+
+FAR_APART = 0.15
+"""A law does not carry over when so much less of the misfit goes on what is held out."""
 
 MOST_VARIABLES = 2
 MOST_PARAMETERS = 3
@@ -51,6 +58,18 @@ def title_of(key: str) -> str:
 def titles_of(effects: Sequence[str], *, last: str = " and ") -> str:
     """The headings of several effects within a sentence."""
     return listed([title_of(name) for name in effects], last=last)
+
+
+def neighbours_of(key: str) -> tuple[str, ...]:
+    """Names of the effects that one is easily confused with."""
+    return EFFECTS[key].neighbours if key in EFFECTS else ()
+
+
+def named_whole(cause: Cause) -> str:
+    """The heading, or all members of the class that no log can split."""
+    for known in classes_of([cause.key]):
+        return " or ".join(known.members)
+    return lowered(cause.title)
 
 
 def listed(parts: Sequence[str], *, last: str = " and ") -> str:
@@ -96,3 +115,28 @@ def _value(p: ParameterEstimate) -> str:
     interval = f" [{low}, {high}]" if ends is not None else ""
     bound = ", at its bound" if p.at_bound else ""
     return f"{name} = {p.value:.3g}{interval}{unit}{bound}"
+
+
+def taken_by(remainder: Remainder) -> str:
+    """How much of the misfit goes, and why that names no cause."""
+    taken = f"{percent(remainder.explained_share)} of the misfit above the noise"
+    if remainder.explained_share - remainder.held_out_share < FAR_APART:
+        if remainder.explained_share > ENOUGH:
+            return f"{taken}, but its law is not sure enough for a name"
+        return f"{taken}, which is too little for a cause"
+    held = percent(remainder.held_out_share)
+    return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
+
+
+def structure_of_rest(remainder: Remainder) -> str:
+    """How much of what is left follows from the motion, beside what chance reaches."""
+    share, limit = percent(remainder.structure_share), percent(max(remainder.structure_limit, 0.0))
+    if remainder.structure_share <= max(remainder.structure_limit, 0.0):
+        return "no more of it follows from the motion than chance would make of noise"
+    return f"{share} of its power follows from the motion, where chance reaches {limit}"
+
+
+def round_of(cause: Cause, evidence: Sequence[Evidence], number: int) -> int:
+    """The round in which a cause was found: descriptions have rounds of their own."""
+    mine = (e.round for e in evidence if (e.effect, e.delta_bic) == (cause.key, cause.delta_bic))
+    return next(mine, number)

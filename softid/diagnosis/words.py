@@ -6,7 +6,16 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
+from softid.diagnoses import (
+    Alternative,
+    Cause,
+    Diagnosis,
+    Evidence,
+    Gain,
+    Remainder,
+    Verdict,
+    cause_before,
+)
 from softid.diagnosis.chain import INDISTINCT
 from softid.diagnosis.classes import PRESLIDING, classes_of, splitting_experiment, why_unsplit
 from softid.diagnosis.marks import CODES
@@ -15,21 +24,19 @@ from softid.diagnosis.phrases import (
     VARIATIONS,
     listed,
     lowered,
+    named_whole,
+    neighbours_of,
     percent,
     percent_range,
+    round_of,
+    structure_of_rest,
+    taken_by,
     title_of,
     titles_of,
     values_of,
     variables_left,
 )
-from softid.effects import EFFECTS
 from softid.results import FitResult
-
-ENOUGH = 0.9
-"""From this share on it is not the misfit that forbids a name."""
-
-FAR_APART = 0.15
-"""A law does not carry over when so much less of the misfit goes on what is held out."""
 
 
 def worded(found: Diagnosis) -> Diagnosis:
@@ -63,7 +70,7 @@ def worded(found: Diagnosis) -> Diagnosis:
 def _why_tied(alternative: Alternative) -> str:
     if _is_presliding(alternative):
         return f"{PRESLIDING.why}. What splits them: {PRESLIDING.splits}."
-    return why_unsplit(alternative.effects, alike=_are_alike(alternative))
+    return why_unsplit(alternative.keys, alike=_are_alike(alternative))
 
 
 def _are_alike(alternative: Alternative) -> bool:
@@ -114,7 +121,7 @@ def summarise(
     elif verdict is Verdict.UNKNOWN:
         told += _unknown(teller, descriptive or causes, alternatives, remainder)
     else:
-        told += _explained(teller, causes, alternatives, evidence)
+        told += _explained(teller, causes, alternatives, evidence, descriptive)
         if descriptive:
             told.append(_described(descriptive))
         told.append(teller.mended((*causes, *descriptive)))
@@ -143,9 +150,9 @@ def what_next(
     for alternative in alternatives if verdict is not Verdict.UNKNOWN else ():
         if _is_presliding(alternative):
             return f"record {PRESLIDING.splits}"
-        split = splitting_experiment(alternative.effects)
+        split = splitting_experiment(alternative.keys)
         if split is not None:
-            either = titles_of(alternative.effects)
+            either = titles_of(alternative.keys)
             return f"record {split.experiment}, to tell {either} apart"
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
         left = variables_left(remainder)
@@ -230,7 +237,7 @@ class _Teller:
 def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
     left = teller.size(remainder.rms)
     noise = "the noise of the rests" if remainder.noise_from_rest else "noise"
-    why = "it is no larger" if remainder.predictable else _structure(remainder)
+    why = "it is no larger" if remainder.predictable else structure_of_rest(remainder)
     told = [
         "None of the effects tried explains more of it than chance would.",
         f"What is left, {left} rms on the fitted samples, looks like {noise}: {why}.",
@@ -248,10 +255,10 @@ def _unknown(
 ) -> list[str]:
     told = ["Something is missing, and none of the effects tried can be named for it."]
     if tried:
-        names = " with ".join(title_of(cause.key) for cause in tried)
-        told.append(f"The best description, {names}, takes away {_taken(remainder)}.")
+        names = " with ".join(lowered(cause.title) for cause in tried)
+        told.append(f"The best description, {names}, takes away {taken_by(remainder)}.")
         for tie in alternatives:
-            first, *others = tie.effects
+            first, *others = tie.keys
             told.append(
                 f"These logs do not tell {title_of(first)} from {titles_of(others, last=' or ')}."
             )
@@ -261,19 +268,8 @@ def _unknown(
     return [*told, _left(teller, remainder)]
 
 
-def _taken(remainder: Remainder) -> str:
-    """How much of the misfit goes, and why that names no cause."""
-    taken = f"{percent(remainder.explained_share)} of the misfit above the noise"
-    if remainder.explained_share - remainder.held_out_share < FAR_APART:
-        if remainder.explained_share > ENOUGH:
-            return f"{taken}, but its law is not sure enough for a name"
-        return f"{taken}, which is too little for a cause"
-    held = percent(remainder.held_out_share)
-    return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
-
-
 def _described(descriptive: Sequence[Cause]) -> str:
-    names = listed([title_of(cause.key) for cause in descriptive])
+    names = listed([lowered(cause.title) for cause in descriptive])
     verb = "describes" if len(descriptive) == 1 else "describe"
     return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
 
@@ -289,17 +285,10 @@ def _left(teller: _Teller, remainder: Remainder) -> str:
     named = [VARIABLES.get(name, name) for name in variables_left(remainder)]
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.predictable:
-        told += f"is not noise: {_structure(remainder)}"
+        told += f"is not noise: {structure_of_rest(remainder)}"
     else:
         told += "is larger than the noise, but follows from no variable that was looked at"
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
-
-
-def _structure(remainder: Remainder) -> str:
-    share, limit = percent(remainder.structure_share), percent(max(remainder.structure_limit, 0.0))
-    if remainder.structure_share <= max(remainder.structure_limit, 0.0):
-        return "no more of it follows from the motion than chance would make of noise"
-    return f"{share} of its power follows from the motion, where chance reaches {limit}"
 
 
 def _explained(
@@ -307,6 +296,7 @@ def _explained(
     causes: Sequence[Cause],
     alternatives: Sequence[Alternative],
     evidence: Sequence[Evidence],
+    descriptive: Sequence[Cause],
 ) -> list[str]:
     told = []
     for number, cause in enumerate(causes, start=1):
@@ -314,25 +304,26 @@ def _explained(
         opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
         values = values_of(cause.parameters)
         if tie is not None:
-            named = titles_of(tie.effects, last=" or ")
+            named = titles_of(tie.keys, last=" or ")
             if _is_presliding(tie):
-                reason = f"{PRESLIDING.why}. As {title_of(cause.key)} it"
+                reason = f"{PRESLIDING.why}. As {lowered(cause.title)} it"
             else:
-                reason = f"The first by a little, {title_of(cause.key)},"
+                reason = f"The first by a little, {lowered(cause.title)},"
             told.append(
                 f"{opening} one of these, and the logs do not say which: {named}. {reason} would "
                 f"have {values}."
             )
         else:
             told.append(
-                f"{opening} {_named(cause.key)} ({cause.key}) with {values}. {cause.meaning}"
+                f"{opening} {named_whole(cause)} ({cause.key}) with {values}. {cause.meaning}"
             )
         told += [
             f"No log of pressure and motion can tell {' from '.join(c.members)}: {lowered(c.why)}"
             for c in classes_of(tie.effects if tie else [cause.effect])
         ]
-        alone = len(causes) == 1 and bool(teller.rows)
-        told.append(_evidence(teller, cause, number, tie, evidence, with_errors=not alone))
+        alone = len(causes) == 1 and not descriptive and bool(teller.rows)
+        errors = "" if alone else _errors(teller, cause, descriptive)
+        told.append(_evidence(teller, cause, number, tie, evidence, errors))
     return told
 
 
@@ -342,18 +333,17 @@ def _evidence(
     number: int,
     tie: Alternative | None,
     evidence: Sequence[Evidence],
-    *,
-    with_errors: bool,
+    errors: str,
 ) -> str:
-    told = f"Evidence: BIC falls by {cause.delta_bic:.0f}"
-    errors = (cause.holdout_rmse_before, cause.holdout_rmse_after)
-    if with_errors and all(map(math.isfinite, errors)):
-        before, after = map(teller.size, errors)
-        told += f", and the held-out error goes from {before} to {after}"
+    told = f"Evidence: BIC falls by {cause.delta_bic:.0f}{errors}"
     if cause.holdout_rmse_without is not None:
         told += f"; without it the others leave {teller.size(cause.holdout_rmse_without)}"
     tied = {cause.effect, *(tie.effects if tie else ())}
-    raced = [e for e in evidence if e.round == number and e.effect.split(".")[0] not in tied]
+    raced = [
+        e
+        for e in evidence
+        if e.round == round_of(cause, evidence, number) and e.effect.split(".")[0] not in tied
+    ]
     rivals = [(e.delta_bic, e.effect) for e in raced if e.effect and e.delta_bic is not None]
     ahead = sorted({key for delta, key in rivals if delta > cause.delta_bic})
     if ahead:
@@ -362,12 +352,23 @@ def _evidence(
     elif rivals:
         delta, key = max(rivals)
         told += f"; the next best, {title_of(key)}, stays {cause.delta_bic - delta:.0f} behind"
-    confused = [] if tie else _neighbours(cause.effect)
+    confused = [] if tie else neighbours_of(cause.key)
     if confused:
         known = {e.effect for e in raced} - {key.split(".")[0] for key in ahead}
         also = ", which explain these logs less well" if known.issuperset(confused) else ""
         told += f". It is easily confused with {listed([title_of(n) for n in confused])}{also}"
     return told + "."
+
+
+def _errors(teller: _Teller, cause: Cause, descriptive: Sequence[Cause]) -> str:
+    """The error before and after, and which description brought it to where the cause begins."""
+    errors = (cause.holdout_rmse_before, cause.holdout_rmse_after)
+    if not all(map(math.isfinite, errors)):
+        return ""
+    before, after = map(teller.size, errors)
+    earlier = cause_before(cause, descriptive)
+    there = f", where {lowered(earlier.title)} has brought it," if earlier else ""
+    return f", and the held-out error goes from {before}{there} to {after}"
 
 
 def _next(
@@ -387,14 +388,3 @@ def _next(
     if verdict is Verdict.UNKNOWN:
         told.append("Look at the plots of what is left against position, speed, input and time.")
     return told
-
-
-def _neighbours(effect: str) -> tuple[str, ...]:
-    return EFFECTS[effect].neighbours if effect in EFFECTS else ()
-
-
-def _named(key: str) -> str:
-    """The heading, or all members of the class that no log can split."""
-    for known in classes_of([key]):
-        return " or ".join(known.members)
-    return title_of(key)

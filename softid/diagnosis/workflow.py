@@ -26,6 +26,7 @@ from softid.diagnosis.findings import (
     causes_of,
     evidence_of,
     gains_of,
+    told_as,
     whole_gain_of,
 )
 from softid.diagnosis.input_noise import without_input_noise
@@ -176,6 +177,10 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
         with_presliding(link, cause, start.scale)
         for link, cause in zip(chain.links, causes, strict=True)
     ]
+    forms = {
+        link.added.key: told_as(link.added, cause.parameters).key
+        for link, cause in zip(links, causes, strict=True)
+    }
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, sure in zip(links, is_named, strict=True) if sure]
     row = next(r for r in before.statistics if r.channel == before.outputs[0])
@@ -193,7 +198,7 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
         extended=after,
         causes=tuple(cause for cause, sure in told if sure),
         descriptive=tuple(cause for cause, sure in told if not sure),
-        alternatives=alternatives_of(named or links),
+        alternatives=alternatives_of(named or links, forms),
         remainder=remainder,
         gains=gains_of(base, chain.final, held, before),
         evidence=evidence_of(chain),

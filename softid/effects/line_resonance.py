@@ -93,5 +93,6 @@ class LineResonance(InputEffect):
     def _periods(scale: Scale) -> tuple[float, ...]:
         longest = 0.5 * LONGEST_SHARE * scale.duration_s
         shortest = min(6.0 * scale.period_s, 0.1 * longest)
+        shortest = max(shortest, SHORTEST_PERIODS * scale.period_s)
         slowest = min(max(2.0 * scale.motion_s, 8.0 * shortest), longest)
         return tuple(np.geomspace(shortest, slowest, 4).tolist())

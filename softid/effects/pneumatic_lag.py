@@ -96,6 +96,7 @@ class SeparatePneumaticLag(PneumaticLag):
         "record the pressure inside the actuator, or vent through a wider way than the filling one"
     )
     shown_by: ClassVar[str] = "steps up and down between the same levels"
+    plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time constant of filling, and that of venting as a multiple of it."""

@@ -24,15 +24,17 @@ START_DEPTHS = (0.01, 0.1, 0.3)
 class SensorClipping(OutputEffect):
     """Reading that ends at an upper limit, min(y, ys).
 
-    The limit counts from the model's own zero, as y does. There is no amplitude: the effect
+    The limit counts from the model's own zero, as y does: what was recorded is flat at the limit
+    plus the sensor zero of the log. There is no amplitude: the effect
     vanishes when the limit lies beyond all of the motion.
     """
 
     name: ClassVar[str] = "sensor_clipping"
     title: ClassVar[str] = "Clipping of the sensor at its upper limit"
-    law: ClassVar[str] = "recorded y = min(y, upper)"
+    law: ClassVar[str] = "recorded y = min(y, upper) + sensor zero of the log"
     meaning: ClassVar[str] = (
-        "The motion goes on, but the reading stops at the end of the sensor's range."
+        "The motion goes on, but the reading stops at the end of the sensor's range: at the limit "
+        "told here plus the sensor zero of the log."
     )
     signature: ClassVar[str] = (
         "The reading has flat ends at one exact value, and the residual is there the part of the "
@@ -65,7 +67,7 @@ class LowerSensorClipping(SensorClipping):
 
     variant: ClassVar[str] = "lower"
     title: ClassVar[str] = "Clipping of the sensor at its lower limit"
-    law: ClassVar[str] = "recorded y = max(y, lower)"
+    law: ClassVar[str] = "recorded y = max(y, lower) + sensor zero of the log"
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The lower limit, from 0.7 of the range to a whole range below it."""
@@ -88,7 +90,7 @@ class BothSensorClipping(SensorClipping):
 
     variant: ClassVar[str] = "both"
     title: ClassVar[str] = "Clipping of the sensor at both limits"
-    law: ClassVar[str] = "recorded y = max(min(y, upper), lower)"
+    law: ClassVar[str] = "recorded y = max(min(y, upper), lower) + sensor zero of the log"
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The upper and the lower limit."""
@@ -120,7 +122,7 @@ def _upper(scale: Scale, depth: float, source: str) -> Parameter:
         scale.y_unit,
         scale.y_high - DEEPEST * scale.y_span,
         scale.y_high + BEYOND * scale.y_span,
-        meaning="largest value that can be read",
+        meaning="largest value that can be read, less the sensor zero of the log",
         source=source,
     )
 
@@ -132,6 +134,6 @@ def _lower(scale: Scale, depth: float, source: str) -> Parameter:
         scale.y_unit,
         scale.y_low - BEYOND * scale.y_span,
         scale.y_low + DEEPEST * scale.y_span,
-        meaning="smallest value that can be read",
+        meaning="smallest value that can be read, less the sensor zero of the log",
         source=source,
     )

@@ -101,7 +101,7 @@ def write_folder(
             raise OutputError(
                 "this is a file, not a folder",
                 where=str(folder),
-                remedy="name another folder with --out",
+                remedy="name another folder",
             )
         for name in files:
             _check_target(Path(folder) / name, overwrite=overwrite)
@@ -192,7 +192,7 @@ def _check_target(path: Path, *, overwrite: bool) -> None:
         raise OutputError(
             "the file exists already",
             where=str(path),
-            remedy="say --force to replace it, or name another place with --out",
+            remedy="say --force (overwrite=True in Python) to replace it, or name another place",
         )
 
 

@@ -242,5 +242,5 @@ def _refuse_existing(path: Path) -> None:
         raise OutputError(
             "the file exists already",
             where=str(path),
-            remedy="say --force to replace it, or name another folder with --out",
+            remedy="say --force (overwrite=True in Python) to replace it, or name another folder",
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -13,7 +14,7 @@ import pytest
 from desk import Desk, Outcome
 from extended_fits import extended_fit
 from handmade import failed_fit, fit_result
-from handmade_diagnosis import diagnosis
+from handmade_diagnosis import FRICTION, cause, diagnosis, estimate
 
 from softid.diagnoses import Diagnosis, Verdict
 from softid.diagnosis.words import worded
@@ -173,11 +174,40 @@ def test_a_failure_writes_nothing(softid: Cli, bench: Desk, tmp_path: Path) -> N
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_interruption_says_how_to_go_on(softid: Cli, bench: Desk, tmp_path: Path) -> None:
-    """130 is 128 + SIGINT; one sentence, nothing written."""
+def test_the_tables_tell_what_a_cause_was_added_to(softid: Cli, bench: Desk) -> None:
+    """2 → 1.5 → 1 → 0.5 with a description in the middle: each of the tables has a gap in it."""
+    size = [estimate("delay_tau", 0.05, "s")]
+    first = cause("coulomb_friction", FRICTION.parameters, before=2.0, after=1.5)
+    between = cause("creep", [estimate("creep_k", 0.1, "1")], before=1.5, after=1.0)
+    second = cause("delay", size, before=1.0, after=0.5)
+    made = diagnosis(Verdict.PARTIAL)
+    bench.answer = replace(made, causes=(first, second), descriptive=(between,))
+    flat = " ".join(softid("diagnose", "a.csv").out.split())
+    assert "2 → 1.5 deg vs" in flat
+    assert "1 → 0.5 deg after creep" in flat
+    assert "1.5 → 1 deg after coulomb_friction" in flat
+    bench.answer = replace(made, causes=(first, between, second))
+    assert "deg after" not in " ".join(softid("diagnose", "b.csv").out.split())
+
+
+@pytest.mark.parametrize(
+    ("given", "sooner"),
+    [
+        ((), ", or be done sooner with --model NAME or --effects NAME,..."),
+        (("--model", "muscle"), ", or be done sooner with --effects NAME,..."),
+        (("--effects", "delay,creep"), ", or be done sooner with --model NAME or fewer --effects"),
+        (("--effects", "delay"), ", or be done sooner with --model NAME"),
+        (("--model", "muscle", "--effects", "delay"), ""),
+    ],
+)
+def test_an_interruption_says_how_to_go_on(
+    softid: Cli, bench: Desk, tmp_path: Path, given: tuple[str, ...], sooner: str
+) -> None:
+    """130 is 128 + SIGINT; one sentence without what was given already, nothing written."""
     bench.answer = KeyboardInterrupt()
-    told = softid("diagnose", "a.csv", "--quiet")
+    told = softid("diagnose", "a.csv", "--quiet", *given)
     assert told.code == 130
     (line,) = told.err.splitlines()
-    assert line.startswith("softid: interrupted: nothing was written; run the same command again")
+    again = "softid: interrupted: nothing was written; run the same command again"
+    assert line.rstrip(".") == f"{again}{sooner}".rstrip(".")
     assert list(tmp_path.iterdir()) == []

@@ -131,6 +131,46 @@ def test_a_relaxation_has_a_time_of_its_own(at_bound: bool, named: bool) -> None
     assert stands(told, effect_of("creep"), fit_result(), WHOLE) is named
 
 
+@pytest.mark.parametrize(("second", "named"), [(-1.0, True), (1.0, False)])
+def test_a_knot_at_its_bound_is_judged_with_the_others(second: float, named: bool) -> None:
+    """The same closed form: a bound that the common level ran into says nothing of the shape."""
+    names = ("static_curve_k1", "static_curve_k2")
+    knots = [replace(estimate(n, 1.0, "rad"), at_bound=True) for n in names]
+    knots[1] = replace(knots[1], value=second, at_bound=False)
+    shape = 25.0 * np.array([[1.0, 0.9999], [0.9999, 1.0]])
+    fitted = replace(fit_result(), free=names, covariance=shape)
+    told = cause("static_curve", knots, before=2.0, after=1.0)
+    assert stands(told, effect_of("static_curve"), fitted, WHOLE) is named
+
+
+@pytest.mark.parametrize(
+    ("after", "ci95", "named"),
+    [
+        (1.81, (0.01, 0.31), False),
+        (1.81, (0.01, 0.29), True),
+        (1.81, (0.0, 0.1), False),
+        (1.81, None, True),
+        (1.79, (0.01, 0.31), True),
+    ],
+)
+def test_a_slight_cause_has_a_size(
+    after: float, ci95: tuple[float, float] | None, named: bool
+) -> None:
+    """Of an error of 2 on what is held out less than a tenth goes: then the ends of the interval
+    must be within a factor of 30. Where more goes, no size is asked for."""
+    size = replace(estimate("coulomb_friction_Fc", 0.05, "1"), ci95=ci95)
+    told = cause("coulomb_friction", [size], before=2.0, after=after)
+    assert stands(told, effect_of("coulomb_friction"), fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
+def test_a_ring_at_the_sampling_limit_is_not_named(at_bound: bool, named: bool) -> None:
+    """At its shortest period it is what the input does between two samples."""
+    period = replace(estimate("line_resonance_period", 0.06, "s"), at_bound=at_bound)
+    told = cause("line_resonance", [period], before=2.0, after=1.0)
+    assert stands(told, effect_of("line_resonance"), fit_result(), WHOLE) is named
+
+
 def test_an_obstacle_may_be_as_stiff_as_it_is_asked_to_be() -> None:
     """Its size has one sign, so that a bound says no more than that it is stiff."""
     stop = replace(estimate("contact_kw", 1e6, "1"), at_bound=True)

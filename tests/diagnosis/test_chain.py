@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import pytest
 from handmade_rounds import candidate, link, ranked
 from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
 
+from softid.diagnosis import chain as chain_module
 from softid.diagnosis.candidates import Candidate
 from softid.diagnosis.chain import (
     BEHIND_NOISE,
     FIRST,
     FURTHER,
+    SETTLING,
     Demand,
     _rivals,
     find_chain,
@@ -209,6 +214,36 @@ def test_more_is_asked_of_a_cause_behind_noise(rate: float, links: int) -> None:
     assert [len(chain.links) for chain in found] == [links, 2]
     if links == 1:
         assert 30.0 < found[1].links[1].delta_bic < 60.0
+
+
+@pytest.mark.parametrize(
+    ("reaches", "falls", "laps"),
+    [
+        ([0.9], 0.5, 1),
+        ([1.1, 0.9], 0.5, 2),
+        ([1.1, 1.1, 1.1], 0.5, 3),
+        ([1.1], 0.9995, 1),
+        ([1.1, 0.9], 0.998, 2),
+    ],
+)
+def test_a_model_settles_while_it_is_on_its_way(
+    reaches: list[float], falls: float, laps: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """More than a standard error away it goes on, three times at most, and only while its sum of
+    squares falls by a thousandth."""
+    base, _ = beginning(0.0, 0.0)
+    ahead = iter(reaches)
+
+    def advanced(now: Candidate, sigma: Mapping[str, float], evaluations: int) -> Candidate:
+        assert (now.minimum.damping, evaluations) == (None, SETTLING)
+        assert now.prior.centre == pytest.approx(now.minimum.point)
+        normal = replace(now.minimum.normal, cost=0.5 * falls * now.squares)
+        minimum = replace(now.minimum, normal=normal, reach=next(ahead), damping=1.0)
+        return replace(now, minimum=minimum)
+
+    monkeypatch.setattr(chain_module, "advance", advanced)
+    assert settled(base, SIGMA).squares == pytest.approx(falls**laps * base.squares, rel=1e-6)
+    assert next(ahead, None) is None
 
 
 def test_an_effect_is_added_once() -> None:

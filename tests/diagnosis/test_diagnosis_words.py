@@ -213,3 +213,65 @@ def test_an_unknown_cause_still_says_what_cannot_be_split() -> None:
     """A description is no cause, but that others describe as much is worth a sentence."""
     text = told(replace(diagnosis(Verdict.UNKNOWN), alternatives=(TIE,)))
     assert "These logs do not tell delay of the input from lag of the pneumatics." in text
+
+
+def test_a_tie_is_told_in_the_form_that_is_meant() -> None:
+    """The cause is the lower limit, so the tie is not one of the upper."""
+    lower = cause(
+        "sensor_clipping.lower",
+        [estimate("sensor_clipping_lower", 0.1, "rad")],
+        before=2.0,
+        after=0.5,
+    )
+    tie = Alternative(
+        ("sensor_clipping", "sensor_warmup"), {}, "", ("sensor_clipping.lower", "sensor_warmup")
+    )
+    made = replace(diagnosis(Verdict.AMBIGUOUS), causes=(lower,), alternatives=(tie,))
+    made = worded(replace(made, next_experiment=None, summary=""))
+    limit = "clipping of the sensor at its lower limit"
+    assert f"{limit} or warm-up of the sensor. The first by a little, {limit}," in made.summary
+    assert "upper" not in made.summary
+    assert made.next_experiment is not None
+    assert f"to tell {limit} and" in made.next_experiment
+    unsure = told(replace(made, verdict=Verdict.UNKNOWN, causes=(), descriptive=(lower,)))
+    assert f"do not tell {limit} from warm-up" in unsure
+
+
+def test_a_description_between_two_causes_is_told() -> None:
+    """2 → 1.5 by the first cause, 1.5 → 1 by what only describes, 1 → 0.5 by the second: without a
+    word the second would begin at an error that the first does not end with."""
+    first = cause("coulomb_friction", FRICTION.parameters, before=2.0, after=1.5)
+    between = cause("creep", [estimate("creep_k", 0.1, "1")], before=1.5, after=1.0)
+    second = replace(cause("delay", DELAY.parameters, before=1.0, after=0.5), delta_bic=60.0)
+    made = replace(diagnosis(Verdict.PARTIAL), causes=(first, second), descriptive=(between,))
+    creep = EFFECTS["creep"].title[:1].lower() + EFFECTS["creep"].title[1:]
+    assert "error goes from 2 deg to 1.5 deg" in told(made)
+    assert f"error goes from 1 deg, where {creep} has brought it, to 0.5 deg" in told(made)
+    alone = replace(made, causes=(second,), descriptive=(between,))
+    assert f"from 1 deg, where {creep} has brought it, to 0.5 deg" in told(alone)
+
+
+def test_evidence_is_that_of_the_round_in_which_a_cause_was_found() -> None:
+    """The delay came third, behind a description: its rivals are those of the third round."""
+    second = replace(DELAY, delta_bic=60.0)
+    evidence = (
+        Evidence(1, "coulomb_friction", 412.0, 0.9),
+        Evidence(2, "creep", 200.0, 0.5),
+        Evidence(2, "ageing", 100.0, 0.4),
+        Evidence(3, "delay", 60.0, 0.3),
+        Evidence(3, "softening", 50.0, 0.2),
+    )
+    made = replace(diagnosis(Verdict.NAMED), causes=(FRICTION, second), evidence=evidence)
+    text = told(made).partition("Cause 2")[2]
+    softening = EFFECTS["softening"].title[:1].lower() + EFFECTS["softening"].title[1:]
+    assert f"the next best, {softening}, stays 10 behind" in text
+
+
+def test_a_lag_whose_times_may_be_one_is_told_as_a_lag() -> None:
+    """The heading of a cause is that of the form as which it is told."""
+    lag = cause("pneumatic_lag.separate", DELAY.parameters, before=2.0, after=0.5)
+    apart = replace(diagnosis(Verdict.UNKNOWN), descriptive=(lag,))
+    assert "filling and venting apart" in told(apart)
+    plain = EFFECTS["pneumatic_lag"]
+    one = replace(lag, title=plain.title, meaning=plain.meaning)
+    assert "filling and venting apart" not in told(replace(apart, descriptive=(one,)))

@@ -11,9 +11,10 @@ import pytest
 from handmade_rounds import candidate
 from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, standing
 
+from softid.diagnosis.candidates import advance
 from softid.diagnosis.chain import settled
 from softid.diagnosis.scale import scale_of
-from softid.diagnosis.screening import Signature
+from softid.diagnosis.screening import Signature, candidate_at
 from softid.diagnosis.search import (
     _best_of_each,
     _by_squares,
@@ -180,6 +181,75 @@ def test_a_richer_form_enters_where_the_plain_one_stands(cubic: float, found: se
     if cubic:
         assert rows[0].effects[-1].key == "bow.bent"
         assert rows[0].parameters["bow_d"] == pytest.approx(cubic, abs=0.05)
+
+
+@dataclass(frozen=True)
+class Wave(Bow):
+    """A reading that swings by itself, + c sin(w t)."""
+
+    name: ClassVar[str] = "wave"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The size c and the rate w, in 1/s."""
+        rate = Parameter("w", 2.0, "1", 0.1, 20.0, "log")
+        return ParameterSet((*super().parameters(scale).values(), rate))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """One, at a rate from which no other is seen."""
+        return tuple({**start, "w": 2.0} for start in super().starts(scale))
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Swing."""
+        del scale
+        swinging: Array = y + eta[0] * np.sin(eta[1] * time_s)
+        return swinging
+
+
+@dataclass(frozen=True)
+class FadingWave(Wave):
+    """One that fades away, + c exp(-d t) sin(w t)."""
+
+    variant: ClassVar[str] = "fading"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Those of the wave, and the decay d."""
+        return ParameterSet((*super().parameters(scale).values(), Parameter("d", 0.0, "1", 0, 1)))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """One."""
+        return tuple({**start, "d": 0.1} for start in super().starts(scale))
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Swing and fade."""
+        fading = np.array([1.0, eta[1]])
+        swinging: Array = y + eta[0] * np.exp(-eta[2] * time_s) * super().apply(
+            fading, time_s, np.zeros_like(y), scale
+        )
+        return swinging
+
+
+@pytest.mark.parametrize("led", [False, True])
+def test_a_plain_law_follows_its_richer_form(led: bool) -> None:
+    """Known truth: a wave of 5/s, which the plain law does not see from its own start of 2/s.
+
+    Where the richer form has found it, the plain one leaves the noise, too: 1000 within four times
+    √2000. By itself it leaves the wave, of a power of ½·0.1²/0.01² = 50 for each sample.
+    """
+    swing = 0.1 * np.sin(5.0 * linear_log().time_s)
+    problem = linear_problem([linear_log(noise=0.01, added=swing)])
+    z = problem.unknowns(TRUTH)
+    base, scale = settled(standing(problem, z), SIGMA), scale_of(problem, z)
+    right = {"c": 0.1, "w": 5.0, "d": 0.0}
+    _, found = candidate_at(base, FadingWave(), right, scale, SIGMA)
+    effects = [Wave(), FadingWave()] if led else [Wave()]
+    known = [advance(found, SIGMA, 8)] if led else []
+    rows = race(base, effects, scale, SIGMA, known=known)
+    plain = next(row for row in rows if row.effects[-1].key == "wave")
+    if led:
+        assert plain.squares == pytest.approx(1000.0, abs=180.0)
+        assert plain.parameters["wave_w"] == pytest.approx(5.0, abs=0.01)
+    else:
+        assert plain.squares > 20_000.0
 
 
 def test_what_is_known_joins_for_the_last_lap() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from io_rig import SCALE, extended, fine_times, jacobian_error, segment, vanishes
@@ -41,3 +43,14 @@ def test_line_resonance_of_zero_is_none() -> None:
 def test_line_resonance_derivatives(sampling: str) -> None:
     """The model's derivatives against central differences, within 1e-4 of each column's largest."""
     assert jacobian_error(*extended("line_resonance"), segment(sampling)) < 1e-4
+
+
+@pytest.mark.parametrize("samples", [100, 110, 240, 5000])
+def test_nothing_rings_faster_than_three_samples(samples: int) -> None:
+    """Two samples are the shortest period that samples can show, and a straight input between them
+    passes for a ringing of three. In a short log, too, it begins within the bounds."""
+    scale = replace(SCALE, duration_s=samples * SCALE.period_s)
+    period = LineResonance().parameters(scale)["period"]
+    assert period.lower == pytest.approx(3.0 * SCALE.period_s)
+    for start in LineResonance().starts(scale):
+        assert period.lower <= start["period"] <= period.upper

@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from io_rig import SCALE, THETA, extended, jacobian_error, response, segment
+from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
+from softid.diagnosis.scale import scale_of
+from softid.diagnosis.screening import candidate_at
 from softid.effects.sensor_clipping import BothSensorClipping, LowerSensorClipping, SensorClipping
+from softid.log import Log
 
 KEYS = ("sensor_clipping", "sensor_clipping.lower", "sensor_clipping.both")
 LIMITS = {"upper": 0.9, "lower": 0.5}
@@ -31,6 +35,28 @@ def test_flat_ends_at_exact_values() -> None:
     np.testing.assert_array_equal(both, np.clip(base, 0.5, 0.9))
     assert (both == 0.9).sum() > 100
     assert (both == 0.5).sum() > 100
+
+
+def test_the_limit_is_told_without_the_zero_of_the_log() -> None:
+    """A reading that ends at 1 rad on a sensor that is mounted 0.2 rad off: recorded is 1.2 rad at
+    most, and the limit is 1. The steps of the search leave less than 1e-3 rad rms."""
+    clean = linear_log()
+    angle = np.minimum(clean.channels["angle"].values, 1.0) + 0.2
+    pressure = clean.channels["pressure"].values
+    log = Log.from_arrays(clean.time_s, {"pressure": pressure, "angle": angle}, name="clipped")
+    problem = linear_problem([log])
+    z = problem.unknowns(TRUTH)
+    base, scale = standing(problem, z), scale_of(problem, z)
+    right, wrong = (
+        candidate_at(base, SensorClipping(), {"upper": upper}, scale, SIGMA)[0]
+        for upper in (1.0, 1.2)
+    )
+    assert right < len(log) * (1e-3 / SIGMA["angle"]) ** 2
+    assert wrong > 100.0 * right
+    for effect in (SensorClipping(), LowerSensorClipping(), BothSensorClipping()):
+        assert effect.law.endswith(" + sensor zero of the log")
+        for limit in effect.parameters(scale).values():
+            assert limit.meaning.endswith(", less the sensor zero of the log")
 
 
 @pytest.mark.parametrize("key", KEYS)

@@ -108,7 +108,9 @@ def test_nothing_is_half_written(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
     save_diagnosis(diagnosis(Verdict.NAMED), tmp_path / "out")
     before = (tmp_path / "out" / "diagnosis.json").read_bytes()
-    with pytest.raises(OutputError, match="exists already"):
+    with pytest.raises(
+        OutputError, match=r"exists already; say --force \(overwrite=True in Python\)"
+    ):
         save_diagnosis(diagnosis(Verdict.PARTIAL), tmp_path / "out")
     assert (tmp_path / "out" / "diagnosis.json").read_bytes() == before
     save_diagnosis(diagnosis(Verdict.PARTIAL), tmp_path / "out", overwrite=True)

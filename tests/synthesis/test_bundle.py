@@ -162,7 +162,7 @@ def test_nothing_is_replaced_unasked(tmp_path: Path, quick: Path) -> None:
     mine = tmp_path / "data" / f"{QUICK}.csv"
     mine.write_text("mine")
     made = make_dataset([quick])
-    with pytest.raises(OutputError, match=r"exists already.*--force"):
+    with pytest.raises(OutputError, match=r"exists already.*--force \(overwrite=True in Python\)"):
         write_dataset(made, tmp_path)
     assert mine.read_text() == "mine"
     assert sorted(p.name for p in tmp_path.rglob("*")) == ["data", f"{QUICK}.csv"]
