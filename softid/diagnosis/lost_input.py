@@ -1,4 +1,4 @@
-"""Samples that hang on what the input did while samples were lost.
+"""Samples that depend on what the input did while samples were lost.
 
 Between two samples the input is drawn straight. Where it jumped in a gap nobody knows when, and
 what the actuator did until it had settled follows from that: a dozen samples many times larger than
@@ -29,7 +29,7 @@ MATTERS = 0.5
 """Share of the output's noise that the course of the input in the gaps may change."""
 
 MOST_LEFT_OUT = 0.2
-"""Where more than this share hangs on it the log is taken as it is."""
+"""Where more than this share depends on it the log is taken as it is."""
 
 
 def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> Log:
@@ -64,7 +64,7 @@ def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> L
     issue = Issue(
         "lost-input",
         "info",
-        f"{log.name}: {hangs.sum()} samples, from {first_s:.4g} s, hang on what the input did "
+        f"{log.name}: {hangs.sum()} samples, from {first_s:.4g} s, depend on what the input did "
         "while samples were lost; they are left out of the residuals",
         "record the input without gaps",
     )

@@ -1,4 +1,4 @@
-"""Samples that hang on what the input did while samples were lost."""
+"""Samples that depend on what the input did while samples were lost."""
 
 from __future__ import annotations
 
