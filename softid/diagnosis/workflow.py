@@ -126,7 +126,7 @@ def diagnose(
 
 
 def _prepared(given: Given, asked: Asked) -> tuple[Given, Beginning, int]:
-    """Logs without what depends on lost input and without needless samples, fitted; how many a mean.
+    """Logs without what depends on lost input or is needless, fitted; how many samples a mean.
 
     Both need a fit that knows how long the actuator remembers.
     """
