@@ -198,7 +198,8 @@ def windows_of(
         start = stop - max(round(tail * (stop - begin)), 1)
         held = input_values[(start + stop) // 2 : stop]
         usual = np.abs(held - np.median(held)) <= LEVEL_SPREAD * motion.tolerance
-        windows.append(SettledWindow(start, stop, float(held[usual].mean())))
+        level = held[usual].mean() if usual.any() else np.median(held)
+        windows.append(SettledWindow(start, stop, float(level)))
     return tuple(windows)
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from drawn_logs import follow, quantised
 
 from softid.excitation import distinct_levels, segment_excitation, settled_windows
-from softid.excitation.holds import median_of_five, turning_points
+from softid.excitation.holds import describe_motion, median_of_five, turning_points, windows_of
 
 RUNGS = (0.0, 20.0, 40.0, 60.0, 40.0, 20.0, 0.0)
 
@@ -152,3 +154,12 @@ def test_small_steps_of_a_staircase_are_no_free_motion() -> None:
     assert (found.kind, found.start, found.stop) == ("staircase", 0, time_s.size)
     ramp = np.concatenate([np.zeros(300), np.linspace(0.0, 100.0, 1200), np.full(300, 100.0)])
     assert len(settled_windows(time_s[:1800], ramp)) == 2
+
+
+def test_two_levels_without_one_between_have_their_median() -> None:
+    """The median of as many samples at 1 as at 2 is 1.5, and no sample lies near it."""
+    values = np.array([0.0] * 20 + [1.0, 2.0] * 20)
+    motion = describe_motion(0.01 * np.arange(values.size), values)
+    narrow = replace(motion, tolerance=1e-3, thinning=1, full=values)
+    (window,) = windows_of(narrow, [(20, 60)], values)
+    assert window.level == 1.5
