@@ -34,7 +34,7 @@ def burg(runs: Sequence[Array], max_order: int) -> Array:
 
     Examples
     --------
-    >>> burg([np.array([1.0, 1.0, 1.0, 1.0])], 1).round(6).tolist()
+    >>> burg([np.array([1.0, 1.0, 1.0, 1.0])], 1).round(3).tolist()
     [1.0]
     """
     if min((run.size for run in runs), default=0) >= max(LONG_RUN, 4 * max_order):
