@@ -51,24 +51,24 @@ def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> L
         return log
     above, below = (simulate(model, values, _through(log, gaps, side)) for side in (1.0, -1.0))
     recorded = np.searchsorted(above.time_s, log.time_s)
-    hangs = np.zeros(len(log), bool)
+    depends = np.zeros(len(log), bool)
     for name in log.outputs:
         measured = log.channels[name].values
         seen = np.isfinite(measured)
         sigma = noise_std(log.time_s[seen], measured[seen]) or 0.0
         differs = np.abs(above.outputs[name] - below.outputs[name])[recorded]
-        hangs |= differs > MATTERS * sigma
-    if not 0 < hangs.sum() <= MOST_LEFT_OUT * len(log):
+        depends |= differs > MATTERS * sigma
+    if not 0 < depends.sum() <= MOST_LEFT_OUT * len(log):
         return log
-    first_s = float(log.time_s[np.flatnonzero(hangs)[0]])
+    first_s = float(log.time_s[np.flatnonzero(depends)[0]])
     issue = Issue(
         "lost-input",
         "info",
-        f"{log.name}: {hangs.sum()} samples, from {first_s:.4g} s, depend on what the input did "
+        f"{log.name}: {depends.sum()} samples, from {first_s:.4g} s, depend on what the input did "
         "while samples were lost; they are left out of the residuals",
         "record the input without gaps",
     )
-    return replace(log.with_masked(hangs), issues=(*log.issues, issue))
+    return replace(log.with_masked(depends), issues=(*log.issues, issue))
 
 
 def _gaps(log: Log) -> Places:
@@ -87,16 +87,16 @@ def _through(log: Log, gaps: Places, side: float) -> Log:
     led_to = np.stack((slope[:-2], slope[2:])) * interval_s
     aside = 0.5 * np.abs(change - led_to).max(axis=0)
     middle = 0.5 * (u[:-1] + u[1:]) + side * aside
-    outputs = {name: log.channels[name] for name in log.outputs}
+    rows = dict.fromkeys(log.outputs, np.full(gaps.size, np.nan)) | {log.input: middle[gaps]}
     channels = {
-        name: replace(channel, values=np.insert(channel.values, gaps + 1, np.nan))
-        for name, channel in outputs.items()
+        name: replace(channel, values=np.insert(channel.values, gaps + 1, rows[name]))
+        for name, channel in log.channels.items()
+        if name in rows
     }
-    driven = replace(log.channels[log.input], values=np.insert(u, gaps + 1, middle[gaps]))
     return replace(
         log,
         time_s=np.insert(log.time_s, gaps + 1, log.time_s[gaps] + 0.5 * interval_s[gaps]),
-        channels={**channels, log.input: driven},
+        channels=channels,
         masked=None,
         issues=(),
     )

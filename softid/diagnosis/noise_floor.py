@@ -29,7 +29,7 @@ LOOK_S = 0.5
 
 PIECE_S, FEWEST_PIECES, EVENTFUL = 4.0, 4, 10.0
 """In one of at least so many pieces of a rest something happened that is no noise, when it holds so
-many times the power of the usual one: slow noise of 1 s colour does that once in thousands."""
+many times the power of the usual one, which varies far less from piece to piece in slow noise."""
 
 
 @dataclass(frozen=True)

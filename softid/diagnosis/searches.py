@@ -23,7 +23,6 @@ from softid.effects.base import Effect
 BETTER_BASE = 0.98
 """Another optimum of the base counts when it leaves so much less than the first."""
 
-
 BETTER_PLACE, NEAR_CURVE = 0.99, 1.02
 """Candidates from elsewhere join the race when one leaves less than this share of what the first
 cause does, or of what a curve with more unknowns does."""
