@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance, prior_about
+from softid.diagnosis.outgrown import with_own_bounds
 from softid.diagnosis.screening import Signature, screen
 from softid.diagnosis.search import UNSETTLED, Ranked, race, rank
 from softid.effects.base import Effect, Scale
@@ -302,6 +303,9 @@ def settled(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
         prior = prior_about(problem, point, problem.free, before / n)
         begin = replace(candidate.minimum, damping=None)
         candidate = advance(replace(candidate, minimum=begin, prior=prior), sigma, SETTLING)
+        held, candidate = candidate, with_own_bounds(candidate)
+        if candidate is not held:
+            continue
         if candidate.minimum.reach <= UNSETTLED or candidate.squares > STILL_FALLS * before:
             break
     return candidate
