@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
-from softid.diagnosis.other_reading import better_reading, is_open, read_as
+from softid.diagnosis.other_reading import better_reading, is_measured, is_open, read_as
 from softid.log import LogSet
 
 LOG = linear_log(noise=0.01)
@@ -29,3 +29,21 @@ def test_only_what_nobody_declared_is_open() -> None:
     smooth = LOG.between(1.2, 3.4)
     assert not is_open(LogSet((smooth,)))
     assert not is_open(LogSet((LOG, replace(linear_log(seed=1), intersample="held"))))
+
+
+def test_a_reading_takes_the_place_of_another() -> None:
+    """What the first one told goes with it."""
+    held = read_as([LOG], "zoh")
+    assert [issue.code for issue in held[0].issues] == ["held-input"]
+    again = read_as(held, "straight")
+    assert again[0].intersample == "straight"
+    assert not again[0].issues
+    assert read_as(again, "held")[0].intersample == "held"
+
+
+def test_a_command_is_not_measured() -> None:
+    """Only a measured input goes straight from one sample to the next by its nature."""
+    assert is_measured(LogSet((LOG,)))
+    renamed = {"pressure_command": LOG.channels["pressure"], "angle": LOG.channels["angle"]}
+    command = replace(LOG, channels=renamed, input="pressure_command")
+    assert not is_measured(LogSet((command,)))
