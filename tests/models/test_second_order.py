@@ -294,7 +294,7 @@ def test_a_jump_of_microseconds_needs_no_pieces() -> None:
 
     Against the same jump in 64 pieces.
     """
-    law = MuscleLaw(np.array([3e-3, 1e-9, 10.0, 0.95, 1.5e-3, 2.0, 0.28]))
+    law = MuscleLaw(np.array([3e-2, 1e-9, 10.0, 0.95, 1.5e-3, 2.0, 0.28]))
     time_s = np.sort(np.append(0.01 * np.arange(100), 0.5 - 1e-5))
     u = np.where(time_s < 0.5, 0.0, 240.0)
     plan = divide(law, time_s, u)
