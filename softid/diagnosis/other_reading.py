@@ -7,7 +7,7 @@ reading, while a command is read as the base has it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -39,7 +39,7 @@ def is_open(logs: LogSet) -> bool:
     return all(log.intersample is None for log in logs) and bool(held_readings(logs))
 
 
-def is_measured(logs: LogSet) -> bool:
+def is_measured(logs: Iterable[Log]) -> bool:
     """Whether no input is a command."""
     return all(log.input != COMMAND for log in logs)
 
@@ -64,6 +64,20 @@ def better_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersam
     falls = in_parallel(lambda reading: _fall(candidate, sigma, reading), others)
     most, best = max(zip(falls, others, strict=True))
     return best if most > BETTER_BY else None
+
+
+def last_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
+    """As `better_reading` with all causes known; a measured input is straight if that does as well.
+
+    Parameters
+    ----------
+    candidate, sigma
+        As in `better_reading`.
+    """
+    logs = candidate.problem.logs
+    if logs[0].intersample in HELD and is_measured(logs):
+        return "straight" if _fall(candidate, sigma, "straight") > -BETTER_BY else None
+    return better_reading(candidate, sigma)
 
 
 def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample) -> float:

@@ -32,7 +32,13 @@ from softid.diagnosis.findings import (
 from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.lost_input import without_lost_input
 from softid.diagnosis.marks import marks_in
-from softid.diagnosis.other_reading import better_reading, is_measured, is_open, read_as
+from softid.diagnosis.other_reading import (
+    better_reading,
+    is_measured,
+    is_open,
+    last_reading,
+    read_as,
+)
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
 from softid.diagnosis.revision import prefixes, without_link
@@ -116,7 +122,7 @@ def diagnose(
             start = asked.begin(given.logs, given.hold_out, thorough=False)
     found, start = searched_thoroughly(given, asked, start, effects, report, first)
     if is_in_doubt and len(found.chain.links) > 1:  # the first cause alone may have misled, too
-        reading = better_reading(found.chain.final, dict(start.work.found.optimum.sigma))
+        reading = last_reading(found.chain.final, dict(start.work.found.optimum.sigma))
         if reading is not None:
             given = _read_as(given, reading)
             start = asked.begin(given.logs, given.hold_out, thorough=False)

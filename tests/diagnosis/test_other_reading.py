@@ -6,7 +6,13 @@ from dataclasses import replace
 
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
-from softid.diagnosis.other_reading import better_reading, is_measured, is_open, read_as
+from softid.diagnosis.other_reading import (
+    better_reading,
+    is_measured,
+    is_open,
+    last_reading,
+    read_as,
+)
 from softid.log import LogSet
 
 LOG = linear_log(noise=0.01)
@@ -20,6 +26,21 @@ def test_a_wrong_reading_is_left_for_the_true_one() -> None:
     assert better_reading(standing(held, z), SIGMA) == "straight"
     straight = linear_problem(read_as([LOG], "straight"))
     assert better_reading(standing(straight, z), SIGMA) is None
+
+
+def test_a_measured_input_is_straight_where_that_does_as_well() -> None:
+    """Readings that explain alike: noise of the size of the motion hides what lies between."""
+    log = linear_log(noise=1.0)
+    held = linear_problem(read_as([log], "held"))
+    z = held.unknowns(TRUTH)
+    sigma = {"angle": 1.0}
+    assert better_reading(standing(held, z, sigma), sigma) is None
+    assert last_reading(standing(held, z, sigma), sigma) == "straight"
+    command = replace(log, channels={
+        "pressure_command": log.channels["pressure"], "angle": log.channels["angle"]
+    }, input="pressure_command")  # fmt: skip
+    commanded = linear_problem(read_as([command], "held"))
+    assert last_reading(standing(commanded, z, sigma), sigma) is None
 
 
 def test_only_what_nobody_declared_is_open() -> None:
