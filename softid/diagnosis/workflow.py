@@ -130,7 +130,7 @@ def diagnose(
     report("computing errors", 0.9)
     answer = _answer(start, found, seed)
     if answer.verdict is Verdict.UNKNOWN and not found.remainder.structured:
-        other = from_other_places(start, effects, report, seed)
+        other = from_other_places(start, found, effects, report, seed)
         answer = _answer(start, other, seed) if other else answer
     remarks = (*restriction(effects), *averaged_over(count))
     if has_spring(start.base):
@@ -177,7 +177,7 @@ def _rising(progress: Progress | None) -> Progress:
 
 def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
     """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
-    chain, remainder, is_named = found
+    chain, remainder, is_named = found.chain, found.remainder, found.is_named
     work, held, base = start.work, start.held, start.base
     rng = np.random.default_rng(seed)
     before = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
