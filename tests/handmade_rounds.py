@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,7 +16,13 @@ from softid.effects import effect_of
 SAMPLES, UNKNOWNS = 10_000, 6
 
 
-def candidate(keys: Sequence[str], squares: float = 100.0, *, reach: float = 0.0) -> Any:
+def candidate(
+    keys: Sequence[str],
+    squares: float = 100.0,
+    *,
+    reach: float = 0.0,
+    values: Mapping[str, float] | None = None,
+) -> Any:
     """Something with effects and a sum of squares; infinite for one that ran away."""
     effects = tuple(effect_of(key) for key in keys)
     cost = 0.5 * squares if np.isfinite(squares) else np.inf
@@ -23,14 +30,21 @@ def candidate(keys: Sequence[str], squares: float = 100.0, *, reach: float = 0.0
         effects=effects,
         keys=tuple(effect.key for effect in effects),
         squares=squares,
+        parameters=defaultdict(float, values or {}),
         minimum=SimpleNamespace(normal=SimpleNamespace(cost=cost, n=SAMPLES), reach=reach),
         problem=SimpleNamespace(size=UNKNOWNS, n_samples=SAMPLES + UNKNOWNS),
     )
 
 
-def ranked(keys: Sequence[str], bic: float, squares: float = 100.0) -> Ranked:
-    """A row of a ranking."""
-    made = candidate(keys, squares)
+def ranked(
+    keys: Sequence[str],
+    bic: float,
+    squares: float = 100.0,
+    *,
+    values: Mapping[str, float] | None = None,
+) -> Ranked:
+    """A row of a ranking; parameters without a value are zero."""
+    made = candidate(keys, squares, values=values)
     return Ranked(made, made, bic)
 
 

@@ -143,11 +143,11 @@ def extend(base: Problem, effects: Sequence[Effect], scale: Scale) -> Problem:
     effects
         Effects to add.
     scale
-        Sizes of the base fit.
+        Sizes of the base fit; a model with effects keeps its own.
     """
     inner = base.model
     if isinstance(inner, ExtendedModel):
-        effects = (*inner.effects, *effects)
+        effects, scale = (*inner.effects, *effects), inner.scale
         inner = inner.model
     model = ExtendedModel(inner, tuple(effects), scale)
     declared = model.parameters()

@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance, prior_about
+from softid.diagnosis.outgrown import with_own_bounds
 from softid.diagnosis.screening import Signature, screen
 from softid.diagnosis.search import UNSETTLED, Ranked, race, rank
+from softid.effects import extended_name
 from softid.effects.base import Effect, Scale
 
 
@@ -278,12 +280,24 @@ def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str
     )
     if added(best).variant and plain is not None and plain.bic - best.bic < NESTED:
         best = plain
+    simple = next((r for r in ranked if added(r).key == _simpler(best, added(best))), None)
+    if simple is not None and simple.bic - best.bic < NESTED:
+        best = simple
     names = [added(best).name]
     for row in ranked:
-        name = added(row).name
-        if row.bic - best.bic < INDISTINCT and name not in names:
+        name, simpler = added(row).name, _simpler(row, added(row))
+        if row.bic - best.bic < INDISTINCT and name not in names and simpler not in names:
             names.append(name)
     return best, tuple(names)
+
+
+def _simpler(row: Ranked, effect: Effect) -> str | None:
+    """The simpler effect that an added one is like, at the values that it has."""
+    if effect.becomes is None:
+        return None
+    name, beyond, simpler = effect.becomes
+    value = row.candidate.parameters[extended_name(effect, name)]
+    return simpler if value > beyond else None
 
 
 def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:
@@ -302,6 +316,9 @@ def settled(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
         prior = prior_about(problem, point, problem.free, before / n)
         begin = replace(candidate.minimum, damping=None)
         candidate = advance(replace(candidate, minimum=begin, prior=prior), sigma, SETTLING)
+        held, candidate = candidate, with_own_bounds(candidate)
+        if candidate is not held:
+            continue
         if candidate.minimum.reach <= UNSETTLED or candidate.squares > STILL_FALLS * before:
             break
     return candidate

@@ -68,6 +68,14 @@ PRESLIDING = EquivalenceClass(
 )
 """One law, and the distance alone speaks for a guide that rubs or for a material that does."""
 
+LINEAR_LAGS = EquivalenceClass(
+    ("a lag of the pneumatics", "a lag of the sensor"),
+    ("pneumatic_lag", "sensor_lag"),
+    "In a linear model a lag of the input and one of the sensor give the same output",
+    "the sensor beside a faster one, or the pressure at the actuator itself",
+)
+"""Linear operations may change places. A stiffness that goes with the pressure tells them apart."""
+
 SINE, STAIRCASE, STEPS, HOLD, CHIRP = (
     "a sine of 0.5 Hz",
     "a slow staircase up and down",
@@ -108,7 +116,8 @@ class Split:
         What to record.
     separation
         Smallest difference of two of the causes, in units of the noise, on a simulated muscle; None
-        where it was not simulated and the catalogue says what shows the causes.
+        where not every pair was simulated: then it is what shows those that were, or what the
+        catalogue says of each.
     """
 
     experiment: str
@@ -138,11 +147,12 @@ def splitting_experiment(effects: Sequence[str]) -> Split | None:
         return None
     known = [SEPARATIONS.get(frozenset(pair)) for pair in combinations(names, 2)]
     rows = [row for row in known if row is not None]
-    if len(rows) == len(known):
+    if rows:
         worst = [min(column) for column in zip(*rows, strict=True)]
         best = max(worst)
         if best >= HOPELESS:
-            return Split(EXPERIMENTS[worst.index(best)], best)
+            measured = best if len(rows) == len(known) else None
+            return Split(EXPERIMENTS[worst.index(best)], measured)
     shown = dict.fromkeys(EFFECTS[key].shown_by for key in effects if key in EFFECTS)
     return Split("; ".join(shown), None) if shown else None
 

@@ -43,6 +43,9 @@ def credible(
     taken = [max(before - after, 0.0) for before, after in pairwise(squares)]
     effects = [link.added for link in links]
     kept, counted = list(named), list(named)
+    for late in range(1, len(effects)):
+        if _is_held_by_bounds(causes[late], effects[late]):
+            kept[late] = False
     for late, early in _pairs_alike(effects):
         if not (kept[early] and kept[late]):
             continue
@@ -53,6 +56,12 @@ def credible(
     if sum(t for t, counts in zip(taken, counted, strict=True) if counts) < MAIN * sum(taken):
         return (False,) * len(links)
     return tuple(kept)
+
+
+def _is_held_by_bounds(cause: Cause, effect: Effect) -> bool:
+    """Whether several of many sizes end at their bounds: what it draws is larger than it may be."""
+    names = {f"{effect.name}_{name}" for name in effect.amplitudes}
+    return sum(p.at_bound for p in cause.parameters if p.name in names) > 1
 
 
 def _is_bounded(cause: Cause) -> bool:

@@ -1,11 +1,13 @@
-"""The input between its samples once more, when a first cause is known.
+"""The input between its samples once more, when causes are known.
 
 A misfit of the base decides wrongly whether an input was held: a late motion asks for a late input.
+So a measured input is straight until a cause is known that explains the logs better with another
+reading, while a command is read as the base has it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +15,13 @@ import numpy as np
 from softid.diagnosis.candidates import Candidate, advance
 from softid.diagnosis.parallel import in_parallel
 from softid.fitters.problem import Problem
-from softid.identification.held_input import BETTER_BY, as_held, held_readings
+from softid.identification.held_input import (
+    BETTER_BY,
+    COMMAND,
+    HELD_INPUT,
+    as_held,
+    held_readings,
+)
 from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
 
@@ -29,6 +37,11 @@ def is_open(logs: LogSet) -> bool:
     It may have been where it jumps, and where it is a command.
     """
     return all(log.intersample is None for log in logs) and bool(held_readings(logs))
+
+
+def is_measured(logs: Iterable[Log]) -> bool:
+    """Whether no input is a command."""
+    return all(log.input != COMMAND for log in logs)
 
 
 def better_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
@@ -53,6 +66,20 @@ def better_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersam
     return best if most > BETTER_BY else None
 
 
+def last_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
+    """As `better_reading` with all causes known; a measured input is straight if that does as well.
+
+    Parameters
+    ----------
+    candidate, sigma
+        As in `better_reading`.
+    """
+    logs = candidate.problem.logs
+    if logs[0].intersample in HELD and is_measured(logs):
+        return "straight" if _fall(candidate, sigma, "straight") > -BETTER_BY else None
+    return better_reading(candidate, sigma)
+
+
 def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample) -> float:
     """By how much n ln(S) falls with another reading of the input."""
     problem = candidate.problem
@@ -68,7 +95,15 @@ def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample
 
 
 def read_as(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
-    """The logs with a declared reading of the input; a held one is told."""
+    """The logs with a declared reading of the input in place of another; a held one is told."""
+    opened = tuple(
+        replace(
+            log,
+            intersample=None,
+            issues=tuple(issue for issue in log.issues if issue.code != HELD_INPUT),
+        )
+        for log in logs
+    )
     if reading in HELD and logs:
-        return as_held(logs, reading)
-    return tuple(replace(log, intersample=reading) for log in logs)
+        return as_held(opened, reading)
+    return tuple(replace(log, intersample=reading) for log in opened)

@@ -52,7 +52,7 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
         x_low=float(x.min()),
         x_high=float(x.min()) + x_span,
         v_max=max(float(np.quantile(np.abs(v), FAST_QUANTILE)), 1e-9 * x_span),
-        force=_force(law, u, x_span),
+        force=elastic_force(law, u, x_span),
         y_low=float(y.min()),
         y_high=float(y.max()),
         period_s=float(np.median(np.concatenate([np.diff(s.time_s) for s in problem.segments]))),
@@ -87,8 +87,18 @@ def _path(problem: Problem, unknowns: Array, k: int) -> tuple[Array, Array]:
     return response.x, response.v
 
 
-def _force(law: Law | None, u: Array, x_span: float) -> float:
-    """Typical span of the elastic force; that of the drive where there is no spring."""
+def elastic_force(law: Law | None, u: Array, x_span: float) -> float:
+    """Typical span of the elastic force; that of the drive where there is no spring.
+
+    Parameters
+    ----------
+    law
+        The law of motion; None has a force of 1.
+    u
+        Inputs.
+    x_span
+        Span of the position.
+    """
     if law is None:
         return 1.0
     _, stiffness, drive = law.coefficients(u)

@@ -23,6 +23,9 @@ from softid.effects.base import Effect
 BETTER_BASE = 0.98
 """Another optimum of the base counts when it leaves so much less than the first."""
 
+ALIKE = 1e-3
+"""Models of the same structure whose sums of squares differ by less are at the same optimum."""
+
 BETTER_PLACE, NEAR_CURVE = 0.99, 1.02
 """Candidates from elsewhere join the race when one leaves less than this share of what the first
 cause does, or of what a curve with more unknowns does."""
@@ -39,11 +42,14 @@ class Found(NamedTuple):
         What they leave.
     is_named
         Which of them may be named.
+    begun
+        The model with the cause that was found first, as it was then; None without a cause.
     """
 
     chain: Chain
     remainder: Remainder
     is_named: tuple[bool, ...]
+    begun: Candidate | None = None
 
     @property
     def came_to_nothing(self) -> bool:
@@ -91,7 +97,7 @@ def searched_thoroughly(
         found = _searched(start, effects, report, seed, None)
         if not found.came_to_nothing:
             return found, start
-    other = from_other_places(start, effects, report, seed)
+    other = from_other_places(start, found, effects, report, seed)
     other = other or _from_other_causes(start, found.chain, effects, report, seed)
     return other or found, start
 
@@ -113,6 +119,7 @@ def _searched(
         found = _tried_elsewhere(start, considered, chain, report, seed, BETTER_PLACE)
         if found is not chain:
             chain = extended(start, considered, report, seed, begun=found, max_links=2)
+    first = chain.links[0].found if chain.links else None
     if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
         chain = _asked_again(start, considered, chain, report)
         longer = extended(start, considered, report, seed, begun=chain)
@@ -135,7 +142,7 @@ def _searched(
     )
     links = tuple(link for link, _ in largest_first)
     is_named = tuple(sure for _, sure in largest_first)
-    return Found(replace(chain, links=links), remainder, is_named)
+    return Found(replace(chain, links=links), remainder, is_named, first)
 
 
 def _stands_for_another(start: Beginning, chain: Chain, seed: int) -> bool:
@@ -146,7 +153,7 @@ def _stands_for_another(start: Beginning, chain: Chain, seed: int) -> bool:
 
 
 def from_other_places(
-    start: Beginning, effects: Sequence[str], report: Progress, seed: int
+    start: Beginning, known: Found, effects: Sequence[str], report: Progress, seed: int
 ) -> Found | None:
     """What a search finds from other places of the base, if that leaves noise and may be named.
 
@@ -154,6 +161,8 @@ def from_other_places(
     ----------
     start, effects, report
         As in `searched_thoroughly`.
+    known
+        What was found without them: where they lead to the same first cause, the rest is known.
     seed
         As in `extended`.
     """
@@ -162,8 +171,15 @@ def from_other_places(
     sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
     besides = candidates_elsewhere(start.base, considered, start.scale, sigma)
     begun = extended(start, considered, report, seed, besides=besides, max_links=1)
+    if known.begun is not None and _is_same(begun.final, known.begun):
+        return None
     found = _searched(start, effects, report, seed, begun)
     return found if any(found.is_named) and not found.remainder.structured else None
+
+
+def _is_same(one: Candidate, other: Candidate) -> bool:
+    """Whether two models have the same causes and explain as much."""
+    return one.keys == other.keys and abs(one.squares / other.squares - 1.0) < ALIKE
 
 
 def _from_other_causes(

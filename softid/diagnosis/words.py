@@ -16,12 +16,10 @@ from softid.diagnoses import (
     Verdict,
     cause_before,
 )
-from softid.diagnosis.chain import INDISTINCT
-from softid.diagnosis.classes import PRESLIDING, classes_of, splitting_experiment, why_unsplit
+from softid.diagnosis.classes import classes_of
 from softid.diagnosis.marks import CODES
 from softid.diagnosis.phrases import (
     VARIABLES,
-    VARIATIONS,
     listed,
     lowered,
     named_whole,
@@ -36,6 +34,7 @@ from softid.diagnosis.phrases import (
     values_of,
     variables_left,
 )
+from softid.diagnosis.ties import is_linear, law_that_ties, what_next, why_tied
 from softid.results import FitResult
 
 
@@ -47,9 +46,12 @@ def worded(found: Diagnosis) -> Diagnosis:
     found
         A diagnosis in numbers; words that it has already stay, but for the paragraph.
     """
-    alternatives = tuple(a if a.why else replace(a, why=_why_tied(a)) for a in found.alternatives)
+    linear = is_linear(found.base)
+    alternatives = tuple(
+        a if a.why else replace(a, why=why_tied(a, linear=linear)) for a in found.alternatives
+    )
     following = found.next_experiment or what_next(
-        found.verdict, alternatives=alternatives, remainder=found.remainder
+        found.verdict, alternatives=alternatives, remainder=found.remainder, linear=linear
     )
     summary = summarise(
         found.verdict,
@@ -65,21 +67,6 @@ def worded(found: Diagnosis) -> Diagnosis:
         marks=[issue.message for issue in found.issues if issue.code in CODES],
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
-
-
-def _why_tied(alternative: Alternative) -> str:
-    if _is_presliding(alternative):
-        return f"{PRESLIDING.why}. What splits them: {PRESLIDING.splits}."
-    return why_unsplit(alternative.keys, alike=_are_alike(alternative))
-
-
-def _are_alike(alternative: Alternative) -> bool:
-    return max(alternative.delta_bic.values(), default=0.0) < INDISTINCT
-
-
-def _is_presliding(alternative: Alternative) -> bool:
-    """Whether it is the law, not the logs, that makes a tie."""
-    return set(alternative.effects) == set(PRESLIDING.effects) and not _are_alike(alternative)
 
 
 def summarise(
@@ -135,35 +122,6 @@ def summarise(
         told.append(teller.nothing_to_mend())
     told += _next(verdict, causes, alternatives, next_experiment)
     return " ".join(sentence for sentence in told if sentence)
-
-
-def what_next(
-    verdict: Verdict, *, alternatives: Sequence[Alternative], remainder: Remainder
-) -> str | None:
-    """What to record next; None when nothing is open.
-
-    Parameters
-    ----------
-    verdict, alternatives, remainder
-        As in `Diagnosis`.
-    """
-    for alternative in alternatives if verdict is not Verdict.UNKNOWN else ():
-        if _is_presliding(alternative):
-            return f"record {PRESLIDING.splits}"
-        split = splitting_experiment(alternative.keys)
-        if split is not None:
-            either = titles_of(alternative.keys)
-            return f"record {split.experiment}, to tell {either} apart"
-    if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
-        left = variables_left(remainder)
-        rest = "" if remainder.noise_from_rest else ", and with a rest of 30 s that shows the noise"
-        if left == ["t"]:
-            return f"record the same for longer, to see how it goes on{rest}"
-        varied = [VARIATIONS[name] for name in left if name in VARIATIONS]
-        if varied:
-            return f"repeat these logs with {' and '.join(varied)}{rest}"
-        return f"record the same path once slowly and once fast{rest}"
-    return None
 
 
 class _Teller:
@@ -255,8 +213,10 @@ def _unknown(
 ) -> list[str]:
     told = ["Something is missing, and none of the effects tried can be named for it."]
     if tried:
-        names = " with ".join(lowered(cause.title) for cause in tried)
-        told.append(f"The best description, {names}, takes away {taken_by(remainder)}.")
+        names = listed([lowered(cause.title) for cause in tried])
+        takes = "takes" if len(tried) == 1 else "take"
+        told.append(f"The best description, {names}, {takes} away {taken_by(remainder)}.")
+        told += [_at_bounds(cause) for cause in tried]
         for tie in alternatives:
             first, *others = tie.keys
             told.append(
@@ -266,6 +226,18 @@ def _unknown(
         left = teller.size(remainder.rms)
         return [*told, f"What is left on the fitted samples, {left} rms, looks like noise."]
     return [*told, _left(teller, remainder)]
+
+
+def _at_bounds(cause: Cause) -> str:
+    """That a description ends at a bound, which is why it is no more than one."""
+    stuck = [p.name.removeprefix(f"{cause.effect}_") for p in cause.parameters if p.at_bound]
+    if not stuck:
+        return ""
+    verb, its = ("ends", "its bound") if len(stuck) == 1 else ("end", "their bounds")
+    return (
+        f"The {listed(stuck)} of {lowered(cause.title)} {verb} at {its}, so something else may "
+        "stand behind it."
+    )
 
 
 def _described(descriptive: Sequence[Cause]) -> str:
@@ -305,8 +277,9 @@ def _explained(
         values = values_of(cause.parameters)
         if tie is not None:
             named = titles_of(tie.keys, last=" or ")
-            if _is_presliding(tie):
-                reason = f"{PRESLIDING.why}. As {lowered(cause.title)} it"
+            law = law_that_ties(tie, linear=is_linear(teller.base))
+            if law is not None:
+                reason = f"{law.why}. As {lowered(cause.title)} it"
             else:
                 reason = f"The first by a little, {lowered(cause.title)},"
             told.append(

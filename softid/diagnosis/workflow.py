@@ -32,7 +32,13 @@ from softid.diagnosis.findings import (
 from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.lost_input import without_lost_input
 from softid.diagnosis.marks import marks_in
-from softid.diagnosis.other_reading import better_reading, is_open, read_as
+from softid.diagnosis.other_reading import (
+    better_reading,
+    is_measured,
+    is_open,
+    last_reading,
+    read_as,
+)
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
 from softid.diagnosis.revision import prefixes, without_link
@@ -45,6 +51,7 @@ from softid.identification.assembly import Identified, assemble
 from softid.identification.preparation import as_log_set, without_dropouts
 from softid.identification.wishes import Wishes
 from softid.identification.workflow import Work
+from softid.intersample import Intersample
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parameters import ParameterSet
@@ -102,27 +109,38 @@ def diagnose(
     given = Given(as_log_set(logs), tuple(hold_out)).each(_cleaned)
     require_enough(given.logs)
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
+    is_in_doubt = is_open(given.logs)
+    if is_in_doubt and is_measured(given.logs):
+        given = _read_as(given, "straight")
     given, start, count = _prepared(given, asked)
     first = None
-    if is_open(given.logs):
+    if is_in_doubt:
         first = extended(start, catalogue(effects), report, seed, max_links=1)
         reading = better_reading(first.final, dict(start.work.found.optimum.sigma))
         if reading is not None:
-            given = Given(
-                LogSet(read_as(given.logs.logs, reading)), read_as(given.hold_out, reading)
-            )
-            first = None
+            given, first = _read_as(given, reading), None
             start = asked.begin(given.logs, given.hold_out, thorough=False)
     found, start = searched_thoroughly(given, asked, start, effects, report, first)
+    if is_in_doubt and len(found.chain.links) > 1:  # the first cause alone may have misled, too
+        reading = last_reading(found.chain.final, dict(start.work.found.optimum.sigma))
+        if reading is not None:
+            given = _read_as(given, reading)
+            start = asked.begin(given.logs, given.hold_out, thorough=False)
+            found, start = searched_thoroughly(given, asked, start, effects, report, None)
     report("computing errors", 0.9)
     answer = _answer(start, found, seed)
     if answer.verdict is Verdict.UNKNOWN and not found.remainder.structured:
-        other = from_other_places(start, effects, report, seed)
+        other = from_other_places(start, found, effects, report, seed)
         answer = _answer(start, other, seed) if other else answer
     remarks = (*restriction(effects), *averaged_over(count))
     if has_spring(start.base):
         remarks = (*remarks, *sets_left(given.logs))
     return worded(replace(answer, issues=(*answer.issues, *remarks)))
+
+
+def _read_as(given: Given, reading: Intersample) -> Given:
+    """All logs with a declared reading of the input."""
+    return Given(LogSet(read_as(given.logs.logs, reading)), read_as(given.hold_out, reading))
 
 
 def _prepared(given: Given, asked: Asked) -> tuple[Given, Beginning, int]:
@@ -159,7 +177,7 @@ def _rising(progress: Progress | None) -> Progress:
 
 def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
     """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
-    chain, remainder, is_named = found
+    chain, remainder, is_named = found.chain, found.remainder, found.is_named
     work, held, base = start.work, start.held, start.base
     rng = np.random.default_rng(seed)
     before = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)

@@ -28,7 +28,7 @@ class Ageing(StateEffect):
     law: ClassVar[str] = "Q (1 + r t) in place of Q"
     meaning: ClassVar[str] = (
         "The actuator slowly grows softer or stiffer while the log runs, whether it moves or not, "
-        "as when it warms up or wears."
+        "as when it warms up or wears. A sensor whose gain drifts looks alike at rest."
     )
     signature: ClassVar[str] = (
         "The residual grows in proportion to time and to the position: it is largest at high "

@@ -119,6 +119,9 @@ class Effect(ABC):
         Parameters at whose bounds the law is that of another effect, or of the base.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one; None for others.
+    becomes
+        Parameter, value, and the simpler effect that the law is like when the parameter is larger;
+        None for others.
     """
 
     name: ClassVar[str]
@@ -137,6 +140,7 @@ class Effect(ABC):
     changes_sign: ClassVar[bool] = False
     essential: ClassVar[tuple[str, ...]] = ()
     plain_at: ClassVar[tuple[str, float] | None] = None
+    becomes: ClassVar[tuple[str, float, str] | None] = None
 
     @property
     def key(self) -> str:

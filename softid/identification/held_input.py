@@ -21,6 +21,9 @@ Array = npt.NDArray[np.float64]
 
 COMMAND = "pressure_command"
 
+HELD_INPUT = "held-input"
+"""Code of the remark that an input is taken as held."""
+
 BETTER_BY = 10.0
 """n·ln(mean square) must fall by this much: both readings have the same number of unknowns."""
 
@@ -60,7 +63,7 @@ def as_held(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
     first = logs[0]
     what = "is held at every sample" if reading == "zoh" else "jumps within single samples"
     issue = Issue(
-        "held-input",
+        HELD_INPUT,
         "info",
         f"{first.input} {what}; held until the next sample it explains the output better than as "
         "straight lines between samples, and is taken so",

@@ -48,6 +48,10 @@ MAX_EXPONENT_PER_STEP = 0.8
 RK4_MAX_EXPONENT = 0.5
 """Largest change of an exponent of the coefficients within one step of either rule."""
 
+BRIEF = 1e-3
+"""Product of an interval and the rate of the motion below which the coefficients may bend as they
+like: nothing moves meanwhile, as in a jump of the input."""
+
 MAX_SUBSTEPS = 64
 _HUGE = 1e300
 
@@ -94,8 +98,9 @@ def _counts(rate: Array, time_s: Array, bend: Array, limit: float, counts: Count
     for i in range(counts.size):
         a = rate[i] if rate[i] < _HUGE else 0.0
         b = rate[i + 1] if rate[i + 1] < _HUGE else 0.0
-        turn = bend[i] if bend[i] < _HUGE else 0.0
-        wanted = max(max(a, b) * (time_s[i + 1] - time_s[i]), turn / limit)
+        wanted = max(a, b) * (time_s[i + 1] - time_s[i])
+        turn = bend[i] if bend[i] < _HUGE and wanted > BRIEF else 0.0
+        wanted = max(wanted, turn / limit)
         most = max(most, wanted)
         counts[i] = np.int16(min(max(np.ceil(wanted), 1.0), MAX_SUBSTEPS))
     return most

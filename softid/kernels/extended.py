@@ -20,7 +20,7 @@ from softid.kernels.radau import STAGES
 from softid.kernels.small_matrix import LANES, groups
 from softid.kernels.sources import follow_sources
 from softid.kernels.stages import Step, advance, solve_stages
-from softid.kernels.tangents import carry
+from softid.kernels.tangents import Transfer, carry
 from softid.kernels.terms import TERM_SIZE
 
 Array = npt.NDArray[np.float64]
@@ -81,10 +81,13 @@ def _room(scale: Array) -> Step:
         scale,
         np.zeros(size),
         np.empty(size),
-        np.zeros((size, LANES * groups(size))),
-        np.empty(size, np.int64),
         np.empty(size),
         np.zeros((3, 2 + n_own, 1 + n_own)),
+        np.empty((1 + n_own, 3, 3)),
+        np.empty((1 + n_own, 3, 3)),
+        np.empty((n_own, 3, 3)),
+        np.empty((n_own, 3, 3)),
+        np.empty((3, n_own)),
         np.empty(5),
     )
 
@@ -130,23 +133,19 @@ def _weight(c: int, j: int, piece: int, pieces: int) -> float:
 
 
 @inlined
-def _enter(course: Course, i: int, step: Step, by: Array) -> None:
-    """Take the data of step ``i`` into ``step`` and ``by``."""
-    wanted = by.shape[2] if course.coefficients_by.shape[0] > 0 else 0
+def _enter(course: Course, i: int, step: Step) -> None:
+    """Take the data of step ``i`` into ``step``."""
     at = step.at
     for c in range(3):
         at.place[0, c], at.place[1, c] = course.places[i, 0, c], course.places[i, 1, c]
         for q in range(4):
             at.coefficients[c, q] = course.coefficients[i, c, q]
-            for f in range(wanted):
-                for lane in range(LANES):
-                    by[c, q, f, lane] = course.coefficients_by[i, c, q, f, lane]
 
 
 @inner
 def _enter_piece(course: Course, i: int, piece: int, pieces: int, step: Step, by: Array) -> None:
     """Take the data of a piece of step ``i`` into ``step`` and ``by``."""
-    wanted = by.shape[2] if course.coefficients_by.shape[0] > 0 else 0
+    wanted = by.shape[3] if course.coefficients_by.shape[0] > 0 else 0
     at = step.at
     for c in range(3):
         at.place[0, c], at.place[1, c] = 0.0, 0.0
@@ -159,9 +158,9 @@ def _enter_piece(course: Course, i: int, piece: int, pieces: int, step: Step, by
                 at.coefficients[c, q] = before + weight * course.coefficients[i, j, q]
                 for f in range(wanted):
                     for lane in range(LANES):
-                        before = by[c, q, f, lane] if j > 0 else 0.0
+                        before = by[0, c, q, f, lane] if j > 0 else 0.0
                         found = course.coefficients_by[i, j, q, f, lane]
-                        by[c, q, f, lane] = before + weight * found
+                        by[0, c, q, f, lane] = before + weight * found
 
 
 @inlined
@@ -184,20 +183,20 @@ class Room(NamedTuple):
     ----------
     step
         The step at hand.
-    coefficients_by
-        Derivatives of the affine law's coefficients at its stages, shape (3, 4, groups, LANES).
-    rhs, rates
+    transfer
         As in `carry`.
+    coefficients_by
+        Derivatives of the affine law's coefficients over a piece of a step, shape (1, 3, 4, groups,
+        LANES).
     last
         Stage rates of the step before, shape (3 + 3 Z,).
     state, tangent
-        What the step began with.
+        What a step in pieces began with.
     """
 
     step: Step
+    transfer: Transfer
     coefficients_by: Array
-    rhs: Array
-    rates: Array
     last: Array
     state: Array
     tangent: Array
@@ -231,21 +230,21 @@ def _take(
     """Take step ``i`` in so many pieces; False when the stages of one cannot be found.
 
     ``follows`` says that the step before was alike, so that its rates and inverse serve as a start.
+    What is not found in one piece has changed nothing.
     """
     step, h = room.step, course.step_s[i] / pieces
     wanted = course.coefficients_by.shape[0] > 0
+    by, place = (course.coefficients_by, i) if pieces == 1 else (room.coefficients_by, 0)
     for piece in range(pieces):
         if pieces == 1:
-            _enter(course, i, step, room.coefficients_by)
+            _enter(course, i, step)
         else:
             _enter_piece(course, i, piece, pieces, step, room.coefficients_by)
         _predict(step, room.last, state, follows)
         if not solve_stages(equation, step, state, h, follows or piece > 0, wanted):
             return False
         if wanted:
-            carry(
-                equation, step, room.coefficients_by, course.moves, room.rhs, room.rates, tangent, h
-            )
+            carry(equation, step, by, place, course.moves, room.transfer, tangent, h)
         advance(step, state, h)
     return True
 
@@ -263,18 +262,19 @@ def _march(
     """All steps, in arrays that exist already: counting references would double the time."""
     follows = False
     for i in range(course.step_s.size):
-        _copy(state, room.state)
-        _copy_all(tangent, room.tangent)
         alike = i > 0 and abs(course.step_s[i] / course.step_s[i - 1] - 1.0) < ALIKE
-        known, tries, pieces = follows and alike, np.int64(0), np.int64(1)
-        while not _take(equation, course, i, pieces, known and tries == 0, state, tangent, room):
-            if tries > 0 or not known:
-                pieces *= 2
-            tries += 1
+        known, pieces = follows and alike, np.int64(1)
+        while not _take(equation, course, i, pieces, known, state, tangent, room):
+            if pieces == 1:
+                _copy(state, room.state)
+                _copy_all(tangent, room.tangent)
+            else:
+                _copy(room.state, state)
+                _copy_all(room.tangent, tangent)
+            pieces = pieces if known else 2 * pieces
+            known = False
             if pieces > 1 << MAX_HALVINGS:
                 return False
-            _copy(room.state, state)
-            _copy_all(room.tangent, tangent)
         _copy(room.step.w, room.last)
         follows = pieces == 1
         states[i, 0], states[i, 1] = state[0], state[1]
@@ -315,14 +315,19 @@ def integrate(
     carried = np.zeros((n_states, groups(columns), LANES))
     flat = carried.reshape(n_states, -1)
     flat[:, :columns] = tangent
+    size = (n_states + 3, *carried.shape[1:])
     room = Room(
         step,
-        np.zeros(course.coefficients_by.shape[1:]),
-        np.zeros((step.w.size, *carried.shape[1:])),
-        np.zeros((step.w.size, *carried.shape[1:])),
-        np.zeros(step.w.size),
-        state.copy(),
-        carried.copy(),
+        Transfer(
+            np.empty((n_states, step.w.size)),
+            np.empty((n_states, size[0])),
+            np.zeros(size),
+            np.empty(4),
+        ),
+        np.empty((1, *course.coefficients_by.shape[1:])),
+        np.empty(step.w.size),
+        np.empty(n_states),
+        np.empty(carried.shape),
     )
     solved: bool = _march(equation, course, state, carried, states, tangents, room)
     tangent[:] = flat[:, :columns]

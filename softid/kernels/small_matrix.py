@@ -1,18 +1,23 @@
-"""Inverses of matrices too small for a library call to pay.
+"""Products and inverses of matrices too small for a library call to pay.
 
-Rows are padded with zeros to whole vectors of `LANES` numbers: a loop over a constant number of
-lanes becomes one instruction, a loop over six numbers does not.
+Columns are padded with zeros to whole vectors of `LANES` numbers, for which processors have
+instructions.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
 
 from softid.kernels.decorators import inlined
 
 Array = npt.NDArray[np.float64]
-Index = npt.NDArray[np.int64]
 
 LANES = 8
 
@@ -23,96 +28,84 @@ def groups(count: int) -> int:
 
 
 @inlined
-def _exchange(matrix: Array, order: Index, i: int) -> None:
-    """Bring the largest number left in a column onto the diagonal."""
-    best, row = abs(matrix[i, i]), i
-    for r in range(i + 1, matrix.shape[0]):
-        if abs(matrix[r, i]) > best:
-            best, row = abs(matrix[r, i]), r
-    order[i] = row
-    if row != i:
-        for c in range(matrix.shape[1]):
-            matrix[i, c], matrix[row, c] = matrix[row, c], matrix[i, c]
+def invert_block(matrices: Array, i: int, found: Array) -> None:
+    """Inverse of matrix ``i`` of 3 rows and columns by its cofactors, not finite if singular.
+
+    Parameters
+    ----------
+    matrices
+        Matrices, shape (n, 3, 3).
+    i
+        Which of them.
+    found
+        Receives the inverse at the same place, shape (n, 3, 3).
+    """
+    a, b, c = matrices[i, 0, 0], matrices[i, 0, 1], matrices[i, 0, 2]
+    d, e, f = matrices[i, 1, 0], matrices[i, 1, 1], matrices[i, 1, 2]
+    g, h, j = matrices[i, 2, 0], matrices[i, 2, 1], matrices[i, 2, 2]
+    first, second, third = e * j - f * h, f * g - d * j, d * h - e * g
+    scale = 1.0 / (a * first + b * second + c * third)
+    found[i, 0, 0], found[i, 1, 0], found[i, 2, 0] = first * scale, second * scale, third * scale
+    found[i, 0, 1], found[i, 0, 2] = (c * h - b * j) * scale, (b * f - c * e) * scale
+    found[i, 1, 1], found[i, 1, 2] = (a * j - c * g) * scale, (c * d - a * f) * scale
+    found[i, 2, 1], found[i, 2, 2] = (b * g - a * h) * scale, (a * e - b * d) * scale
+
+
+def _weighted_sum(
+    context: Any, found: Any, weights: Any, rows: Any, count: Any, stride: Any
+) -> Any:
+    """Sum of rows of `LANES` numbers; arrays are given by their addresses."""
+    del context, found, weights, rows, count, stride
+    signature = types.void(*(types.int64,) * 5)
+
+    def emit(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        del signature
+        double, lanes = ir.DoubleType(), ir.VectorType(ir.DoubleType(), LANES)
+        found, weights, rows, count, stride = values
+        weights = builder.inttoptr(weights, double.as_pointer())
+        rows = builder.inttoptr(rows, double.as_pointer())
+        nothing = ir.Constant(lanes, [0.0] * LANES)
+        total = cgutils.alloca_once_value(builder, nothing)  # type: ignore[no-untyped-call]
+        with cgutils.for_range(builder, count) as loop:
+            weight = builder.load(builder.gep(weights, [loop.index]))
+            place = builder.gep(rows, [builder.mul(loop.index, stride)])
+            row = builder.load(builder.bitcast(place, lanes.as_pointer()), align=8)
+            spread = builder.insert_element(ir.Constant(lanes, ir.Undefined), weight, _FIRST)
+            spread = builder.shuffle_vector(spread, spread, _ALL_FIRST)
+            added = builder.fmul(spread, row, flags=["contract"])
+            builder.store(builder.fadd(builder.load(total), added, flags=["contract"]), total)
+        target = builder.inttoptr(found, lanes.as_pointer())
+        builder.store(builder.load(total), target, align=8)
+        return context.get_dummy_value()
+
+    return signature, emit
+
+
+_FIRST = ir.Constant(ir.IntType(32), 0)
+_ALL_FIRST = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+
+weighted_sum: Any = intrinsic(_weighted_sum)
+"""Write Σ wᵢ · rowᵢ, with rows of `LANES` numbers: (address of the result, address of w, address of
+the first row, count, numbers from one row to the next). Written as one instruction for all lanes,
+which the compiler does not find by itself where arrays might overlap."""
 
 
 @inlined
-def invert(matrix: Array, order: Index) -> None:
-    """Inverse by Gauss and Jordan with partial pivoting, in place.
+def multiply_columns(matrix: Array, b: Array, found: Array) -> None:
+    """Product of a matrix and many columns.
 
     Parameters
     ----------
     matrix
-        The matrix in its first n columns and zeros behind them, shape (n, a multiple of `LANES`);
-        overwritten by its inverse.
-    order
-        Receives the row that was exchanged with each row, shape (n,).
-    """
-    n, width = matrix.shape
-    for i in range(n):
-        _exchange(matrix, order, i)
-        inverse = 1.0 / matrix[i, i]
-        matrix[i, i] = 1.0
-        for c in range(width):
-            matrix[i, c] *= inverse
-        for r in range(n):
-            if r != i:
-                factor = matrix[r, i]
-                matrix[r, i] = 0.0
-                for c in range(width):
-                    matrix[r, c] -= factor * matrix[i, c]
-    for i in range(n - 1, -1, -1):
-        row = order[i]
-        if row != i:
-            for r in range(n):
-                matrix[r, i], matrix[r, row] = matrix[r, row], matrix[r, i]
-
-
-@inlined
-def multiply(inverse: Array, b: Array, found: Array) -> None:
-    """Solution for one right-hand side.
-
-    Parameters
-    ----------
-    inverse
-        From `invert`.
+        The matrix, shape (m, n).
     b
-        Right-hand side, shape (n,).
+        Columns in groups of `LANES`, shape (n, groups, LANES).
     found
-        Receives the solution, shape (n,).
+        Receives the products as columns, shape (m, groups, LANES).
     """
-    for i in range(b.size):
-        total = 0.0
-        for c in range(b.size):
-            total += inverse[i, c] * b[c]
-        found[i] = total
-
-
-@inlined
-def multiply_columns(inverse: Array, b: Array, found: Array) -> None:
-    """Solutions for many right-hand sides.
-
-    Parameters
-    ----------
-    inverse
-        From `invert`.
-    b
-        Right-hand sides as columns in groups of `LANES`, shape (n, groups, LANES).
-    found
-        Receives the solutions as columns, of the same shape.
-    """
-    n = b.shape[0]
-    for f in range(b.shape[1]):
-        for i in range(n):
-            t0, t1, t2, t3, t4, t5, t6, t7 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            for c in range(n):
-                factor = inverse[i, c]
-                t0 += factor * b[c, f, 0]
-                t1 += factor * b[c, f, 1]
-                t2 += factor * b[c, f, 2]
-                t3 += factor * b[c, f, 3]
-                t4 += factor * b[c, f, 4]
-                t5 += factor * b[c, f, 5]
-                t6 += factor * b[c, f, 6]
-                t7 += factor * b[c, f, 7]
-            found[i, f, 0], found[i, f, 1], found[i, f, 2], found[i, f, 3] = t0, t1, t2, t3
-            found[i, f, 4], found[i, f, 5], found[i, f, 6], found[i, f, 7] = t4, t5, t6, t7
+    n, stride = b.shape[0], b.shape[1] * LANES
+    to, by, rows = found.ctypes.data, matrix.ctypes.data, b.ctypes.data
+    for i in range(found.shape[0]):
+        for f in range(b.shape[1]):
+            here = 8 * (i * stride + f * LANES)
+            weighted_sum(to + here, by + 8 * i * n, rows + 8 * f * LANES, n, stride)

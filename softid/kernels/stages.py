@@ -10,10 +10,9 @@ import numpy.typing as npt
 from softid.kernels.decorators import inlined
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import B1, A, B
-from softid.kernels.small_matrix import invert, multiply
+from softid.kernels.small_matrix import invert_block
 
 Array = npt.NDArray[np.float64]
-Index = npt.NDArray[np.int64]
 
 MAX_NEWTON = 13
 NEWTON_TOLERANCE = 1e-9
@@ -27,12 +26,25 @@ much of the tolerance."""
 DIFFERENCE = 1e-7
 """Relative step of the numerical derivatives at the stages, and of Newton's last one."""
 
+NEARBY = 1e-3
+"""Newton's move after which slopes are taken that may serve as those at the solution."""
+
+BESIDE = 1e-5
+"""Newton's move up to which slopes from before it serve as those at the solution."""
+
 
 class Step(NamedTuple):
     """A step and room for its stages; Z is the number of own states.
 
     Unknown 3k + c of the stage equations is the rate of state k at stage c, where k = 0 is the
-    position and k = 1 … Z are the own states.
+    position and k = 1 … Z are the own states. Own states meet in the equation of motion only, so
+    their Jacobian is an arrow of blocks of three rows and columns,
+
+        [ X   C₁  C₂ … ]
+        [ R₁  S₁       ]
+        [ R₂      S₂   ]
+
+    whose inverse needs S⁻¹, G = S⁻¹ R, F = C S⁻¹ and that of X − Σ C G.
 
     Attributes
     ----------
@@ -44,13 +56,17 @@ class Step(NamedTuple):
         The unknowns, shape (3 + 3 Z,).
     residual
         What the stage equations leave, shape (3 + 3 Z,).
-    matrix, order
-        The inverse of their Jacobian, shape (3 + 3 Z, padded), and room for its rows, (3 + 3 Z,).
     move
         Newton's move, shape (3 + 3 Z,).
     slopes
         Derivatives by x, v and the own states of the unbalanced force and of the own rates at each
         stage, shape (3, 2 + Z, 1 + Z).
+    blocks, inverse
+        X − Σ C G and S_k, and their inverses, each of shape (1 + Z, 3, 3).
+    forth, back
+        F and G, each of shape (Z, 3, 3).
+    rates
+        Rates of the own states at the stages, shape (3, Z).
     kept
         Room for one stage's parts, shape (5,).
     """
@@ -59,10 +75,13 @@ class Step(NamedTuple):
     scale: Array
     w: Array
     residual: Array
-    matrix: Array
-    order: Index
     move: Array
     slopes: Array
+    blocks: Array
+    inverse: Array
+    forth: Array
+    back: Array
+    rates: Array
     kept: Array
 
 
@@ -85,7 +104,8 @@ def _leave(equation: Equation, step: Step, state: Array, h: float) -> None:
         step.residual[c] = unbalanced(equation, step.at, c)
         for k in range(n_own):
             row = 3 * (k + 1) + c
-            step.residual[row] = w[row] - step.at.rates[c, k]
+            step.rates[c, k] = step.at.rates[c, k]
+            step.residual[row] = w[row] - step.rates[c, k]
 
 
 @inlined
@@ -104,33 +124,64 @@ def _differentiate(equation: Equation, step: Step) -> None:
             points[c, s] = here
             slopes[c, s, 0] = (moved - step.residual[c]) / d
             for k in range(n_own):
-                row = 3 * (k + 1) + c
-                rate = step.w[row] - step.residual[row]
-                slopes[c, s, 1 + k] = (step.at.rates[c, k] - rate) / d
+                slopes[c, s, 1 + k] = (step.at.rates[c, k] - step.rates[c, k]) / d
         for i in range(5):
             parts[c, i] = kept[i]
 
 
 @inlined
-def _assemble(step: Step, h: float) -> None:
-    """Jacobian of the stage equations from the slopes."""
-    slopes, matrix, parts, size = step.slopes, step.matrix, step.at.parts, step.w.size
-    for i in range(size):
-        for j in range(matrix.shape[1]):
-            matrix[i, j] = 0.0
+def _invert(step: Step, h: float) -> None:
+    """Inverse of the Jacobian of the stage equations, block by block, from the slopes."""
+    slopes, blocks, parts = step.slopes, step.blocks, step.at.parts
+    inverse, forth, back = step.inverse, step.forth, step.back
     for c in range(3):
         heavy = parts[c, 4] * parts[c, 0] / h
         for j in range(3):
-            matrix[c, j] = heavy * B[c, j] + slopes[c, 0, 0] * h * A[c, j]
-        matrix[c, c] += slopes[c, 1, 0]
-        for k in range(size // 3 - 1):
-            row, first = 3 * (k + 1) + c, 3 * (k + 1)
-            matrix[row, row] += 1.0
-            matrix[row, c] -= slopes[c, 1, 1 + k]
+            blocks[0, c, j] = heavy * B[c, j] + slopes[c, 0, 0] * h * A[c, j]
+        blocks[0, c, c] += slopes[c, 1, 0]
+    for k in range(forth.shape[0]):
+        for c in range(3):
             for j in range(3):
-                matrix[c, first + j] += slopes[c, 2 + k, 0] * h * A[c, j]
-                matrix[row, j] -= slopes[c, 0, 1 + k] * h * A[c, j]
-                matrix[row, first + j] -= slopes[c, 2 + k, 1 + k] * h * A[c, j]
+                blocks[1 + k, c, j] = -slopes[c, 2 + k, 1 + k] * h * A[c, j]
+            blocks[1 + k, c, c] += 1.0
+        invert_block(blocks, 1 + k, inverse)
+        for c in range(3):
+            for j in range(3):
+                found = -inverse[1 + k, c, j] * slopes[j, 1, 1 + k]
+                for i in range(3):
+                    found -= inverse[1 + k, c, i] * slopes[i, 0, 1 + k] * h * A[i, j]
+                back[k, c, j] = found
+        for c in range(3):
+            along = slopes[c, 2 + k, 0] * h
+            for j in range(3):
+                found = 0.0
+                for i in range(3):
+                    found += A[c, i] * inverse[1 + k, i, j]
+                    blocks[0, c, j] -= along * A[c, i] * back[k, i, j]
+                forth[k, c, j] = along * found
+    invert_block(blocks, 0, inverse)
+
+
+@inlined
+def _solve(step: Step) -> None:
+    """Newton's move for the residual."""
+    residual, move, inverse = step.residual, step.move, step.inverse
+    r0, r1, r2 = residual[0], residual[1], residual[2]
+    for k in range(step.forth.shape[0]):
+        for j in range(3):
+            left = residual[3 * (k + 1) + j]
+            r0 -= step.forth[k, 0, j] * left
+            r1 -= step.forth[k, 1, j] * left
+            r2 -= step.forth[k, 2, j] * left
+    for c in range(3):
+        move[c] = inverse[0, c, 0] * r0 + inverse[0, c, 1] * r1 + inverse[0, c, 2] * r2
+    for k in range(step.back.shape[0]):
+        for c in range(3):
+            found = 0.0
+            for j in range(3):
+                found += inverse[1 + k, c, j] * residual[3 * (k + 1) + j]
+                found -= step.back[k, c, j] * move[j]
+            move[3 * (k + 1) + c] = found
 
 
 @inlined
@@ -140,7 +191,8 @@ def solve_stages(
     """Find the stages by Newton's method from ``step.w``; False when it does not converge.
 
     The inverse that the step before left serves as long as it brings the stages nearer quickly: the
-    law changes little from step to step, and an inverse costs several times a residual.
+    law changes little from step to step, and an inverse costs several times a residual. Where
+    slopes are wanted anyway they are taken before the last move, which is then the shorter.
 
     Parameters
     ----------
@@ -149,18 +201,16 @@ def solve_stages(
     has_inverse
         Whether ``step`` holds the inverse of a step before.
     exact
-        Whether residual, slopes and inverse are wanted at the solution, for `carry`.
+        Whether slopes and inverse are wanted beside the solution, for `carry`.
     """
-    before, solved = 0.0, False
+    before = 0.0
     for number in range(MAX_NEWTON):
         _leave(equation, step, state, h)
-        if not has_inverse:
+        taken = not has_inverse or (exact and number > 0 and before < NEARBY)
+        if taken:
             _differentiate(equation, step)
-            _assemble(step, h)
-            invert(step.matrix, step.order)
-        if solved:
-            return True
-        multiply(step.matrix, step.residual, step.move)
+            _invert(step, h)
+        _solve(step)
         worst = 0.0
         for i in range(step.w.size):
             move = step.move[i]
@@ -171,9 +221,9 @@ def solve_stages(
             worst = max(worst, abs(move) / size)
         shrinkage = worst / before if number > 0 else SLOWEST
         solved = worst < NEWTON_TOLERANCE or worst * shrinkage < LEFT * NEWTON_TOLERANCE
-        if solved and not exact:
+        if solved and (not exact or (taken and worst < BESIDE)):
             return True
-        if solved or shrinkage > SLOWEST:
+        if shrinkage > SLOWEST:
             has_inverse = False
         before = worst
     return False

@@ -2,54 +2,135 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.decorators import inlined
 from softid.kernels.equation import Equation, unbalanced
 from softid.kernels.radau import B1, A
-from softid.kernels.small_matrix import LANES, multiply_columns
+from softid.kernels.small_matrix import LANES, multiply_columns, weighted_sum
 from softid.kernels.stages import Step
 
 Array = npt.NDArray[np.float64]
 
 
+class Transfer(NamedTuple):
+    """How a step's end answers to its start and to forces within it; S = 2 + Z states.
+
+    Attributes
+    ----------
+    weights
+        Of what is added to the right-hand sides of the stage equations, shape (S, 3 + 3 Z).
+    matrix
+        Of the states at the start and of forces at the three stages, shape (S, S + 3).
+    columns
+        Derivatives of those states and forces, shape (S + 3, groups, LANES).
+    factors
+        Of the derivatives of m, n, q and f in that of the force, shape (4,).
+    """
+
+    weights: Array
+    matrix: Array
+    columns: Array
+    factors: Array
+
+
 @inlined
-def _force_by_parameters(
-    equation: Equation, step: Step, coefficients_by: Array, moves: Array, rhs: Array
-) -> None:
-    """Take the derivatives by (θ, η) of force and own rates at the stages from ``rhs``."""
-    at, residual = step.at, step.residual
-    n_own = at.points.shape[1] - 3
-    n_theta = equation.theta.size
+def _weigh(step: Step, weights: Array, h: float) -> None:
+    """States at the end of the step by the right-hand sides of its stage equations.
+
+    The end follows from the stages' velocities directly and, for an own state, from its rates,
+    which answer to the velocities by G; the velocities answer to the own right-hand sides by F.
+    """
+    n_own = step.forth.shape[0]
+    for s in range(2 + n_own):
+        for j in range(3):
+            found = 0.0
+            for i in range(3):
+                if s == 0:
+                    share = h * A[2, i]
+                elif s == 1:
+                    share = 1.0 if i == 2 else 0.0
+                else:
+                    share = 0.0
+                    for c in range(3):
+                        share -= h * A[2, c] * step.back[s - 2, c, i]
+                found += share * step.inverse[0, i, j]
+            weights[s, j] = found
+        for k in range(n_own):
+            for j in range(3):
+                found = 0.0
+                for c in range(3):
+                    found -= weights[s, c] * step.forth[k, c, j]
+                    if s == 2 + k:
+                        found += h * A[2, c] * step.inverse[1 + k, c, j]
+                weights[s, 3 * (k + 1) + j] = found
+
+
+@inlined
+def _answer(step: Step, transfer: Transfer, h: float) -> None:
+    """States at the end by those at the start and by forces at the stages."""
+    weights, matrix, slopes = transfer.weights, transfer.matrix, step.slopes
+    n_own = step.forth.shape[0]
+    for s in range(2 + n_own):
+        by_x, by_v = 1.0 if s == 0 else 0.0, 0.0
+        for c in range(3):
+            heavy = step.at.parts[c, 4] * step.at.parts[c, 0] / h * B1[c]
+            by_x -= weights[s, c] * slopes[c, 0, 0]
+            by_v += weights[s, c] * heavy
+            matrix[s, 2 + n_own + c] = -weights[s, c]
+        for k in range(n_own):
+            by_own = 1.0 if s == 2 + k else 0.0
+            for c in range(3):
+                own = weights[s, 3 * (k + 1) + c]
+                by_x += own * slopes[c, 0, 1 + k]
+                by_own += own * slopes[c, 2 + k, 1 + k] - weights[s, c] * slopes[c, 2 + k, 0]
+            matrix[s, 2 + k] = by_own
+        matrix[s, 0], matrix[s, 1] = by_x, by_v
+
+
+@inlined
+def _force_by_coefficients(step: Step, coefficients_by: Array, i: int, transfer: Transfer) -> None:
+    """Derivatives of the force at the stages by the parameters of an affine law."""
+    at, factors, columns = step.at, transfer.factors, transfer.columns
+    n_own, n_groups = at.points.shape[1] - 3, coefficients_by.shape[3]
+    stride, row = n_groups * LANES, columns.shape[1] * LANES
     for c in range(3):
-        m, d = at.parts[c, 0] * at.points[c, 2 + n_own], at.parts[c, 1] * at.points[c, 1]
-        q = at.parts[c, 2] * at.parts[c, 3]
-        first_moved = 0
-        if equation.law == 0:
-            first_moved = n_theta
-            for f in range(coefficients_by.shape[2]):
-                for lane in range(LANES):
-                    rhs[c, f, lane] -= (
-                        coefficients_by[c, 0, f, lane] * m
-                        + coefficients_by[c, 1, f, lane] * d
-                        + coefficients_by[c, 2, f, lane] * q
-                        - coefficients_by[c, 3, f, lane]
-                    )
-        for p in range(first_moved, moves.size):
-            if moves[p] == 0.0:
-                continue
-            vector = equation.theta if p < n_theta else equation.eta
-            place = p if p < n_theta else p - n_theta
-            here = vector[place]
-            vector[place] = here + moves[p]
-            moved = unbalanced(equation, at, c)
-            vector[place] = here
-            rhs[c, p // LANES, p % LANES] -= (moved - residual[c]) / moves[p]
-            for k in range(n_own):
-                row = 3 * (k + 1) + c
-                rate = step.w[row] - residual[row]
-                rhs[row, p // LANES, p % LANES] += (at.rates[c, k] - rate) / moves[p]
+        factors[0] = at.parts[c, 0] * at.points[c, 2 + n_own]
+        factors[1] = at.parts[c, 1] * at.points[c, 1]
+        factors[2] = at.parts[c, 2] * at.parts[c, 3]
+        factors[3] = -1.0
+        to = columns.ctypes.data + 8 * (2 + n_own + c) * row
+        first = coefficients_by.ctypes.data + 8 * 4 * stride * (3 * i + c)
+        for f in range(n_groups):
+            here = 8 * f * LANES
+            weighted_sum(to + here, factors.ctypes.data, first + here, 4, stride)
+
+
+@inlined
+def _add_moved(
+    equation: Equation, step: Step, moves: Array, weights: Array, tangent: Array
+) -> None:
+    """Add what moving a parameter does to force and own rates at the stages."""
+    at, n_theta = step.at, equation.theta.size
+    for p in range(n_theta if equation.law == 0 else 0, moves.size):
+        if moves[p] == 0.0:
+            continue
+        vector = equation.theta if p < n_theta else equation.eta
+        place = p if p < n_theta else p - n_theta
+        here = vector[place]
+        vector[place] = here + moves[p]
+        for c in range(3):
+            force = (unbalanced(equation, at, c) - step.residual[c]) / moves[p]
+            for s in range(tangent.shape[0]):
+                tangent[s, p // LANES, p % LANES] -= weights[s, c] * force
+            for k in range(tangent.shape[0] - 2):
+                rate = (at.rates[c, k] - step.rates[c, k]) / moves[p]
+                for s in range(tangent.shape[0]):
+                    tangent[s, p // LANES, p % LANES] += weights[s, 3 * (k + 1) + c] * rate
+        vector[place] = here
 
 
 @inlined
@@ -57,9 +138,9 @@ def carry(
     equation: Equation,
     step: Step,
     coefficients_by: Array,
+    i: int,
     moves: Array,
-    rhs: Array,
-    rates: Array,
+    transfer: Transfer,
     tangent: Array,
     h: float,
 ) -> None:
@@ -72,47 +153,23 @@ def carry(
     equation, step, h
         As `solve_stages` left them when asked to be exact.
     coefficients_by
-        Derivatives of the affine law's coefficients at the stages, shape (3, 4, groups, LANES).
+        Derivatives of the affine law's coefficients at the stages, shape (n, 3, 4, groups, LANES).
+    i
+        Which of the n belong to the step.
     moves
         By how much each parameter is moved to differentiate, shape (K + H,); zero for a constant.
-    rhs, rates
-        Room, each of shape (3 + 3 Z, G, LANES).
+    transfer
+        Room; forces are zero in groups that the affine law does not reach.
     tangent
         Derivatives of (x, v, own states), shape (2 + Z, G, LANES); overwritten.
     """
-    n_own = tangent.shape[0] - 2
-    groups = tangent.shape[1]
-    for c in range(3):
-        heavy = step.at.parts[c, 4] * step.at.parts[c, 0] / h * B1[c]
-        slope = step.slopes[c, 0, 0]
-        for f in range(groups):
+    _weigh(step, transfer.weights, h)
+    _answer(step, transfer, h)
+    for s in range(tangent.shape[0]):
+        for f in range(tangent.shape[1]):
             for lane in range(LANES):
-                rhs[c, f, lane] = heavy * tangent[1, f, lane] - slope * tangent[0, f, lane]
-        for k in range(n_own):
-            row, slope = 3 * (k + 1) + c, step.slopes[c, 2 + k, 0]
-            along_x, along_own = step.slopes[c, 0, 1 + k], step.slopes[c, 2 + k, 1 + k]
-            for f in range(groups):
-                for lane in range(LANES):
-                    rhs[c, f, lane] -= slope * tangent[2 + k, f, lane]
-                    rhs[row, f, lane] = (
-                        along_x * tangent[0, f, lane] + along_own * tangent[2 + k, f, lane]
-                    )
-    _force_by_parameters(equation, step, coefficients_by, moves, rhs)
-    multiply_columns(step.matrix, rhs, rates)
-    for f in range(groups):
-        for lane in range(LANES):
-            tangent[0, f, lane] += h * (
-                A[2, 0] * rates[0, f, lane]
-                + A[2, 1] * rates[1, f, lane]
-                + A[2, 2] * rates[2, f, lane]
-            )
-            tangent[1, f, lane] = rates[2, f, lane]
-    for k in range(n_own):
-        row = 3 * (k + 1)
-        for f in range(groups):
-            for lane in range(LANES):
-                tangent[2 + k, f, lane] += h * (
-                    A[2, 0] * rates[row, f, lane]
-                    + A[2, 1] * rates[row + 1, f, lane]
-                    + A[2, 2] * rates[row + 2, f, lane]
-                )
+                transfer.columns[s, f, lane] = tangent[s, f, lane]
+    if equation.law == 0:
+        _force_by_coefficients(step, coefficients_by, i, transfer)
+    multiply_columns(transfer.matrix, transfer.columns, tangent)
+    _add_moved(equation, step, moves, transfer.weights, tangent)

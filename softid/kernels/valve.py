@@ -5,9 +5,11 @@ r"""Pressure behind a valve or restriction after ISO 6358, along a straight supp
 with p_u the greater and p_d the smaller of supply and actuator pressure. Above r = 0.999 the flow
 is taken as laminar, linear in the pressure difference; there the law is a first-order lag that
 is stepped exactly, however stiff. Outside the law is not stiff against the motion of the supply,
-and Dormand and Prince's pair of orders 5 and 4 follows it with steps of its own. The instants at
-which the flow turns laminar or turbulent are located, so that the computed pressure is smooth in
-the parameters.
+and Dormand and Prince's pair of orders 5 and 4 follows it with steps of its own, from one bend of
+the supply to the next; what lies between a step's ends is read from its interpolant (Hairer,
+Nørsett and Wanner, *Solving Ordinary Differential Equations I*, §II.6). The instants at which the
+flow turns laminar or turbulent are located, so that the computed pressure is smooth in the
+parameters.
 """
 
 from __future__ import annotations
@@ -25,8 +27,9 @@ LAMINAR_ABOVE = 0.999
 MAX_SWITCHES = 8
 MAX_BISECTIONS = 60
 
-ALIKE = 1e-9
-"""Relative difference up to which two intervals share what depends on their length."""
+ALIKE = 1e-7
+"""Difference of two intervals, in laminar time constants, up to which a straight line leads from
+the decay over one to that over the other."""
 
 A20, A21 = 3 / 40, 9 / 40
 A30, A31, A32 = 44 / 45, -56 / 15, 32 / 9
@@ -35,6 +38,20 @@ A50, A51, A52, A53, A54 = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 
 A60, A62, A63, A64, A65 = 35 / 384, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
 E0, E2, E3, E4, E5, E6 = 71 / 57600, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40
 """Dormand and Prince's coefficients, and what tells their two orders apart, without the zeros."""
+
+D0, D2, D3 = -12715105075 / 11282082432, 87487479700 / 32700410799, -10690763975 / 1880347072
+D4, D5, D6 = 701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423
+"""The last coefficient of the interpolant of order 4."""
+
+SAFETY = 0.02
+"""Share of the tolerance that a step may reach: steps come and go as a parameter moves, and what
+they leave must stay below the differences that derivatives are taken from."""
+
+STRAIGHT = 1e-2
+"""Share of the tolerance by which values of the supply may lie beside a straight line."""
+
+ROUNDED = 1e-15
+"""Times are known to this share of the longest, which within a jump of microseconds is much."""
 
 
 @kernel
@@ -80,10 +97,14 @@ def _laminar_time(tau_s: float, b: float) -> float:
 @njit(nogil=True, error_model="numpy")
 def _advance(
     laminar: bool, p: float, slope: float, a: float, h: float, tau_s: float, b: float
-) -> tuple[float, float]:
-    """Actuator pressure after h from a at a supply p + slope·t, and its estimated error."""
+) -> tuple[float, float, tuple[float, float, float, float]]:
+    """Actuator pressure after h from a at a supply p + slope·t, its estimated error, and between.
+
+    The last are the coefficients of `_between`.
+    """
     if laminar:
-        return p + slope * h + lag_difference(a - p, slope, h, _laminar_time(tau_s, b)), 0.0
+        reached = p + slope * h + lag_difference(a - p, slope, h, _laminar_time(tau_s, b))
+        return reached, 0.0, (0.0, 0.0, 0.0, 0.0)
     per_s, per_range = 1.0 / tau_s, 1.0 / (1.0 - b)
     k1 = _rate(p, a, per_s, b, per_range)
     k2 = _rate(p + slope * (h / 5), a + h * (k1 / 5), per_s, b, per_range)
@@ -94,10 +115,20 @@ def _advance(
     k5 = _rate(p + slope * (8 * h / 9), reached, per_s, b, per_range)
     reached = a + h * (A50 * k1 + A51 * k2 + A52 * k3 + A53 * k4 + A54 * k5)
     k6 = _rate(p + slope * h, reached, per_s, b, per_range)
-    reached = a + h * (A60 * k1 + A62 * k3 + A63 * k4 + A64 * k5 + A65 * k6)
-    k7 = _rate(p + slope * h, reached, per_s, b, per_range)
+    move = h * (A60 * k1 + A62 * k3 + A63 * k4 + A64 * k5 + A65 * k6)
+    k7 = _rate(p + slope * h, a + move, per_s, b, per_range)
     error = h * (E0 * k1 + E2 * k3 + E3 * k4 + E4 * k5 + E5 * k6 + E6 * k7)
-    return reached, abs(error)
+    ahead = h * k1 - move
+    last = h * (D0 * k1 + D2 * k3 + D3 * k4 + D4 * k5 + D5 * k6 + D6 * k7)
+    return a + move, abs(error), (move, ahead, move - h * k7 - ahead, last)
+
+
+@njit(nogil=True, error_model="numpy")
+def _between(a: float, terms: tuple[float, float, float, float], share: float) -> float:
+    """Pressure at a share of a turbulent step from a."""
+    move, ahead, behind, last = terms
+    rest = 1.0 - share
+    return a + share * (move + rest * (ahead + share * (behind + rest * last)))
 
 
 @njit(nogil=True, error_model="numpy")
@@ -115,19 +146,24 @@ def _crossing(
     slope: float,
     a: float,
     h: float,
-    tau_s: float,
-    b: float,
+    reached: float,
+    terms: tuple[float, float, float, float],
+    tau_laminar: float,
 ) -> float:
     """Time at which the flow leaves the range that it is in; it has left it after h (Illinois)."""
     low, high = 0.0, h
     at_low = _beyond(p, a, side)
-    at_high = _beyond(p + slope * h, _advance(laminar, p, slope, a, h, tau_s, b)[0], side)
+    at_high = _beyond(p + slope * h, reached, side)
     if (at_low > 0.0) == (at_high > 0.0):
         return 0.0
     for _ in range(MAX_BISECTIONS):
         middle = high - at_high * (high - low) / (at_high - at_low)
-        reached = _advance(laminar, p, slope, a, middle, tau_s, b)[0]
-        at_middle = _beyond(p + slope * middle, reached, side)
+        supply = p + slope * middle
+        if laminar:
+            there = supply + lag_difference(a - p, slope, middle, tau_laminar)
+        else:
+            there = _between(a, terms, middle / h)
+        at_middle = _beyond(supply, there, side)
         if (at_middle > 0.0) == (at_high > 0.0):
             at_low *= 0.5
         else:
@@ -137,6 +173,27 @@ def _crossing(
         if at_high == 0.0 or moved <= 1e-15 * h or abs(high - low) <= 1e-15 * h:
             break
     return high
+
+
+@njit(nogil=True, error_model="numpy")
+def _straight(
+    step_s: Array, values: Array, k: int, p: float, near: float, resolution_s: float
+) -> tuple[int, float]:
+    """Interval behind the one up to which the supply goes on straight from ``k``, and its slope.
+
+    It may bend by ``near``, and as far as ``resolution_s``, to which times are known, lets it seem.
+    """
+    passed = step_s[k]
+    slope = (values[k + 1] - p) / passed
+    end = k + 1
+    while end < step_s.size:
+        longer = passed + step_s[end]
+        unknown = near + resolution_s * abs(slope)
+        if not abs(values[end + 1] - (p + slope * longer)) <= unknown:
+            break
+        passed, end = longer, end + 1
+        slope = (values[end] - p) / passed
+    return end, slope
 
 
 @kernel
@@ -161,34 +218,43 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
     laminar = True
     usual = np.inf
     tau_laminar = _laminar_time(tau_s, b)
-    kept_h, decayed = 0.0, 0.0
-    for k in range(step_s.size):
-        left = step_s[k]
-        slope = (values[k + 1] - p) / left
-        switches = 0
-        shortest = 1e-9 * left
-        while left > 0.0:
+    kept_h, kept, allowed = 0.0, 0.0, SAFETY * tolerance
+    resolution_s = ROUNDED * np.sum(step_s)
+    k = 0
+    while k < step_s.size:
+        end, slope = _straight(step_s, values, k, p, STRAIGHT * tolerance, resolution_s)
+        ahead, left, to_next = values[end], np.sum(step_s[k:end]), step_s[k]
+        switches, shortest = 0, 1e-9 * left
+        while k < end:
             side = 0.0 if laminar else np.sign(p - a)
-            h = left if laminar else min(usual, left)
+            h = to_next if laminar else usual if usual < left else left
+            terms = (0.0, 0.0, 0.0, 0.0)
             if laminar:
-                if abs(h - kept_h) > ALIKE * h:  # most intervals are as long as the one before
-                    kept_h, decayed = h, np.expm1(-h / tau_laminar)
+                longer = (h - kept_h) / tau_laminar
+                if not abs(longer) < ALIKE:  # most intervals are as long as the one before
+                    kept_h, longer, kept = h, 0.0, np.expm1(-h / tau_laminar)
+                decayed = kept - longer * (1.0 + kept)
                 reached = p + slope * h + (a - p) * (1.0 + decayed) + slope * tau_laminar * decayed
             else:
-                reached, error = _advance(laminar, p, slope, a, h, tau_s, b)
-                fitting = h * min(5.0, max(0.2, 0.9 * (tolerance / (error + 1e-300)) ** 0.2))
-                if error > tolerance and h > shortest:
+                reached, error, terms = _advance(laminar, p, slope, a, h, tau_s, b)
+                fitting = h * min(5.0, max(0.2, 0.9 * (allowed / (error + 1e-300)) ** 0.2))
+                if error > allowed and h > shortest:
                     usual = fitting
                     continue
                 usual = max(fitting, usual) if h == left else fitting
             left_range = (_beyond(p + slope * h, reached, side) > 0.0) == laminar
             if left_range and switches < MAX_SWITCHES:
-                h = _crossing(laminar, side, p, slope, a, h, tau_s, b)
-                reached = _advance(laminar, p, slope, a, h, tau_s, b)[0]
+                h = _crossing(laminar, side, p, slope, a, h, reached, terms, tau_laminar)
+                reached, _, terms = _advance(laminar, p, slope, a, h, tau_s, b)
                 laminar = not laminar
                 switches += 1
+            while k < end and (to_next <= h or h == left):
+                values[k + 1] = _between(a, terms, to_next / h) if to_next < h else reached
+                k += 1
+                to_next += step_s[k] if k < end else 0.0
+                switches = 0
+            to_next -= h
+            left = max(left - h, to_next)
             p += slope * h
             a = reached
-            left = left - h if h < left else 0.0
-        p = values[k + 1]
-        values[k + 1] = a
+        p = ahead

@@ -101,6 +101,26 @@ def test_rivals_are_measured_from_what_was_chosen() -> None:
     assert _rivals(rows, candidate(()))[1] == ("pneumatic_lag", "delay")
 
 
+@pytest.mark.parametrize(
+    ("zeta", "gain", "names"),
+    [
+        (0.9, 1.0, ("line_resonance", "pneumatic_lag")),
+        (1.1, 5.9, ("pneumatic_lag",)),
+        (1.1, 6.1, ("line_resonance", "pneumatic_lag")),
+        (1.1, -3.0, ("pneumatic_lag",)),
+    ],
+)
+def test_a_line_that_does_not_ring_is_a_lag(
+    zeta: float, gain: float, names: tuple[str, ...]
+) -> None:
+    """Beyond a damping ratio of 1 it must gain 6 of BIC on the lag, and is no rival to it else."""
+    rows = [
+        ranked(("line_resonance",), 0.0, values={"line_resonance_zeta": zeta}),
+        ranked(("pneumatic_lag",), gain),
+    ]
+    assert _rivals(sorted(rows, key=lambda row: row.bic), candidate(()))[1] == names
+
+
 def test_effects_that_were_there_are_no_rivals() -> None:
     """In a second round only what each candidate adds is compared."""
     rows = [ranked(("delay", "creep"), 0.0), ranked(("delay", "ageing"), 2.0)]

@@ -9,7 +9,8 @@ from handmade_diagnosis import DELAY, FRICTION, TIE, cause, diagnosis, estimate,
 
 from softid.diagnoses import Alternative, Diagnosis, Evidence, Verdict
 from softid.diagnosis.remarks import restriction
-from softid.diagnosis.words import summarise, what_next, worded
+from softid.diagnosis.ties import is_linear, what_next
+from softid.diagnosis.words import summarise, worded
 from softid.effects import EFFECTS
 
 
@@ -275,3 +276,44 @@ def test_a_lag_whose_times_may_be_one_is_told_as_a_lag() -> None:
     plain = EFFECTS["pneumatic_lag"]
     one = replace(lag, title=plain.title, meaning=plain.meaning)
     assert "filling and venting apart" not in told(replace(apart, descriptive=(one,)))
+
+
+def test_descriptions_are_a_list_and_their_bounds_are_told() -> None:
+    """Three names, and the value that ends at its bound, which forbids its name."""
+    stuck = replace(estimate("stiffening_k3", 25.0, "1/rad³"), at_bound=True)
+    tried = tuple(
+        cause(key, [value], before=2.0, after=0.5)
+        for key, value in (
+            ("stiffening", stuck),
+            ("static_curve", estimate("static_curve_k1", 0.1, "rad")),
+            ("clock_rate", estimate("clock_rate_rate", 1e-3, "1")),
+        )
+    )
+    text = told(replace(diagnosis(Verdict.UNKNOWN), causes=(), descriptive=tried))
+    assert "stiffening with deformation, another static curve and " in text
+    assert " take away 60 %" in text
+    assert "The k3 of stiffening with deformation ends at its bound" in text
+    assert text.count("at its bound") == 1
+
+
+def test_what_only_lacks_a_name_asks_for_more_of_the_same() -> None:
+    """Nothing is left to vary when what is left looks like noise."""
+    rest = replace(diagnosis(Verdict.UNKNOWN).remainder, structured=False)
+    asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=rest)
+    assert asked is not None
+    assert asked.startswith("record more levels")
+
+
+@pytest.mark.parametrize(("linear", "model"), [(True, "oscillator"), (False, "muscle")])
+def test_two_lags_of_a_linear_model_are_one(linear: bool, model: str) -> None:
+    """Linear operations may change places; behind a stiffness that goes with the input not."""
+    tie = Alternative(("sensor_lag", "pneumatic_lag"), {}, "", ("sensor_lag", "pneumatic_lag"))
+    lag = cause("sensor_lag", [estimate("sensor_lag_tau", 0.1, "s")], before=2.0, after=0.5)
+    found = diagnosis(Verdict.AMBIGUOUS)
+    base = replace(found.base, model=replace(found.base.model, name=model))
+    assert is_linear(base) is linear
+    open_one = replace(found, base=base, causes=(lag,), alternatives=(tie,), next_experiment=None)
+    made = worded(open_one)
+    assert made.next_experiment is not None
+    assert ("In a linear model a lag" in made.summary) is linear
+    assert ("a faster one" in made.next_experiment) is linear

@@ -6,7 +6,13 @@ from dataclasses import replace
 
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
-from softid.diagnosis.other_reading import better_reading, is_open, read_as
+from softid.diagnosis.other_reading import (
+    better_reading,
+    is_measured,
+    is_open,
+    last_reading,
+    read_as,
+)
 from softid.log import LogSet
 
 LOG = linear_log(noise=0.01)
@@ -22,6 +28,21 @@ def test_a_wrong_reading_is_left_for_the_true_one() -> None:
     assert better_reading(standing(straight, z), SIGMA) is None
 
 
+def test_a_measured_input_is_straight_where_that_does_as_well() -> None:
+    """Readings that explain alike: noise of the size of the motion hides what lies between."""
+    log = linear_log(noise=1.0)
+    held = linear_problem(read_as([log], "held"))
+    z = held.unknowns(TRUTH)
+    sigma = {"angle": 1.0}
+    assert better_reading(standing(held, z, sigma), sigma) is None
+    assert last_reading(standing(held, z, sigma), sigma) == "straight"
+    command = replace(log, channels={
+        "pressure_command": log.channels["pressure"], "angle": log.channels["angle"]
+    }, input="pressure_command")  # fmt: skip
+    commanded = linear_problem(read_as([command], "held"))
+    assert last_reading(standing(commanded, z, sigma), sigma) is None
+
+
 def test_only_what_nobody_declared_is_open() -> None:
     """Declared readings stay, and an input without a jump has but one."""
     assert is_open(LogSet((LOG,)))
@@ -29,3 +50,21 @@ def test_only_what_nobody_declared_is_open() -> None:
     smooth = LOG.between(1.2, 3.4)
     assert not is_open(LogSet((smooth,)))
     assert not is_open(LogSet((LOG, replace(linear_log(seed=1), intersample="held"))))
+
+
+def test_a_reading_takes_the_place_of_another() -> None:
+    """What the first one told goes with it."""
+    held = read_as([LOG], "zoh")
+    assert [issue.code for issue in held[0].issues] == ["held-input"]
+    again = read_as(held, "straight")
+    assert again[0].intersample == "straight"
+    assert not again[0].issues
+    assert read_as(again, "held")[0].intersample == "held"
+
+
+def test_a_command_is_not_measured() -> None:
+    """Only a measured input goes straight from one sample to the next by its nature."""
+    assert is_measured(LogSet((LOG,)))
+    renamed = {"pressure_command": LOG.channels["pressure"], "angle": LOG.channels["angle"]}
+    command = replace(LOG, channels=renamed, input="pressure_command")
+    assert not is_measured(LogSet((command,)))

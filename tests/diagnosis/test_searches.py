@@ -209,5 +209,22 @@ def test_only_a_whole_answer_from_elsewhere_counts(
     monkeypatch.setattr(searches, "candidates_elsewhere", lambda *args: NEAR)
     monkeypatch.setattr(searches, "extended", lambda *args, **options: chain_of("delay"))
     monkeypatch.setattr(searches, "_searched", searched_as({"begun": answer}, by=[]))
-    found = from_other_places(beginning(), (), ignore, 0)
+    found = from_other_places(beginning(), NOTHING, (), ignore, 0)
     assert found is (answer if counts else None)
+
+
+@pytest.mark.parametrize(
+    ("first", "again"), [(("delay",), False), (("creep",), True), (None, True)]
+)
+def test_the_same_first_cause_leads_to_the_same_answer(
+    first: tuple[str, ...] | None, again: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where other places lead to where the search began the rest is known."""
+    monkeypatch.setattr(searches, "has_vanished", lambda base: False)
+    monkeypatch.setattr(searches, "candidates_elsewhere", lambda *args: NEAR)
+    monkeypatch.setattr(searches, "extended", lambda *args, **options: chain_of("delay"))
+    monkeypatch.setattr(searches, "_searched", searched_as({"begun": NAMED}, by=[]))
+    begun = None if first is None else candidate(first, chain_of("delay").final.squares)
+    known = NOTHING._replace(begun=begun)
+    found = from_other_places(beginning(), known, (), ignore, 0)
+    assert found is (NAMED if again else None)

@@ -96,3 +96,26 @@ def test_it_is_smooth_in_its_parameter() -> None:
     ends = [behind(time_s, supply, 0.1 * (1.0 + sign * 1e-4), 0.3) for sign in (1.0, -1.0)]
     central = (ends[0] - ends[1]) / 2e-4
     np.testing.assert_allclose(forward, central, rtol=0.0, atol=2e-3 * np.max(np.abs(central)))
+
+
+@pytest.mark.parametrize("tau_s", [0.01, 0.3, 3.0])
+def test_values_along_a_straight_supply_cost_no_accuracy(tau_s: float) -> None:
+    """Sixteen values on each line of a bent supply against its corners alone, to 1e-7 of the span.
+
+    Between the ends of a step its interpolant is of order four; jumps within microseconds, along
+    which times are known to a millionth only, are lines, too.
+    """
+    rng = np.random.default_rng(8)
+    corners_s = np.sort(np.concatenate((np.arange(0.0, 40.0, 0.05), np.arange(2.0, 40.0, 5.0))))
+    corners_s[np.searchsorted(corners_s, np.arange(2.0, 40.0, 5.0))] -= 1e-5
+    level = 101.0 + 200.0 * (np.floor((corners_s + 2e-6) / 5.0 + 0.6) % 2)
+    supply = level + rng.normal(0.0, 0.3, corners_s.size)
+    shares = np.arange(1, 17) / 16.0
+    time_s = np.concatenate(
+        (corners_s[:1], *(a + (b - a) * shares for a, b in pairwise(corners_s)))
+    )
+    fine = np.concatenate((supply[:1], *(a + (b - a) * shares for a, b in pairwise(supply))))
+    coarse = behind(corners_s, supply, tau_s, 0.3)
+    np.testing.assert_allclose(behind(time_s, fine, tau_s, 0.3)[::16], coarse, atol=2e-5, rtol=0.0)
+    between = behind(time_s[::4], fine[::4], tau_s, 0.3)
+    np.testing.assert_allclose(behind(time_s, fine, tau_s, 0.3)[::4], between, atol=2e-5, rtol=0.0)
