@@ -38,6 +38,7 @@ from softid.diagnosis.other_reading import (
     is_open,
     last_reading,
     read_as,
+    straight_unless_told,
 )
 from softid.diagnosis.remarks import averaged_over, restriction
 from softid.diagnosis.residual_set import sets_left
@@ -106,12 +107,13 @@ def diagnose(
         As `softid.fit`.
     """
     report = _rising(progress)
-    given = Given(as_log_set(logs), tuple(hold_out)).each(_cleaned)
+    recorded = as_log_set(logs)
+    is_in_doubt = is_open(recorded)
+    given = Given(recorded, tuple(hold_out)).each(_cleaned)
+    if is_measured(recorded):
+        given = given.each(straight_unless_told)
     require_enough(given.logs)
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
-    is_in_doubt = is_open(given.logs)
-    if is_in_doubt and is_measured(given.logs):
-        given = _read_as(given, "straight")
     given, start, count = _prepared(given, asked)
     first = None
     if is_in_doubt:
