@@ -40,7 +40,7 @@ from softid.diagnosis.other_reading import (
     read_as,
     straight_unless_told,
 )
-from softid.diagnosis.remarks import averaged_over, restriction
+from softid.diagnosis.remarks import averaged_over, restriction, rounding
 from softid.diagnosis.residual_set import sets_left
 from softid.diagnosis.revision import prefixes, without_link
 from softid.diagnosis.scale import fastest_time
@@ -134,7 +134,8 @@ def diagnose(
     if answer.verdict is Verdict.UNKNOWN and not found.remainder.structured:
         other = from_other_places(start, found, effects, report, seed)
         answer = _answer(start, other, seed) if other else answer
-    remarks = (*restriction(effects), *averaged_over(count))
+    rounded = rounding(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
+    remarks = (*restriction(effects), *averaged_over(count), *rounded)
     if has_spring(start.base):
         remarks = (*remarks, *sets_left(given.logs))
     return worded(replace(answer, issues=(*answer.issues, *remarks)))
