@@ -106,10 +106,17 @@ class HeldOut:
         return found
 
     def _in_blocks(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
-        """From the initial states of the fit: without the mask another start may count as rest."""
+        """From the initial states of the fit: without the mask another start may count as rest.
+
+        The input does between its samples what it does in the fit, which found that out.
+        """
         fitted, z = candidate.problem, candidate.minimum.point
         theta = fitted.theta(z)
-        segments = [(k, segment) for k, log in enumerate(self.whole) for segment in log.segments()]
+        read = [
+            whole.with_intersample(log.intersample)
+            for whole, log in zip(self.whole, fitted.logs, strict=True)
+        ]
+        segments = [(k, segment) for k, log in enumerate(read) for segment in log.segments()]
         found = []
         for at, (log, segment) in enumerate(segments):
             with np.errstate(all="ignore"):

@@ -34,7 +34,7 @@ LAP = 15
 def is_open(logs: LogSet) -> bool:
     """Whether an input may have been held, and none of the logs says what it does between samples.
 
-    It may have been where it jumps, and where it is a command.
+    It may have been where it jumps as recorded, and where it is a command.
     """
     return all(log.intersample is None for log in logs) and bool(held_readings(logs))
 
@@ -42,6 +42,11 @@ def is_open(logs: LogSet) -> bool:
 def is_measured(logs: Iterable[Log]) -> bool:
     """Whether no input is a command."""
     return all(log.input != COMMAND for log in logs)
+
+
+def straight_unless_told(log: Log) -> Log:
+    """The log with an input that is straight between samples, unless something said otherwise."""
+    return log if log.intersample is not None else replace(log, intersample="straight")
 
 
 def better_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:

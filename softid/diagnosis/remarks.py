@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from softid.diagnosis.phrases import listed
+from softid.diagnosis.phrases import listed, percent
 from softid.effects import EFFECTS
 from softid.errors import Issue
+from softid.excitation import find_quantisation
+from softid.log import Log
+from softid.results import FitResult
+
+COARSE = 0.25
+"""Share of the power of what is left from which on the rounding of the output is told."""
 
 
 def restriction(effects: Sequence[str]) -> tuple[Issue, ...]:
@@ -50,3 +56,35 @@ def averaged_over(count: int) -> tuple[Issue, ...]:
             None,
         ),
     )
+
+
+def rounding(logs: Iterable[Log], base: FitResult, rms: float) -> tuple[Issue, ...]:
+    """A remark for every log whose first output is rounded so coarsely that it makes what is left.
+
+    Parameters
+    ----------
+    logs
+        The logs as recorded.
+    base
+        The fit that knows in which unit people know the output.
+    rms
+        What the last model leaves, in the unit of the channel.
+    """
+    first = base.outputs[0]
+    row = next((r for r in base.statistics if r.channel == first), None)
+    unit, factor = (row.display_unit, row.display_factor) if row else ("", 1.0)
+    found = []
+    for log in logs:
+        grid = find_quantisation(log.channels[first].values) if first in log.channels else None
+        share = grid.step**2 / 12.0 / rms**2 if grid is not None and rms > 0.0 else 0.0
+        if grid is not None and share > COARSE:
+            found.append(
+                Issue(
+                    "coarse-quantisation",
+                    "info",
+                    f"{log.name}: {first} is recorded in steps of {grid.step * factor:.3g} {unit}, "
+                    f"whose rounding is {percent(min(share, 1.0))} of the power of what is left",
+                    "record it with more digits, or with a finer converter",
+                )
+            )
+    return tuple(found)

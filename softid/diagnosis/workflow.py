@@ -38,8 +38,9 @@ from softid.diagnosis.other_reading import (
     is_open,
     last_reading,
     read_as,
+    straight_unless_told,
 )
-from softid.diagnosis.remarks import averaged_over, restriction
+from softid.diagnosis.remarks import averaged_over, restriction, rounding
 from softid.diagnosis.residual_set import sets_left
 from softid.diagnosis.revision import prefixes, without_link
 from softid.diagnosis.scale import fastest_time
@@ -106,12 +107,13 @@ def diagnose(
         As `softid.fit`.
     """
     report = _rising(progress)
-    given = Given(as_log_set(logs), tuple(hold_out)).each(_cleaned)
+    recorded = as_log_set(logs)
+    is_in_doubt = is_open(recorded)
+    given = Given(recorded, tuple(hold_out)).each(_cleaned)
+    if is_measured(recorded):
+        given = given.each(straight_unless_told)
     require_enough(given.logs)
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
-    is_in_doubt = is_open(given.logs)
-    if is_in_doubt and is_measured(given.logs):
-        given = _read_as(given, "straight")
     given, start, count = _prepared(given, asked)
     first = None
     if is_in_doubt:
@@ -132,7 +134,8 @@ def diagnose(
     if answer.verdict is Verdict.UNKNOWN and not found.remainder.structured:
         other = from_other_places(start, found, effects, report, seed)
         answer = _answer(start, other, seed) if other else answer
-    remarks = (*restriction(effects), *averaged_over(count))
+    rounded = rounding(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
+    remarks = (*restriction(effects), *averaged_over(count), *rounded)
     if has_spring(start.base):
         remarks = (*remarks, *sets_left(given.logs))
     return worded(replace(answer, issues=(*answer.issues, *remarks)))

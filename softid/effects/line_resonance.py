@@ -15,7 +15,7 @@ from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
-SHORTEST_PERIODS = 3.0
+SHORTEST_PERIODS = 4.0
 LONGEST_SHARE = 0.25
 """Bounds of the ringing period, in sampling intervals and as a share of the log. What rings faster
 is not told from what the input does between two samples."""

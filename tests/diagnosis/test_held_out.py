@@ -15,6 +15,7 @@ from softid.diagnosis.held_out import (
     gain_interval,
     hold_out_blocks,
 )
+from softid.intersample import Intersample
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
@@ -218,3 +219,23 @@ def test_no_gain_and_a_loss() -> None:
     values = rng.standard_normal(400)
     assert gain_interval(values, values, rng) == pytest.approx((0.0, 0.0))
     assert gain_interval(values, 2.0 * values, rng) == pytest.approx((-1.0, -1.0))
+
+
+@pytest.mark.parametrize("reading", ["held", "zoh"])
+def test_blocks_are_judged_with_the_reading_of_the_fit(reading: Intersample) -> None:
+    """Known truth: an input held at every sample, whose exact answer leaves nothing in the blocks.
+
+    Straight lines between the samples come half an interval early.
+    """
+    rng = np.random.default_rng(1)
+    pressure = np.repeat(np.concatenate(([0.0], rng.uniform(0.0, 100.0, 39))), 25)
+    fine_s = np.arange(50 * pressure.size) / (50 * RATE_HZ)
+    held_fine = np.repeat(pressure, 50)
+    angle = linear_angle(fine_s, held_fine)[::50]
+    log = with_angle(driven(pressure), angle)
+    trained, held = hold_out_blocks(LogSet((log,)))
+    fitted = [one.with_intersample(reading) for one in trained]
+    problem = linear_problem(fitted)
+    rms = held.rms(standing(problem, problem.unknowns(TRUTH)))
+    straight = linear_problem(trained.logs)
+    assert rms < 0.1 * held.rms(standing(straight, straight.unknowns(TRUTH)))

@@ -12,6 +12,7 @@ from softid.diagnosis.other_reading import (
     is_open,
     last_reading,
     read_as,
+    straight_unless_told,
 )
 from softid.log import LogSet
 
@@ -68,3 +69,10 @@ def test_a_command_is_not_measured() -> None:
     renamed = {"pressure_command": LOG.channels["pressure"], "angle": LOG.channels["angle"]}
     command = replace(LOG, channels=renamed, input="pressure_command")
     assert not is_measured(LogSet((command,)))
+
+
+def test_what_somebody_said_stays() -> None:
+    """A declared reading is kept, and nothing is told of the other."""
+    assert straight_unless_told(LOG).intersample == "straight"
+    held = replace(LOG, intersample="held")
+    assert straight_unless_told(held) is held

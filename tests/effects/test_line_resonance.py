@@ -46,11 +46,11 @@ def test_line_resonance_derivatives(sampling: str) -> None:
 
 
 @pytest.mark.parametrize("samples", [100, 110, 240, 5000])
-def test_nothing_rings_faster_than_three_samples(samples: int) -> None:
+def test_nothing_rings_faster_than_four_samples(samples: int) -> None:
     """Two samples are the shortest period that samples can show, and a straight input between them
-    passes for a ringing of three. In a short log, too, it begins within the bounds."""
+    passes for a ringing of three or a little more. In a short log, too, it begins within the bounds."""
     scale = replace(SCALE, duration_s=samples * SCALE.period_s)
     period = LineResonance().parameters(scale)["period"]
-    assert period.lower == pytest.approx(3.0 * SCALE.period_s)
+    assert period.lower == pytest.approx(4.0 * SCALE.period_s)
     for start in LineResonance().starts(scale):
         assert period.lower <= start["period"] <= period.upper
