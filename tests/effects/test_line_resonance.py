@@ -48,7 +48,8 @@ def test_line_resonance_derivatives(sampling: str) -> None:
 @pytest.mark.parametrize("samples", [100, 110, 240, 5000])
 def test_nothing_rings_faster_than_four_samples(samples: int) -> None:
     """Two samples are the shortest period that samples can show, and a straight input between them
-    passes for a ringing of three or a little more. In a short log, too, it begins within the bounds."""
+    passes for a ringing of three or a little more. In a short log, too, it begins within the
+    bounds."""
     scale = replace(SCALE, duration_s=samples * SCALE.period_s)
     period = LineResonance().parameters(scale)["period"]
     assert period.lower == pytest.approx(4.0 * SCALE.period_s)
