@@ -14,6 +14,8 @@ import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance
 from softid.diagnosis.parallel import in_parallel
+from softid.diagnosis.screening import takes_time
+from softid.effects import ExtendedModel
 from softid.fitters.problem import Problem
 from softid.identification.held_input import (
     BETTER_BY,
@@ -71,8 +73,41 @@ def better_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersam
     return best if most > BETTER_BY else None
 
 
+def first_reading(
+    base: Candidate, candidate: Candidate, sigma: Mapping[str, float]
+) -> Intersample | None:
+    """As `better_reading` with a first cause; a lateness does not make a measured input held.
+
+    Holding it at every sample is a delay of half an interval. Where a cause that takes time stays
+    in the model it would take that half from it, so the base alone must then explain as much.
+
+    Parameters
+    ----------
+    base
+        What the first cause extends.
+    candidate, sigma
+        As in `better_reading`.
+    """
+    reading = better_reading(candidate, sigma)
+    if reading != "zoh" or not is_measured(candidate.problem.logs) or not _is_late(candidate):
+        return reading
+    n = candidate.problem.n_samples
+    behind = n * float(np.log(base.squares / candidate.squares))
+    return reading if _fall(base, sigma, reading) > behind - BETTER_BY else None
+
+
+def _is_late(candidate: Candidate) -> bool:
+    """Whether a cause that takes time is in the model."""
+    model = candidate.problem.model
+    if not isinstance(model, ExtendedModel):
+        return False
+    return any(takes_time(effect, model.scale) for effect in candidate.effects)
+
+
 def last_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
     """As `better_reading` with all causes known; a measured input is straight if that does as well.
+
+    Nor is it held at every sample beside a cause that takes time, as in `first_reading`.
 
     Parameters
     ----------
@@ -82,7 +117,10 @@ def last_reading(candidate: Candidate, sigma: Mapping[str, float]) -> Intersampl
     logs = candidate.problem.logs
     if logs[0].intersample in HELD and is_measured(logs):
         return "straight" if _fall(candidate, sigma, "straight") > -BETTER_BY else None
-    return better_reading(candidate, sigma)
+    reading = better_reading(candidate, sigma)
+    if reading == "zoh" and is_measured(logs) and _is_late(candidate):
+        return None
+    return reading
 
 
 def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample) -> float:

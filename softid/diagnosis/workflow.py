@@ -33,7 +33,7 @@ from softid.diagnosis.input_noise import without_input_noise
 from softid.diagnosis.lost_input import without_lost_input
 from softid.diagnosis.marks import marks_in
 from softid.diagnosis.other_reading import (
-    better_reading,
+    first_reading,
     is_measured,
     is_open,
     last_reading,
@@ -118,7 +118,8 @@ def diagnose(
     first = None
     if is_in_doubt:
         first = extended(start, catalogue(effects), report, seed, max_links=1)
-        reading = better_reading(first.final, dict(start.work.found.optimum.sigma))
+        sigma = dict(start.work.found.optimum.sigma)
+        reading = first_reading(start.base, first.final, sigma)
         if reading is not None:
             given, first = _read_as(given, reading), None
             start = asked.begin(given.logs, given.hold_out, thorough=False)

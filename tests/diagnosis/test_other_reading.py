@@ -4,16 +4,33 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
+import numpy as np
+import pytest
+from linear_motion import (
+    RATE_HZ,
+    SIGMA,
+    TRUTH,
+    linear_angle,
+    linear_log,
+    linear_problem,
+    standing,
+)
 
+from softid.diagnosis import other_reading
+from softid.diagnosis.candidates import Candidate, extend, start_unknowns
+from softid.diagnosis.chain import settled
 from softid.diagnosis.other_reading import (
     better_reading,
+    first_reading,
     is_measured,
     is_open,
     last_reading,
     read_as,
     straight_unless_told,
 )
+from softid.diagnosis.scale import scale_of
+from softid.effects import effect_of
+from softid.intersample import Intersample
 from softid.log import LogSet
 
 LOG = linear_log(noise=0.01)
@@ -42,6 +59,52 @@ def test_a_measured_input_is_straight_where_that_does_as_well() -> None:
     }, input="pressure_command")  # fmt: skip
     commanded = linear_problem(read_as([command], "held"))
     assert last_reading(standing(commanded, z, sigma), sigma) is None
+
+
+def late(seconds: float, *, held: bool, reading: Intersample) -> tuple[Candidate, Candidate]:
+    """Base and delayed model of a log whose input goes on so late, straight or held, at the truth.
+
+    The pressure changes at every sample.
+    """
+    rng = np.random.default_rng(2)
+    fine, period_s = 20, 1.0 / RATE_HZ
+    pressure = 50.0 + 30.0 * np.sin(2.0 * np.pi * 0.7 * LOG.time_s) + rng.normal(0.0, 4.0, len(LOG))
+    pressure[:50] = 0.0
+    fine_s = period_s / fine * np.arange(fine * len(LOG))
+    arriving = np.interp(fine_s - seconds, LOG.time_s, pressure)
+    if held:
+        at = np.clip(np.floor((fine_s - seconds) / period_s + 1e-9), 0, len(LOG) - 1)
+        arriving = pressure[at.astype(int)]
+    angle = linear_angle(fine_s, arriving)[::fine] + 1e-4 * rng.standard_normal(len(LOG))
+    channels = {
+        "pressure": replace(LOG.channels["pressure"], values=pressure),
+        "angle": replace(LOG.channels["angle"], values=angle),
+    }
+    log = replace(LOG, channels=channels)
+    base = linear_problem(read_as([log], reading))
+    z = base.unknowns(TRUTH)
+    effect = effect_of("delay")
+    problem = extend(base, (effect,), scale_of(base, z))
+    tau = max(seconds + (0.5 * period_s if held else 0.0), 1e-3)
+    begun = start_unknowns(problem, base, z, {"delay_tau": tau})
+    delayed = replace(standing(problem, begun, SIGMA), effects=(effect,))
+    return settled(standing(base, z), SIGMA), settled(delayed, SIGMA)
+
+
+def test_half_an_interval_late_is_held() -> None:
+    """The base alone explains the log then; beside a cause that takes time it is not held."""
+    base, delayed = late(0.0, held=True, reading="straight")
+    assert better_reading(delayed, SIGMA) == "zoh"
+    assert first_reading(base, delayed, SIGMA) == "zoh"
+    assert last_reading(delayed, SIGMA) is None
+
+
+def test_a_cause_that_takes_time_keeps_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A measured input that is late by more is not held, however much better that is beside it."""
+    base, delayed = late(0.05, held=False, reading="straight")
+    monkeypatch.setattr(other_reading, "better_reading", lambda candidate, sigma: "zoh")
+    assert first_reading(base, delayed, SIGMA) is None
+    assert first_reading(base, base, SIGMA) == "zoh"
 
 
 def test_only_what_nobody_declared_is_open() -> None:
