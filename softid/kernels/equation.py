@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.decorators import inlined
+from softid.kernels.decorators import inner
 from softid.kernels.terms import (
     DAMPING,
     FORCE,
@@ -86,7 +86,7 @@ class Instants(NamedTuple):
     result: Array
 
 
-@inlined
+@inner
 def unbalanced(equation: Equation, at: Instants, c: int) -> float:
     """Force that the equation of motion leaves unbalanced at instant ``c``; fills its rates."""
     points, result = at.points, at.result
