@@ -101,6 +101,11 @@ class Link:
         return _added(row, self.before.candidate.keys)
 
     @property
+    def contenders(self) -> tuple[Candidate, ...]:
+        """All that were ranked but what they extend, at their optimum for white noise."""
+        return tuple(row.plain for row in self.ranked if row is not self.before)
+
+    @property
     def delta_bic(self) -> float:
         """Fall of the BIC."""
         return self.before.bic - self.chosen.bic
@@ -136,6 +141,7 @@ def find_chain(
     report: Callable[[str, float], None] = lambda message, fraction: None,
     begun: Sequence[Link] = (),
     besides: Sequence[Candidate] = (),
+    raced: Link | None = None,
     max_links: int = MAX_LINKS,
 ) -> Chain:
     """Extend the base by one effect after the other.
@@ -160,6 +166,8 @@ def find_chain(
         The links to those causes.
     besides
         Candidates for the first cause that began elsewhere, as in `race`.
+    raced
+        The round for the first cause without those, if it ran already.
     max_links
         No more causes than this.
     """
@@ -171,8 +179,8 @@ def find_chain(
     while len(links) < max_links:
         number = len(links)
         report(f"looking for cause {number + 1}", number / max_links)
-        others = () if links else besides
-        link = next_link(now, effects, scale, sigma, demand, besides=others)
+        others, earlier = ((), None) if links else (besides, raced)
+        link = next_link(now, effects, scale, sigma, demand, besides=others, raced=earlier)
         if link is None:
             break
         last = link
@@ -221,16 +229,20 @@ def next_link(
     screened: Sequence[Signature] | None = None,
     known: Sequence[Candidate] = (),
     besides: Sequence[Candidate] = (),
+    raced: Link | None = None,
 ) -> Link | None:
     """One round; None when nothing in the catalogue promises enough.
 
     ``screened`` holds the signatures of these effects and perhaps others, if they are known,
-    ``known`` candidates that are near their optimum already, ``besides`` some that began elsewhere.
+    ``known`` candidates that are near their optimum already, ``besides`` some that began elsewhere,
+    ``raced`` the same round of the same effects without those.
     """
     taken = {effect.name for effect in now.effects}
     left = [effect for effect in effects if effect.name not in taken]
     if not left:
         return None
+    if raced is not None:
+        screened, known = raced.signatures, raced.contenders
     if screened is None:
         screened = screen(now, left, scale, sigma)
     asked = {effect.key for effect in left}
@@ -239,7 +251,16 @@ def next_link(
     promise = -now.problem.n_samples * np.log1p(-min(share, 0.999))
     if promise < demand.promise and not besides:
         return None
-    contenders = race(now, left, scale, sigma, signatures=signatures, known=known, besides=besides)
+    contenders = race(
+        now,
+        left,
+        scale,
+        sigma,
+        signatures=signatures,
+        known=known,
+        besides=besides,
+        again=raced is not None,
+    )
     ranked = rank([*contenders, now], sigma)
     before = next(r for r in ranked if r.candidate.keys == now.keys)
     others = [r for r in ranked if r is not before]

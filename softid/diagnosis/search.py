@@ -97,6 +97,7 @@ def race(
     signatures: Sequence[Signature] | None = None,
     known: Sequence[Candidate] = (),
     besides: Sequence[Candidate] = (),
+    again: bool = False,
     report: Callable[[float], None] = lambda fraction: None,
 ) -> list[Candidate]:
     """Refit the base with each effect, polishing the contenders only; best first.
@@ -122,6 +123,9 @@ def race(
         the others.
     besides
         Candidates that began elsewhere and came far; their effects run as usual, too.
+    again
+        Whether the race was run already without those: who dropped out would do so again, and only
+        what is known and what began elsewhere runs.
     report
         Called with the fraction done.
     """
@@ -129,10 +133,11 @@ def race(
     variance = fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
     richer = [effect for effect in effects if any(_is_richer(effect, e, scale) for e in effects)]
     left_out = {c.effects[-1].key for c in known} | {effect.key for effect in richer}
-    running = [effect for effect in effects if effect.key not in left_out]
+    running = [e for e in effects if e.key not in left_out] if not again else []
+    keys = {effect.key for effect in running}
     entrants = in_parallel(
         lambda s: candidate_from(fitted, s, scale, sigma, variance),
-        [s for s in _starts(found) if s.effect.key not in left_out],
+        [s for s in _starts(found) if s.effect.key in keys],
     )
     late = [effect for effect in running if takes_time(effect, scale)]
     entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
@@ -311,9 +316,23 @@ def _lap(
     leader = min((c.squares for c in (*after, *others)), default=0.0)
     hopeful, hopeless = list[Candidate](), list[Candidate]()
     for before, candidate in zip(running, after, strict=True):
-        hopes = _has_hope(candidate, leader, gained=_gain(before.squares, candidate))
+        gained = _gain(before.squares, candidate)
+        hopes = _has_hope(candidate, leader, gained=gained)
+        hopes = hopes and not _is_outdone(candidate, after, gained=gained)
         (hopeful if hopes else hopeless).append(candidate)
     return hopeful, hopeless
+
+
+def _is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: float) -> bool:
+    """Whether a better one with the same effects will not be left behind by this one.
+
+    Of one law only the best optimum counts, so being near is not enough.
+    """
+    mine = min(c.squares for c in others if c.keys == candidate.keys)
+    if not candidate.squares > mine:
+        return False
+    promised = candidate.minimum.reach**2 * candidate.problem.size
+    return -_gain(mine, candidate) + SMALLEST_GAIN > max(HOPE * promised, PACE * gained)
 
 
 def _has_hope(candidate: Candidate, leader: float, *, gained: float = 0.0) -> bool:

@@ -12,7 +12,7 @@ from softid.diagnoses import Remainder
 from softid.diagnosis.assessment import LEAST_GAIN, assess, held_out_share, nameable
 from softid.diagnosis.beginning import Asked, Beginning, Given, Progress
 from softid.diagnosis.candidates import Candidate, catalogue
-from softid.diagnosis.chain import MAX_LINKS, Chain, find_chain
+from softid.diagnosis.chain import MAX_LINKS, Chain, Link, find_chain
 from softid.diagnosis.held_out import BETTER, NO_WORSE
 from softid.diagnosis.indistinct import with_rivals_in_misfit
 from softid.diagnosis.other_first import other_beginnings
@@ -275,13 +275,18 @@ def _tried_elsewhere(
     seed: int,
     share: float,
 ) -> Chain:
-    """A chain of one link, or another where a candidate from elsewhere leaves less than a share."""
+    """A chain of one link, or another where a candidate from elsewhere leaves less than a share.
+
+    The link is that of a race of the same effects from the base.
+    """
     sigma = dict(start.work.found.optimum.sigma)
     besides = candidates_elsewhere(start.base, considered, start.scale, sigma)
     if min((c.squares for c in besides), default=np.inf) > share * chain.final.squares:
         return chain
-    nothing = Chain((), None, start.base)
-    return _led_on(start, considered, report, seed, nothing, besides=besides, max_links=1)
+    nothing, raced = Chain((), None, start.base), chain.links[0]
+    return _led_on(
+        start, considered, report, seed, nothing, besides=besides, raced=raced, max_links=1
+    )
 
 
 def _led_on(
@@ -292,6 +297,7 @@ def _led_on(
     begun: Chain,
     *,
     besides: Sequence[Candidate] = (),
+    raced: Link | None = None,
     max_links: int,
 ) -> Chain:
     """A chain led on by causes that what is held out does not speak against."""
@@ -313,6 +319,7 @@ def _led_on(
         report=lambda message, fraction: report(message, 0.3 + 0.4 * fraction),
         begun=begun.links,
         besides=besides,
+        raced=raced,
         max_links=max_links,
     )
 

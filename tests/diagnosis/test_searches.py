@@ -100,7 +100,7 @@ def test_a_curve_with_free_knots_is_asked_again(
     told: list[Sequence[Any]] = []
     answers: list[Chain] = []
 
-    def led_on(*args: Any, besides: Sequence[Any], max_links: int) -> Chain:
+    def led_on(*args: Any, besides: Sequence[Any], max_links: int, **raced: Any) -> Chain:
         assert max_links == 1
         assert args[-1].links == ()
         told.append(besides)
