@@ -161,6 +161,9 @@ def test_constant_measurement_has_no_relative_score() -> None:
     y = np.ones(4)
     assert rmse(y, y + 1.0) == 1.0
     assert np.isnan([nrmse(y, y), fit_percent(y, y), r2(y, y), vaf(y, y)]).all()
+    odd = np.full(1000, 0.1)  # whose mean is not 0.1
+    assert odd.mean() != 0.1
+    assert np.isnan([nrmse(odd, odd + 1.0), vaf(odd, odd)]).all()
 
 
 def test_mistakes_are_named() -> None:

@@ -267,7 +267,7 @@ def _score_table(statistics: Sequence[FitStatistics]) -> Table:
             str(s.n),
             f"{s.rmse * s.display_factor:.4g}",
             _unit(s.display_unit),
-            f"{s.fit_percent:z.1f}",
+            f"{s.fit_percent:z.1f}" if math.isfinite(s.fit_percent) else "–",
             "in sample" if s.in_sample else "held out",
         )
     return table

@@ -155,8 +155,10 @@ class _Teller:
         return math.sqrt(sum(g.n * pick(g) ** 2 for g in self.rows) / n) if n else math.nan
 
     def percents(self, pick: Callable[[Gain], float]) -> str:
-        """The fit of the logs in per cent."""
-        values = [pick(g) for g in self.rows]
+        """The fit of the logs in per cent, of those in which anything moves."""
+        values = [pick(g) for g in self.rows if math.isfinite(pick(g))]
+        if not values:
+            return "unknown"
         low, high = f"{min(values):z.0f}", f"{max(values):z.0f}"
         return f"{low} %" if low == high else f"{low} to {high} %"
 

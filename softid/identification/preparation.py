@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -32,8 +32,7 @@ def require_excitation(logs: LogSet) -> None:
     InputError
         The input is constant in every log, or an output holds no two different samples.
     """
-    moving = [log for log in logs if np.ptp(log.channels[log.input].values) > 0]
-    if not moving:
+    if not any(_moves(log) for log in logs):
         log = logs.logs[0]
         raise InputError(
             f"the input {log.input} is constant, so nothing can be identified",
@@ -41,10 +40,21 @@ def require_excitation(logs: LogSet) -> None:
             value=float(log.channels[log.input].displayed[0]),
             remedy="record a log in which it changes, or choose another --input",
         )
+    require_outputs(logs)
+
+
+def require_outputs(logs: Iterable[Log]) -> None:
+    """Refuse logs whose outputs say nothing.
+
+    Raises
+    ------
+    InputError
+        An output has fewer than two samples, or stays where it is although the input moves.
+    """
     for log in logs:
-        assert log.masked is not None
+        usable = np.ones(len(log), bool) if log.masked is None else ~log.masked
         for name in log.outputs:
-            values = log.channels[name].values[~log.masked]
+            values = log.channels[name].values[usable]
             finite = values[np.isfinite(values)]
             if finite.size < 2:
                 raise InputError(
@@ -52,13 +62,18 @@ def require_excitation(logs: LogSet) -> None:
                     where=log.place,
                     remedy="choose another --output, or record it again",
                 )
-            if np.ptp(finite) == 0 and log in moving:
+            if np.ptp(finite) == 0 and _moves(log):
                 raise InputError(
                     f"the output {name} never changes although the input does",
                     where=log.place,
                     value=float(finite[0] * log.channels[name].display_factor),
                     remedy="check the sensor, or choose another --output",
                 )
+
+
+def _moves(log: Log) -> bool:
+    """Whether the input changes."""
+    return bool(np.ptp(log.channels[log.input].values) > 0)
 
 
 def without_dropouts(log: Log) -> Log:

@@ -24,6 +24,7 @@ from softid.identification.preparation import (
     named_model,
     require_channels,
     require_excitation,
+    require_outputs,
     require_same_units,
     same_stretch,
     with_faults_told,
@@ -208,8 +209,9 @@ def identify(
 
 
 def _check_hold_out(logs: LogSet, held: Sequence[Log]) -> None:
-    """Refuse what breaks the rules of a set over both, and stretches that are fitted too."""
+    """Refuse what breaks the rules of a set over both, dead outputs, and what is fitted too."""
     LogSet((*logs, *held))
+    require_outputs(held)
     for log in held:
         for known in logs:
             if same_stretch(log, known):

@@ -26,6 +26,16 @@ def test_a_fit_of_nothing_is_zero_without_a_sign(softid: Cli, desk: Desk) -> Non
     assert "0.0  in sample" in told.out
 
 
+def test_a_score_that_does_not_exist_is_a_dash(softid: Cli, desk: Desk) -> None:
+    """Of an output that never moves nothing can be said in per cent."""
+    result = fit_result()
+    rows = tuple(replace(row, fit_percent=float("nan")) for row in result.statistics)
+    desk.answer = replace(result, statistics=rows)
+    told = softid("fit", "step_1.csv")
+    assert "nan" not in told.out
+    assert "–  in sample" in told.out
+
+
 def test_an_open_interval_is_explained(softid: Cli, desk: Desk) -> None:
     """The bound of M is 1e-15; an interval that passes it has no end there."""
     result = fit_result()

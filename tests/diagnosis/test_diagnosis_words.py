@@ -137,6 +137,14 @@ def test_slow_noise_of_the_size_of_a_rest_is_noise() -> None:
     assert "13 %" not in text
 
 
+def test_a_fit_without_motion_is_unknown() -> None:
+    """A hold-out at rest has no fit in per cent; beside one that moves it is passed over."""
+    found = diagnosis(Verdict.ADEQUATE)
+    still = tuple(replace(gain, fit_percent_before=float("nan")) for gain in found.gains)
+    assert "(fit unknown)" in told(replace(found, gains=still))
+    assert "(fit 84 %)" in told(replace(found, gains=(*found.gains, *still)))
+
+
 def test_a_chain_tells_each_link() -> None:
     """Two causes in their order, each with its own error before and after."""
     second = replace(DELAY, holdout_rmse_before=FRICTION.holdout_rmse_after, delta_bic=60.0)

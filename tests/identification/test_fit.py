@@ -234,6 +234,15 @@ def test_a_log_cannot_be_fitted_and_held_out(tmp_path: Path) -> None:
         fit(load(DATA / "demo_step.csv"), model="muscle", hold_out=[load(again)])
 
 
+def test_a_dead_output_is_not_held_out() -> None:
+    """It would judge every model alike, and a diagnosis by it would drop what is right."""
+    log = load(DATA / "demo_step.csv")
+    channels = {"pressure": log.channels["pressure"].values, "angle": np.full(len(log), 0.2)}
+    dead = Log.from_arrays(log.time_s, channels, name="dead")
+    with pytest.raises(InputError, match="angle never changes although the input does"):
+        fit(log, model="muscle", hold_out=dead)
+
+
 def test_a_held_out_log_without_motion_is_told_from_one_badly_followed() -> None:
     """Held at one pressure the output is the sensor's noise: a fit of 0 % is no fault of the model.
 
