@@ -222,7 +222,8 @@ def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> b
 
     It must take away a hundredth of the held-out error at least. Where its size may have either
     sign, an interval over zero is no effect, and a size at its bound stands for something else; so
-    does a time of a relaxation: at its shortest it is a damper, at its longest a drift.
+    does a time of a relaxation: at its shortest it is a damper, at its longest a drift; and so does
+    a speed at which friction has come up when it is as large as the motion's own.
     Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
     unknown beside the base's own parameters, or run into its bound with their common level, and
     their shape well known.
@@ -244,6 +245,9 @@ def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> b
         return False
     names = {f"{effect.name}_{name}" for name in effect.amplitudes if effect.changes_sign}
     sizes = [p for p in cause.parameters if p.name in names]
+    ceilings = {f"{effect.name}_{name}" for name in effect.ceilings}
+    if any(_is_at_ceiling(p) for p in cause.parameters if p.name in ceilings):
+        return False
     essential = {f"{effect.name}_{name}" for name in effect.essential}
     held = [p for p in cause.parameters if p.name in essential]
     if any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held))):
@@ -264,6 +268,12 @@ def _is_unknown(cause: Cause, effect: Effect) -> bool:
     names = {f"{effect.name}_{name}" for name in effect.amplitudes}
     intervals = [p.ci95 for p in cause.parameters if p.name in names and p.ci95 is not None]
     return any(high > UNKNOWN_SIZE * max(low, 0.0) for low, high in intervals)
+
+
+def _is_at_ceiling(parameter: ParameterEstimate) -> bool:
+    """Whether a value lies on its upper bound."""
+    value, upper = parameter.value, parameter.upper
+    return parameter.at_bound and upper is not None and bool(np.isclose(value, upper, rtol=1e-3))
 
 
 def _covers_zero(parameter: ParameterEstimate) -> bool:

@@ -78,12 +78,20 @@ class Beginning:
         Sizes of its motion.
     held
         What is held out.
+    instead_of
+        The beginning that was asked for, where this one takes its place.
     """
 
     work: Work
     base: Candidate
     scale: Scale
     held: HeldOut
+    instead_of: Beginning | None = None
+
+    @property
+    def asked_for(self) -> Beginning:
+        """The beginning that a user compares with."""
+        return self.instead_of or self
 
 
 @dataclass(frozen=True)
@@ -116,12 +124,15 @@ class Asked:
     ----------
     model, parameters, seed, progress
         As in `diagnose`.
+    instead_of
+        The beginning with the model that the user asked for, where ``model`` is another.
     """
 
     model: Model | str | None
     parameters: ParameterSet | lmfit.Parameters | None
     seed: int
     progress: Progress
+    instead_of: Beginning | None = None
 
     def begin(self, logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> Beginning:
         """Fit the base.
@@ -154,7 +165,7 @@ class Asked:
         )
         base = _base(work, self.model)
         scale = scale_of(base.problem, base.minimum.point)
-        return Beginning(work, base, scale, held or HeldOut(work.hold_out))
+        return Beginning(work, base, scale, held or HeldOut(work.hold_out), self.instead_of)
 
 
 def _require_motion(model: Model | str | None) -> None:

@@ -14,7 +14,7 @@ from softid.uncertainty.noise import effective_n
 
 Array = npt.NDArray[np.float64]
 
-REST_S = 20.0
+REST_S = 15.0
 """Shortest rest, in one piece and after the motion has died out, that shows the noise's colour."""
 
 SETTLED = 5.0

@@ -65,6 +65,7 @@ def worded(found: Diagnosis) -> Diagnosis:
         next_experiment=following,
         gain_ci95=found.gain_ci95,
         marks=[issue.message for issue in found.issues if issue.code in CODES],
+        dropped=dropped_from(found),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
 
@@ -82,6 +83,7 @@ def summarise(
     next_experiment: str | None = None,
     gain_ci95: tuple[float, float] | None = None,
     marks: Sequence[str] = (),
+    dropped: Sequence[str] = (),
 ) -> str:
     """What is wrong, by how much, why we think so, what it could be confused with, what to do next.
 
@@ -95,14 +97,16 @@ def summarise(
         As in `Diagnosis`.
     marks
         What `marks_in` found.
+    dropped
+        Parameters of the base that the extended model does without.
 
     Returns
     -------
     str
         A few plain sentences, numbers in the units of the logs.
     """
-    teller = _Teller(base, gains, gain_ci95)
-    told = [teller.misfit()]
+    teller = _Teller(base, gains, gain_ci95, dropped)
+    told = [teller.misfit(), _without(dropped)]
     if verdict is Verdict.ADEQUATE:
         told += _adequate(teller, remainder)
     elif verdict is Verdict.UNKNOWN:
@@ -124,6 +128,31 @@ def summarise(
     return " ".join(sentence for sentence in told if sentence)
 
 
+def dropped_from(found: Diagnosis) -> tuple[str, ...]:
+    """Parameters that the base has and the model that extends it does without.
+
+    Parameters
+    ----------
+    found
+        The diagnosis.
+    """
+    if found.extended is None:
+        return ()
+    kept = {p.name for p in found.extended.parameters if not p.fixed}
+    return tuple(p.name for p in found.base.parameters if not p.fixed and p.name not in kept)
+
+
+def _without(dropped: Sequence[str]) -> str:
+    """What does not carry over from log to log."""
+    if not dropped:
+        return ""
+    verb, them = ("does", "it") if len(dropped) == 1 else ("do", "them")
+    return (
+        f"Its {listed(dropped)} {verb} not carry over to logs that are left out, so what follows "
+        f"extends the model without {them}."
+    )
+
+
 class _Teller:
     """Numbers of the first output in the unit in which people know it."""
 
@@ -132,8 +161,10 @@ class _Teller:
         base: FitResult,
         gains: Sequence[Gain],
         whole_gain: tuple[float, float] | None = None,
+        dropped: Sequence[str] = (),
     ) -> None:
         self.base = base
+        self.dropped = dropped
         self.whole_gain = whole_gain
         self.first = base.outputs[0]
         row = next((r for r in base.statistics if r.channel == self.first), None)
@@ -184,10 +215,12 @@ class _Teller:
             return ""
         before, after = self.error(lambda g: g.rmse_before), self.error(lambda g: g.rmse_after)
         gain = f"{100.0 * (1.0 - after / before):.0f} %" if before > 0.0 else "nothing"
-        interval = causes[0].gain_ci95 if len(causes) == 1 else self.whole_gain
+        alone = len(causes) == 1 and not self.dropped
+        interval = causes[0].gain_ci95 if alone else self.whole_gain
         sure = f", 95 % interval {percent_range(interval)}" if interval else ""
         fit = self.percents(lambda g: g.fit_percent_after)
         with_it = "With it" if len(causes) == 1 else "With all of them"
+        with_it += f" and without {listed(self.dropped)}" if self.dropped else ""
         return (
             f"{with_it} the error goes from {self.size(before)} to {self.size(after)} "
             f"(gain {gain}{sure}; fit {fit})."
@@ -296,7 +329,7 @@ def _explained(
             f"No log of pressure and motion can tell {' from '.join(c.members)}: {lowered(c.why)}"
             for c in classes_of(tie.effects if tie else [cause.effect])
         ]
-        alone = len(causes) == 1 and not descriptive and bool(teller.rows)
+        alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
         errors = "" if alone else _errors(teller, cause, descriptive)
         told.append(_evidence(teller, cause, number, tie, evidence, errors))
     return told

@@ -40,6 +40,7 @@ from softid.diagnosis.other_reading import (
     read_as,
     straight_unless_told,
 )
+from softid.diagnosis.plainer_base import plainer, remark_on
 from softid.diagnosis.remarks import averaged_over, restriction, rounding
 from softid.diagnosis.residual_set import sets_left
 from softid.diagnosis.revision import prefixes, without_link
@@ -115,6 +116,7 @@ def diagnose(
     require_enough(given.logs)
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     given, start, count = _prepared(given, asked)
+    asked, start = plainer(given, asked, start)
     first = None
     if is_in_doubt:
         first = extended(start, catalogue(effects), report, seed, max_links=1)
@@ -183,11 +185,15 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
     """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
     chain, remainder, is_named = found.chain, found.remainder, found.is_named
     work, held, base = start.work, start.held, start.base
+    asked_for = start.asked_for
     rng = np.random.default_rng(seed)
-    before = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
-    after = _fit_of(chain.final, work, seed) if chain.links else None
+    first = asked_for.work
+    before = assemble(first.found, first.logs, first.hold_out, choice=first.choice, seed=seed)
+    is_other = bool(chain.links) or start.instead_of is not None
+    after = _fit_of(chain.final, work, seed) if is_other else None
     models = prefixes(chain, base, start.scale, dict(work.found.optimum.sigma))
     errors = [held.first_errors(model) for model in models]
+    whole_errors = [held.first_errors(asked_for.base)] + [errors[-1]] * is_other
     causes = _with_errors_without(causes_of(chain, errors, after, rng), chain, start)
     whole = held.rms(chain.final)
     is_named = tuple(
@@ -222,11 +228,15 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
         descriptive=tuple(cause for cause, sure in told if not sure),
         alternatives=alternatives_of(named or links, forms),
         remainder=remainder,
-        gains=gains_of(base, chain.final, held, before),
+        gains=gains_of(asked_for.base, chain.final, held, before),
         evidence=evidence_of(chain),
         next_experiment=None,
-        issues=(*(after if after is not None and named else before).issues, *marks),
-        gain_ci95=whole_gain_of(errors, rng),
+        issues=(
+            *(after if after is not None and named else before).issues,
+            *remark_on(start, unit=row.display_unit, factor=row.display_factor),
+            *marks,
+        ),
+        gain_ci95=whole_gain_of(whole_errors, rng),
     )
 
 

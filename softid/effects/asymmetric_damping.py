@@ -14,6 +14,9 @@ from softid.parameters import Parameter, ParameterSet
 LARGEST = 0.95
 SHARE = 0.2
 SPEEDS = (0.02, 0.3)
+SMOOTHEST = 0.5
+"""Share of the largest speed up to which the damping still changes with the direction; what comes
+up more slowly grows with the speed, as quadratic damping does."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,7 @@ class AsymmetricDamping(StateEffect):
     shown_by: ClassVar[str] = "equal steps up and down between the same levels"
     source: ClassVar[str] = "Dixon, The Shock Absorber Handbook (bump and rebound)"
     amplitude: ClassVar[str] = "eps"
+    ceilings: ClassVar[tuple[str, ...]] = ("v0",)
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
@@ -62,7 +66,7 @@ class AsymmetricDamping(StateEffect):
                     SPEEDS[0] * scale.v_max,
                     f"{scale.x_unit}/s",
                     3e-3 * scale.v_max,
-                    3.0 * scale.v_max,
+                    SMOOTHEST * scale.v_max,
                     "log",
                     meaning="speed at which the difference has come up",
                     source=self.source,

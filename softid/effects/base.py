@@ -117,6 +117,8 @@ class Effect(ABC):
         Whether the amplitude may have either sign.
     essential
         Parameters at whose bounds the law is that of another effect, or of the base.
+    ceilings
+        Parameters at whose upper bounds alone it is so.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one; None for others.
     becomes
@@ -139,6 +141,7 @@ class Effect(ABC):
     amplitude: ClassVar[str | None]
     changes_sign: ClassVar[bool] = False
     essential: ClassVar[tuple[str, ...]] = ()
+    ceilings: ClassVar[tuple[str, ...]] = ()
     plain_at: ClassVar[tuple[str, float] | None] = None
     becomes: ClassVar[tuple[str, float, str] | None] = None
 

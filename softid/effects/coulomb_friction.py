@@ -25,6 +25,9 @@ a jump for the steps, whose error goes with their square and with the force, and
 friction of `LARGE` of the elastic force, where the motion begins to stick. No sharper one is looked
 for: its errors at the turns would be false optima."""
 
+SMOOTHEST = 0.3
+"""Share of the largest speed up to which friction is dry; what comes up more slowly is damping."""
+
 SPEEDS = (0.01, 0.06)
 STRIBECK_SPEEDS = (0.03, 0.1)
 
@@ -54,6 +57,7 @@ class CoulombFriction(StateEffect):
     shown_by: ClassVar[str] = "the same path once slowly and once fast"
     source: ClassVar[str] = "Armstrong-Hélouvry et al. 1994, doi 10.1016/0005-1098(94)90209-7"
     amplitude: ClassVar[str] = "Fc"
+    ceilings: ClassVar[tuple[str, ...]] = ("vs",)
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """Size Fc of the friction, and the speed vs below which it fades."""
@@ -74,7 +78,7 @@ class CoulombFriction(StateEffect):
                     SPEEDS[1] * scale.v_max,
                     f"{scale.x_unit}/s",
                     scale.v_max / SHARP,
-                    0.3 * scale.v_max,
+                    SMOOTHEST * scale.v_max,
                     "log",
                     meaning="speed at which the friction has come up",
                     source=self.source,

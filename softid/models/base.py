@@ -182,6 +182,10 @@ class Model(ABC):
         del segments, output
         return ()
 
+    def plainer(self) -> Model | None:
+        """The same without a term that may not carry over from log to log; None without one."""
+        return None
+
     def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
         """Start values that explain about as much as ``values`` with a term of another form.
 

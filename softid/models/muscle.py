@@ -220,6 +220,12 @@ class Muscle(Model):
         motions = self._motions(segments, output)
         return self._usable(ringing_starts(segments, motions, output, MuscleLaw))
 
+    def plainer(self) -> Muscle | None:
+        """The same with a damping that does not change with the pressure."""
+        if self.order == "static" or self.damping == "constant":
+            return None
+        return replace(self, damping="constant")
+
     def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
         """The same static curve with damping that grows or falls with the pressure."""
         if self.order == "static" or self.damping == "constant":

@@ -163,6 +163,20 @@ def test_a_slight_cause_has_a_size(
     assert stands(told, effect_of("coulomb_friction"), fit_result(), WHOLE) is named
 
 
+@pytest.mark.parametrize(
+    ("value", "at_bound", "named"),
+    [(2.0, True, False), (0.1, True, True), (1.9, False, True)],
+)
+def test_a_friction_that_comes_up_slowly_is_damping(
+    value: float, at_bound: bool, named: bool
+) -> None:
+    """At its largest speed the law is another one; at its smallest it is a sudden change."""
+    speed = estimate("asymmetric_damping_v0", value, "rad/s")
+    speed = replace(speed, at_bound=at_bound, lower=0.1, upper=2.0)
+    told = cause("asymmetric_damping", [speed], before=2.0, after=1.0)
+    assert stands(told, effect_of("asymmetric_damping"), fit_result(), WHOLE) is named
+
+
 @pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
 def test_a_ring_at_the_sampling_limit_is_not_named(at_bound: bool, named: bool) -> None:
     """At its shortest period it is what the input does between two samples."""

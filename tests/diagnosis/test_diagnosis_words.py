@@ -145,6 +145,21 @@ def test_a_fit_without_motion_is_unknown() -> None:
     assert "(fit 84 %)" in told(replace(found, gains=(*found.gains, *still)))
 
 
+def test_a_base_that_gave_something_up_is_told() -> None:
+    """The extended model has no b1: the gain is that of both, with the interval of the whole."""
+    found = diagnosis(Verdict.NAMED)
+    assert found.extended is not None
+    kept = tuple(
+        replace(p, fixed=True) if p.name in ("b1", "c1") else p for p in found.extended.parameters
+    )
+    found = replace(found, extended=replace(found.extended, parameters=kept), gain_ci95=(0.5, 0.8))
+    text = worded(found).summary
+    assert "Its b1 and c1 do not carry over to logs that are left out" in text
+    assert "With it and without b1 and c1 the error goes from 2 deg to 0.5 deg" in text
+    assert "(gain 75 %, 95 % interval 50 to 80 %" in text
+    assert "the held-out error goes from" in text
+
+
 def test_a_chain_tells_each_link() -> None:
     """Two causes in their order, each with its own error before and after."""
     second = replace(DELAY, holdout_rmse_before=FRICTION.holdout_rmse_after, delta_bic=60.0)
