@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -36,32 +36,45 @@ HIDDEN_PERIODS = 0.1
 """A restored term dies out within a tenth of the sampling interval."""
 
 
-def require_enough(logs: LogSet) -> None:
-    """Refuse logs that are too short to tell a cause from noise.
+def require_enough(logs: LogSet, hold_out: Sequence[Log] = ()) -> None:
+    """Refuse logs that are too short to tell a cause from noise, or to judge one.
 
     Parameters
     ----------
     logs
         Logs to explain.
+    hold_out
+        Logs that judge.
 
     Raises
     ------
     IdentificationError
-        All outputs together have fewer than `FEWEST_SAMPLES`.
+        All outputs of either together have fewer than `FEWEST_SAMPLES`.
     """
-    usable = sum(
+    if _usable(logs) < FEWEST_SAMPLES:
+        raise IdentificationError(
+            "there are too few samples of the output to tell a cause from noise",
+            where=", ".join(log.name for log in logs),
+            value=_usable(logs),
+            remedy=f"record {FEWEST_SAMPLES} or more, or use softid fit",
+        )
+    if hold_out and _usable(hold_out) < FEWEST_SAMPLES:
+        raise IdentificationError(
+            "there are too few samples of the output to judge a cause by",
+            where=", ".join(log.name for log in hold_out),
+            value=_usable(hold_out),
+            remedy=f"hold out {FEWEST_SAMPLES} or more, or none: then blocks of the logs judge",
+        )
+
+
+def _usable(logs: Iterable[Log]) -> int:
+    """Samples of all outputs that count."""
+    return sum(
         int(np.count_nonzero(used))
         for log in logs
         for segment in log.segments()
         for used in segment.used.values()
     )
-    if usable < FEWEST_SAMPLES:
-        raise IdentificationError(
-            "there are too few samples of the output to tell a cause from noise",
-            where=", ".join(log.name for log in logs),
-            value=usable,
-            remedy=f"record {FEWEST_SAMPLES} or more, or use softid fit",
-        )
 
 
 @dataclass(frozen=True, eq=False)

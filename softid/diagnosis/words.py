@@ -293,8 +293,13 @@ def _left(teller: _Teller, remainder: Remainder) -> str:
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.predictable:
         told += f"is not noise: {structure_of_rest(remainder)}"
-    else:
+    elif remainder.noise_from_rest:
         told += "is larger than the noise, but follows from no variable that was looked at"
+    else:
+        told += (
+            "is larger than white noise of its fastest part, but follows from no variable that "
+            "was looked at: slow noise would look so, too, and no long rest shows it"
+        )
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
 
 

@@ -113,7 +113,7 @@ def diagnose(
     given = Given(recorded, tuple(hold_out)).each(_cleaned)
     if is_measured(recorded):
         given = given.each(straight_unless_told)
-    require_enough(given.logs)
+    require_enough(given.logs, given.hold_out)
     asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     given, start, count = _prepared(given, asked)
     asked, start = plainer(given, asked, start)

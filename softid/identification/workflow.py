@@ -171,7 +171,8 @@ def identify(
     """
     log_set = LogSet(tuple(with_faults_told(without_dropouts(log)) for log in as_log_set(logs)))
     held = tuple(without_dropouts(log) for log in as_logs(hold_out))
-    _check_hold_out(log_set, held)
+    require_outputs(held)
+    _require_new(log_set, held)
     if model is None and parameters is not None:
         raise UsageError(
             "parameters have no meaning before the model is chosen",
@@ -208,17 +209,17 @@ def identify(
     return Work(found, read, held, choice)
 
 
-def _check_hold_out(logs: LogSet, held: Sequence[Log]) -> None:
-    """Refuse what breaks the rules of a set over both, dead outputs, and what is fitted too."""
+def _require_new(logs: LogSet, held: Sequence[Log]) -> None:
+    """Refuse what breaks the rules of a set over both, and samples that count twice."""
     LogSet((*logs, *held))
-    require_outputs(held)
-    for log in held:
-        for known in logs:
+    fitted = logs.logs
+    for k, log in enumerate((*fitted, *held)):
+        for known in fitted[:k]:
             if same_stretch(log, known):
                 raise UsageError(
                     f"this log holds the same samples as {known.name}, which is fitted",
-                    where=log.name,
-                    remedy="hold out a log that is not fitted",
+                    where=log.place,
+                    remedy="give each log once" if k < len(fitted) else "hold out one not fitted",
                 )
 
 

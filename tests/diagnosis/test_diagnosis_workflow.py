@@ -59,6 +59,8 @@ def test_a_log_that_is_too_short_is_refused() -> None:
     short = linear_log(noise=0.01).between(0.0, 0.5)
     with pytest.raises(IdentificationError, match=r"too few samples.*softid fit"):
         diagnose(short, model="oscillator", effects=TWO)
+    with pytest.raises(IdentificationError, match=r"to judge a cause by.*or none"):
+        diagnose(linear_log(seed=1), hold_out=[short], model="oscillator", effects=TWO)
 
 
 def test_a_static_model_is_refused_and_never_chosen() -> None:

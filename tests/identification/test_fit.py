@@ -232,6 +232,8 @@ def test_a_log_cannot_be_fitted_and_held_out(tmp_path: Path) -> None:
     again.write_bytes((DATA / "demo_step.csv").read_bytes())
     with pytest.raises(UsageError, match="the same samples as demo_step"):
         fit(load(DATA / "demo_step.csv"), model="muscle", hold_out=[load(again)])
+    with pytest.raises(UsageError, match="the same samples as demo_step, which is fitted; give"):
+        fit([load(DATA / "demo_step.csv"), load(again)], model="muscle")
 
 
 def test_a_dead_output_is_not_held_out() -> None:
