@@ -46,9 +46,9 @@ CLASSES: tuple[EquivalenceClass, ...] = (
         "record both channels with one clock",
     ),
     EquivalenceClass(
-        ("a lag of the pneumatics", "a leak behind a restriction, which is a lag and a gain"),
+        ("a lag of the pneumatics", "a leak behind a restriction"),
         ("pneumatic_lag",),
-        "The gain of a leak is taken up by the parameters of the model.",
+        "Such a leak is a lag and a gain, and the parameters of the model take up the gain.",
         "close the valve and watch whether the pressure in the actuator falls",
     ),
     EquivalenceClass(

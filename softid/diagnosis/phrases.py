@@ -101,6 +101,19 @@ def values_of(parameters: Sequence[ParameterEstimate]) -> str:
     return listed(told) if told else "parameters that could not be told"
 
 
+def has_no_interval_within(p: ParameterEstimate) -> bool:
+    """Whether the interval of a value reaches beyond both of its bounds.
+
+    Parameters
+    ----------
+    p
+        The parameter.
+    """
+    if p.ci95 is None or p.lower is None or p.upper is None:
+        return False
+    return p.ci95[0] < p.lower and p.ci95[1] > p.upper
+
+
 def _value(p: ParameterEstimate) -> str:
     unit = "" if p.unit == "1" else f" {p.unit}"
     name = p.name
@@ -108,6 +121,10 @@ def _value(p: ParameterEstimate) -> str:
         name = p.name.removeprefix(f"{key}_")
         if name != p.name:
             break
+    if has_no_interval_within(p):
+        return (
+            f"{name}, which is not known within its bounds of {p.lower:.3g} to {p.upper:.3g}{unit}"
+        )
     ends = p.ci95
     low, high = (
         "…" if e is None or not math.isfinite(e) else f"{e:.3g}" for e in ends or (None,) * 2

@@ -13,7 +13,7 @@ from softid.diagnosis.classes import (
     splitting_experiment,
     why_unsplit,
 )
-from softid.diagnosis.phrases import VARIATIONS, titles_of, variables_left
+from softid.diagnosis.phrases import VARIATIONS, title_of, titles_of, variables_left
 from softid.results import FitResult
 
 LINEAR = ("oscillator",)
@@ -85,8 +85,9 @@ def what_next(
             return f"record {known.splits}"
         split = splitting_experiment(alternative.keys)
         if split is not None:
-            either = titles_of(alternative.keys)
-            return f"record {split.experiment}, to tell {either} apart"
+            first, *others = alternative.keys
+            rest = titles_of(others, last=" or ")
+            return f"record {split.experiment}, to tell {title_of(first)} from {rest}"
     if verdict is Verdict.UNKNOWN and not remainder.structured:
         return "record more levels and more moves, which would show how sure the description is"
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:

@@ -37,6 +37,9 @@ from softid.diagnosis.phrases import (
 from softid.diagnosis.ties import is_linear, law_that_ties, what_next, why_tied
 from softid.results import FitResult
 
+MORE = 1.25
+"""What is held out keeps more when its error is so many times that of the fitted samples."""
+
 
 def worded(found: Diagnosis) -> Diagnosis:
     """The diagnosis with its paragraph, what to record next, and why ties are ties.
@@ -121,6 +124,7 @@ def summarise(
         else:
             looks = "does not follow from the motion" if marks else "looks like noise"
             told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
+            told.append(teller.more_held_out(remainder))
     told += [f"{mark[:1].upper()}{mark[1:]}." for mark in marks]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend())
@@ -202,6 +206,16 @@ class _Teller:
         before = self.size(self.error(lambda g: g.rmse_before))
         fit = self.percents(lambda g: g.fit_percent_before)
         return f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
+
+    def more_held_out(self, remainder: Remainder) -> str:
+        """That what is held out keeps more than what was fitted, where it does."""
+        after = self.error(lambda g: g.rmse_after)
+        if not (self.held_out and after > MORE * remainder.rms):
+            return ""
+        return (
+            f"The held-out samples keep more, {self.size(after)}: parameters that are a little off "
+            "for other moves, or something that the fitted ones hardly show."
+        )
 
     def nothing_to_mend(self) -> str:
         """The last word on an adequate model, and what it is worth."""
@@ -381,7 +395,8 @@ def _errors(teller: _Teller, cause: Cause, descriptive: Sequence[Cause]) -> str:
     before, after = map(teller.size, errors)
     earlier = cause_before(cause, descriptive)
     there = f", where {lowered(earlier.title)} has brought it," if earlier else ""
-    return f", and the held-out error goes from {before}{there} to {after}"
+    how = "and" if errors[1] <= errors[0] else "though by itself"
+    return f", {how} the held-out error goes from {before}{there} to {after}"
 
 
 def _next(
@@ -395,9 +410,9 @@ def _next(
         told.append(f"Next: {next_experiment.rstrip('.')}.")
     tied = {name for a in alternatives for name in a.effects}
     sure = [cause for cause in causes if cause.effect not in tied and cause.remedy]
-    if sure and verdict is not Verdict.UNKNOWN:
-        mended = sure[0].remedy
-        told.append(f"In hardware: {mended}." if not mended.startswith("none") else "")
+    remedies = [cause.remedy for cause in sure if not cause.remedy.startswith("none")]
+    if remedies and verdict is not Verdict.UNKNOWN:
+        told.append(f"In hardware: {'; '.join(dict.fromkeys(remedies))}.")
     if verdict is Verdict.UNKNOWN:
         told.append("Look at the plots of what is left against position, speed, input and time.")
     return told

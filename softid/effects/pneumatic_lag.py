@@ -81,7 +81,7 @@ class SeparatePneumaticLag(PneumaticLag):
     """
 
     variant: ClassVar[str] = "separate"
-    title: ClassVar[str] = "Lag of the pneumatics, filling and venting apart"
+    title: ClassVar[str] = "Lag of the pneumatics that differs by direction"
     law: ClassVar[str] = "tau pa' + pa = p while filling, ratio tau pa' + pa = p while venting"
     meaning: ClassVar[str] = (
         "The actuator fills in another time than it vents, because the air takes different ways or "

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.log import Log
 from softid.segment import Segment
@@ -13,7 +14,12 @@ REST_WINDOW_S = 0.3
 REST_MIN_SAMPLES = 5
 REST_FRACTION = 0.02
 """A segment starts at rest when over its first 0.3 s (at least five samples) the input stays within
-2 % of its span in that log, and the outputs within 2 % of theirs until the input first moves."""
+2 % of its span in that log, and the outputs within 2 % of theirs until the input first moves, or
+within less where noise lets less be seen."""
+
+LEAST_FRACTION, SURE = 0.005, 4.0
+"""Less is so many standard errors of what the output moved, and never below this share of its span:
+slow noise moves, too."""
 
 
 def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
@@ -39,9 +45,15 @@ def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
             return False
         few = min(n, still.size // 2)
         moved = abs(float(still[-few:].mean() - still[:few].mean()))
-        if moved > REST_FRACTION * spans[name]:
+        seen = SURE * _noise(still) * float(np.sqrt(2.0 / few))
+        if moved > np.clip(seen, LEAST_FRACTION * spans[name], REST_FRACTION * spans[name]):
             return False
     return True
+
+
+def _noise(values: npt.NDArray[np.float64]) -> float:
+    """Standard deviation of the fast part, from second differences; spikes make it larger."""
+    return float(np.sqrt(np.mean(np.diff(values, 2) ** 2) / 6.0))
 
 
 def spans_of(log: Log) -> dict[str, float]:

@@ -62,13 +62,16 @@ def parameter_estimates(
         verdict, reason = _verdict(
             problem, errors, name, sd, row, at_bound, unseen, theta[name], use_bounds=known
         )
+        interval = _interval(float(theta[name]), p.scale, sd, freedom)
+        if interval is not None and interval[0] < p.lower and interval[1] > p.upper:
+            verdict, reason = "not identified", "its interval is wider than its bounds"
         rows.append(
             ParameterEstimate(
                 name=name,
                 unit=p.unit,
                 value=float(theta[name]),
                 stderr=standard_error(float(theta[name]), p.scale, sd),
-                ci95=_interval(float(theta[name]), p.scale, sd, freedom),
+                ci95=interval,
                 ci_method=CI_METHOD if sd is not None else None,
                 lower=p.lower if np.isfinite(p.lower) else None,
                 upper=p.upper if np.isfinite(p.upper) else None,

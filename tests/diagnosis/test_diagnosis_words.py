@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 from handmade_diagnosis import DELAY, FRICTION, TIE, cause, diagnosis, estimate, odd_diagnosis
 
 from softid.diagnoses import Alternative, Diagnosis, Evidence, Verdict
+from softid.diagnosis.phrases import values_of
 from softid.diagnosis.remarks import restriction
 from softid.diagnosis.ties import is_linear, what_next
 from softid.diagnosis.words import summarise, worded
@@ -137,6 +139,38 @@ def test_slow_noise_of_the_size_of_a_rest_is_noise() -> None:
     assert "13 %" not in text
 
 
+def test_more_is_left_on_what_is_held_out() -> None:
+    """0.2 degrees on the fitted samples: 0.25 held out are no more than that, 0.26 are."""
+    found = diagnosis(Verdict.NAMED)
+    assert found.remainder.rms * 180.0 / math.pi == pytest.approx(0.2, rel=0.01)
+    for factor, more in ((1.24, False), (1.26, True)):
+        gains = [replace(g, rmse_after=factor * found.remainder.rms) for g in found.gains]
+        assert ("The held-out samples keep more" in told(replace(found, gains=gains))) is more
+
+
+def test_every_named_cause_has_its_remedy() -> None:
+    """Those of two causes are both told, that of a tie is not."""
+    second = replace(DELAY, remedy="move the valve to the actuator")
+    found = replace(diagnosis(Verdict.NAMED), causes=(replace(FRICTION, remedy="oil it"), second))
+    assert "In hardware: oil it; move the valve to the actuator." in told(found)
+
+
+def test_a_cause_that_gains_only_with_others_is_told() -> None:
+    """Evidence is no evidence where the error rises."""
+    worse = replace(FRICTION, holdout_rmse_after=1.1 * FRICTION.holdout_rmse_before)
+    text = told(replace(diagnosis(Verdict.NAMED), causes=(worse, DELAY)))
+    assert "though by itself the held-out error goes from" in text
+
+
+def test_an_interval_beyond_both_bounds_is_not_printed() -> None:
+    """It says nothing that the bounds do not say already."""
+    ratio = replace(estimate("valve_flow_b", 0.3, "1"), lower=0.1, upper=0.528)
+    open_one = replace(ratio, ci95=(-0.542, 1.14))
+    text = values_of([open_one, replace(ratio, ci95=(-0.5, 0.5))])
+    assert "b, which is not known within its bounds of 0.1 to 0.528" in text
+    assert "b = 0.3 [-0.5, 0.5]" in text
+
+
 def test_a_fit_without_motion_is_unknown() -> None:
     """A hold-out at rest has no fit in per cent; beside one that moves it is passed over."""
     found = diagnosis(Verdict.ADEQUATE)
@@ -256,7 +290,7 @@ def test_a_tie_is_told_in_the_form_that_is_meant() -> None:
     assert f"{limit} or warm-up of the sensor. The first by a little, {limit}," in made.summary
     assert "upper" not in made.summary
     assert made.next_experiment is not None
-    assert f"to tell {limit} and" in made.next_experiment
+    assert f"to tell {limit} from" in made.next_experiment
     unsure = told(replace(made, verdict=Verdict.UNKNOWN, causes=(), descriptive=(lower,)))
     assert f"do not tell {limit} from warm-up" in unsure
 
@@ -295,10 +329,10 @@ def test_a_lag_whose_times_may_be_one_is_told_as_a_lag() -> None:
     """The heading of a cause is that of the form as which it is told."""
     lag = cause("pneumatic_lag.separate", DELAY.parameters, before=2.0, after=0.5)
     apart = replace(diagnosis(Verdict.UNKNOWN), descriptive=(lag,))
-    assert "filling and venting apart" in told(apart)
+    assert "differs by direction" in told(apart)
     plain = EFFECTS["pneumatic_lag"]
     one = replace(lag, title=plain.title, meaning=plain.meaning)
-    assert "filling and venting apart" not in told(replace(apart, descriptive=(one,)))
+    assert "differs by direction" not in told(replace(apart, descriptive=(one,)))
 
 
 def test_descriptions_are_a_list_and_their_bounds_are_told() -> None:

@@ -205,6 +205,23 @@ def test_at_rest_detection() -> None:
     assert not resting(np.where(t < 0.1, 0.0, 50.0), 0.0)
 
 
+@pytest.mark.parametrize(
+    ("fall", "noise", "rests"),
+    [(0.9, 0.01, False), (0.9, 0.5, True), (0.2, 0.01, True), (1.1, 0.5, False)],
+)
+def test_how_far_an_output_may_move_at_rest(fall: float, noise: float, rests: bool) -> None:
+    """Of a range of 50: less than a half per cent is rest, more than 2 % is none, and in between
+    what four standard errors of the noise let be seen. The output falls so much in the second
+    before the input moves."""
+    time_s = np.arange(200) * 0.02
+    pressure = np.where(time_s < 1.0, 0.0, 100.0)
+    values = np.where(time_s < 1.0, -fall * time_s / 0.7, 50.0)  # windows are 0.7 s apart
+    values += noise * np.random.default_rng(2).standard_normal(200)
+    made = Log.from_arrays(time_s, {"pressure": pressure, "contraction": values})
+    spans = {"input": 100.0, "contraction": 50.0}
+    assert starts_at_rest(made.segments()[0], spans) is rests
+
+
 def test_a_log_whose_outputs_are_missing_at_first_is_not_at_rest() -> None:
     """No finite sample in the window: nothing shows that it rests."""
     t = np.arange(200) * 0.02
