@@ -270,7 +270,7 @@ def rmse(measured: Array, simulated: Array) -> float:
 def nrmse(measured: Array, simulated: Array) -> float:
     """Normalised error ‖y − ŷ‖/‖y − mean y‖; NaN for a constant measurement."""
     y, s = _pairs(measured, simulated)
-    spread = float(np.linalg.norm(_deviation(y)))
+    spread = float(np.linalg.norm(y - y.mean())) if np.ptp(y) > 0.0 else 0.0
     return float(np.linalg.norm(y - s)) / spread if spread > 0.0 else float("nan")
 
 
@@ -287,13 +287,8 @@ def r2(measured: Array, simulated: Array) -> float:
 def vaf(measured: Array, simulated: Array) -> float:
     """Variance accounted for, 100 (1 − var(y − ŷ)/var y); NaN for a constant measurement."""
     y, s = _pairs(measured, simulated)
-    variance = float(np.mean(_deviation(y) ** 2))
+    variance = float(np.var(y)) if np.ptp(y) > 0.0 else 0.0
     return 100.0 * (1.0 - float(np.var(y - s)) / variance) if variance > 0.0 else float("nan")
-
-
-def _deviation(y: Array) -> Array:
-    """Samples without their mean; exactly 0 for a constant, whose mean may be rounded."""
-    return y - y.mean() if np.ptp(y) > 0.0 else np.zeros_like(y)
 
 
 def fit_statistics(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from softid.diagnosis.chain import Link
-from softid.diagnosis.search import Ranked
+from softid.diagnosis.ranking import Ranked
 from softid.effects import effect_of
 
 SAMPLES, UNKNOWNS = 10_000, 6

@@ -9,8 +9,9 @@ import numpy as np
 
 from softid.diagnosis.candidates import Candidate, advance, prior_about
 from softid.diagnosis.outgrown import with_own_bounds
+from softid.diagnosis.ranking import Ranked, rank
 from softid.diagnosis.screening import Signature, screen
-from softid.diagnosis.search import UNSETTLED, Ranked, race, rank
+from softid.diagnosis.search import UNSETTLED, race
 from softid.effects import extended_name
 from softid.effects.base import Effect, Scale
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.chain import INDISTINCT, Link
-from softid.diagnosis.search import Ranked
+from softid.diagnosis.ranking import Ranked
 
 MOST_SAMPLES = 100.0
 """What a wrong law leaves follows the motion, and is a hundred numbers at most however long the log

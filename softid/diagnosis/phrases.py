@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnoses import NOTABLE, Cause, Evidence, Remainder
+from softid.diagnoses import NOTABLE, Cause, Diagnosis, Evidence, Remainder
 from softid.diagnosis.classes import classes_of
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
@@ -157,3 +157,52 @@ def round_of(cause: Cause, evidence: Sequence[Evidence], number: int) -> int:
     """The round in which a cause was found: descriptions have rounds of their own."""
     mine = (e.round for e in evidence if (e.effect, e.delta_bic) == (cause.key, cause.delta_bic))
     return next(mine, number)
+
+
+def dropped_from(found: Diagnosis) -> tuple[str, ...]:
+    """Parameters that the base has and the model that extends it does without.
+
+    Parameters
+    ----------
+    found
+        The diagnosis.
+    """
+    if found.extended is None:
+        return ()
+    kept = {p.name for p in found.extended.parameters if not p.fixed}
+    return tuple(p.name for p in found.base.parameters if not p.fixed and p.name not in kept)
+
+
+def given_up(dropped: Sequence[str]) -> str:
+    """What does not carry over from log to log; nothing where all does.
+
+    Parameters
+    ----------
+    dropped
+        From `dropped_from`.
+    """
+    if not dropped:
+        return ""
+    verb, them = ("does", "it") if len(dropped) == 1 else ("do", "them")
+    return (
+        f"Its {listed(dropped)} {verb} not carry over to logs that are left out, so what follows "
+        f"extends the model without {them}."
+    )
+
+
+def at_bounds(cause: Cause) -> str:
+    """That a description ends at a bound, which is why it is no more than one.
+
+    Parameters
+    ----------
+    cause
+        The description.
+    """
+    stuck = [p.name.removeprefix(f"{cause.effect}_") for p in cause.parameters if p.at_bound]
+    if not stuck:
+        return ""
+    verb, its = ("ends", "its bound") if len(stuck) == 1 else ("end", "their bounds")
+    return (
+        f"The {listed(stuck)} of {lowered(cause.title)} {verb} at {its}, so something else may "
+        "stand behind it."
+    )

@@ -1,10 +1,8 @@
-"""Joint refits of all candidate causes as a race, and their comparison under one noise model."""
+"""Joint refits of all candidate causes as a race."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -18,7 +16,6 @@ from softid.diagnosis.screening import (
     screen,
     takes_time,
 )
-from softid.diagnosis.whitening import Whitener, whitener_of
 from softid.effects.base import Effect, Scale
 
 SECOND_START = 0.3
@@ -26,7 +23,7 @@ SECOND_START = 0.3
 
 MAX_STARTS = 2
 FIRST_LAP, SECOND_LAP, SWAP_LAP = 4, 8, 24
-LAST_LAP, WHITE_LAP = (5, 10, 25), (8, 16)
+LAST_LAP = (5, 10, 25)
 """Evaluations of each lap; two poles that were exchanged begin far off. Who has no hope left drops
 out within the last ones."""
 
@@ -66,26 +63,6 @@ promises, or so many times what it gained in the lap."""
 
 SMALLEST_GAIN = 4.0
 """When nobody has lowered n ln(S) by this much after two laps, the race is over."""
-
-
-@dataclass(frozen=True, eq=False)
-class Ranked:
-    """A refitted candidate under the noise model that all share.
-
-    Attributes
-    ----------
-    candidate
-        The candidate at its whitened optimum.
-    plain
-        The candidate at its optimum for white noise, which is the one to simulate with: whitening
-        makes slow errors cheap.
-    bic
-        n ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns.
-    """
-
-    candidate: Candidate
-    plain: Candidate
-    bic: float
 
 
 def race(
@@ -153,7 +130,7 @@ def race(
         for effect in richer
         if _is_richer(effect, candidate.effects[-1], scale)
     ]
-    second = _by_squares([*second, *_those_that_gain(forms, sigma)])
+    second = by_squares([*second, *_those_that_gain(forms, sigma)])
     report(0.7)
     if not second or _gain(fitted.squares, second[0]) < SMALLEST_GAIN:
         return second[:1]
@@ -228,7 +205,7 @@ def _second_lap(
         again, without_hope = _lap(moving, resting, sigma, SECOND_LAP, COARSE)
         second = resting + again + without_hope
         hopeless += without_hope
-    return _by_squares(second)
+    return by_squares(second)
 
 
 def _is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
@@ -317,7 +294,7 @@ def _lap(
     hopeful, hopeless = list[Candidate](), list[Candidate]()
     for before, candidate in zip(running, after, strict=True):
         gained = _gain(before.squares, candidate)
-        hopes = _has_hope(candidate, leader, gained=gained)
+        hopes = has_hope(candidate, leader, gained=gained)
         hopes = hopes and not _is_outdone(candidate, after, gained=gained)
         (hopeful if hopes else hopeless).append(candidate)
     return hopeful, hopeless
@@ -335,8 +312,18 @@ def _is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: fl
     return -_gain(mine, candidate) + SMALLEST_GAIN > max(HOPE * promised, PACE * gained)
 
 
-def _has_hope(candidate: Candidate, leader: float, *, gained: float = 0.0) -> bool:
-    """Whether a candidate may still come near the leader's sum of squares."""
+def has_hope(candidate: Candidate, leader: float, *, gained: float = 0.0) -> bool:
+    """Whether a candidate may still come near the leader's sum of squares.
+
+    Parameters
+    ----------
+    candidate
+        Where it stands.
+    leader
+        The leader's sum of squares.
+    gained
+        Fall of n ln(S) in the last lap.
+    """
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     promised = candidate.minimum.reach**2 * candidate.problem.size
     distance = -_gain(leader, candidate)
@@ -353,60 +340,14 @@ def _starts(signatures: Sequence[Signature]) -> list[Signature]:
     return [s for mine in chosen.values() for s in mine]
 
 
-def _by_squares(candidates: Sequence[Candidate]) -> list[Candidate]:
+def by_squares(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Those that did not run away, the least sum of squares first."""
     finite = [c for c in candidates if np.isfinite(c.minimum.normal.cost)]
     return sorted(finite, key=lambda c: c.squares)
 
 
 def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
     best: dict[tuple[str, ...], Candidate] = {}
-    for candidate in _by_squares(candidates):
+    for candidate in by_squares(candidates):
         best.setdefault(candidate.keys, candidate)
     return list(best.values())
-
-
-def rank(
-    candidates: Sequence[Candidate],
-    sigma: Mapping[str, float],
-    *,
-    whitener: Whitener | None = None,
-) -> list[Ranked]:
-    """Refit all under the noise model of the best one and compare them by BIC, best first.
-
-    What has no hope left is only evaluated, but for the one that all others extend.
-
-    Parameters
-    ----------
-    candidates
-        What has been refitted, the base among them, best first.
-    sigma
-        Weight of each output channel, which floors the noise.
-    whitener
-        A noise model; None fits it to what the best candidate leaves.
-    """
-    best = _by_squares(candidates)[0]
-    model = whitener or whitener_of(best.problem, best.minimum.point, sigma)
-
-    placed = [
-        replace(c, minimum=replace(c.minimum, damping=None), whitener=model) for c in candidates
-    ]
-    white = in_parallel(lambda c: advance(c, sigma, 1), placed)
-    fewest = min(len(c.effects) for c in candidates)
-
-    def polished(candidate: Candidate, leader: float, evaluations: int) -> Candidate:
-        if len(candidate.effects) > fewest and not _has_hope(candidate, leader):
-            return candidate
-        return advance(candidate, sigma, evaluations)
-
-    for evaluations in WHITE_LAP:
-        leader = min(c.squares for c in white)
-        white = in_parallel(partial(polished, leader=leader, evaluations=evaluations), white)
-    ranked = [Ranked(w, c, _bic(w)) for w, c in zip(white, candidates, strict=True)]
-    return sorted(ranked, key=lambda r: r.bic)
-
-
-def _bic(white: Candidate) -> float:
-    """N ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns."""
-    n, k = white.minimum.normal.n, white.problem.size
-    spread = max(white.squares, np.finfo(float).tiny)
-    return float(n * np.log(spread / n) + k * np.log(n))

@@ -20,6 +20,9 @@ from softid.diagnosis.classes import classes_of
 from softid.diagnosis.marks import CODES
 from softid.diagnosis.phrases import (
     VARIABLES,
+    at_bounds,
+    dropped_from,
+    given_up,
     listed,
     lowered,
     named_whole,
@@ -109,7 +112,7 @@ def summarise(
         A few plain sentences, numbers in the units of the logs.
     """
     teller = _Teller(base, gains, gain_ci95, dropped)
-    told = [teller.misfit(), _without(dropped)]
+    told = [teller.misfit(), given_up(dropped)]
     if verdict is Verdict.ADEQUATE:
         told += _adequate(teller, remainder)
     elif verdict is Verdict.UNKNOWN:
@@ -130,31 +133,6 @@ def summarise(
         told.append(teller.nothing_to_mend())
     told += _next(verdict, causes, alternatives, next_experiment)
     return " ".join(sentence for sentence in told if sentence)
-
-
-def dropped_from(found: Diagnosis) -> tuple[str, ...]:
-    """Parameters that the base has and the model that extends it does without.
-
-    Parameters
-    ----------
-    found
-        The diagnosis.
-    """
-    if found.extended is None:
-        return ()
-    kept = {p.name for p in found.extended.parameters if not p.fixed}
-    return tuple(p.name for p in found.base.parameters if not p.fixed and p.name not in kept)
-
-
-def _without(dropped: Sequence[str]) -> str:
-    """What does not carry over from log to log."""
-    if not dropped:
-        return ""
-    verb, them = ("does", "it") if len(dropped) == 1 else ("do", "them")
-    return (
-        f"Its {listed(dropped)} {verb} not carry over to logs that are left out, so what follows "
-        f"extends the model without {them}."
-    )
 
 
 class _Teller:
@@ -265,7 +243,7 @@ def _unknown(
         names = listed([lowered(cause.title) for cause in tried])
         takes = "takes" if len(tried) == 1 else "take"
         told.append(f"The best description, {names}, {takes} away {taken_by(remainder)}.")
-        told += [_at_bounds(cause) for cause in tried]
+        told += [at_bounds(cause) for cause in tried]
         for tie in alternatives:
             first, *others = tie.keys
             told.append(
@@ -275,18 +253,6 @@ def _unknown(
         left = teller.size(remainder.rms)
         return [*told, f"What is left on the fitted samples, {left} rms, looks like noise."]
     return [*told, _left(teller, remainder)]
-
-
-def _at_bounds(cause: Cause) -> str:
-    """That a description ends at a bound, which is why it is no more than one."""
-    stuck = [p.name.removeprefix(f"{cause.effect}_") for p in cause.parameters if p.at_bound]
-    if not stuck:
-        return ""
-    verb, its = ("ends", "its bound") if len(stuck) == 1 else ("end", "their bounds")
-    return (
-        f"The {listed(stuck)} of {lowered(cause.title)} {verb} at {its}, so something else may "
-        "stand behind it."
-    )
 
 
 def _described(descriptive: Sequence[Cause]) -> str:

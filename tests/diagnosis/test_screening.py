@@ -44,7 +44,7 @@ def bowed(size: float) -> Log:
     return linear_log(added=size * (plain.time_s / plain.time_s[-1]) ** 2)
 
 
-@pytest.mark.parametrize("rate", [0.004, -0.02])
+@pytest.mark.parametrize("rate", [0.004, -0.01])
 def test_the_true_effect_promises_the_true_drop(rate: float) -> None:
     """Closed form: output and zero are linear, so one straight step takes away everything.
 

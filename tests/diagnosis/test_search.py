@@ -13,18 +13,18 @@ from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, 
 
 from softid.diagnosis.candidates import advance
 from softid.diagnosis.chain import settled
+from softid.diagnosis.ranking import rank
 from softid.diagnosis.scale import scale_of
 from softid.diagnosis.screening import Signature, candidate_at
 from softid.diagnosis.search import (
     _best_of_each,
-    _by_squares,
-    _has_hope,
     _is_outdone,
     _is_richer,
     _last_field,
     _starts,
+    by_squares,
+    has_hope,
     race,
-    rank,
 )
 from softid.diagnosis.whitening import Whitener
 from softid.effects import effect_of
@@ -93,7 +93,7 @@ def test_the_best_of_each_cause_stays() -> None:
         (("delay",), 4.0),
         (("creep",), 5.0),
     ]
-    assert [c.squares for c in _by_squares(rows)] == [1.0, 4.0, 5.0, 9.0]
+    assert [c.squares for c in by_squares(rows)] == [1.0, 4.0, 5.0, 9.0]
 
 
 def test_neighbours_of_the_leader_stay() -> None:
@@ -120,11 +120,11 @@ def test_neighbours_of_the_leader_stay() -> None:
         (0.9, 0.0, 0.0, True),
     ],
 )
-def test_who_has_hope(squares: float, reach: float, gained: float, hopes: bool) -> None:
+def test_whohas_hope(squares: float, reach: float, gained: float, hopes: bool) -> None:
     """Closed form with n = 10,000 beside a leader of 1, where ln 1.35 = 0.3: a reach of r promises
     6 r² of n ln(S), and four times that; or three times what was gained, of n ln 2 = 6931."""
     row = candidate(("delay",), squares, reach=reach)
-    assert _has_hope(row, 1.0, gained=gained) is hopes
+    assert has_hope(row, 1.0, gained=gained) is hopes
 
 
 @pytest.mark.parametrize(

@@ -207,7 +207,7 @@ def test_at_rest_detection() -> None:
 
 @pytest.mark.parametrize(
     ("fall", "noise", "rests"),
-    [(0.9, 0.01, False), (0.9, 0.5, True), (0.2, 0.01, True), (1.1, 0.5, False)],
+    [(0.9, 0.01, False), (0.9, 0.6, True), (0.2, 0.01, True), (1.1, 0.6, False)],
 )
 def test_how_far_an_output_may_move_at_rest(fall: float, noise: float, rests: bool) -> None:
     """Of a range of 50: less than a half per cent is rest, more than 2 % is none, and in between
