@@ -11,7 +11,7 @@ import pytest
 from handmade_rounds import candidate
 from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, standing
 
-from softid.diagnosis.candidates import advance
+from softid.diagnosis.candidates import Candidate, advance
 from softid.diagnosis.chain import settled
 from softid.diagnosis.ranking import rank
 from softid.diagnosis.scale import scale_of
@@ -253,6 +253,14 @@ def test_a_plain_law_follows_its_richer_form(led: bool) -> None:
         assert plain.squares > 20_000.0
 
 
+def parabolic() -> tuple[Candidate, Scale]:
+    """The linear actuator fitted to a parabola of 0.05 under noise of 0.01."""
+    time_s = linear_log().time_s
+    problem = linear_problem([linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)])
+    z = problem.unknowns(TRUTH)
+    return settled(standing(problem, z), SIGMA), scale_of(problem, z)
+
+
 @pytest.mark.parametrize(
     ("key", "squares", "reach", "gained", "outdone"),
     [
@@ -278,11 +286,7 @@ def test_of_one_law_only_the_best_place_counts(
 
 def test_a_race_that_ran_already_is_not_run_again() -> None:
     """Who is neither known nor from elsewhere stays away; who is known ends where it stood."""
-    time_s = linear_log().time_s
-    log = linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)
-    problem = linear_problem([log])
-    z = problem.unknowns(TRUTH)
-    base, scale = settled(standing(problem, z), SIGMA), scale_of(problem, z)
+    base, scale = parabolic()
     first = race(base, [DRIFT, Bow()], scale, SIGMA)
     drift = [row for row in first if row.keys == (DRIFT.key,)]
     rows = race(base, [DRIFT, Bow()], scale, SIGMA, known=drift, again=True)
@@ -292,11 +296,7 @@ def test_a_race_that_ran_already_is_not_run_again() -> None:
 
 def test_what_is_known_joins_for_the_last_lap() -> None:
     """It wins as it would from its start, and its effect is not run a second time."""
-    time_s = linear_log().time_s
-    log = linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)
-    problem = linear_problem([log])
-    z = problem.unknowns(TRUTH)
-    base, scale = settled(standing(problem, z), SIGMA), scale_of(problem, z)
+    base, scale = parabolic()
     (plain,) = (row for row in race(base, [DRIFT, Bow()], scale, SIGMA) if row.keys == ("bow",))
     rows = race(base, [DRIFT, Bow()], scale, SIGMA, known=[plain])
     assert rows[0].keys == ("bow",)
@@ -305,13 +305,9 @@ def test_what_is_known_joins_for_the_last_lap() -> None:
 
 def test_the_race_goes_to_the_true_cause() -> None:
     """Known truth: a parabola of 0.05 under noise of 0.01, against a straight drift."""
-    time_s = linear_log().time_s
-    log = linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)
-    problem = linear_problem([log])
-    z = problem.unknowns(TRUTH)
-    base = settled(standing(problem, z), SIGMA)
+    base, scale = parabolic()
     told: list[float] = []
-    found = race(base, [DRIFT, Bow()], scale_of(problem, z), SIGMA, report=told.append)
+    found = race(base, [DRIFT, Bow()], scale, SIGMA, report=told.append)
     assert found[0].keys == ("bow",)
     assert found[0].parameters["bow_c"] == pytest.approx(0.05, abs=0.01)
     assert found[0].squares < base.squares
@@ -351,12 +347,8 @@ def test_the_noise_model_is_that_of_the_best() -> None:
 
     The base leaves a parabola of 0.05 m on noise of 0.01; the noise that is used is the latter.
     """
-    time_s = linear_log().time_s
-    log = linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)
-    problem = linear_problem([log])
-    z = problem.unknowns(TRUTH)
-    base = settled(standing(problem, z), SIGMA)
-    best = race(base, [Bow()], scale_of(problem, z), SIGMA)[0]
+    base, scale = parabolic()
+    best = race(base, [Bow()], scale, SIGMA)[0]
     first, second = rank([base, best], SIGMA)
     assert first.candidate.keys == ("bow",)
     assert second.candidate.keys == ()
