@@ -28,13 +28,18 @@ class Ageing(StateEffect):
     law: ClassVar[str] = "Q (1 + r t) in place of Q"
     meaning: ClassVar[str] = (
         "The actuator slowly grows softer or stiffer while the log runs, whether it moves or not, "
-        "as when it warms up or wears. A sensor whose gain drifts looks alike at rest."
+        "as when it warms up or wears."
     )
     signature: ClassVar[str] = (
         "The residual grows in proportion to time and to the position: it is largest at high "
         "levels late in the log and vanishes where the position is zero."
     )
-    neighbours: ClassVar[tuple[str, ...]] = ("softening", "sensor_drift", "sensor_warmup")
+    neighbours: ClassVar[tuple[str, ...]] = (
+        "softening",
+        "sensor_gain_drift",
+        "sensor_drift",
+        "sensor_warmup",
+    )
     remedy: ClassVar[str] = "let it reach its temperature first, or identify it again now and then"
     shown_by: ClassVar[str] = "the same two levels at the beginning and at the end of a long log"
     source: ClassVar[str] = "Treloar, The Physics of Rubber Elasticity, ch. 2"

@@ -20,6 +20,7 @@ from softid.effects.sensor_clipping import (
     SensorClipping,
 )
 from softid.effects.sensor_drift import SensorDrift
+from softid.effects.sensor_gain_drift import SensorGainDrift
 from softid.effects.sensor_lag import SensorLag
 from softid.effects.sensor_warmup import SensorWarmup
 from softid.effects.softening import Softening
@@ -51,6 +52,7 @@ STATE: tuple[type[Effect], ...] = (
 )
 OUTPUT: tuple[type[Effect], ...] = (
     SensorDrift,
+    SensorGainDrift,
     SensorWarmup,
     SensorLag,
     SensorClipping,

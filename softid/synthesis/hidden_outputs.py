@@ -32,6 +32,11 @@ def _drift(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     return OutputLaw(lambda t, y: y + values["rate"] * t)
 
 
+def _gain_drift(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    return OutputLaw(lambda t, y: y * (1.0 + values["g"] * t))
+
+
 def _warmup(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     del sizes, occasion
     return OutputLaw(lambda t, y: y - values["size"] * np.expm1(-t / values["time"]))
@@ -164,6 +169,11 @@ OUTPUTS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             "rate": either(rng) * about(rng, 0.12 * size * s.x_span / s.duration_s),
         }, _drift,
+    ),
+    entry(
+        "sensor_gain_drift", "output", "recorded y = y (1 + g t)", "g 1/s",
+        lambda s, rng, size: {"g": either(rng) * about(rng, 0.12 * size / s.duration_s)},
+        _gain_drift,
     ),
     entry(
         "sensor_warmup", "output", "recorded y = y + size (1 - exp(-t/time))", "size {x}, time s",

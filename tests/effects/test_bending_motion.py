@@ -17,6 +17,7 @@ from softid.segment import Segment
 THETA = np.array([4.5e-4, 0.2, -0.3, 1.3, 1.0, 1.0, 0.0, 0.0])
 ETA = {
     "sensor_drift": [0.02],
+    "sensor_gain_drift": [0.01],
     "pneumatic_lag": [0.03],
     "creep": None,
     "coulomb_friction": [1e-3, 0.5],

@@ -241,6 +241,9 @@ def test_what_the_sensor_does() -> None:
     ramp = Sweep(0.0, 200.0, 4.0)
     found = response("sensor_drift", {"rate": -2.0}, ramp, TIME_S)
     np.testing.assert_allclose(found.reading - found.position, -2.0 * TIME_S, atol=1e-9)
+    found = response("sensor_gain_drift", {"g": 0.02}, ramp, TIME_S)
+    expected = 0.02 * TIME_S * found.position
+    np.testing.assert_allclose(found.reading - found.position, expected, atol=1e-9)
     found = response("sensor_warmup", {"size": 7.0, "time": 1.5}, ramp, TIME_S)
     expected = 7.0 * (1.0 - np.exp(-TIME_S / 1.5))
     np.testing.assert_allclose(found.reading - found.position, expected, atol=1e-9)

@@ -1,0 +1,73 @@
+"""Sensor gain drift: the recorded output grows or shrinks in proportion to itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import OutputEffect, Scale
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+LARGEST, SHARE = 0.9, 0.1
+"""Bound and start of the change of the gain over the log."""
+
+
+@dataclass(frozen=True)
+class SensorGainDrift(OutputEffect):
+    """Gain that changes at a constant rate, y (1 + g t), t from the start of the log.
+
+    At rest it is what a stiffness that changes with time does; in motion that changes the time
+    constant, too.
+
+    Source: Fraden, *Handbook of Modern Sensors*, 5th ed. 2016, ch. 3 (sensitivity drift).
+    """
+
+    name: ClassVar[str] = "sensor_gain_drift"
+    title: ClassVar[str] = "Drift of the sensor's gain"
+    law: ClassVar[str] = "recorded y = y (1 + g t)"
+    meaning: ClassVar[str] = (
+        "The sensor answers to the same motion with a reading that slowly grows or shrinks, as "
+        "when its temperature or its supply changes."
+    )
+    signature: ClassVar[str] = (
+        "The residual grows in proportion to time and to the output, in motion as at rest, and "
+        "the time constants stay what they were."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("ageing", "sensor_drift", "softening")
+    remedy: ClassVar[str] = "calibrate the sensor before and after the log, or feed it steadily"
+    shown_by: ClassVar[str] = "the same fast steps at the beginning and at the end of a long log"
+    source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
+    amplitude: ClassVar[str] = "g"
+    changes_sign: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The rate g; a negative one leaves a tenth of the gain at the end of the log."""
+        return ParameterSet(
+            (
+                Parameter(
+                    "g",
+                    SHARE / scale.duration_s,
+                    "1/s",
+                    -LARGEST / scale.duration_s,
+                    LARGEST / scale.duration_s,
+                    meaning="relative change of the gain in a second",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """One, since the effect is linear in its rate."""
+        return (self.parameters(scale).values_dict(),)
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Multiply by 1 + g t."""
+        del scale
+        grown: Array = y * (1.0 + eta[0] * time_s)
+        return grown
