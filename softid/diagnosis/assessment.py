@@ -55,6 +55,12 @@ EXCESS_SDS = 3.0
 the estimate of the noise itself leave less."""
 
 
+HALF_EXPLAINED, HALF_SDS = 0.8, 2.0
+"""Where causes explain less than the first share of a misfit, so many deviations are enough: a rest
+of coloured noise knows its variance to a third only, and a law that is not the right one leaves
+what that hides."""
+
+
 def assess(
     base: Candidate, final: Candidate, scale: Scale, *, rng: np.random.Generator
 ) -> Remainder:
@@ -91,7 +97,7 @@ def assess(
         by=structure.by,
         excess=excess,
         noise_from_rest=floor.from_rest,
-        structured=_is_structured(structure, excess, floor),
+        structured=_is_structured(structure, excess, floor, explained),
     )
 
 
@@ -112,18 +118,21 @@ def held_out_share(before: float, after: float, remainder: Remainder) -> float:
     return float(np.clip(1.0 - left / whole, 0.0, 1.0)) if whole > 0.0 else 0.0
 
 
-def _is_structured(structure: Structure, excess: float, floor: NoiseFloor) -> bool:
+def _is_structured(
+    structure: Structure, excess: float, floor: NoiseFloor, explained: float
+) -> bool:
     """Whether more is left than noise.
 
     Slow noise follows from the motion by chance once in twenty times. Where rests tell how large it
     is, a structure must make the residual larger than it.
     """
     shows = not floor.from_rest or excess > floor.relative_sd
-    return (structure.significant and shows) or excess > _largest_excess(floor)
+    deviations = EXCESS_SDS if explained > HALF_EXPLAINED else HALF_SDS
+    return (structure.significant and shows) or excess > _largest_excess(floor, deviations)
 
 
-def _largest_excess(floor: NoiseFloor) -> float:
-    return SMALLEST_EXCESS + EXCESS_SDS * floor.relative_sd
+def _largest_excess(floor: NoiseFloor, deviations: float = EXCESS_SDS) -> float:
+    return SMALLEST_EXCESS + deviations * floor.relative_sd
 
 
 def has_spring(candidate: Candidate) -> bool:

@@ -279,7 +279,20 @@ def test_a_structure_of_known_noise_must_show(
 ) -> None:
     """Where rests tell the variance to 10 %, a structure must make the residual so much larger."""
     found = Structure(0.2, 0.1, {})
-    assert _is_structured(found, excess, NoiseFloor(1.0, 0.1, from_rest)) is structured
+    assert _is_structured(found, excess, NoiseFloor(1.0, 0.1, from_rest), 1.0) is structured
+
+
+@pytest.mark.parametrize(
+    ("excess", "explained", "structured"),
+    [(0.66, 0.81, False), (0.66, 0.79, True), (0.54, 0.79, False), (0.76, 0.81, True)],
+)
+def test_a_law_that_explains_little_needs_less_to_be_doubted(
+    excess: float, explained: float, structured: bool
+) -> None:
+    """By hand: a variance known to 0.2 allows 0.15 + 3 · 0.2, and 0.15 + 2 · 0.2 of the latter."""
+    nothing = Structure(0.0, 0.1, {})
+    floor = NoiseFloor(1.0, 0.2, from_rest=True)
+    assert _is_structured(nothing, excess, floor, explained) is structured
 
 
 def test_surroundings_show_where_nothing_was_used() -> None:
