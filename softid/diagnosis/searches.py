@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from softid.diagnoses import Remainder
-from softid.diagnosis.assessment import LEAST_GAIN, assess, held_out_share, nameable
+from softid.diagnosis.assessment import EXPLAINED, LEAST_GAIN, assess, held_out_share, nameable
 from softid.diagnosis.beginning import Asked, Beginning, Given, Progress
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import MAX_LINKS, Chain, Link, find_chain
@@ -55,6 +55,15 @@ class Found(NamedTuple):
     def came_to_nothing(self) -> bool:
         """Whether structure is left and no cause explains it."""
         return self.remainder.structured and not any(self.is_named)
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether causes may be named that leave noise and next to nothing of the misfit.
+
+        So many more tries find something that explains most of any misfit.
+        """
+        whole = self.remainder.explained_share > EXPLAINED
+        return any(self.is_named) and whole and not self.remainder.structured
 
 
 def searched_thoroughly(
@@ -155,7 +164,7 @@ def _stands_for_another(start: Beginning, chain: Chain, seed: int) -> bool:
 def from_other_places(
     start: Beginning, known: Found, effects: Sequence[str], report: Progress, seed: int
 ) -> Found | None:
-    """What a search finds from other places of the base, if that leaves noise and may be named.
+    """What a search finds from other places of the base, if that is sure.
 
     Parameters
     ----------
@@ -174,7 +183,7 @@ def from_other_places(
     if known.begun is not None and _is_same(begun.final, known.begun):
         return None
     found = _searched(start, effects, report, seed, begun)
-    return found if any(found.is_named) and not found.remainder.structured else None
+    return found if found.is_sure else None
 
 
 def _is_same(one: Candidate, other: Candidate) -> bool:
@@ -185,17 +194,15 @@ def _is_same(one: Candidate, other: Candidate) -> bool:
 def _from_other_causes(
     start: Beginning, chain: Chain, effects: Sequence[str], report: Progress, seed: int
 ) -> Found | None:
-    """What a search finds from another first cause, if that leaves noise and may be named.
-
-    So many more tries find something that explains most of any misfit.
-    """
+    """What a search finds from another first cause, if that is sure."""
     sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
     known = chain.links[0].added.name if chain.links else None
     for begun in other_beginnings(known, start.base, considered, start.scale, sigma):
         longer = extended(start, considered, report, seed, begun=begun, max_links=2)
-        if not _left(start, longer.final, seed).structured:
+        left = _left(start, longer.final, seed)
+        if not left.structured and left.explained_share > EXPLAINED:
             found = _searched(start, effects, report, seed, longer)
-            if any(found.is_named):
+            if found.is_sure:
                 return found
     return None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -199,12 +200,14 @@ def test_other_searches_follow_one_that_came_to_nothing(
         (False, NOTHING, False),
         (False, Found(chain_of("delay"), STRUCTURE, (True,)), False),
         (False, Found(chain_of("delay"), NOISE, (False,)), False),
+        (False, Found(chain_of("delay"), replace(NOISE, explained_share=0.9), (True,)), False),
     ],
 )
 def test_only_a_whole_answer_from_elsewhere_counts(
     vanished: bool, answer: Found, counts: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It leaves noise and a name; and where a term had vanished it was asked for at first."""
+    """It leaves noise, less than 7 % of the misfit, and a name; and where a term had vanished it
+    was asked for at first."""
     monkeypatch.setattr(searches, "has_vanished", lambda base: vanished)
     monkeypatch.setattr(searches, "candidates_elsewhere", lambda *args: NEAR)
     monkeypatch.setattr(searches, "extended", lambda *args, **options: chain_of("delay"))
