@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -93,6 +93,8 @@ class Beginning:
         What is held out.
     instead_of
         The beginning that was asked for, where this one takes its place.
+    elsewhere
+        Keys of effects → candidates with them from other places of the base, as far as known.
     """
 
     work: Work
@@ -100,6 +102,7 @@ class Beginning:
     scale: Scale
     held: HeldOut
     instead_of: Beginning | None = None
+    elsewhere: dict[tuple[str, ...], list[Candidate]] = field(default_factory=dict)
 
     @property
     def asked_for(self) -> Beginning:

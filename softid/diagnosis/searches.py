@@ -177,8 +177,8 @@ def from_other_places(
     """
     if has_vanished(start.base):
         return None  # then they were tried at first
-    sigma, considered = dict(start.work.found.optimum.sigma), catalogue(effects)
-    besides = candidates_elsewhere(start.base, considered, start.scale, sigma)
+    considered = catalogue(effects)
+    besides = _elsewhere(start, considered)
     begun = extended(start, considered, report, seed, besides=besides, max_links=1)
     if known.begun is not None and _is_same(begun.final, known.begun):
         return None
@@ -265,9 +265,9 @@ def _first_link(
     It is none when a term of it has vanished. A curve with free values bends to much that it is
     not: before it is believed the others are tried from elsewhere, too.
     """
-    nothing, sigma = Chain((), None, start.base), dict(start.work.found.optimum.sigma)
+    nothing = Chain((), None, start.base)
     if not besides and has_vanished(start.base):
-        besides = candidates_elsewhere(start.base, considered, start.scale, sigma)
+        besides = _elsewhere(start, considered)
     chain = _led_on(start, considered, report, seed, nothing, besides=besides, max_links=1)
     if not besides and chain.links and len(chain.links[0].added.amplitudes) > 1:
         return _tried_elsewhere(start, considered, chain, report, seed, NEAR_CURVE)
@@ -286,14 +286,22 @@ def _tried_elsewhere(
 
     The link is that of a race of the same effects from the base.
     """
-    sigma = dict(start.work.found.optimum.sigma)
-    besides = candidates_elsewhere(start.base, considered, start.scale, sigma)
+    besides = _elsewhere(start, considered)
     if min((c.squares for c in besides), default=np.inf) > share * chain.final.squares:
         return chain
     nothing, raced = Chain((), None, start.base), chain.links[0]
     return _led_on(
         start, considered, report, seed, nothing, besides=besides, raced=raced, max_links=1
     )
+
+
+def _elsewhere(start: Beginning, considered: Sequence[Effect]) -> list[Candidate]:
+    """Candidates from other places of the base, sought once."""
+    keys = tuple(effect.key for effect in considered)
+    if keys not in start.elsewhere:
+        sigma = dict(start.work.found.optimum.sigma)
+        start.elsewhere[keys] = candidates_elsewhere(start.base, considered, start.scale, sigma)
+    return start.elsewhere[keys]
 
 
 def _led_on(

@@ -17,6 +17,7 @@ from softid.diagnosis.chain import Chain, Link
 from softid.diagnosis.searches import (
     BETTER_BASE,
     Found,
+    _elsewhere,
     _first_link,
     _stands_for_another,
     from_other_places,
@@ -41,7 +42,7 @@ def chain_of(*keys: str) -> Chain:
 def beginning(squares: float = 100.0) -> Any:
     optimum = SimpleNamespace(sigma={"angle": 1.0})
     work = SimpleNamespace(found=SimpleNamespace(optimum=optimum))
-    return SimpleNamespace(work=work, base=candidate((), squares), scale=None)
+    return SimpleNamespace(work=work, base=candidate((), squares), scale=None, elsewhere={})
 
 
 def ignore(message: str, fraction: float) -> None:
@@ -115,6 +116,30 @@ def test_a_curve_with_free_knots_is_asked_again(
     found = _first_link(beginning(), (), ignore, 0, given)
     assert told == asked
     assert found is answers[-1]
+
+
+def test_other_places_are_sought_once_for_each_set_of_effects(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Their candidates are remembered with the base that they began from."""
+    asked: list[Any] = []
+
+    def sought(base: Any, effects: Any, scale: Any, sigma: Any) -> tuple[Any, ...]:
+        asked.append((base, [effect.key for effect in effects]))
+        return NEAR
+
+    monkeypatch.setattr(searches, "candidates_elsewhere", sought)
+    start, other = beginning(), beginning()
+    delay, creep = effect_of("delay"), effect_of("creep")
+    for _ in range(2):
+        assert _elsewhere(start, [delay, creep]) is NEAR
+        assert _elsewhere(start, [delay]) is NEAR
+    assert _elsewhere(other, [delay]) is NEAR
+    assert asked == [
+        (start.base, ["delay", "creep"]),
+        (start.base, ["delay"]),
+        (other.base, ["delay"]),
+    ]
 
 
 @pytest.mark.parametrize(
