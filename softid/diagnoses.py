@@ -256,3 +256,17 @@ class Diagnosis:
     next_experiment: str | None
     issues: tuple[Issue, ...] = ()
     gain_ci95: tuple[float, float] | None = None
+
+
+def dropped_from(found: Diagnosis) -> tuple[str, ...]:
+    """Parameters that the base has and the model that extends it does without.
+
+    Parameters
+    ----------
+    found
+        The diagnosis.
+    """
+    if found.extended is None:
+        return ()
+    kept = {p.name for p in found.extended.parameters if not p.fixed}
+    return tuple(p.name for p in found.base.parameters if not p.fixed and p.name not in kept)

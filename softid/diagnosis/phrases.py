@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnoses import NOTABLE, Cause, Diagnosis, Evidence, Remainder
+from softid.diagnoses import NOTABLE, Cause, Evidence, Remainder
 from softid.diagnosis.classes import classes_of
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
@@ -157,20 +157,6 @@ def round_of(cause: Cause, evidence: Sequence[Evidence], number: int) -> int:
     """The round in which a cause was found: descriptions have rounds of their own."""
     mine = (e.round for e in evidence if (e.effect, e.delta_bic) == (cause.key, cause.delta_bic))
     return next(mine, number)
-
-
-def dropped_from(found: Diagnosis) -> tuple[str, ...]:
-    """Parameters that the base has and the model that extends it does without.
-
-    Parameters
-    ----------
-    found
-        The diagnosis.
-    """
-    if found.extended is None:
-        return ()
-    kept = {p.name for p in found.extended.parameters if not p.fixed}
-    return tuple(p.name for p in found.base.parameters if not p.fixed and p.name not in kept)
 
 
 def given_up(dropped: Sequence[str]) -> str:

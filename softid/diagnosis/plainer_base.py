@@ -100,6 +100,6 @@ def remark_on(start: Beginning, *, unit: str, factor: float) -> tuple[Issue, ...
             f"{names} of the {start.base.problem.model.name} model did not carry over to logs that "
             f"were left out one at a time, and what is found extends the model without them: the "
             f"held-out error is {after:.3g} {unit} without and {before:.3g} {unit} with them",
-            "fix or bound them with --fix or --bound to keep them",
+            "start from a params.json with --params to keep them",
         ),
     )

@@ -15,13 +15,13 @@ from softid.diagnoses import (
     Remainder,
     Verdict,
     cause_before,
+    dropped_from,
 )
 from softid.diagnosis.classes import classes_of
 from softid.diagnosis.marks import CODES
 from softid.diagnosis.phrases import (
     VARIABLES,
     at_bounds,
-    dropped_from,
     given_up,
     listed,
     lowered,

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.figure import Figure
 
-from softid.diagnoses import Diagnosis
+from softid.diagnoses import Diagnosis, dropped_from
 from softid.plots.before_after import Scored, draw_before_after
 from softid.plots.canvas import Display, listed, shortened
 from softid.plots.chain import draw_chain
@@ -212,10 +212,12 @@ def chain_figure(diagnosis: Diagnosis) -> Figure | None:
     if not links:
         return None
     what = "causes" if diagnosis.causes else "laws that describe and do not explain"
+    dropped = dropped_from(diagnosis)
+    without = f" without {listed(dropped)}" if dropped else ""
     return draw_chain(
         links,
         output=shown_output(diagnosis.base),
-        base=f"{diagnosis.base.model.name} model",
+        base=f"{diagnosis.base.model.name} model{without}",
         title=f"Held-out error along the chain of {what}",
     )
 
