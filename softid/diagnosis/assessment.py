@@ -54,8 +54,7 @@ EXCESS_SDS = 3.0
 """The residual is larger than the noise when its variance is so far above it: pressure noise and
 the estimate of the noise itself leave less."""
 
-
-HALF_EXPLAINED, HALF_SDS = 0.8, 2.0
+LITTLE_EXPLAINED, FEWER_SDS = 0.8, 2.0
 """Where causes explain less than the first share of a misfit, so many deviations are enough: a rest
 of coloured noise knows its variance to a third only, and a law that is not the right one leaves
 what that hides."""
@@ -127,7 +126,7 @@ def _is_structured(
     is, a structure must make the residual larger than it.
     """
     shows = not floor.from_rest or excess > floor.relative_sd
-    deviations = EXCESS_SDS if explained > HALF_EXPLAINED else HALF_SDS
+    deviations = EXCESS_SDS if explained > LITTLE_EXPLAINED else FEWER_SDS
     return (structure.significant and shows) or excess > _largest_excess(floor, deviations)
 
 

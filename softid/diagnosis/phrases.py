@@ -101,14 +101,8 @@ def values_of(parameters: Sequence[ParameterEstimate]) -> str:
     return listed(told) if told else "parameters that could not be told"
 
 
-def has_no_interval_within(p: ParameterEstimate) -> bool:
-    """Whether the interval of a value reaches beyond both of its bounds.
-
-    Parameters
-    ----------
-    p
-        The parameter.
-    """
+def _is_open_within(p: ParameterEstimate) -> bool:
+    """Whether the interval of a value reaches beyond both of its bounds."""
     if p.ci95 is None or p.lower is None or p.upper is None:
         return False
     return p.ci95[0] < p.lower and p.ci95[1] > p.upper
@@ -121,7 +115,7 @@ def _value(p: ParameterEstimate) -> str:
         name = p.name.removeprefix(f"{key}_")
         if name != p.name:
             break
-    if has_no_interval_within(p):
+    if _is_open_within(p):
         return (
             f"{name}, which is not known within its bounds of {p.lower:.3g} to {p.upper:.3g}{unit}"
         )

@@ -185,15 +185,13 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
     """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
     chain, remainder, is_named = found.chain, found.remainder, found.is_named
     work, held, base = start.work, start.held, start.base
-    asked_for = start.asked_for
+    asked_for, is_asked_for = start.asked_for, start.instead_of is None
     rng = np.random.default_rng(seed)
     first = asked_for.work
     before = assemble(first.found, first.logs, first.hold_out, choice=first.choice, seed=seed)
-    is_other = bool(chain.links) or start.instead_of is not None
-    after = _fit_of(chain.final, work, seed) if is_other else None
+    after = _fit_of(chain.final, work, seed) if chain.links or not is_asked_for else None
     models = prefixes(chain, base, start.scale, dict(work.found.optimum.sigma))
     errors = [held.first_errors(model) for model in models]
-    whole_errors = [held.first_errors(asked_for.base)] + [errors[-1]] * is_other
     causes = _with_errors_without(causes_of(chain, errors, after, rng), chain, start)
     whole = held.rms(chain.final)
     is_named = tuple(
@@ -236,7 +234,9 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
             *remark_on(start, unit=row.display_unit, factor=row.display_factor),
             *marks,
         ),
-        gain_ci95=whole_gain_of(whole_errors, rng),
+        gain_ci95=whole_gain_of(
+            errors if is_asked_for else [held.first_errors(asked_for.base), *errors], rng
+        ),
     )
 
 

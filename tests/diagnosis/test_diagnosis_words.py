@@ -149,7 +149,7 @@ def test_more_is_left_on_what_is_held_out() -> None:
 
 
 def test_every_named_cause_has_its_remedy() -> None:
-    """Those of two causes are both told, that of a tie is not."""
+    """Those of two causes are both told."""
     second = replace(DELAY, remedy="move the valve to the actuator")
     found = replace(diagnosis(Verdict.NAMED), causes=(replace(FRICTION, remedy="oil it"), second))
     assert "In hardware: oil it; move the valve to the actuator." in told(found)

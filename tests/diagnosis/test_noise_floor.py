@@ -56,8 +56,8 @@ def test_rests_tell_the_variance_as_well_as_they_say(phi: float) -> None:
 def test_a_rest_of_sixteen_seconds_tells_noise_of_one_second() -> None:
     """Noise alone is seldom taken for more than the noise of its rest, as far as that is known.
 
-    Stands on three standard deviations; those of a variance are skew, so that in 200 seeds 1.5 %
-    go beyond. Of 60 at most three may.
+    Stands on three standard deviations. A variance from some ten independent samples is skew, so
+    that more than the normal 0.1 % go beyond: of 60 at most three may.
     """
     time_s = PERIOD_S * np.arange(2350)
     u = np.where(time_s >= 17.0, 50.0 * np.sin(time_s), 0.0)

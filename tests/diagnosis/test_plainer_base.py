@@ -21,12 +21,12 @@ EXPONENTIAL, CONSTANT = Muscle(x_unit="rad"), Muscle(x_unit="rad", damping="cons
 LOGS = tuple(replace(linear_log(), name=f"{k} bar") for k in range(1, 4))
 
 
-def begun(model: Model, error: float) -> Any:
+def begun(model: Model, error: float, instead_of: Any = None) -> Any:
     """A beginning of which only the model and the error on what is held out are known."""
     problem = SimpleNamespace(model=model, free=model.parameters().free)
     held = SimpleNamespace(rms=lambda base: error if base.problem is problem else 2.0)
     return SimpleNamespace(
-        base=SimpleNamespace(problem=problem), scale=None, held=held, instead_of=None
+        base=SimpleNamespace(problem=problem), scale=None, held=held, instead_of=instead_of
     )
 
 
@@ -40,8 +40,7 @@ class Table(Asked):
         assert isinstance(self.model, Muscle)
         left_out = hold_out[0].name
         assert left_out not in [log.name for log in logs]
-        found = begun(self.model, self.errors[self.model.damping, left_out])
-        return SimpleNamespace(**(vars(found) | {"instead_of": self.instead_of}))
+        return begun(self.model, self.errors[self.model.damping, left_out], self.instead_of)
 
 
 def asked(constant: Sequence[float], **options: Any) -> Table:
