@@ -56,6 +56,28 @@ class Gain:
 
 
 @dataclass(frozen=True)
+class Variation:
+    """That the size of a cause is not the same throughout.
+
+    Attributes
+    ----------
+    by
+        The variable that it varies with: ``t``, ``x``, ``v`` or ``p``, as in `Remainder.by`.
+    spread
+        Standard deviation of the size over its mean.
+    share
+        What letting it vary would take away, beside what the cause takes away.
+    chance
+        Probability that a size that is the same throughout seems to vary so.
+    """
+
+    by: str
+    spread: float
+    share: float
+    chance: float
+
+
+@dataclass(frozen=True)
 class Cause:
     """One link of the chain.
 
@@ -80,6 +102,8 @@ class Cause:
     holdout_rmse_without
         Where the cause gains nothing beside the ones before it alone: the held-out error of the
         model with all other causes, to be held against that of the whole.
+    variation
+        How its size varies; None where nothing shows that it does.
     """
 
     effect: str
@@ -94,6 +118,7 @@ class Cause:
     holdout_rmse_after: float
     gain_ci95: tuple[float, float] | None
     holdout_rmse_without: float | None = None
+    variation: Variation | None = None
 
 
 def cause_before(cause: Cause, others: Sequence[Cause]) -> Cause | None:

@@ -42,6 +42,10 @@ size may be so many times larger or smaller: the last corner of a law that anoth
 NO_EFFECT = 0.05
 """Zero sizes that are no less likely than this are no effect."""
 
+VARIES = 0.03
+"""Where letting its size vary takes away so much beside what a cause takes away, it is another one:
+its own size has settled between what the log asks for here and there."""
+
 ROUNDING = 1e-14
 """Variances below this share of the largest are not told from it by the covariance's digits."""
 
@@ -228,7 +232,8 @@ def gains_by(cause: Cause, whole: float) -> bool:
 def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> bool:
     """Whether the numbers of a cause allow its name.
 
-    It must take away a hundredth of the held-out error at least. Where its size may have either
+    It must take away a hundredth of the held-out error at least, with a size that is the same
+    throughout. Where its size may have either
     sign, an interval over zero is no effect, and a size at its bound stands for something else; so
     does a time of a relaxation: at its shortest it is a damper, at its longest a drift; and so does
     a speed at which friction has come up when it is as large as the motion's own.
@@ -248,6 +253,8 @@ def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> b
         Held-out error of the model with all causes.
     """
     if not gains_by(cause, whole):
+        return False
+    if cause.variation is not None and cause.variation.share > VARIES:
         return False
     if _is_slight(cause) and not effect.changes_sign and _is_unknown(cause, effect):
         return False

@@ -186,3 +186,20 @@ def at_bounds(cause: Cause) -> str:
         f"The {listed(stuck)} of {lowered(cause.title)} {verb} at {its}, so something else may "
         "stand behind it."
     )
+
+
+def unsteady(cause: Cause) -> str:
+    """That the size of a cause is not the same throughout; nothing where it is.
+
+    Parameters
+    ----------
+    cause
+        A cause or a description.
+    """
+    if cause.variation is None:
+        return ""
+    size = percent(cause.variation.spread)
+    return (
+        f"The size of {lowered(cause.title)} is not the same throughout: it varies by about {size} "
+        f"with {VARIABLES[cause.variation.by]}, so its law is not exactly this one."
+    )

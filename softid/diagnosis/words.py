@@ -34,6 +34,7 @@ from softid.diagnosis.phrases import (
     taken_by,
     title_of,
     titles_of,
+    unsteady,
     values_of,
     variables_left,
 )
@@ -243,7 +244,7 @@ def _unknown(
         names = listed([lowered(cause.title) for cause in tried])
         takes = "takes" if len(tried) == 1 else "take"
         told.append(f"The best description, {names}, {takes} away {taken_by(remainder)}.")
-        told += [at_bounds(cause) for cause in tried]
+        told += [part for cause in tried for part in (at_bounds(cause), unsteady(cause))]
         for tie in alternatives:
             first, *others = tie.keys
             told.append(
@@ -316,7 +317,7 @@ def _explained(
         ]
         alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
         errors = "" if alone else _errors(teller, cause, descriptive)
-        told.append(_evidence(teller, cause, number, tie, evidence, errors))
+        told += [_evidence(teller, cause, number, tie, evidence, errors), unsteady(cause)]
     return told
 
 

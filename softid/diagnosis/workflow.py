@@ -20,6 +20,7 @@ from softid.diagnosis.assessment import (
 from softid.diagnosis.beginning import Asked, Beginning, Given, Progress, require_enough
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import Chain
+from softid.diagnosis.constancy import variations
 from softid.diagnosis.credibility import credible, with_presliding
 from softid.diagnosis.findings import (
     alternatives_of,
@@ -193,6 +194,7 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
     models = prefixes(chain, base, start.scale, dict(work.found.optimum.sigma))
     errors = [held.first_errors(model) for model in models]
     causes = _with_errors_without(causes_of(chain, errors, after, rng), chain, start)
+    causes = _with_variations(causes, chain, start)
     whole = held.rms(chain.final)
     is_named = tuple(
         sure and after is not None and stands(cause, link.added, after, whole)
@@ -252,6 +254,15 @@ def _with_errors_without(
             cause = replace(cause, holdout_rmse_without=start.held.rms(model))
         found.append(cause)
     return tuple(found)
+
+
+def _with_variations(causes: Sequence[Cause], chain: Chain, start: Beginning) -> tuple[Cause, ...]:
+    """The causes with how their sizes vary throughout the logs."""
+    if not causes:
+        return ()
+    sigma = dict(start.work.found.optimum.sigma)
+    varied = variations(chain.final, [link.added for link in chain.links], sigma)
+    return tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
 
 
 def _cleaned(log: Log) -> Log:

@@ -126,6 +126,22 @@ def _slip(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     )
 
 
+def _clock_slip(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+
+    def read(t: Array, y: Array) -> Array:
+        late = np.where(t > values["at"], values["slip"], 0.0)
+        slipped: Array = np.interp(t - late, t, y)
+        return slipped
+
+    return OutputLaw(read)
+
+
+def _gain_jump(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    return OutputLaw(lambda t, y: y * np.where(t > values["at"], 1.0 + values["change"], 1.0))
+
+
 def _spikes(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     del sizes
     rng = np.random.default_rng(occasion.seed)
@@ -235,6 +251,20 @@ OUTPUTS: tuple[Hidden, ...] = (
             "slip": either(rng) * about(rng, 0.08 * size * s.x_span),
             "at": rng.uniform(0.3, 0.7) * s.duration_s,
         }, _slip, relation="outside",
+    ),
+    entry(
+        "clock_slip", "output", "recorded y(t) = y(t - slip) from one moment on", "slip s, at s",
+        lambda s, rng, size: {
+            "slip": about(rng, 0.5 * size * s.motion_s),
+            "at": rng.uniform(0.3, 0.7) * s.duration_s,
+        }, _clock_slip, relation="outside",
+    ),
+    entry(
+        "gain_jump", "output", "recorded y = y (1 + change) from one moment on", "change 1, at s",
+        lambda s, rng, size: {
+            "change": either(rng) * about(rng, 0.08 * size),
+            "at": rng.uniform(0.3, 0.7) * s.duration_s,
+        }, _gain_jump, relation="outside",
     ),
     entry(
         "knocks", "output", "short bumps of the reading at random times", "rate 1/s, height {x}",

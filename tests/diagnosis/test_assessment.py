@@ -12,7 +12,7 @@ from handmade import fit_result
 from handmade_diagnosis import cause, estimate, remainder
 from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
 
-from softid.diagnoses import Remainder, Verdict
+from softid.diagnoses import Remainder, Variation, Verdict
 from softid.diagnosis.assessment import (
     _is_structured,
     assess,
@@ -315,3 +315,11 @@ def test_a_cause_that_the_others_need(without: float | None, named: bool) -> Non
     told = cause("sensor_drift", [RATE], before=1.0, after=2.0)
     told = replace(told, holdout_rmse_without=without)
     assert stands(told, DRIFT, fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(("share", "named"), [(None, True), (0.029, True), (0.031, False)])
+def test_a_cause_whose_size_varies_is_another(share: float | None, named: bool) -> None:
+    """What letting it vary takes away may be a thirtieth of what the cause does, not more."""
+    told = cause("sensor_drift", [RATE], before=2.0, after=1.0)
+    varied = Variation("t", 0.2, share, 1e-9) if share is not None else None
+    assert stands(replace(told, variation=varied), DRIFT, fit_result(), WHOLE) is named

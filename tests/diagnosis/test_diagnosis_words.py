@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from handmade_diagnosis import DELAY, FRICTION, TIE, cause, diagnosis, estimate, odd_diagnosis
 
-from softid.diagnoses import Alternative, Diagnosis, Evidence, Verdict
+from softid.diagnoses import Alternative, Diagnosis, Evidence, Variation, Verdict
 from softid.diagnosis.phrases import values_of
 from softid.diagnosis.remarks import restriction
 from softid.diagnosis.ties import is_linear, what_next
@@ -351,6 +351,21 @@ def test_descriptions_are_a_list_and_their_bounds_are_told() -> None:
     assert " take away 60 %" in text
     assert "The k3 of stiffening with deformation ends at its bound" in text
     assert text.count("at its bound") == 1
+
+
+@pytest.mark.parametrize("verdict", [Verdict.NAMED, Verdict.UNKNOWN])
+def test_a_size_that_varies_is_told(verdict: Verdict) -> None:
+    """Behind the evidence of a cause, and behind a description, for which it is the reason."""
+    found = diagnosis(verdict)
+    (first, *_) = found.causes or found.descriptive
+    varied = replace(first, variation=Variation("p", 0.12, 0.01, 1e-9))
+    shown = replace(found, causes=(varied,) if found.causes else (), descriptive=())
+    if not found.causes:
+        shown = replace(shown, descriptive=(varied,))
+    text = told(shown)
+    assert f"The size of {first.title[:1].lower()}{first.title[1:]} is not the same" in text
+    assert "it varies by about 12 % with the input" in text
+    assert "not the same throughout" not in told(found)
 
 
 def test_what_only_lacks_a_name_asks_for_more_of_the_same() -> None:

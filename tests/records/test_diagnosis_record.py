@@ -12,7 +12,7 @@ from handmade import failed_fit
 from handmade_diagnosis import diagnosis, odd_diagnosis
 from jsonschema import Draft202012Validator
 
-from softid.diagnoses import Verdict
+from softid.diagnoses import Variation, Verdict
 from softid.errors import IdentificationError, OutputError
 from softid.records import load_params, save_diagnosis
 from softid.records.reading import load_schema
@@ -59,6 +59,7 @@ def test_causes_have_their_numbers(tmp_path: Path) -> None:
     assert cause["effect"] == "coulomb_friction"
     assert cause["holdout_rmse_before"] == pytest.approx(0.034906585)
     assert cause["gain_ci95"] == [0.7, 0.8]
+    assert cause["variation"] is None
     assert [p["name"] for p in cause["parameters"]] == [
         "coulomb_friction_Fc",
         "coulomb_friction_vs",
@@ -71,6 +72,15 @@ def test_causes_have_their_numbers(tmp_path: Path) -> None:
     extended = load_params(tmp_path / document["extended"])
     assert extended.model.effects == ("coulomb_friction",)
     assert extended.issues == ()
+
+
+def test_a_size_that_varies_is_written(tmp_path: Path) -> None:
+    """With the variable, how much, what that takes away, and the odds of chance."""
+    found = diagnosis(Verdict.NAMED)
+    varied = replace(found.causes[0], variation=Variation("v", 0.2, 0.01, 1e-12))
+    save_diagnosis(replace(found, causes=(varied,)), tmp_path)
+    (cause,) = strict(tmp_path / "diagnosis.json")["causes"]
+    assert cause["variation"] == {"by": "v", "spread": 0.2, "share": 0.01, "chance": 1e-12}
 
 
 def test_unknown_has_descriptions_and_no_causes(tmp_path: Path) -> None:

@@ -254,6 +254,13 @@ def test_what_the_sensor_does() -> None:
     np.testing.assert_allclose(found.reading, plain.position, atol=1e-4)
     found = response("output_backlash", {"width": 3.0}, ramp, TIME_S)
     assert found.reading[-1] == pytest.approx(found.position[-1] - 3.0, abs=1e-9)
+    late = TIME_S > 2.0
+    found = response("gain_jump", {"change": -0.1, "at": 2.0}, ramp, TIME_S)
+    expected = found.position * np.where(late, 0.9, 1.0)
+    np.testing.assert_allclose(found.reading, expected, atol=1e-9)
+    found = response("clock_slip", {"slip": 0.1, "at": 2.0}, ramp, TIME_S)
+    expected = np.interp(TIME_S - np.where(late, 0.1, 0.0), TIME_S, found.position)
+    np.testing.assert_allclose(found.reading, expected, atol=1e-3 * np.ptp(found.position))
 
 
 def test_a_zero_that_wanders() -> None:
