@@ -22,6 +22,10 @@ SECOND_START = 0.3
 """A further start of an effect runs when it promises this share of the best one's drop."""
 
 MAX_STARTS = 2
+BY_ITSELF, OF_THE_BEST = 3.0, 0.3
+"""A richer form of a law runs by itself when it promises so many times what the plain one does, and
+this share of what the best effect promises: the base may do all that the plain one can."""
+
 FIRST_LAP, SECOND_LAP, SWAP_LAP = 4, 8, 24
 LAST_LAP = (5, 10, 25)
 """Evaluations of each lap; two poles that were exchanged begin far off. Who has no hope left drops
@@ -80,7 +84,8 @@ def race(
     """Refit the base with each effect, polishing the contenders only; best first.
 
     A richer form of a law enters where the plain one has got to, when that is still in the race
-    after its second lap, and leaves again if it hardly gains on it. Where it led to a better place,
+    after its second lap, and leaves again if it hardly gains on it; one that promises far more runs
+    from the start. Where it led to a better place,
     the plain one follows it there at the end.
 
     Parameters
@@ -109,7 +114,8 @@ def race(
     found = list(signatures) if signatures is not None else screen(fitted, effects, scale, sigma)
     variance = fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
     richer = [effect for effect in effects if any(_is_richer(effect, e, scale) for e in effects)]
-    left_out = {c.effects[-1].key for c in known} | {effect.key for effect in richer}
+    late_forms = {effect.key for effect in richer} - _by_themselves(found, richer)
+    left_out = {c.effects[-1].key for c in known} | late_forms
     running = [e for e in effects if e.key not in left_out] if not again else []
     keys = {effect.key for effect in running}
     entrants = in_parallel(
@@ -128,7 +134,7 @@ def race(
         (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
         for candidate in second
         for effect in richer
-        if _is_richer(effect, candidate.effects[-1], scale)
+        if effect.key in late_forms and _is_richer(effect, candidate.effects[-1], scale)
     ]
     second = by_squares([*second, *_those_that_gain(forms, sigma)])
     report(0.7)
@@ -206,6 +212,21 @@ def _second_lap(
         second = resting + again + without_hope
         hopeless += without_hope
     return by_squares(second)
+
+
+def _by_themselves(signatures: Sequence[Signature], richer: Sequence[Effect]) -> set[str]:
+    """Keys of the richer forms whose signature promises far more than that of the plain one."""
+    promised: dict[str, float] = {}
+    for signature in signatures:
+        key = signature.effect.key
+        promised[key] = max(promised.get(key, 0.0), signature.drop)
+    most = max(promised.values(), default=0.0)
+    return {
+        effect.key
+        for effect in richer
+        if promised.get(effect.key, 0.0) > BY_ITSELF * promised.get(effect.name, 0.0)
+        and promised[effect.key] > OF_THE_BEST * most
+    }
 
 
 def _is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:

@@ -18,6 +18,7 @@ from softid.diagnosis.scale import scale_of
 from softid.diagnosis.screening import Signature, candidate_at
 from softid.diagnosis.search import (
     _best_of_each,
+    _by_themselves,
     _is_outdone,
     _is_richer,
     _last_field,
@@ -125,6 +126,20 @@ def test_whohas_hope(squares: float, reach: float, gained: float, hopes: bool) -
     6 r² of n ln(S), and four times that; or three times what was gained, of n ln 2 = 6931."""
     row = candidate(("delay",), squares, reach=reach)
     assert has_hope(row, 1.0, gained=gained) is hopes
+
+
+@pytest.mark.parametrize(
+    ("plain", "separate", "runs"),
+    [(0.0, 31.0, True), (0.0, 29.0, False), (20.0, 61.0, True), (20.0, 59.0, False)],
+)
+def test_a_richer_form_that_promises_far_more_runs_by_itself(
+    plain: float, separate: float, runs: bool
+) -> None:
+    """By hand: thrice the plain one's promise, and 0.3 of the best one's, which is 100."""
+    rows = (("stiffening", 100.0), ("pneumatic_lag", plain), ("pneumatic_lag.separate", separate))
+    chosen = _by_themselves(promises(*rows), [effect_of("pneumatic_lag.separate")])
+    assert chosen == ({"pneumatic_lag.separate"} if runs else set())
+    assert _by_themselves(promises(rows[0]), [effect_of("pneumatic_lag.separate")]) == set()
 
 
 @pytest.mark.parametrize(
