@@ -32,6 +32,9 @@ FEWEST_SAMPLES = 100
 """With fewer, seven terms of a base and an effect explain most of any noise, and a block to hold
 out has next to none."""
 
+LEAST_MOVE = 0.05
+"""Held-out logs judge when their input moves by this share of what the fitted ones' does."""
+
 HIDDEN_PERIODS = 0.1
 """A restored term dies out within a tenth of the sampling interval."""
 
@@ -49,7 +52,8 @@ def require_enough(logs: LogSet, hold_out: Sequence[Log] = ()) -> None:
     Raises
     ------
     IdentificationError
-        All outputs of either together have fewer than `FEWEST_SAMPLES`.
+        All outputs of either together have fewer than `FEWEST_SAMPLES`, or the input of what is
+        held out does not move.
     """
     if _usable(logs) < FEWEST_SAMPLES:
         raise IdentificationError(
@@ -65,6 +69,19 @@ def require_enough(logs: LogSet, hold_out: Sequence[Log] = ()) -> None:
             value=_usable(hold_out),
             remedy=f"hold out {FEWEST_SAMPLES} or more, or none: then blocks of the logs judge",
         )
+    moves = max((_move(log) for log in hold_out), default=np.inf)
+    if moves < LEAST_MOVE * max(_move(log) for log in logs):
+        raise IdentificationError(
+            "the input of what is held out does not move, so it cannot judge a cause",
+            where=", ".join(log.name for log in hold_out),
+            value=f"a range of {moves:.3g} {hold_out[0].channels[hold_out[0].input].unit}",
+            remedy="hold out a log that moves, or none: then blocks of the logs judge",
+        )
+
+
+def _move(log: Log) -> float:
+    """Range of a log's input."""
+    return max((float(np.ptp(segment.input)) for segment in log.segments()), default=0.0)
 
 
 def _usable(logs: Iterable[Log]) -> int:

@@ -35,6 +35,9 @@ ENOUGH = 0.9
 FAR_APART = 0.15
 """A law does not carry over when so much less of the misfit goes on what is held out."""
 
+LOUDER = 0.05
+"""A rest is called noise with a reserve when its power is so much above that of the noise."""
+
 MOST_VARIABLES = 2
 MOST_PARAMETERS = 3
 
@@ -93,11 +96,19 @@ def percent_range(interval: tuple[float, float]) -> str:
 
 
 def values_of(parameters: Sequence[ParameterEstimate]) -> str:
-    """The first parameters with their intervals."""
-    told = [_value(p) for p in parameters[:MOST_PARAMETERS]]
-    more = len(parameters) - len(told)
+    """The first parameters with their intervals; those that only count together as so many."""
+    open_ones = [p for p in parameters if _is_open_within(p)]
+    together = len(open_ones) > 1
+    shown = [p for p in parameters if not (together and p in open_ones)]
+    told = [_value(p) for p in shown[:MOST_PARAMETERS]]
+    more = len(shown) - len(told)
     if more > 0:
         told.append(f"{more} more parameter{'s' if more > 1 else ''}")
+    if together:
+        told.append(
+            f"{len(open_ones)} values of which none is known by itself, for the model's own curve "
+            "can make up for each"
+        )
     return listed(told) if told else "parameters that could not be told"
 
 
@@ -106,6 +117,15 @@ def _is_open_within(p: ParameterEstimate) -> bool:
     if p.ci95 is None or p.lower is None or p.upper is None:
         return False
     return p.ci95[0] < p.lower and p.ci95[1] > p.upper
+
+
+def _within_bounds(p: ParameterEstimate) -> tuple[float, float] | None:
+    """The interval of a value as far as its bounds allow."""
+    if p.ci95 is None:
+        return None
+    lower = -math.inf if p.lower is None else p.lower
+    upper = math.inf if p.upper is None else p.upper
+    return max(p.ci95[0], lower), min(p.ci95[1], upper)
 
 
 def _value(p: ParameterEstimate) -> str:
@@ -119,7 +139,7 @@ def _value(p: ParameterEstimate) -> str:
         return (
             f"{name}, which is not known within its bounds of {p.lower:.3g} to {p.upper:.3g}{unit}"
         )
-    ends = p.ci95
+    ends = _within_bounds(p)
     low, high = (
         "…" if e is None or not math.isfinite(e) else f"{e:.3g}" for e in ends or (None,) * 2
     )
@@ -203,3 +223,35 @@ def unsteady(cause: Cause) -> str:
         f"The size of {lowered(cause.title)} is not the same throughout: it varies by about {size} "
         f"with {VARIABLES[cause.variation.by]}, so its law is not exactly this one."
     )
+
+
+def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
+    """What the descriptions beside some causes are, and why they are no more.
+
+    Parameters
+    ----------
+    descriptive, causes
+        As in `Diagnosis`.
+    """
+    names = listed([lowered(cause.title) for cause in descriptive])
+    verb = "describes" if len(descriptive) == 1 else "describe"
+    most = max(cause.delta_bic for cause in descriptive)
+    if most < min((cause.delta_bic for cause in causes), default=math.inf):
+        return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
+    reasons = [part for cause in descriptive for part in (at_bounds(cause), unsteady(cause))]
+    told = f"Besides, {names} {verb} a part of the misfit, with a law that is not sure enough"
+    return " ".join(filter(None, (f"{told} for a name.", *reasons)))
+
+
+def noise_like(remainder: Remainder) -> str:
+    """That what is left looks like noise, and by how much it is larger than what the noise is.
+
+    Parameters
+    ----------
+    remainder
+        What is left.
+    """
+    if remainder.excess <= LOUDER:
+        return "looks like noise"
+    what = "the noise of the rests" if remainder.noise_from_rest else "noise in its fastest part"
+    return f"looks like noise, though its power is {percent(remainder.excess)} above that of {what}"

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from softid.diagnosis.phrases import listed, percent
+from softid.diagnosis.assessment import LEAST_GAIN
+from softid.diagnosis.chain import FIRST, Chain, pays
+from softid.diagnosis.held_out import HeldOut
+from softid.diagnosis.phrases import listed, lowered, percent
 from softid.effects import EFFECTS
 from softid.errors import Issue
 from softid.excitation import find_quantisation
 from softid.log import Log
 from softid.results import FitResult
+
+REFUSED = "not-held-out"
+"""Code of the remark that a law does not carry over."""
 
 COARSE = 0.25
 """Share of the power of what is left from which on the rounding of the output is told."""
@@ -54,6 +60,36 @@ def averaged_over(count: int) -> tuple[Issue, ...]:
             f"every {count} samples were averaged into one: a time constant of the motion is "
             "longer than thirty of the means",
             None,
+        ),
+    )
+
+
+def refused(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
+    """That what is held out speaks against the best law; nothing where a law was added.
+
+    Parameters
+    ----------
+    chain
+        What the search found.
+    held
+        What was held out.
+    """
+    if chain.links or chain.last is None or not pays(chain.last, FIRST):
+        return ()
+    best = chain.last.chosen.plain
+    before, after = held.rms(chain.final), held.rms(best)
+    if not after > (1.0 - LEAST_GAIN) * before:
+        return ()
+    takes = percent(1.0 - best.squares / chain.final.squares)
+    worse = after > (1.0 + LEAST_GAIN) * before
+    change = f"adds {percent(after / before - 1.0)} to it" if worse else "leaves it as it is"
+    return (
+        Issue(
+            REFUSED,
+            "info",
+            f"{lowered(chain.last.added.title)} would take away {takes} of the squared error on "
+            f"the fitted samples, but on what is held out it {change}",
+            "hold out a log like the fitted ones, or none: then blocks of the logs judge",
         ),
     )
 

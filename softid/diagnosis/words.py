@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from softid.diagnoses import (
+    NOTABLE,
     Alternative,
     Cause,
     Diagnosis,
@@ -22,11 +23,13 @@ from softid.diagnosis.marks import CODES
 from softid.diagnosis.phrases import (
     VARIABLES,
     at_bounds,
+    described,
     given_up,
     listed,
     lowered,
     named_whole,
     neighbours_of,
+    noise_like,
     percent,
     percent_range,
     round_of,
@@ -38,6 +41,7 @@ from softid.diagnosis.phrases import (
     values_of,
     variables_left,
 )
+from softid.diagnosis.remarks import REFUSED
 from softid.diagnosis.ties import is_linear, law_that_ties, what_next, why_tied
 from softid.results import FitResult
 
@@ -71,7 +75,7 @@ def worded(found: Diagnosis) -> Diagnosis:
         evidence=found.evidence,
         next_experiment=following,
         gain_ci95=found.gain_ci95,
-        marks=[issue.message for issue in found.issues if issue.code in CODES],
+        marks=[issue.message for issue in found.issues if issue.code in (*CODES, REFUSED)],
         dropped=dropped_from(found),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
@@ -103,7 +107,7 @@ def summarise(
     causes, descriptive, alternatives, remainder, gains, evidence, next_experiment, gain_ci95
         As in `Diagnosis`.
     marks
-        What `marks_in` found.
+        What `marks_in` found, and what is held out speaks against.
     dropped
         Parameters of the base that the extended model does without.
 
@@ -121,12 +125,12 @@ def summarise(
     else:
         told += _explained(teller, causes, alternatives, evidence, descriptive)
         if descriptive:
-            told.append(_described(descriptive))
+            told.append(described(descriptive, causes))
         told.append(teller.mended((*causes, *descriptive)))
         if verdict is Verdict.PARTIAL or remainder.structured:
             told += _partial(teller, remainder)
         else:
-            looks = "does not follow from the motion" if marks else "looks like noise"
+            looks = "does not follow from the motion" if marks else noise_like(remainder)
             told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
             told.append(teller.more_held_out(remainder))
     told += [f"{mark[:1].upper()}{mark[1:]}." for mark in marks]
@@ -252,14 +256,9 @@ def _unknown(
             )
     if not remainder.structured:
         left = teller.size(remainder.rms)
-        return [*told, f"What is left on the fitted samples, {left} rms, looks like noise."]
+        looks = noise_like(remainder)
+        return [*told, f"What is left on the fitted samples, {left} rms, {looks}."]
     return [*told, _left(teller, remainder)]
-
-
-def _described(descriptive: Sequence[Cause]) -> str:
-    names = listed([lowered(cause.title) for cause in descriptive])
-    verb = "describes" if len(descriptive) == 1 else "describe"
-    return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
 
 
 def _partial(teller: _Teller, remainder: Remainder) -> list[str]:
@@ -274,6 +273,12 @@ def _left(teller: _Teller, remainder: Remainder) -> str:
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.predictable:
         told += f"is not noise: {structure_of_rest(remainder)}"
+    elif remainder.structure_share > NOTABLE:
+        share = percent(remainder.structure_share)
+        told += (
+            f"is larger than the noise; {share} of it follows from the motion, but so much of slow "
+            "noise would by chance"
+        )
     elif remainder.noise_from_rest:
         told += "is larger than the noise, but follows from no variable that was looked at"
     else:

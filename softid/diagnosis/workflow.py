@@ -42,7 +42,7 @@ from softid.diagnosis.other_reading import (
     straight_unless_told,
 )
 from softid.diagnosis.plainer_base import plainer, remark_on
-from softid.diagnosis.remarks import averaged_over, restriction, rounding
+from softid.diagnosis.remarks import averaged_over, refused, restriction, rounding
 from softid.diagnosis.residual_set import sets_left
 from softid.diagnosis.revision import prefixes, without_link
 from softid.diagnosis.scale import fastest_time
@@ -235,6 +235,7 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
             *(after if after is not None and named else before).issues,
             *remark_on(start, unit=row.display_unit, factor=row.display_factor),
             *marks,
+            *(refused(chain, held) if remainder.structured else ()),
         ),
         gain_ci95=whole_gain_of(
             errors if is_asked_for else [held.first_errors(asked_for.base), *errors], rng

@@ -63,6 +63,17 @@ def test_a_log_that_is_too_short_is_refused() -> None:
         diagnose(linear_log(seed=1), hold_out=[short], model="oscillator", effects=TWO)
 
 
+def test_a_hold_out_at_rest_is_refused() -> None:
+    """A log in which nothing happens cannot judge a cause, however many samples it has."""
+    whole = linear_log(noise=0.01, seed=1, samples=4000)
+    resting = np.zeros(len(whole))
+    log = Log.from_arrays(
+        whole.time_s, {"pressure": resting, "angle": whole.channels["angle"].values}, name="still"
+    )
+    with pytest.raises(IdentificationError, match=r"still: the input .* does not move.*or none"):
+        diagnose(linear_log(noise=0.01), hold_out=[log], model="oscillator", effects=TWO)
+
+
 def test_a_static_model_is_refused_and_never_chosen() -> None:
     """A curve has no motion: it is refused by name, and a log of a curve gets a model with one."""
     with pytest.raises(UsageError, match=r"static.*polynomial.*muscle or oscillator"):
