@@ -85,6 +85,11 @@ def lowered(text: str) -> str:
     return text[:1].lower() + text[1:]
 
 
+def sentence(text: str) -> str:
+    """The text with a capital letter and a full stop."""
+    return f"{text[:1].upper()}{text[1:]}."
+
+
 def percent(value: float) -> str:
     """A share in per cent."""
     return f"{100.0 * value:.0f} %"
@@ -153,7 +158,7 @@ def taken_by(remainder: Remainder) -> str:
     taken = f"{percent(remainder.explained_share)} of the misfit above the noise"
     if remainder.explained_share - remainder.held_out_share < FAR_APART:
         if remainder.explained_share > ENOUGH:
-            return f"{taken}, but its law is not sure enough for a name"
+            return f"{taken}, but not surely enough for a name"
         return f"{taken}, which is too little for a cause"
     held = percent(remainder.held_out_share)
     return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"

@@ -18,6 +18,7 @@ from softid.diagnoses import (
     cause_before,
     dropped_from,
 )
+from softid.diagnosis.change_point import CODE as CHANGE_POINT
 from softid.diagnosis.classes import classes_of
 from softid.diagnosis.marks import CODES
 from softid.diagnosis.phrases import (
@@ -33,6 +34,7 @@ from softid.diagnosis.phrases import (
     percent,
     percent_range,
     round_of,
+    sentence,
     structure_of_rest,
     taken_by,
     title_of,
@@ -76,6 +78,7 @@ def worded(found: Diagnosis) -> Diagnosis:
         next_experiment=following,
         gain_ci95=found.gain_ci95,
         marks=[issue.message for issue in found.issues if issue.code in (*CODES, REFUSED)],
+        moments=[issue.message for issue in found.issues if issue.code == CHANGE_POINT],
         dropped=dropped_from(found),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
@@ -94,6 +97,7 @@ def summarise(
     next_experiment: str | None = None,
     gain_ci95: tuple[float, float] | None = None,
     marks: Sequence[str] = (),
+    moments: Sequence[str] = (),
     dropped: Sequence[str] = (),
 ) -> str:
     """What is wrong, by how much, why we think so, what it could be confused with, what to do next.
@@ -108,6 +112,8 @@ def summarise(
         As in `Diagnosis`.
     marks
         What `marks_in` found, and what is held out speaks against.
+    moments
+        What `change_marks` found.
     dropped
         Parameters of the base that the extended model does without.
 
@@ -121,6 +127,8 @@ def summarise(
     if verdict is Verdict.ADEQUATE:
         told += _adequate(teller, remainder)
     elif verdict is Verdict.UNKNOWN:
+        told.append("Something is missing, and none of the effects tried can be named for it.")
+        told += [sentence(moment) for moment in moments]
         told += _unknown(teller, descriptive or causes, alternatives, remainder)
     else:
         told += _explained(teller, causes, alternatives, evidence, descriptive)
@@ -133,7 +141,7 @@ def summarise(
             looks = "does not follow from the motion" if marks else noise_like(remainder)
             told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
             told.append(teller.more_held_out(remainder))
-    told += [f"{mark[:1].upper()}{mark[1:]}." for mark in marks]
+    told += [sentence(mark) for mark in marks]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend())
     told += _next(verdict, causes, alternatives, next_experiment)
@@ -243,7 +251,7 @@ def _unknown(
     alternatives: Sequence[Alternative],
     remainder: Remainder,
 ) -> list[str]:
-    told = ["Something is missing, and none of the effects tried can be named for it."]
+    told = []
     if tried:
         names = listed([lowered(cause.title) for cause in tried])
         takes = "takes" if len(tried) == 1 else "take"

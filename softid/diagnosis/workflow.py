@@ -20,6 +20,7 @@ from softid.diagnosis.assessment import (
 from softid.diagnosis.beginning import Asked, Beginning, Given, Progress, require_enough
 from softid.diagnosis.candidates import Candidate, catalogue
 from softid.diagnosis.chain import Chain
+from softid.diagnosis.change_point import change_marks
 from softid.diagnosis.constancy import variations
 from softid.diagnosis.credibility import credible, with_presliding
 from softid.diagnosis.findings import (
@@ -140,6 +141,10 @@ def diagnose(
         answer = _answer(start, other, seed) if other else answer
     rounded = rounding(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
     remarks = (*restriction(effects), *averaged_over(count), *rounded)
+    if answer.verdict is Verdict.UNKNOWN:
+        moments = change_marks(start.base, start.scale, seed=seed)
+        remarks = (*moments, *remarks)
+        answer = replace(answer, next_experiment=moments[0].remedy if moments else None)
     if has_spring(start.base):
         remarks = (*remarks, *sets_left(given.logs))
     return worded(replace(answer, issues=(*answer.issues, *remarks)))
