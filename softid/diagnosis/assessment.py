@@ -42,9 +42,10 @@ size may be so many times larger or smaller: the last corner of a law that anoth
 NO_EFFECT = 0.05
 """Zero sizes that are no less likely than this are no effect."""
 
-VARIES = 0.03
+VARIES, VARIES_BESIDE = 0.03, 0.1
 """Where letting its size vary takes away so much beside what a cause takes away, it is another one:
-its own size has settled between what the log asks for here and there."""
+its own size has settled between what the log asks for here and there. The second share holds where
+something else is left, whose law the size may follow a little."""
 
 ROUNDING = 1e-14
 """Variances below this share of the largest are not told from it by the covariance's digits."""
@@ -229,7 +230,20 @@ def gains_by(cause: Cause, whole: float) -> bool:
     return without is not None and whole <= most * without
 
 
-def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> bool:
+def most_variation(remainder: Remainder) -> float:
+    """How much letting its size vary may take away beside what a cause takes away.
+
+    Parameters
+    ----------
+    remainder
+        What all causes leave.
+    """
+    return VARIES_BESIDE if remainder.structured else VARIES
+
+
+def stands(
+    cause: Cause, effect: Effect, extended: FitResult, whole: float, *, varies: float = VARIES
+) -> bool:
     """Whether the numbers of a cause allow its name.
 
     It must take away a hundredth of the held-out error at least, with a size that is the same
@@ -251,10 +265,12 @@ def stands(cause: Cause, effect: Effect, extended: FitResult, whole: float) -> b
         The fit with all causes, for the covariance of the sizes.
     whole
         Held-out error of the model with all causes.
+    varies
+        From `most_variation`.
     """
     if not gains_by(cause, whole):
         return False
-    if cause.variation is not None and cause.variation.share > VARIES:
+    if cause.variation is not None and cause.variation.share > varies:
         return False
     if _is_slight(cause) and not effect.changes_sign and _is_unknown(cause, effect):
         return False

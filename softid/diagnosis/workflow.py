@@ -13,6 +13,7 @@ from softid.diagnoses import Cause, Diagnosis, Verdict
 from softid.diagnosis.assessment import (
     gains_by,
     has_spring,
+    most_variation,
     stands,
     surroundings,
     verdict_of,
@@ -201,8 +202,9 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
     causes = _with_errors_without(causes_of(chain, errors, after, rng), chain, start)
     causes = _with_variations(causes, chain, start)
     whole = held.rms(chain.final)
+    varies = most_variation(remainder)
     is_named = tuple(
-        sure and after is not None and stands(cause, link.added, after, whole)
+        sure and after is not None and stands(cause, link.added, after, whole, varies=varies)
         for sure, cause, link in zip(is_named, causes, chain.links, strict=True)
     )
     is_named = credible(chain.links, causes, is_named, chain.final.squares)

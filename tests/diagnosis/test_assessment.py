@@ -17,6 +17,7 @@ from softid.diagnosis.assessment import (
     _is_structured,
     assess,
     held_out_share,
+    most_variation,
     nameable,
     stands,
     surroundings,
@@ -323,3 +324,9 @@ def test_a_cause_whose_size_varies_is_another(share: float | None, named: bool) 
     told = cause("sensor_drift", [RATE], before=2.0, after=1.0)
     varied = Variation("t", 0.2, share, 1e-9) if share is not None else None
     assert stands(replace(told, variation=varied), DRIFT, fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(("structured", "most"), [(False, 0.03), (True, 0.1)])
+def test_beside_something_smaller_a_size_may_vary_more(structured: bool, most: float) -> None:
+    """What else is left has a law of its own, which the size of the main cause follows a little."""
+    assert most_variation(remainder(structured=structured, explained=0.9)) == most
