@@ -59,7 +59,7 @@ def _static_curve(at: Instant, p: Values) -> Parts:
     if "spline" not in at.memory:
         knots = np.linspace(low, high, 6)
         at.memory["spline"] = CubicSpline(
-            knots, [p[f"k{i}"] for i in range(1, 7)], bc_type="natural"
+            knots, [0.0, *(p[f"k{i}"] for i in range(2, 7))], bc_type="natural"
         )
     spline = at.memory["spline"]
     inside = min(max(at.u, low), high)

@@ -252,7 +252,7 @@ def stands(
     does a time of a relaxation: at its shortest it is a damper, at its longest a drift; and so does
     a speed at which friction has come up when it is as large as the motion's own.
     Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
-    unknown beside the base's own parameters, or run into its bound with their common level, and
+    unknown beside the base's own parameters, or run into its bound with their common slope, and
     their shape well known.
 
     Parameters

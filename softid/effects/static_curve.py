@@ -13,7 +13,7 @@ from softid.parameters import Parameter, ParameterSet
 
 KNOTS = 6
 LAST = KNOTS - 1
-HALF_RANGE = 0.5
+NAMES = tuple(f"k{i + 1}" for i in range(1, KNOTS))
 SHARE = 0.05
 LEVELLING = 0.5
 """Distance, in knots, over which the curve levels off outside the range of the knots."""
@@ -40,14 +40,17 @@ class StaticCurve(StateEffect):
     r"""Shift of the spring's rest by a natural cubic spline in the input, q(x − s(u)).
 
     At rest the position is that of the model plus s(u). The spline goes through six equally spaced
-    knots over the range of the input, and levels off outside it.
+    knots over the range of the input, and levels off outside it. It is zero at the first one: a
+    level of the whole curve is that of the sensor's zero, which no log can tell from it.
 
     Source: de Boor, *A Practical Guide to Splines*, ch. IV (natural cubic spline).
     """
 
     name: ClassVar[str] = "static_curve"
     title: ClassVar[str] = "Another static curve"
-    law: ClassVar[str] = "x - s(u) in place of x in the spring; s a cubic spline through 6 knots"
+    law: ClassVar[str] = (
+        "x - s(u) in place of x in the spring; s a cubic spline through 6 knots, the first 0"
+    )
     meaning: ClassVar[str] = (
         "The positions at which the actuator settles follow a curve of another shape than the one "
         "the model can draw."
@@ -61,30 +64,30 @@ class StaticCurve(StateEffect):
     remedy: ClassVar[str] = "none is needed: use the measured curve for control"
     shown_by: ClassVar[str] = "held levels over the full range, up and down"
     source: ClassVar[str] = "de Boor, A Practical Guide to Splines, ch. IV"
-    amplitude: ClassVar[str] = "k1"
+    amplitude: ClassVar[str] = "k2"
     changes_sign: ClassVar[bool] = True
 
     @property
     def amplitudes(self) -> tuple[str, ...]:
         """All values at the knots: the effect is linear in them."""
-        return tuple(f"k{i + 1}" for i in range(KNOTS))
+        return NAMES
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """Shifts k1 to k6 at the knots, at most half the range of positions either way."""
-        largest = HALF_RANGE * scale.x_span
-        spacing = scale.u_span / LAST
+        """Shifts k2 to k6 at the knots, at most the range of positions either way."""
+        largest, spacing = scale.x_span, scale.u_span / LAST
         return ParameterSet(
             tuple(
                 Parameter(
-                    f"k{i + 1}",
-                    SHARE * scale.x_span * SHAPES[0][i],
+                    name,
+                    SHARE * scale.x_span * (SHAPES[0][i] - SHAPES[0][0]),
                     scale.x_unit,
                     -largest,
                     largest,
-                    meaning=f"shift at {scale.u_low + i * spacing:.3g} {scale.u_unit}",
+                    meaning=f"shift at {scale.u_low + i * spacing:.3g} {scale.u_unit}, "
+                    f"that at {scale.u_low:.3g} {scale.u_unit} being 0",
                     source=self.source,
                 )
-                for i in range(KNOTS)
+                for i, name in enumerate(NAMES, start=1)
             )
         )
 
@@ -92,7 +95,8 @@ class StaticCurve(StateEffect):
         """A bow, an S and a W."""
         size = SHARE * scale.x_span
         return tuple(
-            {f"k{i + 1}": size * value for i, value in enumerate(shape)} for shape in SHAPES
+            {name: size * (value - shape[0]) for name, value in zip(NAMES, shape[1:], strict=True)}
+            for shape in SHAPES
         )
 
     def constants(self, scale: Scale) -> tuple[float, ...]:
@@ -102,22 +106,24 @@ class StaticCurve(StateEffect):
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Shift s(u); beyond the ends, where the spline is straight, tanh brings it to a level."""
-        place = (u - eta[KNOTS]) * eta[KNOTS + 1]
+        place = (u - eta[LAST]) * eta[LAST + 1]
         inside = min(max(place, 0.0), float(LAST))
         left = min(int(inside), LAST - 1)
         bend_left, bend_right = 0.0, 0.0
         for j in range(LAST - 1):
-            bent = 6.0 * (eta[j] - 2.0 * eta[j + 1] + eta[j + 2])
+            before = eta[j - 1] if j > 0 else 0.0
+            bent = 6.0 * (before - 2.0 * eta[j] + eta[j + 1])
             if left > 0:
                 bend_left += BENDING[left - 1][j] * bent
             if left < LAST - 1:
                 bend_right += BENDING[left][j] * bent
         b = inside - left
         a = 1.0 - b
-        shift = a * eta[left] + b * eta[left + 1]
+        lower, upper = eta[left - 1] if left > 0 else 0.0, eta[left]
+        shift = a * lower + b * upper
         shift += ((a * a * a - a) * bend_left + (b * b * b - b) * bend_right) / 6.0
         if place != inside:
-            slope = eta[left + 1] - eta[left]
+            slope = upper - lower
             slope += ((3.0 * b * b - 1.0) * bend_right - (3.0 * a * a - 1.0) * bend_left) / 6.0
             shift += slope * LEVELLING * math.tanh((place - inside) / LEVELLING)
         out[SHIFT] += shift

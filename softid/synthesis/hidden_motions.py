@@ -26,6 +26,7 @@ from softid.synthesis.hidden_base import (
 Generator = np.random.Generator
 Draw = Callable[[Sizes, Generator, float], dict[str, float]]
 KNOTS = 6
+HEIGHTS = tuple(f"k{i + 1}" for i in range(1, KNOTS))
 CORNER = 0.01
 """Share of the range over which a contact closes."""
 
@@ -52,7 +53,7 @@ def _static_curve(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw
     del occasion
     low, high = sizes.p_low, sizes.p_high
     knots = np.linspace(low, high, KNOTS)
-    spline = CubicSpline(knots, [values[f"k{i + 1}"] for i in range(KNOTS)], bc_type="natural")
+    spline = CubicSpline(knots, [0.0, *(values[name] for name in HEIGHTS)], bc_type="natural")
     cubes = spline.c.T.tolist()
     ends = (float(spline(low, 1)), float(spline(high, 1)))
     width, pieces = LEVELLING * (high - low), KNOTS - 1
@@ -191,7 +192,7 @@ def _draw_curve(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
     angle = rng.uniform(0.0, 2.0 * np.pi)
     shape = np.cos(angle) * bow / np.max(np.abs(bow)) + np.sin(angle) * bend / np.max(np.abs(bend))
     heights = about(rng, 0.06 * size) * s.x_span * shape
-    return {f"k{i + 1}": float(height) for i, height in enumerate(heights)}
+    return {name: float(heights[i] - heights[0]) for i, name in enumerate(HEIGHTS, start=1)}
 
 
 def _draw_stiffening(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
@@ -221,8 +222,8 @@ def draw_friction(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
 MOTIONS: tuple[Hidden, ...] = (
     entry(
         "static_curve", "state",
-        "x - s(u) in place of x in the spring; s a cubic spline through 6 knots",
-        ", ".join(f"k{i + 1} {{x}}" for i in range(KNOTS)), _draw_curve, _static_curve,
+        "x - s(u) in place of x in the spring; s a cubic spline through 6 knots, the first 0",
+        ", ".join(f"{name} {{x}}" for name in HEIGHTS), _draw_curve, _static_curve,
     ),
     entry("stiffening", "state", "+ k3 x^3", "k3 {f}/{x}³", _draw_stiffening, _stiffening),
     entry(

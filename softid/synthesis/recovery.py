@@ -19,8 +19,8 @@ KNOTS = 4
 def is_recovered(cause: Cause, truth: Mapping[str, float]) -> bool | None:
     """Whether every parameter with a true value lies in its interval or within a fifth of it.
 
-    Knots of a curve are judged by its shape: level and slope are as well those of the base and the
-    sensor's zero, which is why each knot is called not identified.
+    Knots of a curve are judged by its shape: its first is zero, and its slope is as well one of the
+    base.
 
     Parameters
     ----------
@@ -52,6 +52,7 @@ def is_recovered(cause: Cause, truth: Mapping[str, float]) -> bool | None:
 
 
 def _bend(knots: Sequence[float]) -> npt.NDArray[np.float64]:
-    """What a straight line leaves of equidistant knots."""
-    places = np.arange(float(len(knots)))
-    return np.asarray(knots) - np.polyval(np.polyfit(places, knots, 1), places)
+    """What a straight line leaves of equidistant knots behind one that is zero."""
+    heights = np.array([0.0, *knots])
+    places = np.arange(float(heights.size))
+    return heights - np.polyval(np.polyfit(places, heights, 1), places)

@@ -114,7 +114,7 @@ def test_a_curve_stands_on_its_shape(second: float, named: bool) -> None:
     """Closed form: variances of 25 and a correlation of 0.9999 leave 0.0025 for the difference of
     two knots, which is 2 or 0, and 50 for their sum, so z' C⁻¹ z is 800 or 0.04."""
     curve = effect_of("static_curve")
-    names = ("static_curve_k1", "static_curve_k2")
+    names = ("static_curve_k2", "static_curve_k3")
     knots = [replace(estimate(n, 1.0, "rad"), ci95=(-9.0, 9.0)) for n in names]
     knots[1] = replace(knots[1], value=second)
     shape = 25.0 * np.array([[1.0, 0.9999], [0.9999, 1.0]])
@@ -135,7 +135,7 @@ def test_a_relaxation_has_a_time_of_its_own(at_bound: bool, named: bool) -> None
 @pytest.mark.parametrize(("second", "named"), [(-1.0, True), (1.0, False)])
 def test_a_knot_at_its_bound_is_judged_with_the_others(second: float, named: bool) -> None:
     """The same closed form: a bound that the common level ran into says nothing of the shape."""
-    names = ("static_curve_k1", "static_curve_k2")
+    names = ("static_curve_k2", "static_curve_k3")
     knots = [replace(estimate(n, 1.0, "rad"), at_bound=True) for n in names]
     knots[1] = replace(knots[1], value=second, at_bound=False)
     shape = 25.0 * np.array([[1.0, 0.9999], [0.9999, 1.0]])

@@ -60,10 +60,11 @@ def test_which_names_stay(
 def test_a_curve_that_asks_for_more_than_it_may_have_is_no_further_cause(
     stuck: int, kept: tuple[bool, bool]
 ) -> None:
-    """One knot at its bound may come with the common level, two draw something else."""
+    """One knot at its bound may come with the common slope, two draw something else."""
     chain = links("ageing", "static_curve", squares=(100.0, 40.0))
     knots = [
-        replace(estimate(f"static_curve_k{k}", 1.0, "mm"), at_bound=k <= stuck) for k in range(1, 7)
+        replace(estimate(f"static_curve_k{k}", 1.0, "mm"), at_bound=k <= stuck + 1)
+        for k in range(2, 7)
     ]
     told = [*causes("ageing"), cause("static_curve", knots, before=2.0, after=1.0)]
     assert credible(chain, told, (True, True), 1.0) == kept
