@@ -10,12 +10,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from softid.diagnosis.candidates import Candidate
-from softid.diagnosis.chain import FIRST, Chain, next_link, pays, settled
+from softid.diagnosis.chain import FIRST, Chain, Link, next_link, pays, settled
 from softid.diagnosis.screening import screen
 from softid.effects.base import Effect, Scale
 
 TRIED = 3
 """So many of the most promising other effects are tried as the first cause."""
+
+MUCH = 0.3
+"""One that takes away this share of the sum of squares is tried even where its BIC does not fall:
+what a second cause leaves beside it, slow as a drift, passes for noise that could be anything."""
 
 
 def other_beginnings(
@@ -45,6 +49,11 @@ def other_beginnings(
     for name in list(names)[:TRIED]:
         forms = [effect for effect in effects if effect.name == name]
         link = next_link(base, forms, scale, sigma, FIRST, screened=promising)
-        if link is not None and pays(link, FIRST):
+        if link is not None and (pays(link, FIRST) or _takes_much(link)):
             found = settled(link.chosen.plain, sigma)
             yield Chain((replace(link, found=found),), None, found)
+
+
+def _takes_much(link: Link) -> bool:
+    """Whether a link lowers the plain sum of squares by much."""
+    return link.chosen.plain.squares < (1.0 - MUCH) * link.squares_before

@@ -134,7 +134,7 @@ def test_a_relaxation_has_a_time_of_its_own(at_bound: bool, named: bool) -> None
 
 @pytest.mark.parametrize(("second", "named"), [(-1.0, True), (1.0, False)])
 def test_a_knot_at_its_bound_is_judged_with_the_others(second: float, named: bool) -> None:
-    """The same closed form: a bound that the common level ran into says nothing of the shape."""
+    """The same closed form: a bound that the common slope ran into says nothing of the shape."""
     names = ("static_curve_k2", "static_curve_k3")
     knots = [replace(estimate(n, 1.0, "rad"), at_bound=True) for n in names]
     knots[1] = replace(knots[1], value=second, at_bound=False)
