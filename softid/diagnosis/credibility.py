@@ -47,11 +47,12 @@ def credible(
         if _is_held_by_bounds(causes[late], effects[late]):
             kept[late] = False
     for late, early in _pairs_alike(effects):
-        if not (kept[early] and kept[late]):
-            continue
-        if _draws(effects[early], effects[late]) or _draws(effects[late], effects[early]):
+        is_slight = taken[late] < SLIGHT * taken[early]
+        draws = _draws(effects[early], effects[late]) or _draws(effects[late], effects[early])
+        both = kept[early] and kept[late]
+        if draws and (both or not is_slight):  # a description beside it says as much
             kept[early] = kept[late] = counted[early] = counted[late] = False
-        elif taken[late] < SLIGHT * taken[early] or _is_bounded(causes[late]):
+        elif both and (is_slight or _is_bounded(causes[late])):
             kept[late] = False
     if sum(t for t, counts in zip(taken, counted, strict=True) if counts) < MAIN * sum(taken):
         return (False,) * len(links)

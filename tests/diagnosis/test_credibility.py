@@ -56,6 +56,22 @@ def test_which_names_stay(
     assert credible(chain, told, (True,) * len(keys), 1.0) == kept
 
 
+@pytest.mark.parametrize(
+    ("named", "squares", "kept"),
+    [
+        ((False, True), (100.0, 40.0), (False, False)),
+        ((True, False), (100.0, 40.0), (False, False)),
+        ((True, False), (100.0, 2.0), (True, False)),
+    ],
+)
+def test_a_curve_beside_a_described_stiffening_stands_for_neither(
+    named: tuple[bool, bool], squares: tuple[float, float], kept: tuple[bool, bool]
+) -> None:
+    """Whatever forbade one of the names, unless the second took a hundredth of the first."""
+    chain = links("stiffening", "static_curve", squares=squares)
+    assert credible(chain, causes("stiffening", "static_curve"), named, 1.0) == kept
+
+
 @pytest.mark.parametrize(("stuck", "kept"), [(1, (True, True)), (2, (True, False))])
 def test_a_curve_that_asks_for_more_than_it_may_have_is_no_further_cause(
     stuck: int, kept: tuple[bool, bool]
