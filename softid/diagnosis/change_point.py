@@ -41,7 +41,6 @@ log, such as a drift, is made up for by a change at any moment."""
 ALONE = 0.93
 """A change of one kind is told when it takes away so much of what a change of everything does."""
 
-
 KINDS = {
     "zero": "its zero jumps there",
     "clock": "its clock jumps there against that of the input",
@@ -134,7 +133,7 @@ class _Look:
         first = base.problem.outputs[0]
         self.rows = [row for row in rows_of(base) if row.channel == first]
         jacobian = np.concatenate([row.jacobian for row in self.rows])
-        self.rate = _joined(self.rows, lambda row: np.gradient(row.motion.x, row.motion.time_s))
+        self.rate = _joined(self.rows, lambda row: row.motion.v)
         self.position = _joined(self.rows, lambda row: row.motion.x)
         self.time_s = _joined(self.rows, lambda row: row.motion.time_s)
         self.log = np.concatenate([np.full(row.residual.size, row.log) for row in self.rows])
