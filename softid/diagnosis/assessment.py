@@ -247,10 +247,10 @@ def stands(
     """Whether the numbers of a cause allow its name.
 
     It must take away a hundredth of the held-out error at least, with a size that is the same
-    throughout. Where its size may have either
-    sign, an interval over zero is no effect, and a size at its bound stands for something else; so
-    does a time of a relaxation: at its shortest it is a damper, at its longest a drift; and so does
-    a speed at which friction has come up when it is as large as the motion's own.
+    throughout. Where its size may have either sign, an interval over zero is no effect, and a size
+    at its bound stands for something else; so does a time of a relaxation: at its shortest it is a
+    damper, at its longest a drift; and so does a speed at which friction has come up when it is as
+    large as the motion's own.
     Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
     unknown beside the base's own parameters, or run into its bound with their common slope, and
     their shape well known.

@@ -14,6 +14,8 @@ from softid.parameters import Parameter, ParameterSet
 KNOTS = 6
 LAST = KNOTS - 1
 NAMES = tuple(f"k{i + 1}" for i in range(1, KNOTS))
+"""Of the knots behind the first."""
+
 SHARE = 0.05
 LEVELLING = 0.5
 """Distance, in knots, over which the curve levels off outside the range of the knots."""

@@ -41,7 +41,7 @@ ADDED = {
 
 
 def fitted(*logs: Log) -> Candidate:
-    """The oscillator at its optimum, and what is left of the noise in the others' way."""
+    """The oscillator at its optimum over some logs."""
     problem = linear_problem(logs)
     begun = standing(problem, problem.unknowns(TRUTH))
     return advance(begun, {"angle": NOISE}, 40, tolerance=1e-4)
@@ -54,7 +54,7 @@ def excess_of(base: Candidate) -> float:
 
 @pytest.mark.parametrize("kind", ADDED)
 def test_moment_and_kind_are_found(kind: str) -> None:
-    """Known truth, to a tenth of a second where the motion shows it; all of the misfit goes."""
+    """Known truth, to half a second, for some jumps show in motion only; all of the misfit goes."""
     base = fitted(linear_log(noise=NOISE, samples=N, added=ADDED[kind]))
     found = change_point(base, excess_of(base))
     assert found is not None

@@ -37,7 +37,7 @@ PRESSURE = pressure_course(TIME_S)
 ANGLE = linear_angle(TIME_S, PRESSURE)
 NOISE = 0.01
 SIZE = 0.2
-"""rad, at the end of the log: twenty times the noise."""
+"""1/rad; the angle reaches more than a radian, so that is twenty times the noise and more."""
 
 
 def slow_noise(seed: int) -> Array:
@@ -99,7 +99,7 @@ def test_a_constant_size_does_not_vary(slow: bool) -> None:
 def test_the_odds_are_those_of_chance(slow: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """At a level of 5 % for each of four variables, 5 to 19 % of logs seem to vary.
 
-    That is 6 to 22 of 120; fewer than 2 or more than 33 have odds below 1 % at either end.
+    That is 6 to 22 of 120; fewer than 2 or more than 33 have odds below 2 % at either end.
     """
     monkeypatch.setattr(constancy, "CHANCE", 0.05)
     monkeypatch.setattr(constancy, "NOTABLE_VARIATION", -1.0)
