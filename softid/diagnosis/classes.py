@@ -68,11 +68,22 @@ PRESLIDING = EquivalenceClass(
 )
 """One law, and the distance alone speaks for a guide that rubs or for a material that does."""
 
-LINEAR_LAGS = EquivalenceClass(
-    ("a lag of the pneumatics", "a lag of the sensor"),
-    ("pneumatic_lag", "sensor_lag"),
-    "In a linear model a lag of the input and one of the sensor give the same output",
-    "the sensor beside a faster one, or the pressure at the actuator itself",
+_FASTER = "the sensor beside a faster one, or the pressure at the actuator itself"
+
+LINEAR_FILTERS: tuple[EquivalenceClass, ...] = (
+    EquivalenceClass(
+        ("a lag of the pneumatics", "a lag of the sensor"),
+        ("pneumatic_lag", "sensor_lag"),
+        "In a linear model a lag of the input and one of the sensor give the same output",
+        _FASTER,
+    ),
+    EquivalenceClass(
+        ("a resonance of the supply line", "a resonance of the sensor"),
+        ("line_resonance", "sensor_resonance"),
+        "In a linear model a resonance before the actuator and one of the sensor give the same "
+        "output",
+        _FASTER,
+    ),
 )
 """Linear operations may change places. A stiffness that goes with the pressure tells them apart."""
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from softid.diagnoses import Alternative, Remainder, Verdict
 from softid.diagnosis.chain import INDISTINCT
 from softid.diagnosis.classes import (
-    LINEAR_LAGS,
+    LINEAR_FILTERS,
     PRESLIDING,
     EquivalenceClass,
     splitting_experiment,
@@ -55,7 +55,10 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     """
     if _is_presliding(alternative):
         return PRESLIDING
-    return LINEAR_LAGS if linear and set(LINEAR_LAGS.effects) <= set(alternative.effects) else None
+    if not linear:
+        return None
+    tied = set(alternative.effects)
+    return next((known for known in LINEAR_FILTERS if set(known.effects) <= tied), None)
 
 
 def _is_presliding(alternative: Alternative) -> bool:

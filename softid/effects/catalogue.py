@@ -22,6 +22,7 @@ from softid.effects.sensor_clipping import (
 from softid.effects.sensor_drift import SensorDrift
 from softid.effects.sensor_gain_drift import SensorGainDrift
 from softid.effects.sensor_lag import SensorLag
+from softid.effects.sensor_resonance import SensorResonance
 from softid.effects.sensor_warmup import SensorWarmup
 from softid.effects.softening import Softening
 from softid.effects.static_curve import StaticCurve
@@ -55,6 +56,7 @@ OUTPUT: tuple[type[Effect], ...] = (
     SensorGainDrift,
     SensorWarmup,
     SensorLag,
+    SensorResonance,
     SensorClipping,
     LowerSensorClipping,
     BothSensorClipping,

@@ -10,18 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
+from softid.effects.second_order import ringing_parameters, ringing_starts
 from softid.kernels.filters import resonance
-from softid.parameters import Parameter, ParameterSet
+from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
-
-SHORTEST_PERIODS = 4.0
-LONGEST_SHARE = 0.25
-"""Bounds of the ringing period, in sampling intervals and as a share of the log. What rings faster
-is not told from what the input does between two samples."""
-
-ZETA = (0.02, 3.0)
-START_ZETA = 0.2
 
 
 @dataclass(frozen=True)
@@ -42,7 +35,12 @@ class LineResonance(InputEffect):
         "The residual rings with one frequency after every step, and turns over in a chirp where "
         "that frequency is passed."
     )
-    neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "delay", "pressure_mass")
+    neighbours: ClassVar[tuple[str, ...]] = (
+        "pneumatic_lag",
+        "delay",
+        "pressure_mass",
+        "sensor_resonance",
+    )
     remedy: ClassVar[str] = (
         "shorten the tube, put a restrictor at the actuator, or record the pressure there"
     )
@@ -54,33 +52,11 @@ class LineResonance(InputEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The ringing period 2π/ω and the damping ratio ζ."""
-        return ParameterSet(
-            (
-                Parameter(
-                    "period",
-                    self._periods(scale)[1],
-                    "s",
-                    SHORTEST_PERIODS * scale.period_s,
-                    LONGEST_SHARE * scale.duration_s,
-                    "log",
-                    meaning="period of the undamped ringing",
-                    source=self.source,
-                ),
-                Parameter(
-                    "zeta",
-                    START_ZETA,
-                    "1",
-                    *ZETA,
-                    "log",
-                    meaning="damping ratio of the line",
-                    source=self.source,
-                ),
-            )
-        )
+        return ringing_parameters(scale, what="line", source=self.source)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Lightly damped, from six samples to twice the motion's own time."""
-        return tuple({"period": t, "zeta": START_ZETA} for t in self._periods(scale))
+        return ringing_starts(scale)
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The ringing input."""
@@ -89,11 +65,3 @@ class LineResonance(InputEffect):
         if eta[0] > 0.0:
             resonance(np.diff(time_s), arriving, 2.0 * np.pi / float(eta[0]), float(eta[1]))
         return arriving
-
-    @staticmethod
-    def _periods(scale: Scale) -> tuple[float, ...]:
-        longest = 0.5 * LONGEST_SHARE * scale.duration_s
-        shortest = min(6.0 * scale.period_s, 0.1 * longest)
-        shortest = max(shortest, SHORTEST_PERIODS * scale.period_s)
-        slowest = min(max(2.0 * scale.motion_s, 8.0 * shortest), longest)
-        return tuple(np.geomspace(shortest, slowest, 4).tolist())

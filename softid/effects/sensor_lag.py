@@ -10,16 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import OutputEffect, Scale
+from softid.effects.finer_motion import PIECES, finer_motion
 from softid.effects.time_constants import lag_bounds, lag_times
 from softid.kernels.filters import lag
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
-
-PIECES = 4
-"""Pieces of a sampling interval in which the motion counts as straight."""
-
-LEAST_SAMPLES = 3
 
 
 @dataclass(frozen=True)
@@ -40,7 +36,12 @@ class SensorLag(OutputEffect):
         "The residual is in proportion to the speed of the motion, with the same factor at every "
         "level and in both directions."
     )
-    neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "delay", "clock_rate")
+    neighbours: ClassVar[tuple[str, ...]] = (
+        "pneumatic_lag",
+        "delay",
+        "clock_rate",
+        "sensor_resonance",
+    )
     remedy: ClassVar[str] = (
         "switch off or shorten the sensor's smoothing filter, or correct the reading for it"
     )
@@ -73,27 +74,7 @@ class SensorLag(OutputEffect):
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """The lagged reading, settled at the first sample."""
         del scale
-        between_s, motion = _refined(time_s, np.asarray(y, np.float64))
+        between_s, motion = finer_motion(time_s, np.asarray(y, np.float64))
         lag(np.diff(between_s), motion, float(eta[0]), float(eta[0]))
         recorded: Array = motion[::PIECES].copy()
         return recorded
-
-
-def _refined(time_s: Array, y: Array) -> tuple[Array, Array]:
-    """Times and motion at the ends of equal pieces of every interval, by cubics of Hermite.
-
-    A motion that swings within ten samples bends so much between them that a straight line would
-    miss by a hundredth of it, which is seen.
-    """
-    if time_s.size < LEAST_SAMPLES:
-        share = np.linspace(0.0, 1.0, (time_s.size - 1) * PIECES + 1) * (time_s.size - 1)
-        places = np.arange(float(time_s.size))
-        return np.interp(share, places, time_s), np.interp(share, places, y)
-    steps, slopes = np.diff(time_s), np.gradient(y, time_s, edge_order=2)
-    s = np.arange(PIECES) / PIECES
-    begin, rise = y[:-1, None], np.diff(y)[:, None]
-    first, second = (steps * slopes[:-1])[:, None], (steps * slopes[1:])[:, None]
-    curve = (first + second - 2.0 * rise) * s + (3.0 * rise - 2.0 * first - second)
-    values = begin + first * s + curve * s**2
-    between_s = time_s[:-1, None] + steps[:, None] * s
-    return np.append(between_s, time_s[-1]), np.append(values, y[-1])

@@ -7,6 +7,7 @@ from math import exp, inf, pi
 
 import numpy as np
 import numpy.typing as npt
+from scipy.integrate import cumulative_trapezoid
 
 from softid.synthesis.actuators import Sizes
 from softid.synthesis.hidden_base import (
@@ -60,6 +61,19 @@ def _second_order(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw
         return z[0], (z[1], omega * (omega * (y - z[0]) - 2.0 * zeta * z[1]))
 
     return OutputLaw(follow=follow, start=lambda y: (y, 0.0))
+
+
+def _moving_average(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+
+    def read(t: Array, y: Array) -> Array:
+        area = cumulative_trapezoid(y, t, initial=0.0)
+        before = t - values["width"]
+        inside = np.interp(before, t, area) + np.minimum(before - t[0], 0.0) * y[0]
+        averaged: Array = (area - inside) / values["width"]
+        return averaged
+
+    return OutputLaw(read)
 
 
 def _clipping(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
@@ -203,6 +217,13 @@ OUTPUTS: tuple[Hidden, ...] = (
         lambda s, rng, size: {"tau": about(rng, 0.5 * size * s.motion_s)}, _lag,
     ),
     entry(
+        "sensor_resonance", "output", "y''/w^2 + 2 zeta y'/w + y = x, w = 2 pi/period",
+        "period s, zeta 1",
+        lambda s, rng, size: {
+            "period": about(rng, size * (0.1 + 1.2 * s.motion_s)), "zeta": rng.uniform(0.15, 0.8),
+        }, _second_order,
+    ),
+    entry(
         "sensor_clipping", "output", "recorded y = min(y, upper)", "upper {x}",
         _clip_draw("upper"), _clipping,
     ),
@@ -221,11 +242,9 @@ OUTPUTS: tuple[Hidden, ...] = (
         }, _clock,
     ),
     entry(
-        "sensor_second_order", "output", "y''/w^2 + 2 zeta y'/w + y = x, w = 2 pi/period",
-        "period s, zeta 1",
-        lambda s, rng, size: {
-            "period": about(rng, 2.0 * size * s.motion_s), "zeta": rng.uniform(0.7, 1.2),
-        }, _second_order, relation="other_form", names=("sensor_lag", "line_resonance", "delay"),
+        "moving_average", "output", "recorded y = mean of y over the last width s", "width s",
+        lambda s, rng, size: {"width": about(rng, 1.2 * size * s.motion_s)},
+        _moving_average, relation="other_form", names=("sensor_resonance", "sensor_lag", "delay"),
     ),
     entry(
         "soft_clipping", "output", "recorded y = upper - w ln(1 + exp((upper - y)/w))",

@@ -28,8 +28,8 @@ NAMES = (
     "delay", "pneumatic_lag", "line_resonance", "valve_flow", "dead_zone",
     "static_curve", "stiffening", "contact", "quadratic_damping", "asymmetric_damping",
     "coulomb_friction", "hysteresis", "creep", "softening", "ageing", "pressure_mass",
-    "sensor_drift", "sensor_gain_drift", "sensor_warmup", "sensor_lag", "sensor_clipping",
-    "clock_rate",
+    "sensor_drift", "sensor_gain_drift", "sensor_warmup", "sensor_lag", "sensor_resonance",
+    "sensor_clipping", "clock_rate",
 )  # fmt: skip
 BASES: dict[str, tuple[Model, np.ndarray]] = {
     "muscle": (Muscle(), MUSCLE),

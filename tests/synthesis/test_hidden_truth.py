@@ -125,6 +125,21 @@ def test_lags_of_a_step() -> None:
     np.testing.assert_allclose(sensor.position, 200.0 * lagged(AFTER_S, 0.05, 1e-3), atol=0.1)
 
 
+def test_filters_of_the_reading() -> None:
+    """A resonance overshoots by e^{−πζ/√(1−ζ²)}; a moving average of a step is a ramp of its width.
+
+    The actuator follows the step by 200 within milliseconds.
+    """
+    values = {"period": 0.4, "zeta": 0.2}
+    rung = response("sensor_resonance", values, step(), TIME_S, valve_s=1e-3)
+    overshoot = exp(-pi * 0.2 / sqrt(1.0 - 0.04))
+    assert rung.reading.max() == pytest.approx(200.0 * (1.0 + overshoot), rel=2e-3)
+    fine_s = np.arange(0.0, 3.0, 1e-3)
+    mean = response("moving_average", {"width": 0.5}, step(), fine_s, valve_s=1e-3)
+    expected = 200.0 * np.clip((fine_s - 1.0) / 0.5, 0.0, 1.0)
+    np.testing.assert_allclose(mean.reading, expected, atol=2.0)
+
+
 def test_venting_takes_its_own_time() -> None:
     """Filling with τ and venting with ratio·τ, each a lag behind the valve's."""
     command = Sequence((Hold(100.0, 1.0), Hold(0.0, 3.0)))

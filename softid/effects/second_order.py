@@ -1,0 +1,74 @@
+"""Bounds and plausible values of a law of second order: its period and its damping ratio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from softid.effects.base import Scale
+from softid.parameters import Parameter, ParameterSet
+
+SHORTEST_PERIODS = 4.0
+LONGEST_SHARE = 0.25
+"""Bounds of the ringing period, in sampling intervals and as a share of the log. What rings faster
+is not told from what the input does between two samples."""
+
+ZETA = (0.02, 3.0)
+START_ZETA = 0.2
+
+
+def ringing_parameters(scale: Scale, *, what: str, source: str) -> ParameterSet:
+    """The ringing period 2π/ω and the damping ratio ζ.
+
+    Parameters
+    ----------
+    scale
+        Sizes of the logs.
+    what
+        What rings, for the meaning of the damping ratio.
+    source
+        Where the law comes from.
+    """
+    return ParameterSet(
+        (
+            Parameter(
+                "period",
+                _periods(scale)[1],
+                "s",
+                SHORTEST_PERIODS * scale.period_s,
+                LONGEST_SHARE * scale.duration_s,
+                "log",
+                meaning="period of the undamped ringing",
+                source=source,
+            ),
+            Parameter(
+                "zeta",
+                START_ZETA,
+                "1",
+                *ZETA,
+                "log",
+                meaning=f"damping ratio of the {what}",
+                source=source,
+            ),
+        )
+    )
+
+
+def ringing_starts(scale: Scale) -> tuple[Mapping[str, float], ...]:
+    """Lightly damped, from six samples to twice the motion's own time.
+
+    Parameters
+    ----------
+    scale
+        Sizes of the logs.
+    """
+    return tuple({"period": t, "zeta": START_ZETA} for t in _periods(scale))
+
+
+def _periods(scale: Scale) -> tuple[float, ...]:
+    longest = 0.5 * LONGEST_SHARE * scale.duration_s
+    shortest = min(6.0 * scale.period_s, 0.1 * longest)
+    shortest = max(shortest, SHORTEST_PERIODS * scale.period_s)
+    slowest = min(max(2.0 * scale.motion_s, 8.0 * shortest), longest)
+    return tuple(np.geomspace(shortest, slowest, 4).tolist())

@@ -1,0 +1,68 @@
+"""Sensor resonance: the sensor, its mount or its filter answers to the motion in second order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import OutputEffect, Scale
+from softid.effects.finer_motion import PIECES, finer_motion
+from softid.effects.second_order import ringing_parameters, ringing_starts
+from softid.kernels.filters import resonance
+from softid.parameters import ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SensorResonance(OutputEffect):
+    """Second-order reading ÿ/ω² + 2ζ ẏ/ω + y = x, for a motion straight in quarter intervals.
+
+    Lightly damped it is a sensor on a flexible mount; near ζ = 0.8 it is close to a moving average
+    or another smoothing filter. Behind an actuator that is itself linear it is the same as a
+    resonance before it.
+    """
+
+    name: ClassVar[str] = "sensor_resonance"
+    title: ClassVar[str] = "Resonance of the sensor"
+    law: ClassVar[str] = "y''/w^2 + 2 zeta y'/w + y = x,  w = 2 pi/period"
+    meaning: ClassVar[str] = (
+        "The sensor swings on its mount, or a smoothing filter behind it has more than one time "
+        "constant, so the reading follows the motion late and may overshoot it."
+    )
+    signature: ClassVar[str] = (
+        "The residual rings with one frequency after every fast motion, at every level alike, or "
+        "is in proportion to speed and acceleration where the filter is well damped."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("sensor_lag", "line_resonance", "delay")
+    remedy: ClassVar[str] = (
+        "stiffen the sensor's mount, switch off or shorten its smoothing filter, or correct the "
+        "reading for it"
+    )
+    shown_by: ClassVar[str] = "a chirp beyond the bandwidth of the sensor, at two offsets"
+    source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.3"
+    amplitude: ClassVar[str] = "period"
+    essential: ClassVar[tuple[str, ...]] = ("period",)
+    becomes: ClassVar[tuple[str, float, str] | None] = ("zeta", 1.0, "sensor_lag")
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The ringing period 2π/ω and the damping ratio ζ."""
+        return ringing_parameters(scale, what="sensor", source=self.source)
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Lightly damped, from six samples to twice the motion's own time."""
+        return ringing_starts(scale)
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """The reading, settled at the first sample."""
+        del scale
+        if eta[0] <= 0.0:
+            return np.array(y, np.float64)
+        between_s, motion = finer_motion(time_s, np.asarray(y, np.float64))
+        resonance(np.diff(between_s), motion, 2.0 * np.pi / float(eta[0]), float(eta[1]))
+        recorded: Array = motion[::PIECES].copy()
+        return recorded
