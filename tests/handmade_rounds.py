@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from softid.diagnosis.chain import Link
-from softid.diagnosis.ranking import Ranked
+from softid.diagnosis.search.bic_ranking import Ranked
+from softid.diagnosis.search.forward_selection import Link
 from softid.effects import effect_of
 
 SAMPLES, UNKNOWNS = 10_000, 6

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.candidates import Candidate, TemperedPrior
+from softid.diagnosis.refit.candidates import Candidate, TemperedPrior
 from softid.effects.base import OutputEffect, Scale
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.problem import Problem

@@ -41,6 +41,20 @@ LAYERS: tuple[tuple[str, ...], ...] = (
 )
 """Modules and packages of softid, lowest first; above them come the public face and softid_cli."""
 
+DIAGNOSIS: tuple[tuple[str, ...], ...] = (
+    ("logs",),
+    ("refit",),
+    ("residual",),
+    ("base",),
+    ("search",),
+    ("verdict",),
+    ("strategy",),
+    ("report",),
+    ("workflow",),
+    ("",),
+)
+"""Packages and modules of softid.diagnosis, lowest first, and the package itself."""
+
 FAMILIES = ("models", "effects")
 WORKFLOWS = (
     "simulation",
@@ -159,6 +173,30 @@ def test_imports_point_downward() -> None:
         for module in modules().values()
         for found in imports(module, known)
         if ours(found.target) and layer_of(found.target) > layer_of(module.name)
+    ]
+    assert not upward, "\n".join(upward)
+
+
+def step_of(name: str) -> int:
+    """Depth of a module within softid.diagnosis."""
+    part = name.removeprefix("softid.diagnosis").removeprefix(".").split(".")[0]
+    for depth, step in enumerate(DIAGNOSIS):
+        if part in step:
+            return depth
+    raise AssertionError(f"{name} has no place: add {part!r} to DIAGNOSIS in tests/test_layers.py")
+
+
+def test_a_diagnosis_is_made_in_steps_that_import_downward() -> None:
+    """Logs, one refit, what it leaves, the base, the search, the verdict, the words: so ordered."""
+    known = set(modules())
+    inside = [m for m in modules().values() if m.name.startswith("softid.diagnosis")]
+    assert len(inside) > len(DIAGNOSIS)
+    upward = [
+        f"{module.place}:{found.line}: {module.name} imports {found.target} of a later step"
+        for module in inside
+        for found in imports(module, known)
+        if found.target.startswith("softid.diagnosis")
+        and step_of(found.target) > step_of(module.name)
     ]
     assert not upward, "\n".join(upward)
 

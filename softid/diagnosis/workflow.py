@@ -10,21 +10,39 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from softid.diagnoses import Cause, Diagnosis, Verdict
-from softid.diagnosis.assessment import (
-    gains_by,
-    has_spring,
-    most_variation,
-    stands,
-    surroundings,
-    verdict_of,
+from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request, require_enough
+from softid.diagnosis.base.intersample_selection import (
+    intersample_after_all_causes,
+    intersample_after_first_cause,
+    is_measured,
+    is_open,
+    straight_unless_declared,
+    with_intersample,
 )
-from softid.diagnosis.beginning import Asked, Beginning, Given, Progress, require_enough
-from softid.diagnosis.candidates import Candidate, catalogue
-from softid.diagnosis.chain import Chain
-from softid.diagnosis.change_point import change_marks
-from softid.diagnosis.constancy import variations
-from softid.diagnosis.credibility import credible, with_presliding
-from softid.diagnosis.findings import (
+from softid.diagnosis.base.reduced_base import reduced_base_issues, reduced_if_better
+from softid.diagnosis.logs.decimation import decimated, samples_to_average
+from softid.diagnosis.logs.input_denoising import without_input_noise
+from softid.diagnosis.logs.input_gaps import without_lost_input
+from softid.diagnosis.logs.permanent_set import permanent_set_issues
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.characteristic_scales import fastest_time
+from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.report.issues import (
+    averaging_issues,
+    change_issues,
+    refusal_issues,
+    restriction_issues,
+    rounding_issues,
+)
+from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.residual.assessment import excess_of
+from softid.diagnosis.residual.disturbances import disturbance_issues
+from softid.diagnosis.residual.motion import has_spring, residual_context
+from softid.diagnosis.residual.parameter_constancy import variations
+from softid.diagnosis.search.backward_revision import prefix_models, refit_without
+from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.strategy import CauseSearch, SearchResult, search_causes
+from softid.diagnosis.verdict.cause_results import (
     alternatives_of,
     causes_of,
     evidence_of,
@@ -32,25 +50,10 @@ from softid.diagnosis.findings import (
     told_as,
     whole_gain_of,
 )
-from softid.diagnosis.input_noise import without_input_noise
-from softid.diagnosis.lost_input import without_lost_input
-from softid.diagnosis.marks import marks_in
-from softid.diagnosis.other_reading import (
-    first_reading,
-    is_measured,
-    is_open,
-    last_reading,
-    read_as,
-    straight_unless_told,
-)
-from softid.diagnosis.plainer_base import plainer, remark_on
-from softid.diagnosis.remarks import averaged_over, refused, restriction, rounding
-from softid.diagnosis.residual_set import sets_left
-from softid.diagnosis.revision import prefixes, without_link
-from softid.diagnosis.scale import fastest_time
-from softid.diagnosis.searches import Found, extended, from_other_places, searched_thoroughly
-from softid.diagnosis.thinning import samples_to_average, thinned
-from softid.diagnosis.words import worded
+from softid.diagnosis.verdict.chain_consistency import consistent_names, with_presliding
+from softid.diagnosis.verdict.naming import gains_by, may_be_named, most_variation, verdict_of
+from softid.effects import effects_of
+from softid.errors import Issue
 from softid.fitters.output_error import Optimum
 from softid.identification.assembly import Identified, assemble
 from softid.identification.preparation import as_log_set, without_dropouts
@@ -113,66 +116,86 @@ def diagnose(
     report = _rising(progress)
     recorded = as_log_set(logs)
     is_in_doubt = is_open(recorded)
-    given = Given(recorded, tuple(hold_out)).each(_cleaned)
+    recordings = Recordings(recorded, tuple(hold_out)).each(_cleaned)
     if is_measured(recorded):
-        given = given.each(straight_unless_told)
-    require_enough(given.logs, given.hold_out)
-    asked = Asked(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
-    given, start, count = _prepared(given, asked)
-    asked, start = plainer(given, asked, start)
-    first = None
+        recordings = recordings.each(straight_unless_declared)
+    require_enough(recordings.logs, recordings.hold_out)
+    request = Request(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
+    recordings, base, count = _prepared(recordings, request)
+    request, base = reduced_if_better(recordings, request, base)
+    search = CauseSearch(base, effects_of(effects), seed, report)
     if is_in_doubt:
-        first = extended(start, catalogue(effects), report, seed, max_links=1)
-        sigma = dict(start.work.found.optimum.sigma)
-        reading = first_reading(start.base, first.final, sigma)
-        if reading is not None:
-            given, first = _read_as(given, reading), None
-            start = asked.begin(given.logs, given.hold_out, thorough=False)
-    found, start = searched_thoroughly(given, asked, start, effects, report, first)
-    if is_in_doubt and len(found.chain.links) > 1:  # the first cause alone may have misled, too
-        reading = last_reading(found.chain.final, dict(start.work.found.optimum.sigma))
-        if reading is not None:
-            given = _read_as(given, reading)
-            start = asked.begin(given.logs, given.hold_out, thorough=False)
-            found, start = searched_thoroughly(given, asked, start, effects, report, None)
+        found, search = _search_with_intersample(recordings, request, search)
+    else:
+        found, search = search_causes(recordings, request, search, None)
     report("computing errors", 0.9)
-    answer = _answer(start, found, seed)
+    answer = _answer(search.base, found, seed)
     if answer.verdict is Verdict.UNKNOWN and not found.remainder.structured:
-        other = from_other_places(start, found, effects, report, seed)
-        answer = _answer(start, other, seed) if other else answer
-    rounded = rounding(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
-    remarks = (*restriction(effects), *averaged_over(count), *rounded)
+        other = search.search_from_multistart(found)
+        answer = _answer(search.base, other, seed) if other else answer
+    rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
+    issues = (*restriction_issues(effects), *averaging_issues(count), *rounded)
+    candidate = search.base.candidate
     if answer.verdict is Verdict.UNKNOWN:
-        moments = change_marks(start.base, start.scale, seed=seed)
-        remarks = (*moments, *remarks)
+        moments = change_issues(candidate, excess_of(candidate, search.base.scale))
+        issues = (*moments, *issues)
         answer = replace(answer, next_experiment=moments[0].remedy if moments else None)
-    if has_spring(start.base):
-        remarks = (*remarks, *sets_left(given.logs))
-    return worded(replace(answer, issues=(*answer.issues, *remarks)))
+    if has_spring(candidate):
+        issues = (*issues, *permanent_set_issues(recordings.logs))
+    return write_summary(replace(answer, issues=(*answer.issues, *issues)))
 
 
-def _read_as(given: Given, reading: Intersample) -> Given:
-    """All logs with a declared reading of the input."""
-    return Given(LogSet(read_as(given.logs.logs, reading)), read_as(given.hold_out, reading))
+def _search_with_intersample(
+    recordings: Recordings, request: Request, search: CauseSearch
+) -> tuple[SearchResult, CauseSearch]:
+    """The search where nobody said what the input does between its samples.
+
+    With the wrong answer a delay hides in the first cause, or in all of them: where another one
+    explains more, the base is fitted and searched again with it.
+    """
+
+    def read_otherwise(intersample: Intersample) -> tuple[Recordings, CauseSearch]:
+        changed = Recordings(
+            LogSet(with_intersample(recordings.logs.logs, intersample)),
+            with_intersample(recordings.hold_out, intersample),
+        )
+        base = request.fit_base(changed.logs, changed.hold_out, thorough=False)
+        return changed, replace(search, base=base)
+
+    first, base = search.first_cause(), search.base
+    other = intersample_after_first_cause(base.candidate, first.final, base.sigma)
+    if other is None:
+        found, search = search_causes(recordings, request, search, first)
+    else:
+        recordings, search = read_otherwise(other)
+        found, search = search_causes(recordings, request, search, None)
+    if len(found.chain.links) > 1:
+        other = intersample_after_all_causes(found.chain.final, search.base.sigma)
+        if other is not None:
+            recordings, search = read_otherwise(other)
+            found, search = search_causes(recordings, request, search, None)
+    return found, search
 
 
-def _prepared(given: Given, asked: Asked) -> tuple[Given, Beginning, int]:
+def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, BaseFit, int]:
     """Logs without what depends on lost input or is needless, fitted; how many samples a mean.
 
     Both need a fit that knows how long the actuator remembers.
     """
-    start = asked.begin(given.logs, given.hold_out, thorough=False)
-    known = partial(
-        without_lost_input, model=start.base.problem.model, values=start.base.parameters
+    base = request.fit_base(recordings.logs, recordings.hold_out, thorough=False)
+    problem = base.candidate.problem
+    kept = recordings.each(
+        partial(without_lost_input, model=problem.model, values=base.candidate.parameters)
     )
-    kept = given.each(known)
-    fastest_s = fastest_time(start.base.problem, start.base.minimum.point)
-    count = samples_to_average((*given.logs, *given.hold_out), min(start.scale.motion_s, fastest_s))
+    fastest_s = fastest_time(problem, base.candidate.minimum.point)
+    count = samples_to_average(
+        (*recordings.logs, *recordings.hold_out), min(base.scale.motion_s, fastest_s)
+    )
     if count > 1:
-        kept = kept.each(partial(thinned, count=count))
-    if kept is not given:
-        start = asked.begin(kept.logs, kept.hold_out, thorough=False)
-    return kept, start, count
+        kept = kept.each(partial(decimated, count=count))
+    if kept is not recordings:
+        base = request.fit_base(kept.logs, kept.hold_out, thorough=False)
+    return kept, base, count
 
 
 def _rising(progress: Progress | None) -> Progress:
@@ -188,28 +211,21 @@ def _rising(progress: Progress | None) -> Progress:
     return report
 
 
-def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
+def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
-    chain, remainder, is_named = found.chain, found.remainder, found.is_named
-    work, held, base = start.work, start.held, start.base
-    asked_for, is_asked_for = start.asked_for, start.instead_of is None
+    chain, remainder, held_out = found.chain, found.remainder, base.held_out
     rng = np.random.default_rng(seed)
-    first = asked_for.work
+    first = base.asked_for.work
     before = assemble(first.found, first.logs, first.hold_out, choice=first.choice, seed=seed)
-    after = _fit_of(chain.final, work, seed) if chain.links or not is_asked_for else None
-    models = prefixes(chain, base, start.scale, dict(work.found.optimum.sigma))
-    errors = [held.first_errors(model) for model in models]
-    causes = _with_errors_without(causes_of(chain, errors, after, rng), chain, start)
-    causes = _with_variations(causes, chain, start)
-    whole = held.rms(chain.final)
-    varies = most_variation(remainder)
-    is_named = tuple(
-        sure and after is not None and stands(cause, link.added, after, whole, varies=varies)
-        for sure, cause, link in zip(is_named, causes, chain.links, strict=True)
-    )
-    is_named = credible(chain.links, causes, is_named, chain.final.squares)
+    extends = bool(chain.links) or base.instead_of is not None
+    after = _fit_of(chain.final, base.work, seed) if extends else None
+    models = prefix_models(chain, base.candidate, base.scale, base.sigma)
+    errors = [held_out.first_errors(model) for model in models]
+    causes = _with_errors_without(causes_of(chain, errors, after, rng), chain, base)
+    causes = _with_variations(causes, chain, base)
+    is_named = _names_that_stay(found, causes, after, held_out)
     links = [
-        with_presliding(link, cause, start.scale)
+        with_presliding(link, cause, base.scale)
         for link, cause in zip(chain.links, causes, strict=True)
     ]
     forms = {
@@ -218,14 +234,8 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
     }
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, sure in zip(links, is_named, strict=True) if sure]
-    row = next(r for r in before.statistics if r.channel == before.outputs[0])
-    marks = marks_in(
-        surroundings(chain.final),
-        start.scale.motion_s,
-        channel=row.channel,
-        unit=row.display_unit,
-        factor=row.display_factor,
-    )
+    if base.instead_of is not None:
+        errors = [held_out.first_errors(base.instead_of.candidate), *errors]
     return Diagnosis(
         verdict=verdict_of(links, is_named, remainder),
         summary="",
@@ -235,41 +245,64 @@ def _answer(start: Beginning, found: Found, seed: int) -> Diagnosis:
         descriptive=tuple(cause for cause, sure in told if not sure),
         alternatives=alternatives_of(named or links, forms),
         remainder=remainder,
-        gains=gains_of(asked_for.base, chain.final, held, before),
+        gains=gains_of(base.asked_for.candidate, chain.final, held_out, before),
         evidence=evidence_of(chain),
         next_experiment=None,
         issues=(
             *(after if after is not None and named else before).issues,
-            *remark_on(start, unit=row.display_unit, factor=row.display_factor),
-            *marks,
-            *(refused(chain, held) if remainder.structured else ()),
+            *_issues_of_rest(base, chain, before),
+            *(refusal_issues(chain, held_out) if remainder.structured else ()),
         ),
-        gain_ci95=whole_gain_of(
-            errors if is_asked_for else [held.first_errors(asked_for.base), *errors], rng
+        gain_ci95=whole_gain_of(errors, rng),
+    )
+
+
+def _names_that_stay(
+    found: SearchResult, causes: Sequence[Cause], extended: FitResult | None, held_out: HeldOut
+) -> tuple[bool, ...]:
+    """Which of the causes that may be named have numbers that allow it, and agree."""
+    chain = found.chain
+    if extended is None:
+        return (False,) * len(causes)
+    whole, varies = held_out.rms(chain.final), most_variation(found.remainder)
+    is_named = tuple(
+        sure and may_be_named(cause, link.added, extended, whole, varies=varies)
+        for sure, cause, link in zip(found.is_named, causes, chain.links, strict=True)
+    )
+    return consistent_names(chain.links, causes, is_named, chain.final.squares)
+
+
+def _issues_of_rest(base: BaseFit, chain: Chain, fit: FitResult) -> tuple[Issue, ...]:
+    """That a reduced base is extended, and disturbances in what is left."""
+    row = next(r for r in fit.statistics if r.channel == fit.outputs[0])
+    return (
+        *reduced_base_issues(base, unit=row.display_unit, factor=row.display_factor),
+        *disturbance_issues(
+            residual_context(chain.final),
+            base.scale.motion_s,
+            channel=row.channel,
+            unit=row.display_unit,
+            factor=row.display_factor,
         ),
     )
 
 
-def _with_errors_without(
-    causes: Sequence[Cause], chain: Chain, start: Beginning
-) -> tuple[Cause, ...]:
+def _with_errors_without(causes: Sequence[Cause], chain: Chain, base: BaseFit) -> tuple[Cause, ...]:
     """The causes; those that gain nothing in their place with the error of leaving them out."""
-    sigma = dict(start.work.found.optimum.sigma)
     found = []
     for position, cause in enumerate(causes):
         if len(causes) > 1 and not gains_by(cause, np.inf):
-            model = without_link(chain, position, start.base, start.scale, sigma)
-            cause = replace(cause, holdout_rmse_without=start.held.rms(model))
+            model = refit_without(chain, position, base.candidate, base.scale, base.sigma)
+            cause = replace(cause, holdout_rmse_without=base.held_out.rms(model))
         found.append(cause)
     return tuple(found)
 
 
-def _with_variations(causes: Sequence[Cause], chain: Chain, start: Beginning) -> tuple[Cause, ...]:
+def _with_variations(causes: Sequence[Cause], chain: Chain, base: BaseFit) -> tuple[Cause, ...]:
     """The causes with how their sizes vary throughout the logs."""
     if not causes:
         return ()
-    sigma = dict(start.work.found.optimum.sigma)
-    varied = variations(chain.final, [link.added for link in chain.links], sigma)
+    varied = variations(chain.final, [link.added for link in chain.links], base.sigma)
     return tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
 
 

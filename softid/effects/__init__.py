@@ -7,9 +7,9 @@ from softid.effects.base import (
     Scale,
     StateEffect,
 )
-from softid.effects.building import effect_of, model_of
+from softid.effects.building import effect_of, effects_of, model_of
 from softid.effects.catalogue import EFFECTS
-from softid.effects.extended import ExtendedModel, extended_name
+from softid.effects.extended import ExtendedModel, belongs_to, extended_name
 from softid.effects.motion import divided
 from softid.effects.registration import register_effect
 
@@ -21,8 +21,10 @@ __all__ = [
     "OutputEffect",
     "Scale",
     "StateEffect",
+    "belongs_to",
     "divided",
     "effect_of",
+    "effects_of",
     "extended_name",
     "model_of",
     "register_effect",

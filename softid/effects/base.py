@@ -150,6 +150,12 @@ class Effect(ABC):
         """Name in the table: that of the catalogue, with the variant if there is one."""
         return f"{self.name}.{self.variant}" if self.variant else self.name
 
+    def takes_time(self, scale: Scale) -> bool:
+        """Whether it makes the response late, as an inertia does, outside the motion itself."""
+        if self.stage == "state" or self.amplitude is None:
+            return False
+        return self.parameters(scale)[self.amplitude].unit == "s"
+
     @property
     def amplitudes(self) -> tuple[str, ...]:
         """Parameters that must all be zero for the effect to vanish; none without an amplitude."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from difflib import get_close_matches
 
 from softid.effects.base import Effect, Scale
@@ -71,3 +72,14 @@ def effect_of(key: str) -> Effect:
             "softid.register_effect",
         )
     return EFFECTS[key]()
+
+
+def effects_of(keys: Sequence[str] = ()) -> tuple[Effect, ...]:
+    """The effects of some keys; without any, all of the table.
+
+    Raises
+    ------
+    UsageError
+        A key is none.
+    """
+    return tuple(effect_of(key) for key in (keys or EFFECTS))

@@ -351,6 +351,14 @@ def extended_name(effect: Effect, parameter: str) -> str:
     return f"{effect.name}_{parameter}"
 
 
+def belongs_to(effect: Effect, parameter: str) -> bool:
+    """Whether a parameter of an extended model is one of an effect's.
+
+    No effect's name begins with that of another and an underscore; registering sees to it.
+    """
+    return parameter.startswith(extended_name(effect, ""))
+
+
 def _stepped(theta: Array, at: int, h: float) -> Array:
     there = theta.copy()
     there[at] += h

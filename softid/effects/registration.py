@@ -129,6 +129,27 @@ def _check_words(effect: Effect, where: str) -> None:
             where=where,
             remedy="set it as a class attribute; `softid effects delay` shows what it is for",
         )
+    _check_name(effect, where)
+    known = {key.split(".")[0] for key in EFFECTS} | {effect.name}
+    for role, names in (("neighbour", effect.neighbours), ("drawn effect", effect.draws)):
+        strange = [name for name in names if name not in known]
+        if strange:
+            raise UsageError(
+                f"a {role} is no effect",
+                where=where,
+                value=strange[0],
+                remedy=f"choose from {', '.join(sorted(known))}",
+            )
+    if effect.becomes is not None and effect.becomes[2] not in EFFECTS:
+        raise UsageError(
+            "the simpler effect that it becomes is no effect",
+            where=where,
+            value=effect.becomes[2],
+            remedy=f"choose from {', '.join(sorted(EFFECTS))}",
+        )
+
+
+def _check_name(effect: Effect, where: str) -> None:
     for part in (effect.name, *([effect.variant] if effect.variant else [])):
         if not part.isidentifier() or keyword.iskeyword(part) or part != part.lower():
             raise UsageError(
@@ -137,15 +158,15 @@ def _check_words(effect: Effect, where: str) -> None:
                 value=part,
                 remedy="write it like pneumatic_lag",
             )
-    known = {key.split(".")[0] for key in EFFECTS} | {effect.name}
-    strange = [name for name in effect.neighbours if name not in known]
-    if strange:
-        raise UsageError(
-            "a neighbour is no effect",
-            where=where,
-            value=strange[0],
-            remedy=f"choose from {', '.join(sorted(known))}",
-        )
+    others = {key.split(".")[0] for key in EFFECTS} - {effect.name}
+    for other in sorted(others):
+        if other.startswith(f"{effect.name}_") or effect.name.startswith(f"{other}_"):
+            raise UsageError(
+                f"parameters of {other} would look like its own",
+                where=where,
+                value=effect.name,
+                remedy="choose a name that neither begins another's nor begins with one",
+            )
 
 
 def _check_parameters(effect: Effect, where: str) -> ParameterSet:
@@ -160,14 +181,22 @@ def _check_parameters(effect: Effect, where: str) -> ParameterSet:
                 value=(p.lower, p.upper),
                 remedy="bound it, in terms of the scale that parameters() is given",
             )
-    strange = [name for name in effect.amplitudes if name not in declared]
-    if strange:
-        raise UsageError(
-            "the amplitude is none of its parameters",
-            where=where,
-            value=strange[0],
-            remedy=f"choose from {', '.join(declared.names)}, or set amplitude = None",
-        )
+    roles = {
+        "amplitude": effect.amplitudes,
+        "essential parameter": effect.essential,
+        "parameter with a ceiling": effect.ceilings,
+        "parameter of the plain form": (effect.plain_at or ())[:1],
+        "parameter by which it becomes a simpler effect": (effect.becomes or ())[:1],
+    }
+    for role, names in roles.items():
+        strange = [name for name in names if name not in declared]
+        if strange:
+            raise UsageError(
+                f"the {role} is none of its parameters",
+                where=where,
+                value=strange[0],
+                remedy=f"choose from {', '.join(declared.names)}, or leave it out",
+            )
     return declared
 
 

@@ -7,7 +7,6 @@ from math import exp, inf, pi
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import cumulative_trapezoid
 
 from softid.synthesis.actuators import Sizes
 from softid.synthesis.hidden_base import (
@@ -67,7 +66,7 @@ def _moving_average(values: Values, sizes: Sizes, occasion: Occasion) -> OutputL
     del sizes, occasion
 
     def read(t: Array, y: Array) -> Array:
-        area = cumulative_trapezoid(y, t, initial=0.0)
+        area: Array = np.append(0.0, np.cumsum(0.5 * np.diff(t) * (y[1:] + y[:-1])))
         before = t - values["width"]
         inside = np.interp(before, t, area) + np.minimum(before - t[0], 0.0) * y[0]
         averaged: Array = (area - inside) / values["width"]

@@ -17,7 +17,7 @@ from handmade import failed_fit, fit_result
 from handmade_diagnosis import FRICTION, cause, diagnosis, estimate
 
 from softid.diagnoses import Diagnosis, Verdict
-from softid.diagnosis.words import worded
+from softid.diagnosis.report.summary import worded
 from softid.errors import IdentificationError
 from softid.log import Log
 from softid.records import load_params, save_fit

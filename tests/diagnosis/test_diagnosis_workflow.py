@@ -10,7 +10,7 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log
 
 from softid.diagnoses import Verdict
 from softid.diagnosis import diagnose
-from softid.diagnosis.beginning import Asked
+from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.workflow import _rising
 from softid.errors import IdentificationError, UsageError
 from softid.log import Log, LogSet
@@ -169,7 +169,7 @@ def test_a_term_that_the_limit_dropped_is_restored(asked: str | Oscillator, orde
     angle = linear_angle(time_s, pressure, {"M": 1e-6, "N": 50.0, "Q": 50.0})
     angle += 0.01 * np.random.default_rng(0).standard_normal(1000)
     log = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
-    wish = Asked(asked, None, 0, lambda message, fraction: None)
+    wish = Request(asked, None, 0, lambda message, fraction: None)
     start = wish.begin(LogSet((log,)), (), thorough=True)
     work, base = start.work, start.base
     assert work.found.problem.model.spec().options["order"] == "first"

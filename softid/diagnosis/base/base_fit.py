@@ -1,0 +1,265 @@
+"""The fit of the model that is to be extended, what is held out, and the sizes of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.held_out import HeldOut, hold_out_blocks
+from softid.effects.base import Scale
+from softid.errors import IdentificationError, UsageError
+from softid.fitters.levenberg_marquardt import Minimum, Normal
+from softid.fitters.problem import Problem
+from softid.identification.preparation import named_model
+from softid.identification.workflow import Work, identify
+from softid.log import Log, LogSet
+from softid.models import MODELS
+from softid.models.base import Model
+from softid.parameters import ParameterSet
+
+if TYPE_CHECKING:
+    import lmfit
+
+Progress = Callable[[str, float], None]
+
+RESTORING_ROUND = 15
+FEWEST_SAMPLES = 100
+"""With fewer, seven terms of a base and an effect explain most of any noise, and a block to hold
+out has next to none."""
+
+LEAST_MOVE = 0.05
+"""Held-out logs judge when their input moves by this share of what the fitted ones' does."""
+
+HIDDEN_PERIODS = 0.1
+"""A restored term dies out within a tenth of the sampling interval."""
+
+
+def require_enough(logs: LogSet, hold_out: Sequence[Log] = ()) -> None:
+    """Refuse logs that are too short to tell a cause from noise, or to judge one.
+
+    Parameters
+    ----------
+    logs
+        Logs to explain.
+    hold_out
+        Logs that judge.
+
+    Raises
+    ------
+    IdentificationError
+        All outputs of either together have fewer than `FEWEST_SAMPLES`, or the input of what is
+        held out does not move.
+    """
+    if _usable(logs) < FEWEST_SAMPLES:
+        raise IdentificationError(
+            "there are too few samples of the output to tell a cause from noise",
+            where=", ".join(log.name for log in logs),
+            value=_usable(logs),
+            remedy=f"record {FEWEST_SAMPLES} or more, or use softid fit",
+        )
+    if hold_out and _usable(hold_out) < FEWEST_SAMPLES:
+        raise IdentificationError(
+            "there are too few samples of the output to judge a cause by",
+            where=", ".join(log.name for log in hold_out),
+            value=_usable(hold_out),
+            remedy=f"hold out {FEWEST_SAMPLES} or more, or none: then blocks of the logs judge",
+        )
+    moves = max((_move(log) for log in hold_out), default=np.inf)
+    if moves < LEAST_MOVE * max(_move(log) for log in logs):
+        raise IdentificationError(
+            "the input of what is held out does not move, so it cannot judge a cause",
+            where=", ".join(log.name for log in hold_out),
+            value=f"a range of {moves:.3g} {hold_out[0].channels[hold_out[0].input].unit}",
+            remedy="hold out a log that moves, or none: then blocks of the logs judge",
+        )
+
+
+def _move(log: Log) -> float:
+    """Range of a log's input."""
+    return max((float(np.ptp(segment.input)) for segment in log.segments()), default=0.0)
+
+
+def _usable(logs: Iterable[Log]) -> int:
+    """Samples of all outputs that count."""
+    return sum(
+        int(np.count_nonzero(used))
+        for log in logs
+        for segment in log.segments()
+        for used in segment.used.values()
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class BaseFit:
+    """The fit of the base model, and what is judged by it.
+
+    Attributes
+    ----------
+    work
+        The fit as `softid.fit` makes it.
+    candidate
+        The same as the candidate without effects.
+    scale
+        Sizes of its motion.
+    held_out
+        What is held out.
+    instead_of
+        The fit of the model that was asked for, where this one takes its place.
+    """
+
+    work: Work
+    candidate: Candidate
+    scale: Scale
+    held_out: HeldOut
+    instead_of: BaseFit | None = None
+
+    @property
+    def asked_for(self) -> BaseFit:
+        """The fit that a user compares with."""
+        return self.instead_of or self
+
+    @property
+    def sigma(self) -> dict[str, float]:
+        """Residual standard deviation of each output channel, by which residuals are divided."""
+        return dict(self.work.found.optimum.sigma)
+
+
+@dataclass(frozen=True)
+class Recordings:
+    """Logs to explain and logs that judge.
+
+    Attributes
+    ----------
+    logs, hold_out
+        As in `diagnose`.
+    """
+
+    logs: LogSet
+    hold_out: tuple[Log, ...]
+
+    def each(self, change: Callable[[Log], Log]) -> Recordings:
+        """Every log changed alike; the same object where none is."""
+        logs, hold_out = [change(log) for log in self.logs], [change(log) for log in self.hold_out]
+        pairs = zip((*self.logs, *self.hold_out), (*logs, *hold_out), strict=True)
+        if all(before is after for before, after in pairs):
+            return self
+        return Recordings(LogSet(tuple(logs)), tuple(hold_out))
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user asked for.
+
+    Attributes
+    ----------
+    model, parameters, seed, progress
+        As in `diagnose`.
+    instead_of
+        The fit of the model that the user asked for, where ``model`` is another.
+    """
+
+    model: Model | str | None
+    parameters: ParameterSet | lmfit.Parameters | None
+    seed: int
+    progress: Progress
+    instead_of: BaseFit | None = None
+
+    def fit_base(self, logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> BaseFit:
+        """Fit the base.
+
+        Parameters
+        ----------
+        logs
+            Logs to explain; blocks of them are held out when no log is.
+        hold_out
+            Logs that judge.
+        thorough
+            As in `identify`.
+
+        Raises
+        ------
+        UsageError
+            The model is static.
+        """
+        _require_motion(self.model)
+        trained, held = (logs, None) if hold_out else hold_out_blocks(logs)
+        work = identify(
+            trained.logs,
+            model=self.model,
+            hold_out=hold_out,
+            parameters=self.parameters,
+            seed=self.seed,
+            thorough=thorough,
+            moving=True,
+            progress=self.progress,
+        )
+        candidate = _candidate(work, self.model)
+        scale = scale_of(candidate.problem, candidate.minimum.point)
+        held_out = held or HeldOut(work.hold_out)
+        return BaseFit(work, candidate, scale, held_out, self.instead_of)
+
+
+def _require_motion(model: Model | str | None) -> None:
+    if model is None or named_model(model).states:
+        return
+    raise UsageError(
+        "a static model has no motion that an effect could act on",
+        value=named_model(model).name,
+        remedy="choose a model with one, such as muscle or oscillator",
+    )
+
+
+def _candidate(work: Work, asked: Model | str | None) -> Candidate:
+    """The fit as the candidate without effects, with every term that its limit had dropped.
+
+    A term that cannot be seen behind a misfit may be seen once its cause is in the model: without
+    it another effect would take its place. What the user asked to drop stays dropped.
+    """
+    optimum = work.found.optimum
+    problem, z = _whole_problem(work, asked), optimum.unknowns
+    if problem is not work.found.problem:
+        z = problem.unknowns(_whole_values(work, problem))
+    size = problem.size
+    empty = Normal(z, optimum.cost, np.zeros(size), np.eye(size), problem.n_samples)
+    variance = 2.0 * optimum.cost / max(problem.n_samples - size, 1)
+    prior = prior_about(problem, z, problem.free, variance)
+    candidate = Candidate((), problem, Minimum(z, empty, 0, 0.0), prior)
+    return advance(
+        candidate, dict(optimum.sigma), RESTORING_ROUND if z is not optimum.unknowns else 1
+    )
+
+
+def _whole_problem(work: Work, asked: Model | str | None) -> Problem:
+    """The problem of the model of full order, or of the order that was asked for."""
+    problem = work.found.problem
+    options = dict(problem.model.spec().options)
+    wanted = asked.spec().options if isinstance(asked, Model) else {}
+    order = wanted.get("order", "second")
+    if options.get("order", order) == order:
+        return problem
+    whole: Model = MODELS[problem.model.name](**(options | {"order": order}))
+    return Problem(whole, work.found.wishes.over(whole.parameters()), work.logs.logs)
+
+
+def _whole_values(work: Work, problem: Problem) -> dict[str, float]:
+    """Fitted values, with a restored term as large as it may be without being seen."""
+    fitted = work.found.problem
+    theta = fitted.theta(work.found.optimum.unknowns)
+    values = dict(zip(fitted.parameters.names, theta.tolist(), strict=True))
+    law = fitted.model.motion_law(theta)
+    if law is None:
+        return values
+    u = np.concatenate([segment.input for segment in problem.segments])
+    damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
+    hidden_s = HIDDEN_PERIODS * float(np.median([log.period_s for log in work.logs]))
+    slow = damping if damping > 0.0 else hidden_s * stiffness
+    restored = {"M": hidden_s * slow, "N": slow, "c2": slow, "a2": 0.1 * slow}
+    for name in problem.free:
+        if values.get(name, 0.0) == 0.0 and name in restored:
+            values[name] = restored[name]
+    return values

@@ -1,0 +1,153 @@
+"""The input between its samples once more, when causes are known.
+
+A misfit of the base decides wrongly whether an input was held: a late motion asks for a late input.
+So a measured input is straight until a cause is known that explains the logs better with another
+reading, while a command is read as the base has it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.parallel import in_parallel
+from softid.effects import ExtendedModel
+from softid.fitters.problem import Problem
+from softid.identification.held_input import (
+    BETTER_BY,
+    COMMAND,
+    HELD_INPUT,
+    as_held,
+    held_readings,
+)
+from softid.intersample import HELD, Intersample
+from softid.log import Log, LogSet
+
+READINGS: tuple[Intersample, ...] = ("straight", *HELD)
+
+LAP = 15
+"""Evaluations from the optimum of one reading to that of the other."""
+
+
+def is_open(logs: LogSet) -> bool:
+    """Whether an input may have been held, and none of the logs says what it does between samples.
+
+    It may have been where it jumps as recorded, and where it is a command.
+    """
+    return all(log.intersample is None for log in logs) and bool(held_readings(logs))
+
+
+def is_measured(logs: Iterable[Log]) -> bool:
+    """Whether no input is a command."""
+    return all(log.input != COMMAND for log in logs)
+
+
+def straight_unless_declared(log: Log) -> Log:
+    """The log with an input that is straight between samples, unless something said otherwise."""
+    return log if log.intersample is not None else replace(log, intersample="straight")
+
+
+def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
+    """Another reading of the input where it explains the logs better with the same effects.
+
+    Parameters
+    ----------
+    candidate
+        A model with its first cause, at its optimum.
+    sigma
+        Residual standard deviation of each output channel.
+
+    Returns
+    -------
+    str or None
+        None where the reading of the candidate stays.
+    """
+    now = candidate.problem.logs[0].intersample or "straight"
+    others = [reading for reading in READINGS if reading != now]
+    falls = in_parallel(lambda reading: _fall(candidate, sigma, reading), others)
+    most, best = max(zip(falls, others, strict=True))
+    return best if most > BETTER_BY else None
+
+
+def intersample_after_first_cause(
+    base: Candidate, candidate: Candidate, sigma: Mapping[str, float]
+) -> Intersample | None:
+    """As `better_intersample` with a first cause; a lateness does not make a measured input held.
+
+    Holding it at every sample is a delay of half an interval. Where a cause that takes time stays
+    in the model it would take that half from it, so the base alone must then explain as much.
+
+    Parameters
+    ----------
+    base
+        What the first cause extends.
+    candidate, sigma
+        As in `better_intersample`.
+    """
+    reading = better_intersample(candidate, sigma)
+    if reading != "zoh" or not is_measured(candidate.problem.logs) or not _is_late(candidate):
+        return reading
+    n = candidate.problem.n_samples
+    behind = n * float(np.log(base.squares / candidate.squares))
+    return reading if _fall(base, sigma, reading) > behind - BETTER_BY else None
+
+
+def _is_late(candidate: Candidate) -> bool:
+    """Whether a cause that takes time is in the model."""
+    model = candidate.problem.model
+    if not isinstance(model, ExtendedModel):
+        return False
+    return any(effect.takes_time(model.scale) for effect in candidate.effects)
+
+
+def intersample_after_all_causes(
+    candidate: Candidate, sigma: Mapping[str, float]
+) -> Intersample | None:
+    """As `better_intersample` with all causes known; straight for a measured input if as good.
+
+    Nor is it held at every sample beside a cause that takes time, as after the first cause.
+
+    Parameters
+    ----------
+    candidate, sigma
+        As in `better_intersample`.
+    """
+    logs = candidate.problem.logs
+    if logs[0].intersample in HELD and is_measured(logs):
+        return "straight" if _fall(candidate, sigma, "straight") > -BETTER_BY else None
+    reading = better_intersample(candidate, sigma)
+    if reading == "zoh" and is_measured(logs) and _is_late(candidate):
+        return None
+    return reading
+
+
+def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample) -> float:
+    """By how much n ln(S) falls with another reading of the input."""
+    problem = candidate.problem
+    logs = [replace(log, intersample=reading) for log in problem.logs]
+    changed = Problem(problem.model, problem.parameters, logs)
+    if changed.size != problem.size:
+        return -np.inf
+    begin = replace(candidate.minimum, damping=None)
+    refitted = advance(replace(candidate, problem=changed, minimum=begin), sigma, LAP)
+    if not np.isfinite(refitted.squares):
+        return -np.inf
+    return problem.n_samples * float(np.log(candidate.squares / refitted.squares))
+
+
+def with_intersample(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
+    """The logs with a declared reading of the input in place of another; a held one is told."""
+    opened = tuple(
+        replace(
+            log,
+            intersample=None,
+            issues=tuple(issue for issue in log.issues if issue.code != HELD_INPUT),
+        )
+        for log in logs
+    )
+    if reading in HELD and logs:
+        return as_held(opened, reading)
+    return tuple(replace(log, intersample=reading) for log in opened)

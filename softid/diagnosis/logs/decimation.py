@@ -1,0 +1,114 @@
+"""Logs that are sampled far faster than anything moves, averaged over a few samples each.
+
+A linear motion passes an average on unchanged: averaged input in, averaged output out. A diagnosis
+refits the logs a few hundred times, and gains nothing from the hundredth sample of a time constant.
+
+What bends within a mean is not lost: between means, too, the input counts as straight, and its new
+samples are those whose straight lines have the means of the old ones; an output's are its means
+without what its bend adds to them. A sine of f Hz under means over T s then errs by (π f T)⁴ and no
+longer by (π f T)², which is more than the noise of many samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+ENOUGH = 6000
+"""No samples are averaged away below this number in all logs together."""
+
+SAMPLES_PER_MOTION = 30.0
+"""Samples that stay in a time constant of the motion at least: delays and lags of a few hundredths
+of it still count in whole samples."""
+
+LEAST_MEANS = 3
+
+REGULAR = 0.2
+"""Sampling is regular when no interval differs from the median by more than this share."""
+
+
+def samples_to_average(logs: Sequence[Log], motion_s: float) -> int:
+    """Over how many samples the logs may be averaged; 1 for not at all.
+
+    Parameters
+    ----------
+    logs
+        The logs.
+    motion_s
+        Time constant of the motion.
+    """
+    if not all(_is_regular(log) for log in logs):
+        return 1
+    wanted = sum(len(log) for log in logs) / ENOUGH
+    period_s = max(log.period_s for log in logs)
+    return max(int(min(np.ceil(wanted), motion_s / SAMPLES_PER_MOTION / period_s)), 1)
+
+
+def _is_regular(log: Log) -> bool:
+    return bool(np.all(np.abs(np.diff(log.time_s) / log.period_s - 1.0) <= REGULAR))
+
+
+def decimated(log: Log, count: int) -> Log:
+    """The log with a value from every ``count`` samples in their place.
+
+    Parameters
+    ----------
+    log
+        A regular log.
+    count
+        Samples in a value; the last ones that fill none are left out.
+
+    Examples
+    --------
+    >>> channels = {"pressure": [1, 3, 5, 7], "angle": [0, 2, 2, 4]}
+    >>> log = Log.from_arrays([0.0, 0.1, 0.2, 0.3], channels)
+    >>> decimated(log, 2).channels["angle"].values
+    array([1., 3.])
+    """
+    if count == 1:
+        return log
+    groups = len(log) // count
+
+    def mean(values: Array) -> Array:
+        averaged: Array = values[: groups * count].reshape(groups, count).mean(axis=1)
+        return averaged
+
+    masked = None if log.masked is None else mean(log.masked.astype(np.float64)) > 0.0
+    channels = {}
+    for name, channel in log.channels.items():
+        means = mean(channel.values)
+        values = _straight(means) if name == log.input else _at_centres(means, masked)
+        channels[name] = replace(channel, values=values)
+    return replace(log, time_s=mean(log.time_s), channels=channels, masked=masked)
+
+
+def _straight(means: Array) -> Array:
+    """Nodes of a line whose mean about each, half way to its neighbours, is given.
+
+    Solves (u₋ + 6 u + u₊)/8 = mean, with the line going straight on at both ends.
+    """
+    from scipy.linalg import solve_banded
+
+    if means.size < LEAST_MEANS or not np.isfinite(means).all():
+        return means
+    bands = np.tile([[0.125], [0.75], [0.125]], means.size)
+    bands[0, 1] = bands[2, -2] = 0.0
+    bands[1, [0, -1]] = 1.0
+    nodes: Array = solve_banded((1, 1), bands, means)
+    return nodes
+
+
+def _at_centres(means: Array, masked: BoolArray | None) -> Array:
+    """Values at the centres of means: mean − T² ÿ/24, with ÿ from the means beside."""
+    known = means if masked is None else np.where(masked, np.nan, means)
+    bend = np.zeros(means.size)
+    bend[1:-1] = np.diff(known, 2)
+    return means - np.where(np.isfinite(bend), bend, 0.0) / 24.0

@@ -1,0 +1,142 @@
+"""What remains of a motion when its input is back where it began."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.channels import Channel
+from softid.errors import Issue
+from softid.excitation import settled_windows
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+
+SAME_LEVEL = 0.05
+"""Two inputs count as the same within this share of the input's span."""
+
+AWAY = 0.5
+"""A cycle leads at least so far from where it began, as a share of the span."""
+
+NOTABLE_SET = 0.05
+"""A set of less than this share of the output's range is not told."""
+
+LONGEST_START_S = 1.0
+TAIL = 0.25
+STILL_GOING = 0.05
+"""The output has settled when the halves of the window's tail differ by less than this share of the
+set."""
+
+NOISE_STEPS = 3.0
+"""A set is more than so many median second differences, which are 1.65 standard deviations of white
+noise each."""
+
+
+@dataclass(frozen=True)
+class ResidualSet:
+    """Position before the first cycle of a log and after it, at the same input.
+
+    Attributes
+    ----------
+    input_level
+        Input before and after, canonical unit.
+    before, after
+        Output at rest, canonical unit.
+    share
+        Their difference as a share of the output's range.
+    """
+
+    input_level: float
+    before: float
+    after: float
+    share: float
+
+
+def residual_set(log: Log, output: str) -> ResidualSet | None:
+    """The set that the first cycle of a log leaves; None where the log cannot show one.
+
+    Parameters
+    ----------
+    log
+        A log that begins at rest and holds its input at the first level again later.
+    output
+        Channel that is looked at.
+
+    Examples
+    --------
+    >>> time_s = np.arange(400) * 0.01
+    >>> pressure = np.repeat([0.0, 50.0, 0.0, 50.0], 100)
+    >>> angle = np.repeat([0.0, 1.0, 0.2, 1.1], 100)
+    >>> log = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
+    >>> found = residual_set(log, "angle")
+    >>> round(found.after, 3), round(found.share, 3)
+    (0.2, 0.182)
+    """
+    u, y = log.channels[log.input].values, log.channels[output].values
+    used = np.isfinite(u) & np.isfinite(y)
+    if log.masked is not None:
+        used &= ~log.masked
+    time_s, u, y = log.time_s[used], u[used], y[used]
+    span = float(np.ptp(u)) if u.size else 0.0
+    if span <= 0.0 or np.ptp(y) <= 0.0:
+        return None
+    away = np.abs(u - u[0])
+    left = int(np.argmax(away > SAME_LEVEL * span))
+    start = slice(0, max(min(left, int(np.searchsorted(time_s, time_s[0] + LONGEST_START_S))), 1))
+    cycle = int(np.argmax(away > AWAY * span))
+    for window in settled_windows(time_s, u, tail=TAIL):
+        same = abs(window.level - float(np.median(u[start]))) <= SAME_LEVEL * span
+        if same and window.start > cycle > 0:
+            return _set_of(y, start, slice(window.start, window.stop), window.level)
+    return None
+
+
+def _set_of(y: Array, start: slice, tail: slice, level: float) -> ResidualSet | None:
+    """The set between two stretches of the output; None while it still moves or is but noise."""
+    before, after = float(np.median(y[start])), float(np.median(y[tail]))
+    middle = (tail.start + tail.stop) // 2
+    going = abs(float(np.median(y[tail.start : middle]) - np.median(y[middle : tail.stop])))
+    size = abs(after - before)
+    noise = float(np.median(np.abs(np.diff(y, 2)))) if y.size > 2 else 0.0
+    if going > STILL_GOING * size or size <= NOISE_STEPS * noise:
+        return None
+    return ResidualSet(level, before, after, size / float(np.ptp(y)))
+
+
+def permanent_set_issues(logs: Iterable[Log]) -> tuple[Issue, ...]:
+    """A remark for every log whose first cycle leaves a notable set in its first output.
+
+    Parameters
+    ----------
+    logs
+        The logs.
+    """
+    found = []
+    for log in logs:
+        output = log.outputs[0]
+        left = residual_set(log, output)
+        if left is not None and left.share > NOTABLE_SET:
+            found.append(_told(log, output, left))
+    return tuple(found)
+
+
+def _told(log: Log, output: str, left: ResidualSet) -> Issue:
+    channel, driving = log.channels[output], log.channels[log.input]
+    return Issue(
+        "residual-set",
+        "info",
+        f"{log.name}: {output} begins at {_shown(channel, left.before)} and rests at "
+        f"{_shown(channel, left.after)} after the first cycle, with the {log.input} back at "
+        f"{_shown(driving, left.input_level)}: a set of {100.0 * left.share:.0f} % of its range; "
+        "hysteresis and creep of the material leave one, and so does a sensor that warms up",
+        "run a few cycles before the log, and end it with a rest of a minute that shows whether "
+        "the set goes back",
+    )
+
+
+def _shown(channel: Channel, value: float) -> str:
+    unit = "" if channel.display_unit == "1" else f" {channel.display_unit}"
+    return f"{value * channel.display_factor:.3g}{unit}"

@@ -1,0 +1,78 @@
+"""Bounds of effects that go by the force of a base that misses the actuator.
+
+A law that is known up to a common factor of its forces, or a base that another effect bends, may
+have a small part of the force that the same model has with its cause. An effect that runs into its
+bound then asks for bounds that go by the force of its own model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.characteristic_scales import elastic_force
+from softid.effects import ExtendedModel, extended_name
+from softid.fitters.problem import Problem
+from softid.parameters import Parameter
+
+GROWN = 1.2
+"""So much more force makes the bounds worth moving."""
+
+NEAR = 1e-3
+"""Distance from a bound, as a share of the way between both, that is at it."""
+
+
+def with_own_bounds(candidate: Candidate) -> Candidate:
+    """The candidate with bounds that go by its own force where one of its sizes is at a bound.
+
+    Parameters
+    ----------
+    candidate
+        A model with effects, near its optimum.
+
+    Returns
+    -------
+    Candidate
+        At the same point; the candidate itself where its bounds do not hold it, or its force is no
+        greater than that of the base.
+    """
+    problem, model = candidate.problem, candidate.problem.model
+    if not isinstance(model, ExtendedModel) or not _is_held(candidate):
+        return candidate
+    theta = problem.theta(candidate.minimum.point)
+    law = model.model.motion_law(theta[: len(model.model.parameters())])
+    u = np.concatenate([segment.input for segment in problem.segments])
+    force = elastic_force(law, u, model.scale.x_span)
+    if law is None or not GROWN * model.scale.force < force < np.inf:
+        return candidate
+    wider = replace(model, scale=replace(model.scale, force=force))
+    declared = wider.parameters()
+    for known in problem.parameters.values():
+        declared = declared.replacing(_united(known, declared[known.name]))
+    return replace(candidate, problem=Problem(wider, declared, problem.logs))
+
+
+def _is_held(candidate: Candidate) -> bool:
+    """Whether a size that goes by the force is at its upper bound, or at its most negative."""
+    problem, z = candidate.problem, candidate.minimum.point
+    lower, upper = problem.bounds()
+    own = set(candidate.problem.parameters.names)
+    for effect in candidate.effects:
+        for name in effect.amplitudes:
+            full = extended_name(effect, name)
+            if full not in own or full not in problem.free:
+                continue
+            k = problem.free.index(full)
+            near = NEAR * (upper[k] - lower[k])
+            negative = problem.parameters[full].lower < 0.0
+            if upper[k] - z[k] <= near or (negative and z[k] - lower[k] <= near):
+                return True
+    return False
+
+
+def _united(known: Parameter, declared: Parameter) -> Parameter:
+    """A parameter as it is, within the bounds of both."""
+    lower, upper = min(known.lower, declared.lower), max(known.upper, declared.upper)
+    return replace(known, lower=lower, upper=upper)

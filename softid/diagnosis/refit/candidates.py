@@ -1,0 +1,329 @@
+"""Candidate causes: the base model with effects added, refitted to the same logs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.whitening import Whitener
+from softid.effects import ExtendedModel, divided, extended_name
+from softid.effects.base import Effect, Scale
+from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
+from softid.fitters.objective import Objective, Prior
+from softid.fitters.problem import Problem
+
+if TYPE_CHECKING:
+    from softid.models.division import Division
+    from softid.models.second_order import Law
+
+Array = npt.NDArray[np.float64]
+
+BASE_SD = 1.5
+"""Standard deviation of the log-normal prior about the base fit: a flat direction cannot run away
+and make a wrong name look good."""
+
+TOLERANCE = 1e-2
+LIGHTER = 0.1
+"""What is left of an inertia when its time is given to a lag."""
+
+COARSE, FINE = 1, 2
+"""Most steps in a sampling interval while candidates race, and while they are compared; twice as
+many where an affine law oscillates. Overdamped and sharp laws ask for more to reach 1e-4 of the
+range; noise is far above what this costs."""
+
+EFFECT_SD = 3.0
+"""The same for an effect's parameters about their start, in logarithms."""
+
+
+@dataclass(frozen=True, eq=False)
+class TemperedPrior(Prior):
+    """A prior that knows for which variance of the residual its weight was made.
+
+    Attributes
+    ----------
+    variance
+        Variance of the weighted residual.
+    """
+
+    variance: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """The base with effects, somewhere on its way to the optimum.
+
+    Attributes
+    ----------
+    effects
+        Its effects; none for the base itself.
+    problem
+        The extended model and the logs.
+    minimum
+        Where it stands now.
+    prior
+        What holds its flat directions.
+    whitener
+        The noise model by which its cost was last computed; None for white noise.
+    """
+
+    effects: tuple[Effect, ...]
+    problem: Problem
+    minimum: Minimum
+    prior: TemperedPrior
+    whitener: Whitener | None = field(default=None)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of its effects."""
+        return tuple(effect.key for effect in self.effects)
+
+    @property
+    def squares(self) -> float:
+        """Weighted sum of squares, without the prior."""
+        cost = self.minimum.normal.cost - self.prior.cost(self.minimum.point)
+        return 2.0 * max(cost, 0.0)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Parameter → value where it stands."""
+        theta = self.problem.theta(self.minimum.point)
+        return dict(zip(self.problem.parameters.names, theta.tolist(), strict=True))
+
+
+class WhitenedObjective(Objective):
+    """Cost and normal equations of residuals that a noise model has made white."""
+
+    def __init__(
+        self, problem: Problem, sigma: Mapping[str, float], whitener: Whitener | None
+    ) -> None:
+        super().__init__(problem, sigma)
+        self.whitener = whitener
+
+    def __call__(self, z: Array) -> Normal:
+        """Cost ½Σ(W r/σ)² and its normal equations at ``z``."""
+        if self.whitener is None:
+            return super().__call__(z)
+        self.evaluations += 1
+        size = self.problem.size
+        cost, n = 0.0, 0
+        gradient, matrix = np.zeros(size), np.zeros((size, size))
+        with np.errstate(all="ignore"):
+            for block in self.problem.blocks(z, derivatives=True, plans=self.plans):
+                assert block.jacobian is not None
+                segment = self.problem.segments[block.segment]
+                used = segment.samples_of(segment.used[block.channel])
+                log = self.problem.owner[block.segment]
+                rows = np.column_stack((block.residual, block.jacobian))
+                white = self.whitener.apply(rows, used, log=log, channel=block.channel)
+                r, jacobian = white[:, 0], white[:, 1:]
+                cost += 0.5 * float(r @ r)
+                gradient += jacobian.T @ r
+                matrix += jacobian.T @ jacobian
+                n += r.size
+        if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
+            return Normal(z, np.inf, np.zeros(size), np.eye(size), n)
+        if self.prior is not None:
+            cost += self.prior.cost(z)
+            gradient -= self.prior.weight * (z - self.prior.centre)
+            matrix += np.diag(self.prior.weight)
+        return Normal(z, cost, gradient, matrix, n)
+
+
+def extend(base: Problem, effects: Sequence[Effect], scale: Scale) -> Problem:
+    """The problem of the base model with effects.
+
+    Parameters
+    ----------
+    base
+        The base model, its parameters and the logs.
+    effects
+        Effects to add.
+    scale
+        Sizes of the base fit; a model with effects keeps its own.
+    """
+    inner = base.model
+    if isinstance(inner, ExtendedModel):
+        effects, scale = (*inner.effects, *effects), inner.scale
+        inner = inner.model
+    model = ExtendedModel(inner, tuple(effects), scale)
+    declared = model.parameters()
+    for parameter in base.parameters.values():
+        declared = declared.replacing(parameter)
+    return Problem(model, declared, base.logs)
+
+
+def start_unknowns(
+    problem: Problem, base: Problem, unknowns: Array, values: Mapping[str, float]
+) -> Array:
+    """Unknowns of an extended problem from those of the base and values of the added parameters."""
+    z = np.zeros(problem.size)
+    known = dict(zip(base.free, unknowns.tolist(), strict=False))
+    for k, name in enumerate(problem.free):
+        if name in known:
+            z[k] = known[name]
+            continue
+        p = problem.parameters[name]
+        value = float(np.clip(values[name], p.lower, p.upper))
+        z[k] = np.log(value) if p.scale == "log" else value
+    z[len(problem.free) :] = unknowns[len(base.free) :]
+    return z
+
+
+def named_values(effect: Effect, values: Mapping[str, float]) -> dict[str, float]:
+    """An effect's values under their names in an extended model."""
+    return {extended_name(effect, name): value for name, value in values.items()}
+
+
+def prior_about(
+    problem: Problem, centre: Array, known: Sequence[str], variance: float
+) -> TemperedPrior:
+    """The prior of a refit.
+
+    Parameters
+    ----------
+    problem
+        The extended problem.
+    centre
+        Base fit and start of the added parameters, shape (U,).
+    known
+        Free parameters of what is extended.
+    variance
+        Variance of the weighted residual.
+    """
+    weight = np.zeros(problem.size)
+    for k, name in enumerate(problem.free):
+        p = problem.parameters[name]
+        if p.scale == "log":
+            weight[k] = variance / (BASE_SD if name in known else EFFECT_SD) ** 2
+        elif name in known:
+            weight[k] = variance / max(abs(centre[k]), 1.0) ** 2 / BASE_SD**2
+    return TemperedPrior(centre.copy(), weight, variance)
+
+
+def advance(
+    candidate: Candidate,
+    sigma: Mapping[str, float],
+    evaluations: int,
+    *,
+    substeps: int = FINE,
+    tolerance: float = TOLERANCE,
+    straight: bool = False,
+) -> Candidate:
+    """Take a candidate nearer to its optimum.
+
+    Parameters
+    ----------
+    candidate
+        Where it stands.
+    sigma
+        Residual standard deviation of each output channel.
+    evaluations
+        At most so many simulations with derivatives.
+    substeps
+        At most so many steps in a sampling interval.
+    tolerance
+        Stop within this many standard errors of the optimum.
+    straight
+        Whether steps go straight instead of along the bend of the response, which costs another
+        simulation each.
+    """
+    objective = WhitenedObjective(candidate.problem, sigma, candidate.whitener)
+    candidate = _tempered(candidate)
+    objective.prior = candidate.prior
+    point = candidate.minimum.point
+    objective.plans = limited_plans(candidate.problem, point, substeps)
+    lower, upper = candidate.problem.bounds()
+    found = minimise(
+        objective,
+        point,
+        lower,
+        upper,
+        candidate.problem.reach(),
+        evaluations=evaluations,
+        tolerance=tolerance,
+        bend=None if straight else objective.bend,
+        damping=candidate.minimum.damping,
+    )
+    return replace(candidate, minimum=found)
+
+
+def _tempered(candidate: Candidate) -> Candidate:
+    """The prior in proportion to the variance of the residual as it is now."""
+    prior = candidate.prior
+    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+    variance = 1.0 if candidate.whitener is not None else candidate.squares / n
+    factor = max(variance, np.finfo(float).tiny) / prior.variance
+    return replace(candidate, prior=replace(prior, weight=prior.weight * factor, variance=variance))
+
+
+def alternatives(candidate: Candidate) -> list[Candidate]:
+    """The candidate with terms of the base in another form, which a search would not reach."""
+    changes = [
+        {name: p.value for name, p in change.items() if not p.fixed}
+        for change in candidate.problem.model.alternatives(candidate.parameters)
+    ]
+    return [_moved(candidate, change) for change in changes]
+
+
+def exchanged(candidate: Candidate) -> list[Candidate]:
+    """The candidate with the times of its inertia and its lag exchanged, if it has both."""
+    change = _lag_for_inertia(candidate)
+    return [_moved(candidate, change)] if change else []
+
+
+def _moved(candidate: Candidate, change: Mapping[str, float]) -> Candidate:
+    problem = candidate.problem
+    z = candidate.minimum.point.copy()
+    for k, name in enumerate(problem.free):
+        if name in change:
+            p = problem.parameters[name]
+            inside = float(np.clip(change[name], p.lower, p.upper))
+            z[k] = np.log(inside) if p.scale == "log" else inside
+    return replace(candidate, minimum=replace(candidate.minimum, point=z, damping=None))
+
+
+def _lag_for_inertia(candidate: Candidate) -> dict[str, float]:
+    """The time that the inertia takes given to a lag: poles in a row look alike in any order."""
+    problem, values = candidate.problem, candidate.parameters
+    law = problem.model.motion_law(problem.theta(candidate.minimum.point))
+    if law is None or "M" not in problem.free or not candidate.effects:
+        return {}
+    damping = law.coefficients(np.concatenate([s.input for s in problem.segments]))[0]
+    fast_s = values["M"] / max(float(np.median(damping)), 1e-300)
+    for effect in candidate.effects:
+        if effect.stage == "state" or effect.amplitude is None:
+            continue
+        name = extended_name(effect, effect.amplitude)
+        if problem.parameters[name].unit == "s" and fast_s > values[name]:
+            return {name: fast_s, "M": LIGHTER * values["M"]}
+    return {}
+
+
+def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Division | None]:
+    """The division of the sampling intervals with no more than so many steps in each.
+
+    Where the law oscillates twice as many are allowed: errors of its phase add up.
+    """
+    law = problem.model.motion_law(problem.theta(unknowns))
+    plans: list[Division | None] = []
+    for plan, segment in zip(problem.plans(unknowns), problem.segments, strict=True):
+        if plan is not None and plan.counts.max(initial=1) > substeps:
+            most = np.where(_oscillates(law, segment.input), 2 * substeps, substeps)
+            counts = np.minimum(plan.counts, most)
+            plans.append(divided(segment.time_s, segment.input, counts))
+        else:
+            plans.append(plan)
+    return plans
+
+
+def _oscillates(law: Law | None, u: Array) -> npt.NDArray[np.bool_]:
+    """Whether a law swings about its rest within every sampling interval, shape (n − 1,)."""
+    if law is None:
+        return np.zeros(u.size - 1, bool)
+    damping, stiffness, _ = law.coefficients(u)
+    swings = damping**2 < 4.0 * law.mass * stiffness
+    return np.asarray(swings[1:] | swings[:-1], bool)

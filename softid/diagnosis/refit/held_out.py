@@ -1,0 +1,217 @@
+"""What is held out: other logs, or blocks of the fitted ones; and the error on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.fitters.output_error import refit_nuisance
+from softid.fitters.problem import Problem
+from softid.log import Log, LogSet
+from softid.uncertainty.student import student_quantile
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+BLOCKS = 5
+BLOCK_SHARE = 0.04
+"""Five blocks of 4 % of a log are held out when no other log is."""
+
+FIRST_SHARE = 0.1
+"""Nothing is held out of the first tenth, from which initial states are found."""
+
+GOLDEN_RATIO = 0.618
+"""Each fifth of the log has its block elsewhere, so that the blocks do not fall on the same part of
+every cycle."""
+
+DRAWS = 999
+BOOTSTRAP_BLOCKS = 24
+"""Blocks into which held-out samples fall for the interval of the gain."""
+
+NO_WORSE, BETTER = 1.02, 0.998
+"""A held-out error counts as no worse than another up to a fiftieth above it, and as better from
+two thousandths below it."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """The samples that judge and are not fitted.
+
+    Attributes
+    ----------
+    logs
+        Held-out logs; empty when blocks are held out.
+    whole
+        The fitted logs with their blocks, when blocks are held out.
+    blocks
+        Which samples of each of them are held out.
+    """
+
+    logs: tuple[Log, ...]
+    whole: tuple[Log, ...] = ()
+    blocks: tuple[BoolArray, ...] = ()
+
+    def errors(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
+        """Measured values and residual at the held-out samples.
+
+        Parameters
+        ----------
+        candidate
+            A fit to the rest.
+
+        Returns
+        -------
+        list
+            (log, channel, measured, residual), the arrays of shape (m,).
+        """
+        if self.logs:
+            return self._on_logs(candidate)
+        return self._in_blocks(candidate)
+
+    def first_errors(self, candidate: Candidate) -> Array:
+        """Residuals of the first output at all held-out samples, shape (m,)."""
+        return _joined(self.errors(candidate), candidate)
+
+    def rms(self, candidate: Candidate) -> float:
+        """Root mean square of the first output's residual over what can judge.
+
+        Of other logs that are the samples whose input lies within the range that was fitted, if
+        there are any: beyond it no law of the curve is known.
+        """
+        errors = self._on_logs(candidate, _fitted_range(candidate)) if self.logs else []
+        joined = _joined(errors or self.errors(candidate), candidate)
+        return float(np.sqrt(np.mean(joined**2))) if joined.size else float("nan")
+
+    def _on_logs(
+        self, candidate: Candidate, within: tuple[float, float] = (-np.inf, np.inf)
+    ) -> list[tuple[str, str, Array, Array]]:
+        """Of the samples whose input lies within limits; no row where there are none."""
+        model = candidate.problem.model
+        fixed = model.parameters().with_fixed(candidate.parameters)
+        problem = Problem(model, fixed, self.logs)
+        optimum = refit_nuisance(problem)
+        found = []
+        for block in problem.blocks(optimum.unknowns, derivatives=False):
+            segment = problem.segments[block.segment]
+            used = segment.used[block.channel]
+            measured, u = segment.outputs[block.channel][used], segment.input[used]
+            judges = (u >= within[0]) & (u <= within[1])
+            if judges.any():
+                row = (measured[judges], block.residual[judges])
+                found.append((segment.log_name, block.channel, *row))
+        return found
+
+    def _in_blocks(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
+        """From the initial states of the fit: without the mask another start may count as rest.
+
+        The input does between its samples what it does in the fit, which found that out.
+        """
+        fitted, z = candidate.problem, candidate.minimum.point
+        theta = fitted.theta(z)
+        read = [
+            whole.with_intersample(log.intersample)
+            for whole, log in zip(self.whole, fitted.logs, strict=True)
+        ]
+        segments = [(k, segment) for k, log in enumerate(read) for segment in log.segments()]
+        found = []
+        for at, (log, segment) in enumerate(segments):
+            with np.errstate(all="ignore"):
+                response = fitted.model.response(
+                    theta,
+                    segment,
+                    fitted.outputs,
+                    start=fitted.start(z, at),
+                    derivatives=False,
+                    relative=fitted.has_equilibrium,
+                )
+            block = self.blocks[log][segment.start : segment.stop]
+            for name in fitted.outputs:
+                held = segment.samples_of(segment.used[name]) & block
+                measured = segment.samples_of(segment.outputs[name])[held]
+                zero = z[fitted.zero_position(log, name)] if fitted.zeros else 0.0
+                residual = measured - segment.samples_of(response.outputs[name])[held] - zero
+                found.append((segment.log_name, name, measured, residual))
+        return found
+
+
+def _joined(errors: Sequence[tuple[str, str, Array, Array]], candidate: Candidate) -> Array:
+    """Residuals of the first output."""
+    first = candidate.problem.outputs[0]
+    rows = [r for _, channel, _, r in errors if channel == first]
+    return np.concatenate(rows) if rows else np.empty(0)
+
+
+def _fitted_range(candidate: Candidate) -> tuple[float, float]:
+    u = np.concatenate([segment.input for segment in candidate.problem.segments])
+    return float(u.min()), float(u.max())
+
+
+def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOut]:
+    """Mask contiguous blocks of every log, within the range of inputs that the rest covers.
+
+    Parameters
+    ----------
+    logs
+        The logs.
+
+    Returns
+    -------
+    LogSet, HeldOut
+        The logs without the blocks, and what is held out.
+    """
+    trained, blocks = [], []
+    for log in logs:
+        held = _blocks(log)
+        masked = held if log.masked is None else log.masked | held
+        trained.append(replace(log, masked=masked))
+        blocks.append(held)
+    return LogSet(tuple(trained)), HeldOut((), logs.logs, tuple(blocks))
+
+
+def _blocks(log: Log) -> BoolArray:
+    n = len(log)
+    held = np.zeros(n, bool)
+    u = log.channels[log.input].values
+    length = max(int(BLOCK_SHARE * n), 1)
+    stratum = (1.0 - FIRST_SHARE) / BLOCKS
+    for k in range(BLOCKS):
+        place = (0.5 + k * GOLDEN_RATIO) % 1.0
+        first = int((FIRST_SHARE + k * stratum + place * (stratum - BLOCK_SHARE)) * n)
+        held[first : first + length] = True
+    for segment in log.segments()[1:]:  # the state in which it begins is found from its beginning
+        held[segment.start : segment.start + max(length, int(FIRST_SHARE * n) // 2)] = False
+    low, high = u[~held].min(), u[~held].max()
+    held &= (u >= low) & (u <= high)
+    return held
+
+
+def gain_interval(
+    before: Array, after: Array, rng: np.random.Generator
+) -> tuple[float, float] | None:
+    """95 % interval of 1 − rms(after)/rms(before) by a block bootstrap over the same blocks.
+
+    Stretched by Student's t for the number of blocks; None for fewer than eight samples a block.
+
+    Parameters
+    ----------
+    before, after
+        Residuals at the same held-out samples, each of shape (n,).
+    rng
+        Source of randomness.
+    """
+    size = before.size // BOOTSTRAP_BLOCKS
+    if size < 8 or after.size != before.size:
+        return None
+    n = size * BOOTSTRAP_BLOCKS
+    squares = np.stack((before[:n], after[:n])) ** 2
+    sums = squares.reshape(2, BOOTSTRAP_BLOCKS, size).sum(axis=2)
+    drawn = sums[:, rng.integers(0, BOOTSTRAP_BLOCKS, (DRAWS, BOOTSTRAP_BLOCKS))].sum(axis=2)
+    gains = 1.0 - np.sqrt(drawn[1] / np.maximum(drawn[0], 1e-300))
+    middle = 1.0 - float(np.sqrt(sums[1].sum() / max(sums[0].sum(), 1e-300)))
+    low, high = np.quantile(gains, [0.025, 0.975])
+    stretch = student_quantile(BOOTSTRAP_BLOCKS - 1.0, 0.975) / 1.96
+    return float(middle - stretch * (middle - low)), float(middle + stretch * (high - middle))

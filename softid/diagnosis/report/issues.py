@@ -1,0 +1,166 @@
+"""What a user should know about how a diagnosis was made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.report.phrases import listed, lowered, percent
+from softid.diagnosis.residual.change_point import change_point
+from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
+from softid.diagnosis.verdict.naming import LEAST_GAIN
+from softid.effects import EFFECTS
+from softid.errors import Issue
+from softid.excitation import find_quantisation
+from softid.log import Log
+from softid.results import FitResult
+
+REFUSED = "not-held-out"
+"""Code of the remark that a law does not carry over."""
+
+CHANGE_POINT = "change-point"
+"""Code of the remark that a misfit begins at one moment."""
+
+CHANGES = {
+    "zero": "its zero jumps there",
+    "clock": "its clock jumps there against that of the input",
+    "gain": "its gain changes there, or the stiffness of the actuator does",
+    "": "there the model changes in more than one way",
+}
+"""Kinds of a change point in words."""
+
+COARSE = 0.25
+"""Share of the power of what is left from which on the rounding of the output is told."""
+
+
+def restriction_issues(effects: Sequence[str]) -> tuple[Issue, ...]:
+    """What a search among some effects cannot say; nothing for the whole catalogue.
+
+    Parameters
+    ----------
+    effects
+        Keys of the effects that were considered; empty for all.
+    """
+    left_out = [key for key in EFFECTS if effects and key not in effects]
+    if not left_out:
+        return ()
+    return (
+        Issue(
+            "few-effects",
+            "warning",
+            f"only {listed(list(effects))} {'was' if len(effects) == 1 else 'were'} considered: "
+            "another effect may explain the logs as well or better",
+            "diagnose again without --effects",
+        ),
+    )
+
+
+def averaging_issues(count: int) -> tuple[Issue, ...]:
+    """That the logs were averaged, which hides what is faster than a mean; nothing if not.
+
+    Parameters
+    ----------
+    count
+        Samples in a mean.
+    """
+    if count == 1:
+        return ()
+    return (
+        Issue(
+            "averaged",
+            "info",
+            f"every {count} samples were averaged into one: a time constant of the motion is "
+            "longer than thirty of the means",
+            None,
+        ),
+    )
+
+
+def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
+    """That what is held out speaks against the best law; nothing where a law was added.
+
+    Parameters
+    ----------
+    chain
+        What the search found.
+    held
+        What was held out.
+    """
+    if chain.links or chain.last is None or not is_accepted(chain.last, FIRST):
+        return ()
+    best = chain.last.chosen.plain
+    before, after = held.rms(chain.final), held.rms(best)
+    if not after > (1.0 - LEAST_GAIN) * before:
+        return ()
+    takes = percent(1.0 - best.squares / chain.final.squares)
+    worse = after > (1.0 + LEAST_GAIN) * before
+    change = f"adds {percent(after / before - 1.0)} to it" if worse else "leaves it as it is"
+    return (
+        Issue(
+            REFUSED,
+            "info",
+            f"{lowered(chain.last.added.title)} would take away {takes} of the squared error on "
+            f"the fitted samples, but on what is held out it {change}",
+            "hold out a log like the fitted ones, or none: then blocks of the logs judge",
+        ),
+    )
+
+
+def change_issues(base: Candidate, excess: float) -> tuple[Issue, ...]:
+    """The moment at which the misfit of a base begins, if there is one.
+
+    Parameters
+    ----------
+    base
+        The model without effects.
+    excess
+        Variance of what it leaves above that of the noise, as a share of the latter.
+    """
+    found = change_point(base, excess)
+    if found is None:
+        return ()
+    problem = base.problem
+    log = problem.logs[found.log].name
+    return (
+        Issue(
+            CHANGE_POINT,
+            "warning",
+            f"the misfit of {problem.outputs[0]} begins at {found.time_s:.4g} s of {log}: "
+            f"{CHANGES[found.kind]}, which takes away {percent(min(found.share, 1.0))} of it",
+            "look at what happened then, such as a slipped mount, a touched cable, a part that "
+            "gave way or lost samples, and diagnose what comes before and after it apart",
+        ),
+    )
+
+
+def rounding_issues(logs: Iterable[Log], base: FitResult, rms: float) -> tuple[Issue, ...]:
+    """A remark for every log whose first output is rounded so coarsely that it makes what is left.
+
+    Parameters
+    ----------
+    logs
+        The logs as recorded.
+    base
+        The fit that knows in which unit people know the output.
+    rms
+        What the last model leaves, in the unit of the channel.
+    """
+    first = base.outputs[0]
+    row = next((r for r in base.statistics if r.channel == first), None)
+    unit, factor = (row.display_unit, row.display_factor) if row else ("", 1.0)
+    found = []
+    for log in logs:
+        grid = find_quantisation(log.channels[first].values) if first in log.channels else None
+        share = grid.step**2 / 12.0 / rms**2 if grid is not None and rms > 0.0 else 0.0
+        if grid is not None and share > COARSE:
+            found.append(
+                Issue(
+                    "coarse-quantisation",
+                    "info",
+                    f"{log.name}: {first} is recorded in steps of {grid.step * factor:.3g} {unit}, "
+                    f"whose rounding is {percent(min(share, 1.0))} of the power of what is left",
+                    "record it with more digits, or with a finer converter",
+                )
+            )
+    return tuple(found)

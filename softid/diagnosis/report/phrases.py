@@ -1,0 +1,262 @@
+"""Small parts of the sentences in which a diagnosis is told."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from softid.diagnoses import NOTABLE, Cause, Evidence, Remainder
+from softid.diagnosis.verdict.equivalence import classes_of
+from softid.effects import EFFECTS
+from softid.results import ParameterEstimate
+
+VARIABLES = {
+    "x": "the position",
+    "v": "the speed",
+    "p": "the input",
+    "rate of p": "the rate of the input",
+    "lagged p": "the input a while before",
+    "t": "the time",
+    "x and v": "position and speed together",
+}
+VARIATIONS = {
+    "x": "more positions over the whole range",
+    "v": "slower and faster moves",
+    "p": "more levels of the input",
+    "rate of p": "slower and faster changes of the input",
+    "lagged p": "holds of several lengths",
+    "x and v": "every position passed at several speeds",
+}
+"""What would show a dependence on each of them better."""
+
+ENOUGH = 0.9
+"""From this share on it is not the misfit that forbids a name."""
+
+FAR_APART = 0.15
+"""A law does not carry over when so much less of the misfit goes on what is held out."""
+
+LOUDER = 0.05
+"""A rest is called noise with a reserve when its power is so much above that of the noise."""
+
+MOST_VARIABLES = 2
+MOST_PARAMETERS = 3
+
+
+def variables_left(remainder: Remainder) -> list[str]:
+    """The variables that predict most of what is left; none where chance does as well."""
+    if not remainder.predictable:
+        return []
+    ranked = sorted(remainder.by.items(), key=lambda item: -item[1])
+    return [k for k, share in ranked if share > NOTABLE][:MOST_VARIABLES]
+
+
+def title_of(key: str) -> str:
+    """The heading of an effect within a sentence."""
+    if key not in EFFECTS:
+        return key
+    title = EFFECTS[key].title
+    return lowered(title)
+
+
+def titles_of(effects: Sequence[str], *, last: str = " and ") -> str:
+    """The headings of several effects within a sentence."""
+    return listed([title_of(name) for name in effects], last=last)
+
+
+def neighbours_of(key: str) -> tuple[str, ...]:
+    """Names of the effects that one is easily confused with."""
+    return EFFECTS[key].neighbours if key in EFFECTS else ()
+
+
+def named_whole(cause: Cause) -> str:
+    """The heading, or all members of the class that no log can split."""
+    for known in classes_of([cause.key]):
+        return " or ".join(known.members)
+    return lowered(cause.title)
+
+
+def listed(parts: Sequence[str], *, last: str = " and ") -> str:
+    """Parts joined as in a sentence."""
+    return last.join(filter(None, (", ".join(parts[:-1]), parts[-1]))) if parts else ""
+
+
+def lowered(text: str) -> str:
+    """The text with a small first letter."""
+    return text[:1].lower() + text[1:]
+
+
+def sentence(text: str) -> str:
+    """The text with a capital letter and a full stop."""
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def percent(value: float) -> str:
+    """A share in per cent."""
+    return f"{100.0 * value:.0f} %"
+
+
+def percent_range(interval: tuple[float, float]) -> str:
+    """An interval of shares in per cent."""
+    return f"{100.0 * interval[0]:z.0f} to {100.0 * interval[1]:z.0f} %"
+
+
+def values_of(parameters: Sequence[ParameterEstimate]) -> str:
+    """The first parameters with their intervals; those that only count together as so many."""
+    open_ones = [p for p in parameters if _is_open_within(p)]
+    together = len(open_ones) > 1
+    shown = [p for p in parameters if not (together and p in open_ones)]
+    told = [_value(p) for p in shown[:MOST_PARAMETERS]]
+    more = len(shown) - len(told)
+    if more > 0:
+        told.append(f"{more} more parameter{'s' if more > 1 else ''}")
+    if together:
+        told.append(
+            f"{len(open_ones)} values of which none is known by itself, for the model's own curve "
+            "can make up for each"
+        )
+    return listed(told) if told else "parameters that could not be told"
+
+
+def _is_open_within(p: ParameterEstimate) -> bool:
+    """Whether the interval of a value reaches beyond both of its bounds."""
+    if p.ci95 is None or p.lower is None or p.upper is None:
+        return False
+    return p.ci95[0] < p.lower and p.ci95[1] > p.upper
+
+
+def _within_bounds(p: ParameterEstimate) -> tuple[float, float] | None:
+    """The interval of a value as far as its bounds allow."""
+    if p.ci95 is None:
+        return None
+    lower = -math.inf if p.lower is None else p.lower
+    upper = math.inf if p.upper is None else p.upper
+    return max(p.ci95[0], lower), min(p.ci95[1], upper)
+
+
+def _value(p: ParameterEstimate) -> str:
+    unit = "" if p.unit == "1" else f" {p.unit}"
+    name = p.name
+    for key in sorted(EFFECTS, key=len, reverse=True):
+        name = p.name.removeprefix(f"{key}_")
+        if name != p.name:
+            break
+    if _is_open_within(p):
+        return (
+            f"{name}, which is not known within its bounds of {p.lower:.3g} to {p.upper:.3g}{unit}"
+        )
+    ends = _within_bounds(p)
+    low, high = (
+        "…" if e is None or not math.isfinite(e) else f"{e:.3g}" for e in ends or (None,) * 2
+    )
+    interval = f" [{low}, {high}]" if ends is not None else ""
+    bound = ", at its bound" if p.at_bound else ""
+    return f"{name} = {p.value:.3g}{interval}{unit}{bound}"
+
+
+def taken_by(remainder: Remainder) -> str:
+    """How much of the misfit goes, and why that names no cause."""
+    taken = f"{percent(remainder.explained_share)} of the misfit above the noise"
+    if remainder.explained_share - remainder.held_out_share < FAR_APART:
+        if remainder.explained_share > ENOUGH:
+            return f"{taken}, but not surely enough for a name"
+        return f"{taken}, which is too little for a cause"
+    held = percent(remainder.held_out_share)
+    return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
+
+
+def structure_of_rest(remainder: Remainder) -> str:
+    """How much of what is left follows from the motion, beside what chance reaches."""
+    share, limit = percent(remainder.structure_share), percent(max(remainder.structure_limit, 0.0))
+    if remainder.structure_share <= max(remainder.structure_limit, 0.0):
+        return "no more of it follows from the motion than chance would make of noise"
+    return f"{share} of its power follows from the motion, where chance reaches {limit}"
+
+
+def round_of(cause: Cause, evidence: Sequence[Evidence], number: int) -> int:
+    """The round in which a cause was found: descriptions have rounds of their own."""
+    mine = (e.round for e in evidence if (e.effect, e.delta_bic) == (cause.key, cause.delta_bic))
+    return next(mine, number)
+
+
+def given_up(dropped: Sequence[str]) -> str:
+    """What does not carry over from log to log; nothing where all does.
+
+    Parameters
+    ----------
+    dropped
+        From `dropped_from`.
+    """
+    if not dropped:
+        return ""
+    verb, them = ("does", "it") if len(dropped) == 1 else ("do", "them")
+    return (
+        f"Its {listed(dropped)} {verb} not carry over to logs that are left out, so what follows "
+        f"extends the model without {them}."
+    )
+
+
+def at_bounds(cause: Cause) -> str:
+    """That a description ends at a bound, which is why it is no more than one.
+
+    Parameters
+    ----------
+    cause
+        The description.
+    """
+    stuck = [p.name.removeprefix(f"{cause.effect}_") for p in cause.parameters if p.at_bound]
+    if not stuck:
+        return ""
+    verb, its = ("ends", "its bound") if len(stuck) == 1 else ("end", "their bounds")
+    return (
+        f"The {listed(stuck)} of {lowered(cause.title)} {verb} at {its}, so something else may "
+        "stand behind it."
+    )
+
+
+def unsteady(cause: Cause) -> str:
+    """That the size of a cause is not the same throughout; nothing where it is.
+
+    Parameters
+    ----------
+    cause
+        A cause or a description.
+    """
+    if cause.variation is None:
+        return ""
+    size = percent(cause.variation.spread)
+    return (
+        f"The size of {lowered(cause.title)} is not the same throughout: it varies by about {size} "
+        f"with {VARIABLES[cause.variation.by]}, so its law is not exactly this one."
+    )
+
+
+def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
+    """What the descriptions beside some causes are, and why they are no more.
+
+    Parameters
+    ----------
+    descriptive, causes
+        As in `Diagnosis`.
+    """
+    names = listed([lowered(cause.title) for cause in descriptive])
+    verb = "describes" if len(descriptive) == 1 else "describe"
+    most = max(cause.delta_bic for cause in descriptive)
+    if most < min((cause.delta_bic for cause in causes), default=math.inf):
+        return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
+    reasons = [part for cause in descriptive for part in (at_bounds(cause), unsteady(cause))]
+    told = f"Besides, {names} {verb} a part of the misfit, with a law that is not sure enough"
+    return " ".join(filter(None, (f"{told} for a name.", *reasons)))
+
+
+def noise_like(remainder: Remainder) -> str:
+    """That what is left looks like noise, and by how much it is larger than what the noise is.
+
+    Parameters
+    ----------
+    remainder
+        What is left.
+    """
+    if remainder.excess <= LOUDER:
+        return "looks like noise"
+    what = "the noise of the rests" if remainder.noise_from_rest else "noise in its fastest part"
+    return f"looks like noise, though its power is {percent(remainder.excess)} above that of {what}"

@@ -1,0 +1,397 @@
+"""A diagnosis as the short paragraph that a colleague in the laboratory would write."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from softid.diagnoses import (
+    NOTABLE,
+    Alternative,
+    Cause,
+    Diagnosis,
+    Evidence,
+    Gain,
+    Remainder,
+    Verdict,
+    cause_before,
+    dropped_from,
+)
+from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_next, why_tied
+from softid.diagnosis.report.issues import CHANGE_POINT, REFUSED
+from softid.diagnosis.report.phrases import (
+    VARIABLES,
+    at_bounds,
+    described,
+    given_up,
+    listed,
+    lowered,
+    named_whole,
+    neighbours_of,
+    noise_like,
+    percent,
+    percent_range,
+    round_of,
+    sentence,
+    structure_of_rest,
+    taken_by,
+    title_of,
+    titles_of,
+    unsteady,
+    values_of,
+    variables_left,
+)
+from softid.diagnosis.residual.disturbances import CODES
+from softid.diagnosis.verdict.equivalence import classes_of
+from softid.results import FitResult
+
+MORE = 1.25
+"""What is held out keeps more when its error is so many times that of the fitted samples."""
+
+
+def write_summary(found: Diagnosis) -> Diagnosis:
+    """The diagnosis with its paragraph, what to record next, and why ties are ties.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers; words that it has already stay, but for the paragraph.
+    """
+    linear = is_linear(found.base)
+    alternatives = tuple(
+        a if a.why else replace(a, why=why_tied(a, linear=linear)) for a in found.alternatives
+    )
+    following = found.next_experiment or what_next(
+        found.verdict, alternatives=alternatives, remainder=found.remainder, linear=linear
+    )
+    summary = summarise(
+        found.verdict,
+        base=found.base,
+        causes=found.causes,
+        descriptive=found.descriptive,
+        alternatives=alternatives,
+        remainder=found.remainder,
+        gains=found.gains,
+        evidence=found.evidence,
+        next_experiment=following,
+        gain_ci95=found.gain_ci95,
+        marks=[issue.message for issue in found.issues if issue.code in (*CODES, REFUSED)],
+        moments=[issue.message for issue in found.issues if issue.code == CHANGE_POINT],
+        dropped=dropped_from(found),
+    )
+    return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
+
+
+def summarise(
+    verdict: Verdict,
+    *,
+    base: FitResult,
+    causes: Sequence[Cause],
+    descriptive: Sequence[Cause] = (),
+    alternatives: Sequence[Alternative] = (),
+    remainder: Remainder,
+    gains: Sequence[Gain],
+    evidence: Sequence[Evidence] = (),
+    next_experiment: str | None = None,
+    gain_ci95: tuple[float, float] | None = None,
+    marks: Sequence[str] = (),
+    moments: Sequence[str] = (),
+    dropped: Sequence[str] = (),
+) -> str:
+    """What is wrong, by how much, why we think so, what it could be confused with, what to do next.
+
+    Parameters
+    ----------
+    verdict
+        The answer.
+    base
+        The fit without effects, which tells model, outputs and units.
+    causes, descriptive, alternatives, remainder, gains, evidence, next_experiment, gain_ci95
+        As in `Diagnosis`.
+    marks
+        What `disturbance_issues` found, and what is held out speaks against.
+    moments
+        What `change_issues` found.
+    dropped
+        Parameters of the base that the extended model does without.
+
+    Returns
+    -------
+    str
+        A few plain sentences, numbers in the units of the logs.
+    """
+    teller = _Teller(base, gains, gain_ci95, dropped)
+    told = [teller.misfit(), given_up(dropped)]
+    if verdict is Verdict.ADEQUATE:
+        told += _adequate(teller, remainder)
+    elif verdict is Verdict.UNKNOWN:
+        told.append("Something is missing, and none of the effects tried can be named for it.")
+        told += [sentence(moment) for moment in moments]
+        told += _unknown(teller, descriptive or causes, alternatives, remainder)
+    else:
+        told += _explained(teller, causes, alternatives, evidence, descriptive)
+        if descriptive:
+            told.append(described(descriptive, causes))
+        told.append(teller.mended((*causes, *descriptive)))
+        if verdict is Verdict.PARTIAL or remainder.structured:
+            told += _partial(teller, remainder)
+        else:
+            looks = "does not follow from the motion" if marks else noise_like(remainder)
+            told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
+            told.append(teller.more_held_out(remainder))
+    told += [sentence(mark) for mark in marks]
+    if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
+        told.append(teller.nothing_to_mend())
+    told += _next(verdict, causes, alternatives, next_experiment)
+    return " ".join(sentence for sentence in told if sentence)
+
+
+class _Teller:
+    """Numbers of the first output in the unit in which people know it."""
+
+    def __init__(
+        self,
+        base: FitResult,
+        gains: Sequence[Gain],
+        whole_gain: tuple[float, float] | None = None,
+        dropped: Sequence[str] = (),
+    ) -> None:
+        self.base = base
+        self.dropped = dropped
+        self.whole_gain = whole_gain
+        self.first = base.outputs[0]
+        row = next((r for r in base.statistics if r.channel == self.first), None)
+        self.unit = row.display_unit if row else ""
+        self.factor = row.display_factor if row else 1.0
+        mine = [g for g in gains if g.channel == self.first]
+        held = [g for g in mine if g.held_out]
+        self.rows = held or mine
+        self.held_out = bool(held)
+
+    def size(self, value: float) -> str:
+        """An error with its unit."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{value * self.factor:.3g}{unit}"
+
+    def error(self, pick: Callable[[Gain], float]) -> float:
+        """Root mean square over all logs; NaN when there is none."""
+        n = sum(g.n for g in self.rows)
+        return math.sqrt(sum(g.n * pick(g) ** 2 for g in self.rows) / n) if n else math.nan
+
+    def percents(self, pick: Callable[[Gain], float]) -> str:
+        """The fit of the logs in per cent, of those in which anything moves."""
+        values = [pick(g) for g in self.rows if math.isfinite(pick(g))]
+        if not values:
+            return "unknown"
+        low, high = f"{min(values):z.0f}", f"{max(values):z.0f}"
+        return f"{low} %" if low == high else f"{low} to {high} %"
+
+    def misfit(self) -> str:
+        """What the base model reaches."""
+        model = f"The {self.base.model.name} model"
+        if not self.rows:
+            return f"{model} was fitted, and no sample of {self.first} was left to judge it on."
+        where = "held-out samples" if self.held_out else "the fitted samples"
+        before = self.size(self.error(lambda g: g.rmse_before))
+        fit = self.percents(lambda g: g.fit_percent_before)
+        return f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
+
+    def more_held_out(self, remainder: Remainder) -> str:
+        """That what is held out keeps more than what was fitted, where it does."""
+        after = self.error(lambda g: g.rmse_after)
+        if not (self.held_out and after > MORE * remainder.rms):
+            return ""
+        return (
+            f"The held-out samples keep more, {self.size(after)}: parameters that are a little off "
+            "for other moves, or something that the fitted ones hardly show."
+        )
+
+    def nothing_to_mend(self) -> str:
+        """The last word on an adequate model, and what it is worth."""
+        if any(g.fit_percent_before <= 0.0 for g in self.rows):
+            return "But a constant would do as well: the logs show too little to judge the model."
+        return "There is nothing to mend for logs like these."
+
+    def mended(self, causes: Sequence[Cause]) -> str:
+        """What the extension gains, over all links."""
+        if not self.rows or not causes:
+            return ""
+        before, after = self.error(lambda g: g.rmse_before), self.error(lambda g: g.rmse_after)
+        gain = f"{100.0 * (1.0 - after / before):.0f} %" if before > 0.0 else "nothing"
+        alone = len(causes) == 1 and not self.dropped
+        interval = causes[0].gain_ci95 if alone else self.whole_gain
+        sure = f", 95 % interval {percent_range(interval)}" if interval else ""
+        fit = self.percents(lambda g: g.fit_percent_after)
+        with_it = "With it" if len(causes) == 1 else "With all of them"
+        with_it += f" and without {listed(self.dropped)}" if self.dropped else ""
+        return (
+            f"{with_it} the error goes from {self.size(before)} to {self.size(after)} "
+            f"(gain {gain}{sure}; fit {fit})."
+        )
+
+
+def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
+    left = teller.size(remainder.rms)
+    noise = "the noise of the rests" if remainder.noise_from_rest else "noise"
+    why = "it is no larger" if remainder.predictable else structure_of_rest(remainder)
+    told = [
+        "None of the effects tried explains more of it than chance would.",
+        f"What is left, {left} rms on the fitted samples, looks like {noise}: {why}.",
+    ]
+    if not remainder.noise_from_rest:
+        told.append("No long rest shows the noise alone, so a slow misfit could hide in it.")
+    return told
+
+
+def _unknown(
+    teller: _Teller,
+    tried: Sequence[Cause],
+    alternatives: Sequence[Alternative],
+    remainder: Remainder,
+) -> list[str]:
+    told = []
+    if tried:
+        names = listed([lowered(cause.title) for cause in tried])
+        takes = "takes" if len(tried) == 1 else "take"
+        told.append(f"The best description, {names}, {takes} away {taken_by(remainder)}.")
+        told += [part for cause in tried for part in (at_bounds(cause), unsteady(cause))]
+        for tie in alternatives:
+            first, *others = tie.keys
+            told.append(
+                f"These logs do not tell {title_of(first)} from {titles_of(others, last=' or ')}."
+            )
+    if not remainder.structured:
+        left = teller.size(remainder.rms)
+        looks = noise_like(remainder)
+        return [*told, f"What is left on the fitted samples, {left} rms, {looks}."]
+    return [*told, _left(teller, remainder)]
+
+
+def _partial(teller: _Teller, remainder: Remainder) -> list[str]:
+    return [
+        f"That is {percent(remainder.explained_share)} of the misfit above the noise.",
+        _left(teller, remainder),
+    ]
+
+
+def _left(teller: _Teller, remainder: Remainder) -> str:
+    named = [VARIABLES.get(name, name) for name in variables_left(remainder)]
+    told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
+    if remainder.predictable:
+        told += f"is not noise: {structure_of_rest(remainder)}"
+    elif remainder.structure_share > NOTABLE:
+        share = percent(remainder.structure_share)
+        told += (
+            f"is larger than the noise; {share} of it follows from the motion, but so much of slow "
+            "noise would by chance"
+        )
+    elif remainder.noise_from_rest:
+        told += "is larger than the noise, but follows from no variable that was looked at"
+    else:
+        told += (
+            "is larger than white noise of its fastest part, but follows from no variable that "
+            "was looked at: slow noise would look so, too, and no long rest shows it"
+        )
+    return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
+
+
+def _explained(
+    teller: _Teller,
+    causes: Sequence[Cause],
+    alternatives: Sequence[Alternative],
+    evidence: Sequence[Evidence],
+    descriptive: Sequence[Cause],
+) -> list[str]:
+    told = []
+    for number, cause in enumerate(causes, start=1):
+        tie = next((a for a in alternatives if cause.effect in a.effects), None)
+        opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
+        values = values_of(cause.parameters)
+        if tie is not None:
+            named = titles_of(tie.keys, last=" or ")
+            law = law_that_ties(tie, linear=is_linear(teller.base))
+            if law is not None:
+                reason = f"{law.why}. As {lowered(cause.title)} it"
+            else:
+                reason = f"The first by a little, {lowered(cause.title)},"
+            told.append(
+                f"{opening} one of these, and the logs do not say which: {named}. {reason} would "
+                f"have {values}."
+            )
+        else:
+            told.append(
+                f"{opening} {named_whole(cause)} ({cause.key}) with {values}. {cause.meaning}"
+            )
+        told += [
+            f"No log of pressure and motion can tell {' from '.join(c.members)}: {lowered(c.why)}"
+            for c in classes_of(tie.effects if tie else [cause.effect])
+        ]
+        alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
+        errors = "" if alone else _errors(teller, cause, descriptive)
+        told += [_evidence(teller, cause, number, tie, evidence, errors), unsteady(cause)]
+    return told
+
+
+def _evidence(
+    teller: _Teller,
+    cause: Cause,
+    number: int,
+    tie: Alternative | None,
+    evidence: Sequence[Evidence],
+    errors: str,
+) -> str:
+    told = f"Evidence: BIC falls by {cause.delta_bic:.0f}{errors}"
+    if cause.holdout_rmse_without is not None:
+        told += f"; without it the others leave {teller.size(cause.holdout_rmse_without)}"
+    tied = {cause.effect, *(tie.effects if tie else ())}
+    raced = [
+        e
+        for e in evidence
+        if e.round == round_of(cause, evidence, number) and e.effect.split(".")[0] not in tied
+    ]
+    rivals = [(e.delta_bic, e.effect) for e in raced if e.effect and e.delta_bic is not None]
+    ahead = sorted({key for delta, key in rivals if delta > cause.delta_bic})
+    if ahead:
+        verb = "lowers" if len(ahead) == 1 else "lower"
+        told += f"; {titles_of(ahead)} {verb} it more, but not the error on what is held out"
+    elif rivals:
+        delta, key = max(rivals)
+        told += f"; the next best, {title_of(key)}, stays {cause.delta_bic - delta:.0f} behind"
+    confused = [] if tie else neighbours_of(cause.key)
+    if confused:
+        known = {e.effect for e in raced} - {key.split(".")[0] for key in ahead}
+        also = ", which explain these logs less well" if known.issuperset(confused) else ""
+        told += f". It is easily confused with {listed([title_of(n) for n in confused])}{also}"
+    return told + "."
+
+
+def _errors(teller: _Teller, cause: Cause, descriptive: Sequence[Cause]) -> str:
+    """The error before and after, and which description brought it to where the cause begins."""
+    errors = (cause.holdout_rmse_before, cause.holdout_rmse_after)
+    if not all(map(math.isfinite, errors)):
+        return ""
+    before, after = map(teller.size, errors)
+    earlier = cause_before(cause, descriptive)
+    there = f", where {lowered(earlier.title)} has brought it," if earlier else ""
+    how = "and" if errors[1] <= errors[0] else "though by itself"
+    return f", {how} the held-out error goes from {before}{there} to {after}"
+
+
+def _next(
+    verdict: Verdict,
+    causes: Sequence[Cause],
+    alternatives: Sequence[Alternative],
+    next_experiment: str | None,
+) -> list[str]:
+    told = []
+    if next_experiment:
+        told.append(f"Next: {next_experiment.rstrip('.')}.")
+    tied = {name for a in alternatives for name in a.effects}
+    sure = [cause for cause in causes if cause.effect not in tied and cause.remedy]
+    remedies = [cause.remedy for cause in sure if not cause.remedy.startswith("none")]
+    if remedies and verdict is not Verdict.UNKNOWN:
+        told.append(f"In hardware: {'; '.join(dict.fromkeys(remedies))}.")
+    if verdict is Verdict.UNKNOWN:
+        told.append("Look at the plots of what is left against position, speed, input and time.")
+    return told

@@ -1,0 +1,134 @@
+"""Whether what a model leaves is more than noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from softid.diagnoses import Remainder
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.residual.motion import has_spring, residual_context
+from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
+from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
+from softid.effects.base import Scale
+
+LEAST_NOISE = 1e-9
+"""Share of the base's misfit that the noise is at least: recordings that repeat their values show
+none."""
+
+FAINT = 0.5
+"""A held-out error counts as noise while its square is no more than this share above the noise's:
+parameters are a little off on other logs."""
+
+SMALLEST_EXCESS = 0.15
+EXCESS_SDS = 3.0
+"""The residual is larger than the noise when its variance is so far above it: pressure noise and
+the estimate of the noise itself leave less."""
+
+LITTLE_EXPLAINED, FEWER_SDS = 0.8, 2.0
+"""Where causes explain less than the first share of a misfit, so many deviations are enough: a rest
+of coloured noise knows its variance to a third only, and a law that is not the right one leaves
+what that hides."""
+
+
+def assess(
+    base: Candidate, final: Candidate, scale: Scale, *, rng: np.random.Generator
+) -> Remainder:
+    """Look at what the last model leaves.
+
+    Parameters
+    ----------
+    base, final
+        The first and the last model.
+    scale
+        Sizes of the base fit.
+    rng
+        Draws the shifts of the null.
+    """
+    before, after = residual_context(base), residual_context(final)
+    floor = _floor_of(after, scale)
+    structure = structure_of(after, scale.motion_s, rng=rng, wanders=not has_spring(final))
+    least = _least_noise(floor, before)
+    excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
+    explained = 1.0
+    if excess_before > _largest_excess(floor):
+        explained = float(np.clip(1.0 - max(excess, 0.0) / excess_before, 0.0, 1.0))
+    residual = np.concatenate([p.residual for p in after])
+    return Remainder(
+        rms=float(np.sqrt(np.nanmean(residual**2))),
+        explained_share=explained,
+        structure_share=structure.share,
+        structure_limit=structure.limit,
+        by=structure.by,
+        excess=excess,
+        noise_from_rest=floor.from_rest,
+        structured=_is_structured(structure, excess, floor, explained),
+    )
+
+
+def excess_of(base: Candidate, scale: Scale) -> float:
+    """Variance of what a base leaves above that of the noise, as a share of the latter.
+
+    Parameters
+    ----------
+    base
+        The model without effects.
+    scale
+        Its sizes.
+    """
+    parts = residual_context(base)
+    return _power(parts) / _least_noise(_floor_of(parts, scale), parts) - 1.0
+
+
+def held_out_share(before: float, after: float, remainder: Remainder) -> float:
+    """Share of the held-out misfit above the noise that goes; 1 when only noise is left.
+
+    Parameters
+    ----------
+    before, after
+        Root mean square error of the first and the last model on what was held out.
+    remainder
+        What the last model leaves on the fitted samples.
+    """
+    noise = remainder.rms**2 / max(1.0 + remainder.excess, 1.0)
+    left, whole = after**2 - noise, before**2 - noise
+    if not np.isfinite(left) or left <= FAINT * noise:
+        return 1.0
+    return float(np.clip(1.0 - left / whole, 0.0, 1.0)) if whole > 0.0 else 0.0
+
+
+def _is_structured(
+    structure: Structure, excess: float, floor: NoiseFloor, explained: float
+) -> bool:
+    """Whether more is left than noise.
+
+    Slow noise follows from the motion by chance once in twenty times. Where rests tell how large it
+    is, a structure must make the residual larger than it.
+    """
+    shows = not floor.from_rest or excess > floor.relative_sd
+    deviations = EXCESS_SDS if explained > LITTLE_EXPLAINED else FEWER_SDS
+    return (structure.significant and shows) or excess > _largest_excess(floor, deviations)
+
+
+def _largest_excess(floor: NoiseFloor, deviations: float = EXCESS_SDS) -> float:
+    return SMALLEST_EXCESS + deviations * floor.relative_sd
+
+
+def _floor_of(parts: Sequence[ResidualContext], scale: Scale) -> NoiseFloor:
+    return noise_floor(
+        [p.residual for p in parts],
+        [p.u for p in parts],
+        [p.time_s for p in parts],
+        scale.motion_s,
+    )
+
+
+def _least_noise(floor: NoiseFloor, before: Sequence[ResidualContext]) -> float:
+    """Variance of the noise, which no misfit is compared with as if it were none."""
+    return max(floor.variance, LEAST_NOISE * _power(before), float(np.finfo(float).tiny))
+
+
+def _power(parts: Sequence[ResidualContext]) -> float:
+    residual = np.concatenate([p.residual for p in parts])
+    return float(np.nanmean(residual**2))

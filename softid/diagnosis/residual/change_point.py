@@ -1,0 +1,142 @@
+"""Whether a misfit begins at one moment: something slipped, gave way, or jumped.
+
+Every unknown of the base may change at a moment, and so may the delay of the output. The score test
+of that, the largest over all moments (Andrews, Econometrica 61, 1993), needs no refit: a base that
+was fitted to the whole of a log, before and after, bends towards either side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
+
+Array = npt.NDArray[np.float64]
+
+MOMENTS, FINER = 48, 12
+"""Moments that are tried over a log, and between the neighbours of the best one."""
+
+EDGE = 0.08
+"""Nothing is looked for in this share of a log at either end: too little would tell of it."""
+
+TAKES, TAKES_AT_LARGE = 0.94, 0.985
+"""A change must take away so much of the misfit above the noise, and the second share where no kind
+alone does: a change of everything takes much of any misfit."""
+
+USUAL = 0.75
+"""At the median moment it must take away less than this share of that: what goes on throughout a
+log, such as a drift, is made up for by a change at any moment."""
+
+ALONE = 0.93
+"""A change of one kind is told when it takes away so much of what a change of everything does."""
+
+
+@dataclass(frozen=True)
+class ChangePoint:
+    """A moment at which something changed.
+
+    Attributes
+    ----------
+    log
+        Index of the log.
+    time_s
+        The moment.
+    share
+        Share of the misfit above the noise that a change of everything takes away.
+    kind
+        What changed: ``zero``, ``clock`` or ``gain``; empty where it is none of them alone.
+    """
+
+    log: int
+    time_s: float
+    share: float
+    kind: str
+
+
+def change_point(base: Candidate, excess: float) -> ChangePoint | None:
+    """The moment at which the misfit begins, if it begins at one.
+
+    With B spanning the derivatives of the response and the rate of the output, the residual is
+    regressed on B before and after a moment; the moment is where most goes.
+
+    Parameters
+    ----------
+    base
+        The model without effects.
+    excess
+        Variance of what it leaves above that of the noise, as a share of the latter.
+    """
+    if not excess > 0.0:
+        return None
+    look = _ScoreTest(base)
+    misfit = look.power * excess / (1.0 + excess)
+    best: ChangePoint | None = None
+    for log in sorted({row.log for row in look.rows}):
+        found = look.best_of(log, misfit)
+        if found is not None and (best is None or found.share > best.share):
+            best = found
+    return best
+
+
+class _ScoreTest:
+    """Residual of the first output, and the columns that a change is made of."""
+
+    def __init__(self, base: Candidate) -> None:
+        first = base.problem.outputs[0]
+        self.rows = [row for row in rows_of(base) if row.channel == first]
+        jacobian = np.concatenate([row.jacobian for row in self.rows])
+        self.rate = _joined(self.rows, lambda row: row.motion.v)
+        self.position = _joined(self.rows, lambda row: row.motion.x)
+        self.time_s = _joined(self.rows, lambda row: row.motion.time_s)
+        self.log = np.concatenate([np.full(row.residual.size, row.log) for row in self.rows])
+        self.basis = basis_of(jacobian)
+        residual = np.concatenate([row.residual for row in self.rows])
+        self.left = project_out(self.basis, residual)
+        self.power = float(residual @ residual)
+        self.columns = basis_of(np.column_stack((jacobian, self.rate)))
+
+    def best_of(self, log: int, misfit: float) -> ChangePoint | None:
+        """The moment of one log at which a change takes most of a misfit."""
+        mine = self.time_s[self.log == log]
+        begin, length = float(mine[0]), float(np.ptp(mine))
+        step = (1.0 - 2.0 * EDGE) * length / (MOMENTS - 1)
+        moments = begin + EDGE * length + step * np.arange(MOMENTS)
+        taken = np.array([self.taken(self.columns, log, t) for t in moments.tolist()])
+        most = float(taken.max())
+        if most < TAKES * misfit or float(np.median(taken)) > USUAL * most:
+            return None
+        near = float(moments[int(taken.argmax())]) + np.linspace(-step, step, 2 * FINER + 1)
+        finer = [self.taken(self.columns, log, t) for t in near.tolist()]
+        time_s, most = float(near[int(np.argmax(finer))]), max(finer)
+        kind = self.kind_of(log, time_s, most)
+        if not kind and most < TAKES_AT_LARGE * misfit:
+            return None
+        return ChangePoint(log, time_s, most / misfit, kind)
+
+    def taken(self, columns: Array, log: int, time_s: float) -> float:
+        """Fall of the sum of squares when the weights of columns change at a moment of a log."""
+        after = (self.log == log) & (self.time_s > time_s)
+        pair = np.column_stack((self.rate, columns * after[:, None]))
+        return float(np.sum((added_basis(self.basis, pair).T @ self.left) ** 2))
+
+    def kind_of(self, log: int, time_s: float, most: float) -> str:
+        """What alone takes nearly as much, the simplest first."""
+        kinds = {
+            "zero": np.ones((self.rate.size, 1)),
+            "clock": self.rate[:, None],
+            "gain": self.position[:, None],
+        }
+        for name, columns in kinds.items():
+            if self.taken(columns, log, time_s) > ALONE * most:
+                return name
+        return ""
+
+
+def _joined(rows: Sequence[Rows], values: Callable[[Rows], Array]) -> Array:
+    """A variable at the used samples of all rows."""
+    return np.concatenate([values(row)[row.used] for row in rows])

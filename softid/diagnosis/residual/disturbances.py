@@ -1,0 +1,247 @@
+"""Marks of what no law of motion brings: a line in the spectrum, short events and slow wander.
+
+All are looked for in what the last model leaves, and told beside the verdict: a pump, a supply
+that swings or a cable that is touched are no effects of an actuator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.residual.slow_noise import CODE, slow_noise_issues
+from softid.diagnosis.residual.structure import ResidualContext
+from softid.errors import Issue
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+LEAST_SAMPLES, LEAST_CYCLES = 256, 6.0
+NEIGHBOURS = 25
+"""A line is held against so many bins of the spectrum on either side, where noise is as loud."""
+
+ODDS_OF_CHANCE = 1e-4
+"""Noise as loud as those bins gives such a line in one of so many logs."""
+
+OF_THE_INPUT, ABOVE_BESIDE = 0.02, 12.0
+"""The input has a line of its own where a bin holds so much of the power of its strongest one and
+so many times the power of the bins beside it: then the motion brings it, and up to the third
+harmonic a law that is not straight makes of it as well."""
+
+QUARTERS, AS_STRONG = 4, 0.5
+"""The line must have half of its amplitude in all but one of four quarters of the log."""
+
+LEAST_SHARE = 0.02
+"""Share of the rest's power that a line holds at least."""
+
+QUIET_TIMES, QUIET_MOVE = 5.0, 0.02
+"""An event does not follow from a move of the input by 2 % of its range in the last five time
+constants of the motion."""
+
+BETWEEN_BINS = np.linspace(-1.0, 1.0, 41)
+"""Places about the best bin, in bins, among which the line has its largest amplitude."""
+
+WINDOW_SAMPLES = 5
+LOUD, MOST_EVENTS, EVENTS_SHARE = 16.0, 0.05, 0.2
+"""Windows count as events when their power is so many times the median one; not when more than one
+in twenty is so loud, nor when all together hold less than a fifth of the rest's power at rest."""
+
+MOST_TOLD = 3
+CODES = ("spectral-line", "short-events", CODE)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line in the spectrum.
+
+    Attributes
+    ----------
+    frequency_hz
+        Its frequency.
+    amplitude
+        Its amplitude, in the unit of the residual.
+    """
+
+    frequency_hz: float
+    amplitude: float
+
+
+def line_in(parts: Sequence[ResidualContext]) -> Line | None:
+    """A steady line in the longest part of a residual, at a frequency that the input lacks.
+
+    Parameters
+    ----------
+    parts
+        Residuals with their input.
+    """
+    part = max(parts, key=lambda p: p.time_s.size)
+    time_s, residual, u = _regular(part)
+    n = time_s.size
+    if n < LEAST_SAMPLES:
+        return None
+    power, driven = _power(residual), _power(u)
+    frequency = np.fft.rfftfreq(n, time_s[1] - time_s[0])
+    usable = np.arange(power.size) * 1.0 > LEAST_CYCLES
+    usable &= ~_harmonics_of(driven)
+    places = np.flatnonzero(usable)
+    if places.size < 2 * NEIGHBOURS:
+        return None
+    floor = np.array(
+        [np.median(power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1]) for k in places]
+    )
+    height = power[places] / np.maximum(floor / log(2.0), np.finfo(float).tiny)
+    best = int(np.argmax(height))
+    if height[best] <= log(places.size) - log(ODDS_OF_CHANCE):
+        return None
+    near_hz = float(frequency[places[best]]) + frequency[1] * BETWEEN_BINS
+    line_hz = float(max(near_hz, key=lambda hz: _amplitude(time_s, residual, hz)))
+    whole = _amplitude(time_s, residual, line_hz)
+    quarters = [
+        _amplitude(t, r, line_hz)
+        for t, r in zip(
+            np.array_split(time_s, QUARTERS), np.array_split(residual, QUARTERS), strict=True
+        )
+    ]
+    steady = sorted(quarters)[1] >= AS_STRONG * whole
+    loud = 0.5 * whole**2 >= LEAST_SHARE * float(np.mean(residual**2))
+    return Line(line_hz, whole) if steady and loud else None
+
+
+def events_in(parts: Sequence[ResidualContext], motion_s: float) -> tuple[float, ...]:
+    """Times of short and large deviations while the input rests.
+
+    Parameters
+    ----------
+    parts
+        Residuals with their input.
+    motion_s
+        Time constant of the motion.
+
+    Returns
+    -------
+    tuple of float
+        In order, each the begin of a run of loud windows; empty where there are none.
+    """
+    times, loud, power = [], [], []
+    span = max(float(np.ptp(np.concatenate([p.u for p in parts]))), np.finfo(float).tiny)
+    for part in parts:
+        quiet = _at_rest(part, QUIET_TIMES * motion_s, QUIET_MOVE * span)
+        used = quiet & np.isfinite(part.residual)
+        count = used.size // WINDOW_SAMPLES
+        whole = used[: count * WINDOW_SAMPLES].reshape(count, WINDOW_SAMPLES).all(axis=1)
+        squares = part.residual[: count * WINDOW_SAMPLES].reshape(count, WINDOW_SAMPLES) ** 2
+        times.append(part.time_s[: count * WINDOW_SAMPLES : WINDOW_SAMPLES][whole])
+        power.append(squares.mean(axis=1)[whole])
+    joined = np.concatenate(power)
+    if joined.size < WINDOW_SAMPLES / MOST_EVENTS:
+        return ()
+    loud = [p > LOUD * float(np.median(joined)) for p in power]
+    marked = np.concatenate(loud)
+    few = 0 < int(marked.sum()) <= MOST_EVENTS * marked.size
+    if not few or float(joined[marked].sum()) < EVENTS_SHARE * float(joined.sum()):
+        return ()
+    found = []
+    for t, is_loud in zip(times, loud, strict=True):
+        begins = is_loud & ~np.concatenate(([False], is_loud[:-1]))
+        found += t[begins].tolist()
+    return tuple(found)
+
+
+def disturbance_issues(
+    parts: Sequence[ResidualContext], motion_s: float, *, channel: str, unit: str, factor: float
+) -> tuple[Issue, ...]:
+    """The marks as remarks for the user.
+
+    Parameters
+    ----------
+    parts, motion_s
+        As in `events_in`.
+    channel, unit, factor
+        Name of the output, the unit in which people know it, and the factor to that unit.
+    """
+    found = []
+    line = line_in(parts)
+    if line is not None:
+        found.append(
+            Issue(
+                CODES[0],
+                "warning",
+                f"what is left of {channel} holds a steady line at {line.frequency_hz:.3g} Hz, "
+                f"{factor * line.amplitude:.3g} {unit} high, which the input does not have",
+                "look for a pump, a fan, the mains or a supply that swings",
+            )
+        )
+    events = events_in(parts, motion_s)
+    if events:
+        told = ", ".join(f"{t:.4g}" for t in events[:MOST_TOLD])
+        count = "1 short event" if len(events) == 1 else f"{len(events)} short events"
+        more = f" and {len(events) - MOST_TOLD} more" if len(events) > MOST_TOLD else ""
+        found.append(
+            Issue(
+                CODES[1],
+                "warning",
+                f"what is left of {channel} holds {count} while the input rests, at {told} s{more}",
+                "look at these times: a touched cable, a slipped mount or lost samples",
+            )
+        )
+    slow = slow_noise_issues(parts, motion_s, channel=channel, unit=unit, factor=factor)
+    return (*found, *slow)
+
+
+def _regular(part: ResidualContext) -> tuple[Array, Array, Array]:
+    """Times at equal distances with the residual, its gaps bridged, and the input."""
+    known = np.isfinite(part.residual)
+    if int(known.sum()) < LEAST_SAMPLES:
+        return part.time_s[:0], part.time_s[:0], part.time_s[:0]
+    period_s = float(np.median(np.diff(part.time_s)))
+    time_s = np.arange(part.time_s[0], part.time_s[-1], period_s)
+    residual = np.interp(time_s, part.time_s[known], part.residual[known])
+    return time_s, residual - residual.mean(), np.interp(time_s, part.time_s, part.u)
+
+
+def _power(values: Array) -> Array:
+    window = np.hanning(values.size)
+    found: Array = np.abs(np.fft.rfft((values - values.mean()) * window)) ** 2
+    return found
+
+
+def _beside(power: Array, places: npt.NDArray[np.int64]) -> Array:
+    """Median power of the bins around each place."""
+    rows = [np.median(power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1]) for k in places.tolist()]
+    return np.maximum(np.array(rows), np.finfo(float).tiny)
+
+
+def _harmonics_of(driven: Array) -> BoolArray:
+    """Bins in which the input has a line, or a second or third harmonic of one."""
+    strong = np.flatnonzero(driven > OF_THE_INPUT * driven.max(initial=0.0))
+    strong = strong[driven[strong] > ABOVE_BESIDE * _beside(driven, strong)]
+    taken = np.zeros(driven.size, bool)
+    for k in strong.tolist():
+        for multiple in (1, 2, 3):
+            taken[max(multiple * k - 2 * multiple, 0) : multiple * k + 2 * multiple + 1] = True
+    return taken
+
+
+def _amplitude(time_s: Array, residual: Array, frequency_hz: float) -> float:
+    phase = 2.0 * np.pi * frequency_hz * time_s
+    columns = np.column_stack((np.cos(phase), np.sin(phase), np.ones(phase.size)))
+    cosine, sine, _ = np.linalg.lstsq(columns, residual, rcond=None)[0].tolist()
+    return float(np.hypot(cosine, sine))
+
+
+def _at_rest(part: ResidualContext, since_s: float, least: float) -> BoolArray:
+    """Samples before which the input has not moved by more than ``least`` for a while."""
+    first = np.searchsorted(part.time_s, part.time_s - since_s)
+    moved = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(_settled(part.u, least))))))
+    still = (moved - moved[first] <= least) & (part.time_s - part.time_s[0] >= since_s)
+    return np.asarray(still, np.bool_)
+
+
+def _settled(u: Array, least: float) -> Array:
+    """The input in steps of that size, so that its noise moves nothing."""
+    steps: Array = np.round(u / least) * least
+    return steps

@@ -1,0 +1,1 @@
+"""The search for causes: screening, racing, and the chain that grows, swaps and shrinks."""

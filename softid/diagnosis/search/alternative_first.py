@@ -1,0 +1,66 @@
+"""Other first causes, for a search that came to nothing from the best one.
+
+Of two causes the best single one may be a third that stands for both. From there no second one
+helps, while from the second best single cause the search goes straight to the truth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.search.forward_selection import (
+    FIRST,
+    Chain,
+    Link,
+    converged,
+    is_accepted,
+    next_link,
+)
+from softid.diagnosis.search.screening import screen
+from softid.effects.base import Effect, Scale
+
+TRIED = 3
+"""So many of the most promising other effects are tried as the first cause."""
+
+MUCH = 0.3
+"""One that takes away this share of the sum of squares is tried even where its BIC does not fall:
+what a second cause leaves beside it, slow as a drift, passes for noise that could be anything."""
+
+
+def alternative_first_links(
+    known: str | None,
+    base: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> Iterator[Chain]:
+    """Chains of one link each, the most promising first.
+
+    Parameters
+    ----------
+    known
+        Name of the first cause of the search that came to nothing, None if it found none.
+    base
+        What it began with.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    """
+    promising = screen(base, effects, scale, sigma)
+    names = dict.fromkeys(s.effect.name for s in promising if s.effect.name != known)
+    for name in list(names)[:TRIED]:
+        forms = [effect for effect in effects if effect.name == name]
+        link = next_link(base, forms, scale, sigma, FIRST, screened=promising)
+        if link is not None and (is_accepted(link, FIRST) or _takes_much(link)):
+            found = converged(link.chosen.plain, sigma)
+            yield Chain((replace(link, found=found),), None, found)
+
+
+def _takes_much(link: Link) -> bool:
+    """Whether a link lowers the plain sum of squares by much."""
+    return link.chosen.plain.squares < (1.0 - MUCH) * link.squares_before

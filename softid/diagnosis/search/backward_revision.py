@@ -1,0 +1,176 @@
+"""Earlier links of a chain, seen again in the light of the later ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.refit.candidates import Candidate, advance, extend, prior_about
+from softid.diagnosis.search.forward_selection import (
+    FURTHER,
+    Chain,
+    Link,
+    converged,
+    is_accepted,
+    next_link,
+)
+from softid.diagnosis.search.racing import CLEAR_LEAD
+from softid.diagnosis.search.screening import Signature, screen, with_effect
+from softid.effects.base import Effect, Scale
+
+WITHOUT_ROUND = 25
+BEYOND = 3.0
+"""A link is not asked again when every rival was behind by more than so many times what the later
+links took away."""
+
+PROMISING = 6
+"""Effects of so many best signatures are asked again, besides those that were ranked."""
+
+
+def revised(
+    chain: Chain,
+    base: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> Chain:
+    """Ask for every earlier cause again which effect belongs there, given the others.
+
+    The first of two causes was chosen while the second was still in the residual, which may have
+    favoured a wrong one. A cause that no longer pays is dropped.
+
+    Parameters
+    ----------
+    chain
+        The chain as it was found.
+    base
+        What it began with.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    """
+    links, now = list(chain.links), chain.final
+    for position in range(len(links) - 2, -1, -1):
+        if _is_beyond_doubt(links[position], now):
+            continue
+        mine = links[position].added
+        others = [effect for effect in now.effects if effect.name != mine.name]
+        without = _without(now, base, others, scale, sigma)
+        taken = {effect.name for effect in others}
+        left = [effect for effect in effects if effect.name not in taken]
+        promising = screen(without, left, scale, sigma)
+        contenders = _contenders(links[position], promising, effects)
+        known = (with_effect(without, now, mine, scale),)
+        link = next_link(
+            without, contenders, scale, sigma, FURTHER, screened=promising, known=known
+        )
+        if link is None or not is_accepted(link, FURTHER):
+            del links[position]
+            now = without
+            continue
+        links[position] = _with_first_look(link, links[position])
+        now = converged(link.chosen.plain, sigma)
+    return Chain(tuple(links), chain.last, now)
+
+
+def _with_first_look(link: Link, first: Link) -> Link:
+    """The link with what it was found with, and what effects not asked again promised then."""
+    asked = {signature.effect.key for signature in link.signatures}
+    scale = link.squares_before / max(first.squares_before, 1e-300)
+    earlier = [
+        replace(s, drop=scale * s.drop) for s in first.signatures if s.effect.key not in asked
+    ]
+    return replace(link, signatures=(*link.signatures, *earlier), found=first.found)
+
+
+def _is_beyond_doubt(link: Link, final: Candidate) -> bool:
+    """Whether a link led by far more than what the later ones took away.
+
+    What left the race early was at least `CLEAR_LEAD` of the misfit behind.
+    """
+    chosen = link.chosen.plain.squares
+    misfit = link.before.plain.squares - chosen
+    others = [
+        row.plain.squares - chosen
+        for row in link.ranked
+        if row is not link.before and link.added_by(row).name != link.added.name
+    ]
+    had_rivals = any(s.effect.name != link.added.name for s in link.signatures)
+    return had_rivals and BEYOND * (chosen - final.squares) < min([CLEAR_LEAD * misfit, *others])
+
+
+def _contenders(
+    link: Link, promising: Sequence[Signature], effects: Sequence[Effect]
+) -> list[Effect]:
+    """Effects that did well in a link's round, or whose signature promises most now."""
+    names = {effect.name for row in link.ranked for effect in row.candidate.effects}
+    names |= set(list(dict.fromkeys(s.effect.name for s in promising))[:PROMISING])
+    return [effect for effect in effects if effect.name in names]
+
+
+def refit_without(
+    chain: Chain, position: int, base: Candidate, scale: Scale, sigma: Mapping[str, float]
+) -> Candidate:
+    """The model with all causes but one, refitted.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    position
+        Which link is left out.
+    base, scale, sigma
+        As in `revised`.
+    """
+    others = [link.added for k, link in enumerate(chain.links) if k != position]
+    return _without(chain.final, base, others, scale, sigma)
+
+
+def prefix_models(
+    chain: Chain, base: Candidate, scale: Scale, sigma: Mapping[str, float]
+) -> tuple[Candidate, ...]:
+    """The models with no cause, with the first, with the first two, and so on to all of them.
+
+    Parameters
+    ----------
+    chain
+        The chain; a revised link was judged with the later ones in the model.
+    base, scale, sigma
+        As in `revised`.
+    """
+    if not chain.links:
+        return (base,)
+    known = [c for link in chain.links for c in (link.chosen.plain, link.found) if c is not None]
+    effects = [link.added for link in chain.links]
+    between = []
+    for k in range(1, len(effects)):
+        keys = {effect.key for effect in effects[:k]}
+        found = [candidate for candidate in known if set(candidate.keys) == keys]
+        if not found:
+            found = [_without(chain.final, base, effects[:k], scale, sigma)]
+        between.append(min(found, key=lambda c: c.squares))
+    return (base, *between, chain.final)
+
+
+def _without(
+    now: Candidate,
+    base: Candidate,
+    others: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> Candidate:
+    """The model with the other effects alone, refitted."""
+    problem = extend(base.problem, others, scale) if others else base.problem
+    known = dict(zip(now.problem.free, now.minimum.point.tolist(), strict=False))
+    z = np.array([known[name] for name in problem.free])
+    z = np.concatenate((z, now.minimum.point[len(now.problem.free) :]))
+    n = max(problem.n_samples - problem.size, 1)
+    prior = prior_about(problem, z, problem.free, now.squares / n)
+    placed = replace(now.minimum, point=z, damping=None)
+    candidate = Candidate(tuple(others), problem, placed, prior)
+    return advance(candidate, sigma, WITHOUT_ROUND)

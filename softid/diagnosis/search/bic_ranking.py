@@ -1,0 +1,84 @@
+"""The comparison of refitted candidates under one noise model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.refit.whitening import Whitener, whitener_of
+from softid.diagnosis.search.racing import by_squares, can_catch_up
+
+WHITE_LAP = (8, 16)
+"""Evaluations of the laps under the noise model; who has no hope left stays out of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ranked:
+    """A refitted candidate under the noise model that all share.
+
+    Attributes
+    ----------
+    candidate
+        The candidate at its whitened optimum.
+    plain
+        The candidate at its optimum for white noise, which is the one to simulate with: whitening
+        makes slow errors cheap.
+    bic
+        n ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns.
+    """
+
+    candidate: Candidate
+    plain: Candidate
+    bic: float
+
+
+def rank(
+    candidates: Sequence[Candidate],
+    sigma: Mapping[str, float],
+    *,
+    whitener: Whitener | None = None,
+) -> list[Ranked]:
+    """Refit all under the noise model of the best one and compare them by BIC, best first.
+
+    What has no hope left is only evaluated, but for the one that all others extend.
+
+    Parameters
+    ----------
+    candidates
+        What has been refitted, the base among them, best first.
+    sigma
+        Residual standard deviation of each output channel, which floors the noise.
+    whitener
+        A noise model; None fits it to what the best candidate leaves.
+    """
+    best = by_squares(candidates)[0]
+    model = whitener or whitener_of(best.problem, best.minimum.point, sigma)
+
+    placed = [
+        replace(c, minimum=replace(c.minimum, damping=None), whitener=model) for c in candidates
+    ]
+    white = in_parallel(lambda c: advance(c, sigma, 1), placed)
+    fewest = min(len(c.effects) for c in candidates)
+
+    def polished(candidate: Candidate, leader: float, evaluations: int) -> Candidate:
+        if len(candidate.effects) > fewest and not can_catch_up(candidate, leader):
+            return candidate
+        return advance(candidate, sigma, evaluations)
+
+    for evaluations in WHITE_LAP:
+        leader = min(c.squares for c in white)
+        white = in_parallel(partial(polished, leader=leader, evaluations=evaluations), white)
+    ranked = [Ranked(w, c, _bic(w)) for w, c in zip(white, candidates, strict=True)]
+    return sorted(ranked, key=lambda r: r.bic)
+
+
+def _bic(white: Candidate) -> float:
+    """N ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns."""
+    n, k = white.minimum.normal.n, white.problem.size
+    spread = max(white.squares, np.finfo(float).tiny)
+    return float(n * np.log(spread / n) + k * np.log(n))

@@ -1,0 +1,346 @@
+"""Forward selection of causes: add the best effect, and go on while the whitened BIC falls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from softid.diagnosis.refit.bound_relaxation import with_own_bounds
+from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
+from softid.diagnosis.search.bic_ranking import Ranked, rank
+from softid.diagnosis.search.racing import UNCONVERGED, race
+from softid.diagnosis.search.screening import Signature, screen
+from softid.effects import extended_name
+from softid.effects.base import Effect, Scale
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """What a cause must bring to count.
+
+    Attributes
+    ----------
+    predicted_fall
+        Fall of n ln(S) that some signature must predict before anything is refitted. It predicts
+        for white noise and a guessed shape, and a fall that counts is many times larger.
+    bic
+        Fall of the whitened BIC.
+    share
+        Share of the sum of squares that must go.
+    """
+
+    predicted_fall: float
+    bic: float
+    share: float
+
+
+FIRST = Acceptance(predicted_fall=6.0, bic=18.0, share=0.0)
+FURTHER = Acceptance(predicted_fall=15.0, bic=30.0, share=0.01)
+BEHIND_NOISE = Acceptance(predicted_fall=60.0, bic=60.0, share=0.02)
+"""Of a first cause, of a further one, and of one where what is left already looks like noise: small
+errors of the first one's law would else be taken for a cause."""
+
+INDISTINCT = 12.0
+"""Candidates within this BIC of the best explain the logs as well. Eight would do if the noise were
+what it is taken for; the noise of a measured input, and what it does between the samples, set
+neighbours such as a delay and a lag a little further apart either way."""
+
+NESTED = 6.0
+"""A richer form of the same law must gain this much on the plain one."""
+
+MAX_LINKS = 3
+MOST_TRIED = 3
+"""When what is held out refuses the best contender, so many are tried in all."""
+
+CONVERGING, CONVERGING_ROUNDS = 40, 3
+"""Evaluations that bring a model to its optimum, and how often they are granted while it is more
+than a standard error away."""
+
+STILL_FALLS = 0.999
+"""It is granted them again only if its sum of squares fell below this share."""
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """One round of the search.
+
+    Attributes
+    ----------
+    before
+        What was to be extended, under the round's noise model.
+    ranked
+        All contenders of the round, best first.
+    chosen
+        The best one.
+    rivals
+        Keys of the effects that explain the logs as well, the chosen one first.
+    signatures
+        The best signature of every effect.
+    squares_before
+        Sum of squares of what was to be extended, for white noise: what the promises are shares of.
+    found
+        The model with this link and those before it, at its optimum when the link was added.
+    """
+
+    before: Ranked
+    ranked: tuple[Ranked, ...]
+    chosen: Ranked
+    rivals: tuple[str, ...]
+    signatures: tuple[Signature, ...]
+    squares_before: float
+    found: Candidate | None = None
+
+    @property
+    def added(self) -> Effect:
+        """The effect that the link adds."""
+        return self.added_by(self.chosen)
+
+    def added_by(self, row: Ranked) -> Effect:
+        """The effect that a contender of the round adds."""
+        return _added(row, self.before.candidate.keys)
+
+    @property
+    def contenders(self) -> tuple[Candidate, ...]:
+        """All that were ranked but what they extend, at their optimum for white noise."""
+        return tuple(row.plain for row in self.ranked if row is not self.before)
+
+    @property
+    def delta_bic(self) -> float:
+        """Fall of the BIC."""
+        return self.before.bic - self.chosen.bic
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The links found, and the round that found no more.
+
+    Attributes
+    ----------
+    links
+        One for each cause.
+    last
+        The round after the last link; None when the limit was reached.
+    final
+        The model with all causes.
+    """
+
+    links: tuple[Link, ...]
+    last: Link | None
+    final: Candidate
+
+
+def select_forward(
+    base: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+    *,
+    is_no_worse: Callable[[Candidate, Candidate], bool],
+    is_noise: Callable[[Candidate], bool],
+    report: Callable[[str, float], None] = lambda message, fraction: None,
+    known_links: Sequence[Link] = (),
+    extra: Sequence[Candidate] = (),
+    raced: Link | None = None,
+    max_links: int = MAX_LINKS,
+) -> Chain:
+    """Extend the base by one effect after the other.
+
+    Parameters
+    ----------
+    base
+        The base fit, or the model with the causes that are known already.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    is_no_worse
+        Whether a candidate is no worse than another on what was held out.
+    is_noise
+        Whether what a candidate leaves looks like noise, so that more is asked of a further cause.
+    report
+        Called with a sentence and the fraction done.
+    known_links
+        The links to those causes.
+    extra
+        Candidates for the first cause that began elsewhere, as in `race`.
+    raced
+        The round for the first cause without those, if it ran already.
+    max_links
+        No more causes than this.
+    """
+    links = list(known_links)
+    now, acceptance = base, FIRST
+    if links:
+        acceptance = BEHIND_NOISE if is_noise(now) else FURTHER
+    last: Link | None = None
+    while len(links) < max_links:
+        number = len(links)
+        report(f"looking for cause {number + 1}", number / max_links)
+        others, earlier = ((), None) if links else (extra, raced)
+        link = next_link(now, effects, scale, sigma, acceptance, extra=others, raced=earlier)
+        if link is None:
+            break
+        last = link
+        found = _first_no_worse(link, now, sigma, is_no_worse, acceptance)
+        if found is None:
+            break
+        link, extended = found
+        links.append(replace(link, found=extended))
+        last = None
+        now = extended
+        acceptance = BEHIND_NOISE if is_noise(now) else FURTHER
+    return Chain(tuple(links), last, now)
+
+
+def _first_no_worse(
+    link: Link,
+    now: Candidate,
+    sigma: Mapping[str, float],
+    is_no_worse: Callable[[Candidate, Candidate], bool],
+    acceptance: Acceptance,
+) -> tuple[Link, Candidate] | None:
+    """The best contender that is accepted and no worse on what was held out, with its model."""
+    others = [
+        row
+        for row in link.ranked
+        if row not in (link.before, link.chosen) and row.bic >= link.chosen.bic
+    ]
+    for row in (link.chosen, *others[: MOST_TRIED - 1]):
+        rivals = link.rivals if row is link.chosen else (link.added_by(row).name,)
+        tried = replace(link, chosen=row, rivals=rivals)
+        if not is_accepted(tried, acceptance):
+            return None
+        extended = converged(row.plain, sigma)
+        if is_no_worse(now, extended):
+            return tried, extended
+    return None
+
+
+def next_link(
+    now: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+    acceptance: Acceptance,
+    *,
+    screened: Sequence[Signature] | None = None,
+    known: Sequence[Candidate] = (),
+    extra: Sequence[Candidate] = (),
+    raced: Link | None = None,
+) -> Link | None:
+    """One round; None when nothing in the catalogue promises enough.
+
+    ``screened`` holds the signatures of these effects and perhaps others, if they are known,
+    ``known`` candidates that are near their optimum already, ``extra`` some that began elsewhere,
+    ``raced`` the same round of the same effects without those.
+    """
+    taken = {effect.name for effect in now.effects}
+    left = [effect for effect in effects if effect.name not in taken]
+    if not left:
+        return None
+    if raced is not None:
+        screened, known = raced.signatures, raced.contenders
+    if screened is None:
+        screened = screen(now, left, scale, sigma)
+    asked = {effect.key for effect in left}
+    signatures = [signature for signature in screened if signature.effect.key in asked]
+    share = max((s.drop for s in signatures), default=0.0) / max(now.squares, 1e-300)
+    predicted_fall = -now.problem.n_samples * np.log1p(-min(share, 0.999))
+    if predicted_fall < acceptance.predicted_fall and not extra:
+        return None
+    contenders = race(
+        now,
+        left,
+        scale,
+        sigma,
+        signatures=signatures,
+        known=known,
+        extra=extra,
+        again=raced is not None,
+    )
+    ranked = rank([*contenders, now], sigma)
+    before = next(r for r in ranked if r.candidate.keys == now.keys)
+    others = [r for r in ranked if r is not before]
+    if not others:
+        return None
+    chosen, rivals = _rivals(others, now)
+    return Link(before, tuple(ranked), chosen, rivals, _best_promises(signatures), now.squares)
+
+
+def is_accepted(link: Link, acceptance: Acceptance) -> bool:
+    """Whether a link brings enough to count.
+
+    Parameters
+    ----------
+    link
+        The link.
+    acceptance
+        What is asked of it.
+    """
+    before, after = link.before.candidate.squares, link.chosen.candidate.squares
+    takes = acceptance.share == 0.0 or after < (1.0 - acceptance.share) * before
+    return link.delta_bic > acceptance.bic and takes
+
+
+def _added(row: Ranked, known: Sequence[str]) -> Effect:
+    return next(e for e in row.candidate.effects if e.key not in known)
+
+
+def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str, ...]]:
+    """The best candidate, the plain form before a richer one, and what explains as well."""
+
+    def added(row: Ranked) -> Effect:
+        return _added(row, now.keys)
+
+    best = ranked[0]
+    plain = next(
+        (r for r in ranked if added(r).name == added(best).name and not added(r).variant), None
+    )
+    if added(best).variant and plain is not None and plain.bic - best.bic < NESTED:
+        best = plain
+    simple = next((r for r in ranked if added(r).key == _simpler(best, added(best))), None)
+    if simple is not None and simple.bic - best.bic < NESTED:
+        best = simple
+    names = [added(best).name]
+    for row in ranked:
+        name, simpler = added(row).name, _simpler(row, added(row))
+        if row.bic - best.bic < INDISTINCT and name not in names and simpler not in names:
+            names.append(name)
+    return best, tuple(names)
+
+
+def _simpler(row: Ranked, effect: Effect) -> str | None:
+    """The simpler effect that an added one is like, at the values that it has."""
+    if effect.becomes is None:
+        return None
+    name, beyond, simpler = effect.becomes
+    value = row.candidate.parameters[extended_name(effect, name)]
+    return simpler if value > beyond else None
+
+
+def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:
+    best: dict[str, Signature] = {}
+    for signature in signatures:
+        best.setdefault(signature.effect.key, signature)
+    return tuple(best.values())
+
+
+def converged(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
+    """The candidate brought to its optimum for white noise, from which the next round starts."""
+    for _ in range(CONVERGING_ROUNDS):
+        before = candidate.squares
+        n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+        point, problem = candidate.minimum.point, candidate.problem
+        prior = prior_about(problem, point, problem.free, before / n)
+        begin = replace(candidate.minimum, damping=None)
+        candidate = advance(replace(candidate, minimum=begin, prior=prior), sigma, CONVERGING)
+        held, candidate = candidate, with_own_bounds(candidate)
+        if candidate is not held:
+            continue
+        if candidate.minimum.reach <= UNCONVERGED or candidate.squares > STILL_FALLS * before:
+            break
+    return candidate

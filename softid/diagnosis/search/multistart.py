@@ -1,0 +1,143 @@
+"""Candidates that do not begin where the base stands, for one that is no place to begin.
+
+A base that was fitted to a misfit may have gone far to make room for it: a term of it vanishes, or
+another part of its curve lies in the range. What is added there finds no way back. The start values
+of the base know nothing of that; and where an effect changes the input, they are searched anew with
+the input that arrives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, extend
+from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.search.racing import refined
+from softid.diagnosis.search.screening import candidate_at
+from softid.effects.base import Effect, InputEffect, OutputEffect, Scale
+from softid.fitters.problem import Problem
+from softid.intersample import HELD
+from softid.segment import Segment
+
+PLACES = 3
+"""So many of the best start values of the base are tried with every start of an effect."""
+
+STARTS = 2
+"""And so many of those are led on."""
+
+ENOUGH, OVER_ALL = 3000, 5
+"""Samples that lead the candidates, and the evaluations over all that follow."""
+
+VANISHED = 1e-3
+"""A term has vanished when a factor of e in it changes the output by less than this share of the
+misfit's power: no step of an optimiser brings it back."""
+
+
+def has_vanished(base: Candidate) -> bool:
+    """Whether a term of the base has vanished, to make room for what it cannot explain."""
+    problem = base.problem
+    scaled = [problem.parameters[name].scale == "log" for name in problem.free]
+    by_samples = np.diag(base.minimum.normal.matrix) - base.prior.weight
+    felt = by_samples[: len(scaled)][scaled]
+    return bool(np.any(felt < VANISHED * base.squares))
+
+
+def multistart_candidates(
+    base: Candidate, effects: Sequence[Effect], scale: Scale, sigma: Mapping[str, float]
+) -> list[Candidate]:
+    """The base with each effect from start values of the base, those that came far.
+
+    Parameters
+    ----------
+    base
+        The base fit, without effects.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    """
+    rough = _sparse(base)
+    usual = list(_places(rough, rough.problem.plain_segments))
+
+    def placed(effect: Effect) -> list[Candidate]:
+        found = (
+            [] if isinstance(effect, InputEffect) else [(v, usual) for v in effect.starts(scale)]
+        )
+        chosen = _best(found, effect, scale, sigma)
+        if isinstance(effect, InputEffect | OutputEffect) and _comes_first(effect, scale):
+            own = [
+                (values, _driven(rough, effect, values, scale)) for values in effect.starts(scale)
+            ]
+            chosen += _best(own, effect, scale, sigma)
+        return chosen
+
+    led = refined([c for found in in_parallel(placed, effects) for c in found], sigma)
+    if rough is base:
+        return led
+    return in_parallel(lambda c: _over_all(c, base, scale, sigma), led)
+
+
+def _sparse(base: Candidate) -> Candidate:
+    """The base over every k-th sample of long logs: a rough optimum needs no more."""
+    step = base.problem.n_samples // ENOUGH
+    if step < 2 or any(log.intersample in HELD for log in base.problem.logs):
+        return base
+    logs = [log.every(step) for log in base.problem.logs]
+    sparse = Problem(base.problem.model, base.problem.parameters, logs)
+    return replace(base, problem=sparse) if sparse.size == base.problem.size else base
+
+
+def _over_all(
+    candidate: Candidate, base: Candidate, scale: Scale, sigma: Mapping[str, float]
+) -> Candidate:
+    """A candidate over all samples, led on from where few of them brought it."""
+    problem = extend(base.problem, candidate.effects, scale)
+    begin = replace(candidate.minimum, damping=None)
+    placed = replace(candidate, problem=problem, minimum=begin)
+    return advance(placed, sigma, OVER_ALL, substeps=COARSE)
+
+
+def _comes_first(effect: Effect, scale: Scale) -> bool:
+    """Whether start values are searched anew: a late sensor is to them what a late input is."""
+    return isinstance(effect, InputEffect) or effect.takes_time(scale)
+
+
+def _best(
+    starts: Iterable[tuple[Mapping[str, float], Sequence[Candidate]]],
+    effect: Effect,
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """The best of an effect's starts at the places that belong to each."""
+    tried = [
+        candidate_at(place, effect, values, scale, sigma)
+        for values, places in starts
+        for place in places
+    ]
+    best = sorted(tried, key=lambda pair: pair[0])[:STARTS]
+    return [candidate for squares, candidate in best if np.isfinite(squares)]
+
+
+def _driven(
+    base: Candidate, effect: InputEffect | OutputEffect, values: Mapping[str, float], scale: Scale
+) -> list[Candidate]:
+    """The base at start values for what arrives behind an effect."""
+    eta = effect.parameters(scale).with_values(values).values_vector()
+    arriving = [
+        replace(s, input=effect.apply(eta, s.time_s - s.log_start_s, s.input, scale))
+        for s in base.problem.plain_segments
+    ]
+    return list(_places(base, arriving))
+
+
+def _places(base: Candidate, segments: Sequence[Segment]) -> Iterator[Candidate]:
+    """The base at the best start values for given segments."""
+    problem = base.problem
+    for start in problem.model.guess(segments, problem.outputs[0])[:PLACES]:
+        point = problem.unknowns(start.values_dict())
+        yield replace(base, minimum=replace(base.minimum, point=point))

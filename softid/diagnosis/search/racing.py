@@ -1,0 +1,380 @@
+"""Joint refits of all candidate causes as a race."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from softid.diagnosis.refit.candidates import (
+    COARSE,
+    FINE,
+    Candidate,
+    advance,
+    alternatives,
+    exchanged,
+)
+from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.search.screening import (
+    Signature,
+    candidate_from,
+    form_of,
+    late_candidate,
+    screen,
+)
+from softid.effects.base import Effect, Scale
+
+SECOND_START = 0.3
+"""A further start of an effect runs when it promises this share of the best one's drop."""
+
+MAX_STARTS = 2
+BY_ITSELF, OF_THE_BEST = 3.0, 0.3
+"""A richer form of a law runs by itself when it promises so many times what the plain one does, and
+this share of what the best effect promises: the base may do all that the plain one can."""
+
+FIRST_ROUND, SECOND_ROUND, EXCHANGE_ROUND = 4, 8, 24
+LAST_ROUNDS = (5, 10, 25)
+"""Evaluations of each lap; two poles that were exchanged begin far off. Who has no hope left drops
+out within the last ones."""
+
+RACING_TOLERANCE = 0.2
+"""A candidate in the race rests within a fifth of a standard error of its optimum."""
+
+SECOND_SURVIVORS, LAST_SURVIVORS, FORM_SURVIVORS = 7, 4, 2
+"""Candidates that stay in the race for the second and the last lap, and those among them that also
+start with the base's terms in another form; all of them with the times of inertia and lag
+exchanged, for which of two poles is whose has nothing to do with who leads."""
+
+MULTISTART_ROUNDS, MULTISTART_SURVIVORS = (8, 8, 16), 8
+"""Evaluations of the laps of those that begin elsewhere, and how many of them join the race."""
+
+PROMISING_SIGNATURES = 5
+"""Effects of the best signatures stay for the second lap however far the first one brought them: a
+motion that integrates its force answers violently to a start that is a little off."""
+
+FAR = 5.0
+"""So do those that are still so many standard errors away."""
+
+UNCONVERGED, EXTRA_ROUNDS = 1.0, 2
+"""Those that are more than a standard error away from their optimum after the second lap run it
+again, up to so many times, before anyone drops out: some begin worse than the base."""
+
+FAVOURITES = 2
+"""The effects of so many best signatures that are still not settled run the last lap too."""
+
+CLEAR_LEAD, UNCONVERGED_LEAD = 0.2, 0.5
+"""One whose sum of squares above the leader's is more than the first share of the base's misfit
+above the leader's drops out before the last lap; for one that is not settled it is the second."""
+
+NEAR, HOPE, PACE = 0.3, 4.0, 3.0
+"""Hope has a candidate whose ln(S) is so little above the leader's, which may be little where none
+explains the misfit; or whose distance is less than so many times what its quadratic model
+promises, or so many times what it gained in the lap."""
+
+SMALLEST_GAIN = 4.0
+"""When nobody has lowered n ln(S) by this much after two laps, the race is over."""
+
+
+def race(
+    fitted: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+    *,
+    signatures: Sequence[Signature] | None = None,
+    known: Sequence[Candidate] = (),
+    extra: Sequence[Candidate] = (),
+    again: bool = False,
+    report: Callable[[float], None] = lambda fraction: None,
+) -> list[Candidate]:
+    """Refit the base with each effect, polishing the contenders only; best first.
+
+    A richer form of a law enters where the plain one has got to, when that is still in the race
+    after its second lap, and leaves again if it hardly gains on it; one that promises far more runs
+    from the start. Where it led to a better place,
+    the plain one follows it there at the end.
+
+    Parameters
+    ----------
+    fitted
+        What is to be extended.
+    effects
+        Effects that it does not have.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    signatures
+        From `screen`, if it ran already.
+    known
+        Candidates near their optimum already, which join for the last lap; their effects do not run
+        the others.
+    extra
+        Candidates that began elsewhere and came far; their effects run as usual, too.
+    again
+        Whether the race was run already without those: who dropped out would do so again, and only
+        what is known and what began elsewhere runs.
+    report
+        Called with the fraction done.
+    """
+    found = list(signatures) if signatures is not None else screen(fitted, effects, scale, sigma)
+    variance = fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
+    richer = [effect for effect in effects if any(_is_richer(effect, e, scale) for e in effects)]
+    late_forms = {effect.key for effect in richer} - _by_themselves(found, richer)
+    left_out = {c.effects[-1].key for c in known} | late_forms
+    running = [e for e in effects if e.key not in left_out] if not again else []
+    keys = {effect.key for effect in running}
+    entrants = in_parallel(
+        lambda s: candidate_from(fitted, s, scale, sigma, variance),
+        [s for s in _starts(found) if s.effect.key in keys],
+    )
+    late = [effect for effect in running if effect.takes_time(scale)]
+    entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
+    report(0.1)
+    promising = list(dict.fromkeys(s.effect.key for s in found))
+    first = _best_of_each(_run(entrants, sigma, FIRST_ROUND, COARSE, straight=True))
+    report(0.5)
+    second = _second_lap(first, promising, sigma)
+    second = _best_of_each([*second, *known, *extra])
+    forms = [
+        (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
+        for candidate in second
+        for effect in richer
+        if effect.key in late_forms and _is_richer(effect, candidate.effects[-1], scale)
+    ]
+    second = by_squares([*second, *_those_that_gain(forms, sigma)])
+    report(0.7)
+    if not second or _gain(fitted.squares, second[0]) < SMALLEST_GAIN:
+        return second[:1]
+    leader = second[0].squares
+    misfit = max(fitted.squares - leader, 0.0)
+    limit = leader + CLEAR_LEAD * misfit
+    kept = _last_field(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
+    others = [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
+    swaps = [form for candidate in kept for form in exchanged(candidate)]
+    others = _run(others, sigma, SECOND_ROUND, COARSE) + _run(swaps, sigma, EXCHANGE_ROUND, COARSE)
+    kept += [form for form in others if form.squares <= limit]
+    last = _last_lap(kept, sigma)
+    last += _plain_forms(fitted, _best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
+    report(1.0)
+    return _best_of_each(last)
+
+
+def refined(starts: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Candidate]:
+    """Candidates from starts of their own near their optimum, the best of each effect.
+
+    Parameters
+    ----------
+    starts
+        Where they begin.
+    sigma
+        Residual standard deviation of each output channel.
+    """
+    running, out = list(starts), list[Candidate]()
+    for evaluations in MULTISTART_ROUNDS:
+        running, without_hope = _lap(running, out, sigma, evaluations, COARSE)
+        out += without_hope
+    return _best_of_each([*running, *out])[:MULTISTART_SURVIVORS]
+
+
+def _run(
+    candidates: Sequence[Candidate],
+    sigma: Mapping[str, float],
+    evaluations: int,
+    substeps: int,
+    *,
+    straight: bool = False,
+) -> list[Candidate]:
+    """One lap of all candidates, on all cores."""
+    return in_parallel(
+        lambda c: advance(
+            c,
+            sigma,
+            evaluations,
+            substeps=substeps,
+            tolerance=RACING_TOLERANCE,
+            straight=straight,
+        ),
+        candidates,
+    )
+
+
+def _second_lap(
+    first: Sequence[Candidate], promising: Sequence[str], sigma: Mapping[str, float]
+) -> list[Candidate]:
+    """Those that stay after the first lap, once more, and the unsettled among them again."""
+    favoured = promising[:PROMISING_SIGNATURES]
+    field = [
+        c
+        for k, c in enumerate(first)
+        if k < SECOND_SURVIVORS or c.effects[-1].key in favoured or c.minimum.reach > FAR
+    ]
+    second = _run(field, sigma, SECOND_ROUND, COARSE)
+    hopeless: list[Candidate] = []
+    for _ in range(EXTRA_ROUNDS):
+        moving = [c for c in second if c.minimum.reach > UNCONVERGED and c not in hopeless]
+        resting = [c for c in second if c not in moving]
+        again, without_hope = _lap(moving, resting, sigma, SECOND_ROUND, COARSE)
+        second = resting + again + without_hope
+        hopeless += without_hope
+    return by_squares(second)
+
+
+def _by_themselves(signatures: Sequence[Signature], richer: Sequence[Effect]) -> set[str]:
+    """Keys of the richer forms whose signature promises far more than that of the plain one."""
+    promised: dict[str, float] = {}
+    for signature in signatures:
+        key = signature.effect.key
+        promised[key] = max(promised.get(key, 0.0), signature.drop)
+    most = max(promised.values(), default=0.0)
+    return {
+        effect.key
+        for effect in richer
+        if promised.get(effect.key, 0.0) > BY_ITSELF * promised.get(effect.name, 0.0)
+        and promised[effect.key] > OF_THE_BEST * most
+    }
+
+
+def _is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
+    """Whether an effect is another form of the same law with further parameters."""
+    if effect.name != plain.name or effect.key == plain.key:
+        return False
+    return set(plain.parameters(scale).names) < set(effect.parameters(scale).names)
+
+
+def _plain_forms(
+    fitted: Candidate,
+    leaders: Sequence[Candidate],
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """The plain form of every richer one, from where that stands."""
+    variance = fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
+    placed = [
+        form_of(fitted, leader, effect, scale, sigma, variance)
+        for leader in leaders
+        for effect in effects
+        if _is_richer(leader.effects[-1], effect, scale)
+    ]
+    return _run(placed, sigma, EXCHANGE_ROUND, FINE)
+
+
+def _those_that_gain(
+    forms: Sequence[tuple[float, Candidate]], sigma: Mapping[str, float]
+) -> list[Candidate]:
+    """Richer forms after a lap, without those that hardly gain on the plain form's squares."""
+    tried = _run([form for _, form in forms], sigma, SECOND_ROUND, COARSE)
+    return [
+        form
+        for (squares, _), form in zip(forms, tried, strict=True)
+        if _gain(squares, form) >= SMALLEST_GAIN
+    ]
+
+
+def _gain(squares: float, candidate: Candidate) -> float:
+    """Fall of n ln(S) from a sum of squares to a candidate's."""
+    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+    tiny = float(np.finfo(float).tiny)
+    if not np.isfinite(candidate.squares):
+        return -np.inf
+    return float(n * np.log(max(squares, tiny) / max(candidate.squares, tiny)))
+
+
+def _last_field(
+    second: Sequence[Candidate], promising: Sequence[str], limit: float, unsettled_limit: float
+) -> list[Candidate]:
+    """Those that stay after the second lap: near the leader, or still on their way.
+
+    The leader's neighbours stay, too, when they are near: it is them that it is taken for.
+    """
+    kept = []
+    neighbours = second[0].effects[-1].neighbours
+    for k, candidate in enumerate(second):
+        is_unsettled = candidate.minimum.reach > UNCONVERGED
+        asked = k < LAST_SURVIVORS or candidate.effects[-1].name in neighbours
+        near = asked and candidate.squares <= (unsettled_limit if is_unsettled else limit)
+        if near or (is_unsettled and candidate.effects[-1].key in promising[:FAVOURITES]):
+            kept.append(candidate)
+    return kept
+
+
+def _last_lap(kept: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Candidate]:
+    """The contenders at their optimum, and as far as they got those that have no hope left."""
+    running, out = list(kept), list[Candidate]()
+    for evaluations in LAST_ROUNDS:
+        running, without_hope = _lap(running, out, sigma, evaluations, FINE)
+        out += without_hope
+    return running + out
+
+
+def _lap(
+    running: Sequence[Candidate],
+    others: Sequence[Candidate],
+    sigma: Mapping[str, float],
+    evaluations: int,
+    substeps: int,
+) -> tuple[list[Candidate], list[Candidate]]:
+    """Candidates after a lap: those that may still come near the leader, and those without hope."""
+    after = _run(running, sigma, evaluations, substeps)
+    leader = min((c.squares for c in (*after, *others)), default=0.0)
+    hopeful, hopeless = list[Candidate](), list[Candidate]()
+    for before, candidate in zip(running, after, strict=True):
+        gained = _gain(before.squares, candidate)
+        hopes = can_catch_up(candidate, leader, gained=gained)
+        hopes = hopes and not _is_outdone(candidate, after, gained=gained)
+        (hopeful if hopes else hopeless).append(candidate)
+    return hopeful, hopeless
+
+
+def _is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: float) -> bool:
+    """Whether a better one with the same effects will not be left behind by this one.
+
+    Of one law only the best optimum counts, so being near is not enough.
+    """
+    mine = min(c.squares for c in others if c.keys == candidate.keys)
+    if not candidate.squares > mine:
+        return False
+    promised = candidate.minimum.reach**2 * candidate.problem.size
+    return -_gain(mine, candidate) + SMALLEST_GAIN > max(HOPE * promised, PACE * gained)
+
+
+def can_catch_up(candidate: Candidate, leader: float, *, gained: float = 0.0) -> bool:
+    """Whether a candidate may still come near the leader's sum of squares.
+
+    Parameters
+    ----------
+    candidate
+        Where it stands.
+    leader
+        The leader's sum of squares.
+    gained
+        Fall of n ln(S) in the last lap.
+    """
+    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+    promised = candidate.minimum.reach**2 * candidate.problem.size
+    distance = -_gain(leader, candidate)
+    return distance <= NEAR * n + HOPE * promised or distance <= PACE * gained
+
+
+def _starts(signatures: Sequence[Signature]) -> list[Signature]:
+    """The best starts of every effect."""
+    chosen: dict[str, list[Signature]] = {}
+    for signature in signatures:
+        mine = chosen.setdefault(signature.effect.key, [])
+        if not mine or (len(mine) < MAX_STARTS and signature.drop >= SECOND_START * mine[0].drop):
+            mine.append(signature)
+    return [s for mine in chosen.values() for s in mine]
+
+
+def by_squares(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Those that did not run away, the least sum of squares first."""
+    finite = [c for c in candidates if np.isfinite(c.minimum.normal.cost)]
+    return sorted(finite, key=lambda c: c.squares)
+
+
+def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
+    best: dict[tuple[str, ...], Candidate] = {}
+    for candidate in by_squares(candidates):
+        best.setdefault(candidate.keys, candidate)
+    return list(best.values())

@@ -1,0 +1,378 @@
+"""Which effects could explain what the fit leaves: signatures against the residual."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import (
+    COARSE,
+    FINE,
+    Candidate,
+    extend,
+    limited_plans,
+    named_values,
+    prior_about,
+    start_unknowns,
+)
+from softid.diagnosis.refit.parallel import in_parallel
+from softid.effects.base import Effect, Scale
+from softid.fitters.problem import Problem
+
+Array = npt.NDArray[np.float64]
+
+SEEN = 1e-6
+"""Directions of the Jacobian that are weaker than this share of the strongest are not followed."""
+
+FRACTIONS = (1.0, 0.4, 0.1)
+"""Fractions of a proposed start that are tried, with and without the base moved along."""
+
+KEPT = 0.5
+"""No smaller fraction is tried of a start that keeps half of what its signature promises."""
+
+INERTIA_SHARES = (1.0, 0.1, 0.01)
+"""Shares of the base's inertia with which an effect that takes time begins."""
+
+SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE = 0.05, 5.0
+"""A start's amplitude is scaled by what the residual asks for, within these factors."""
+
+
+@dataclass(frozen=True, eq=False)
+class Signature:
+    """What one start of one effect would change, seen against the residual.
+
+    Attributes
+    ----------
+    effect
+        The effect.
+    values
+        Parameter → value from which a refit starts, its amplitude scaled to the residual.
+    drop
+        (r·s)²/(s·s), the drop of the sum of squares that it promises.
+    shift
+        By how much the unknowns of what is extended move to make room for it, shape (U,).
+    """
+
+    effect: Effect
+    values: Mapping[str, float]
+    drop: float
+    shift: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """Residual and Jacobian of a fit, with what the Jacobian spans taken out.
+
+    Attributes
+    ----------
+    rows
+        Residual in units of the channels' weights, shape (n,).
+    basis
+        Orthonormal columns that span the Jacobian, shape (n, U).
+    to_unknowns
+        From coordinates in the basis to unknowns, shape (U, columns).
+    simulated
+        Simulated outputs in the same units and order, with the steps of the signatures, shape (n,).
+    """
+
+    rows: Array
+    basis: Array
+    to_unknowns: Array
+    simulated: Array
+
+    def without_basis(self, values: Array) -> Array:
+        """A vector of shape (n,) with the Jacobian's span taken out."""
+        projected: Array = values - self.basis @ (self.basis.T @ values)
+        return projected
+
+
+def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -> Residual:
+    """Linearise a fit where it stands.
+
+    Parameters
+    ----------
+    problem, unknowns
+        The fit.
+    sigma
+        Residual standard deviation of each output channel.
+    """
+    fine, coarse = (limited_plans(problem, unknowns, most) for most in (FINE, COARSE))
+    blocks = list(problem.blocks(unknowns, derivatives=True, plans=fine))
+    rough = problem.blocks(unknowns, derivatives=False, plans=coarse)
+    rows = np.concatenate([b.residual / sigma[b.channel] for b in blocks])
+    jacobian = np.concatenate(
+        [b.jacobian / sigma[b.channel] for b in blocks if b.jacobian is not None]
+    )
+    size = np.linalg.norm(jacobian, axis=0)
+    kept = jacobian[:, size > 0] / size[size > 0]
+    left, singular, right = np.linalg.svd(kept, full_matrices=False)
+    seen = singular > SEEN * singular.max(initial=0.0)
+    to_unknowns = np.zeros((size.size, int(seen.sum())))
+    to_unknowns[size > 0] = right[seen].T / singular[seen] / size[size > 0, None]
+    basis = left[:, seen]
+    roughly = np.concatenate([b.residual / sigma[b.channel] for b in rough])
+    return Residual(rows, basis, to_unknowns, _measured(problem, sigma) - roughly)
+
+
+def _measured(problem: Problem, sigma: Mapping[str, float]) -> Array:
+    return np.concatenate(
+        [
+            segment.outputs[name][segment.used[name]] / sigma[name]
+            for segment in problem.segments
+            for name in problem.outputs
+        ]
+    )
+
+
+def screen(
+    fitted: Candidate,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Signature]:
+    """Signatures of every start of every effect, the most promising first.
+
+    Parameters
+    ----------
+    fitted
+        The base, or a candidate that already has effects.
+    effects
+        Effects that it does not have.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    """
+    residual = residual_of(fitted.problem, fitted.minimum.point, sigma)
+    measured = _measured(fitted.problem, sigma)
+    reach = 0.5 * fitted.problem.reach()
+    starts = [(effect, values) for effect in effects for values in effect.starts(scale)]
+
+    def look(start: tuple[Effect, Mapping[str, float]]) -> Signature | None:
+        effect, values = start
+        problem = extend(fitted.problem, (effect,), scale)
+        named = named_values(effect, values)
+        z = start_unknowns(problem, fitted.problem, fitted.minimum.point, named)
+        with np.errstate(all="ignore"):
+            plans = limited_plans(problem, z, COARSE)
+            blocks = problem.blocks(z, derivatives=False, plans=plans)
+            rows = [b.residual / sigma[b.channel] for b in blocks]
+            whole = measured - np.concatenate(rows) - residual.simulated
+            change = residual.without_basis(whole)
+            power = float(change @ change)
+        if not np.isfinite(power) or power <= 0.0:
+            return None
+        along = float(residual.rows @ change)
+        share = along / power
+        drop = along**2 / power
+        if not effect.changes_sign and share < 0.0:
+            share, drop = SMALLEST_AMPLITUDE, 0.0
+        scaled, factor = _scaled(effect, values, share)
+        shift = -factor * (residual.to_unknowns @ (residual.basis.T @ whole))
+        return Signature(effect, scaled, drop, np.clip(shift, -reach, reach))
+
+    found = [s for s in in_parallel(look, starts) if s is not None]
+    return sorted(found, key=lambda s: -s.drop)
+
+
+def _scaled(
+    effect: Effect, values: Mapping[str, float], share: float
+) -> tuple[dict[str, float], float]:
+    """Start values with the amplitude as large as the residual asks for, and by what factor."""
+    size = float(np.clip(abs(share), SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE))
+    factor = size if share >= 0.0 else -size
+    scaled = dict(values)
+    for name in effect.amplitudes:
+        scaled[name] = factor * scaled[name]
+    return scaled, factor if effect.amplitudes else 1.0
+
+
+def candidate_from(
+    fitted: Candidate,
+    signature: Signature,
+    scale: Scale,
+    sigma: Mapping[str, float],
+    variance: float,
+) -> Candidate:
+    """A candidate at the best of a few fractions of the start that a signature proposes.
+
+    A signature is a straight line; where the motion bends it, a shorter step along it is better.
+
+    Parameters
+    ----------
+    fitted
+        The base, or a candidate that already has effects.
+    signature
+        The effect to add and its values.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    variance
+        Variance of the weighted residual, for the prior.
+    """
+    problem = extend(fitted.problem, (signature.effect,), scale)
+    point = fitted.minimum.point
+    lower, upper = fitted.problem.bounds()
+    best, least = None, np.inf
+    for fraction in FRACTIONS if signature.effect.amplitudes else FRACTIONS[:1]:
+        values = dict(signature.values)
+        for name in signature.effect.amplitudes:
+            values[name] *= fraction
+        named = named_values(signature.effect, values)
+        for moved in (point + fraction * signature.shift, point):
+            inside = np.clip(moved, lower, upper)
+            start = start_unknowns(problem, fitted.problem, inside, named)
+            squares = _squares(problem, start, sigma)
+            if best is None or squares < least:
+                best, least = start, squares
+        if fitted.squares - least > KEPT * signature.drop:
+            break
+    assert best is not None
+    return _placed(fitted, signature.effect, problem, best, variance)
+
+
+def form_of(
+    fitted: Candidate,
+    first: Candidate,
+    effect: Effect,
+    scale: Scale,
+    sigma: Mapping[str, float],
+    variance: float,
+) -> Candidate:
+    """A candidate with another form of a law, where a first form stands.
+
+    Parameters
+    ----------
+    fitted
+        The base, or a candidate that already has effects.
+    first
+        The same with the first form of the law.
+    effect
+        The other form; what only it has begins at the best of its own starts.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    variance
+        Variance of the weighted residual, for the prior.
+    """
+    problem = extend(fitted.problem, (effect,), scale)
+    starts = [
+        start_unknowns(problem, first.problem, first.minimum.point, named_values(effect, values))
+        for values in effect.starts(scale)
+    ]
+    best = min(starts, key=lambda z: _squares(problem, z, sigma))
+    return _placed(fitted, effect, problem, best, variance)
+
+
+def candidate_at(
+    place: Candidate,
+    effect: Effect,
+    values: Mapping[str, float],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> tuple[float, Candidate]:
+    """The sum of squares at one start of an effect over a base that stands anywhere, and there.
+
+    Parameters
+    ----------
+    place
+        The base, at unknowns that need not be an optimum.
+    effect
+        The effect to add.
+    values
+        Its parameters.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    """
+    problem = extend(place.problem, (effect,), scale)
+    named = named_values(effect, values)
+    start = start_unknowns(problem, place.problem, place.minimum.point, named)
+    squares = _squares(problem, start, sigma)
+    variance = squares / max(problem.n_samples - problem.size, 1)
+    return squares, _placed(place, effect, problem, start, variance)
+
+
+def late_candidate(
+    fitted: Candidate, effect: Effect, scale: Scale, sigma: Mapping[str, float], variance: float
+) -> Candidate:
+    """A candidate at the best of an effect's own starts, with the inertia as it is or lighter.
+
+    A base that was fitted to a late response is late itself, by too large an inertia: far from
+    where it belongs, a signature says little.
+
+    Parameters
+    ----------
+    fitted
+        The base, or a candidate that already has effects.
+    effect
+        The effect to add, one that `takes_time`.
+    scale
+        Sizes of the base fit.
+    sigma
+        Residual standard deviation of each output channel.
+    variance
+        Variance of the weighted residual, for the prior.
+    """
+    problem = extend(fitted.problem, (effect,), scale)
+    at = [k for k, name in enumerate(fitted.problem.free) if name == "M"]
+    starts = []
+    for values in effect.starts(scale):
+        for share in INERTIA_SHARES if at else INERTIA_SHARES[:1]:
+            point = fitted.minimum.point.copy()
+            point[at] += np.log(share)
+            named = named_values(effect, values)
+            starts.append(start_unknowns(problem, fitted.problem, point, named))
+    best = min(starts, key=lambda z: _squares(problem, z, sigma))
+    return _placed(fitted, effect, problem, best, variance)
+
+
+def with_effect(fitted: Candidate, whole: Candidate, effect: Effect, scale: Scale) -> Candidate:
+    """A candidate with an effect added where a model that has it stands.
+
+    Parameters
+    ----------
+    fitted
+        What is extended.
+    whole
+        The same with the effect, which may have been added before the others.
+    effect
+        The effect.
+    scale
+        Sizes of the base fit.
+    """
+    problem = extend(fitted.problem, (effect,), scale)
+    z = start_unknowns(problem, whole.problem, whole.minimum.point, {})
+    variance = whole.squares / max(problem.n_samples - problem.size, 1)
+    prior = prior_about(problem, z, problem.free, variance)
+    placed = replace(whole.minimum, point=z, damping=None)
+    return Candidate((*fitted.effects, effect), problem, placed, prior)
+
+
+def _placed(
+    fitted: Candidate, effect: Effect, problem: Problem, best: Array, variance: float
+) -> Candidate:
+    """The candidate at a start; the prior holds what was known where it was fitted."""
+    centre = best.copy()
+    known = dict(zip(fitted.problem.free, fitted.minimum.point.tolist(), strict=False))
+    for k, name in enumerate(problem.free):
+        centre[k] = known.get(name, centre[k])
+    prior = prior_about(problem, centre, fitted.problem.free, variance)
+    placed = replace(fitted.minimum, point=best, evaluations=0, reach=np.inf, damping=None)
+    return Candidate((*fitted.effects, effect), problem, placed, prior)
+
+
+def _squares(problem: Problem, z: Array, sigma: Mapping[str, float]) -> float:
+    """Weighted sum of squares with every zero at its best; infinite where it is not finite."""
+    plans = limited_plans(problem, z, COARSE)
+    with np.errstate(all="ignore"):
+        blocks = list(problem.blocks(z, derivatives=False, plans=plans))
+        _, blocks = problem.with_best_zeros(z, blocks)
+        total = sum(float(b.residual @ b.residual) / sigma[b.channel] ** 2 for b in blocks)
+    return total if np.isfinite(total) else np.inf

@@ -1,0 +1,313 @@
+"""Which searches for a chain of causes follow one another: the usual one, then other beginnings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from softid.diagnoses import Remainder
+from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.held_out import BETTER, NO_WORSE
+from softid.diagnosis.residual.assessment import assess, held_out_share
+from softid.diagnosis.search.alternative_first import alternative_first_links
+from softid.diagnosis.search.backward_revision import revised
+from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, select_forward
+from softid.diagnosis.search.indistinct import with_rivals_in_misfit
+from softid.diagnosis.search.multistart import has_vanished, multistart_candidates
+from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, nameable
+from softid.effects.base import Effect
+
+BETTER_BASE = 0.98
+"""Another optimum of the base counts when it leaves so much less than the first."""
+
+SAME_OPTIMUM = 1e-3
+"""Models of the same structure whose sums of squares differ by less are at the same optimum."""
+
+BETTER_START = 0.99
+"""Candidates from a multistart join the race when one leaves less than this share of what the first
+cause does."""
+
+NEAR_CURVE = 1.02
+"""The same where the first cause is a curve, which has more unknowns than they."""
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """What a search found.
+
+    Attributes
+    ----------
+    chain
+        The causes.
+    remainder
+        What they leave.
+    is_named
+        Which of them may be named.
+    first
+        The model with the cause that was found first, as it was then; None without a cause.
+    """
+
+    chain: Chain
+    remainder: Remainder
+    is_named: tuple[bool, ...]
+    first: Candidate | None = None
+
+    @property
+    def came_to_nothing(self) -> bool:
+        """Whether structure is left and no cause explains it."""
+        return self.remainder.structured and not any(self.is_named)
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether causes may be named that leave noise and next to nothing of the misfit.
+
+        So many more tries find something that explains most of any misfit.
+        """
+        whole = self.remainder.explained_share > EXPLAINED
+        return any(self.is_named) and whole and not self.remainder.structured
+
+
+@dataclass(frozen=True, eq=False)
+class CauseSearch:
+    """Searches for the causes of what one base leaves.
+
+    Attributes
+    ----------
+    base
+        The base fit, and what it is judged by.
+    effects
+        The effects to consider.
+    seed
+        Of the shifts that say what chance would make of noise.
+    report
+        Called with a sentence and the fraction done.
+    """
+
+    base: BaseFit
+    effects: tuple[Effect, ...]
+    seed: int
+    report: Progress
+
+    @cached_property
+    def multistart(self) -> list[Candidate]:
+        """Candidates from other starts of the base, sought once."""
+        base = self.base
+        return multistart_candidates(base.candidate, self.effects, base.scale, base.sigma)
+
+    def remainder_of(self, model: Candidate) -> Remainder:
+        """What a model leaves.
+
+        Parameters
+        ----------
+        model
+            The base with causes.
+        """
+        rng = np.random.default_rng(self.seed)
+        return assess(self.base.candidate, model, self.base.scale, rng=rng)
+
+    def first_cause(self, extra: Sequence[Candidate] = ()) -> Chain:
+        """The base with one cause, if what is held out does not speak against any.
+
+        Candidates from a multistart take part where a term of the base has vanished: it is no place
+        to start from. A curve with free values bends to much that it is not: before it is believed
+        the others are tried from a multistart, too.
+
+        Parameters
+        ----------
+        extra
+            Candidates of which it is known that they take part.
+        """
+        if not extra and has_vanished(self.base.candidate):
+            extra = self.multistart
+        chain = self.grow(self._nothing, max_links=1, extra=extra)
+        if not extra and chain.links and len(chain.links[0].added.amplitudes) > 1:
+            return self._raced_with_multistart(chain, NEAR_CURVE)
+        return chain
+
+    def grow(
+        self,
+        chain: Chain,
+        *,
+        max_links: int = MAX_LINKS,
+        extra: Sequence[Candidate] = (),
+        raced: Link | None = None,
+    ) -> Chain:
+        """A chain with further causes that what is held out does not speak against.
+
+        Parameters
+        ----------
+        chain
+            What is known already.
+        max_links, extra, raced
+            As in `select_forward`.
+        """
+        held_out = self.base.held_out
+
+        def is_no_worse(before: Candidate, after: Candidate) -> bool:
+            limit = BETTER if before.effects else NO_WORSE
+            return held_out.rms(after) <= limit * held_out.rms(before)
+
+        return select_forward(
+            chain.final,
+            self.effects,
+            self.base.scale,
+            self.base.sigma,
+            is_no_worse=is_no_worse,
+            is_noise=lambda model: not self.remainder_of(model).structured,
+            report=lambda message, fraction: self.report(message, 0.3 + 0.4 * fraction),
+            known_links=chain.links,
+            extra=extra,
+            raced=raced,
+            max_links=max_links,
+        )
+
+    def search(self, first: Chain | None = None) -> SearchResult:
+        """The chain of causes, what it leaves, and what may be named.
+
+        Parameters
+        ----------
+        first
+            The chain with its first cause, where that is known.
+        """
+        chain = first or self.first_cause()
+        chain = self.grow(chain, max_links=2) if chain.links else chain
+        if self._may_stand_for_another(chain):
+            other = self._raced_with_multistart(chain, BETTER_START)
+            chain = self.grow(other, max_links=2) if other is not chain else chain
+        first_model = chain.links[0].found if chain.links else None
+        if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
+            chain = self._revise(chain)
+            longer = self.grow(chain)
+            if len(longer.links) > len(chain.links):
+                chain = self._revise(longer)
+            else:
+                chain = replace(chain, last=longer.last)
+        return self._judged(chain, first_model)
+
+    def search_from_multistart(self, known: SearchResult) -> SearchResult | None:
+        """What a search with candidates from a multistart finds, if that is sure.
+
+        Parameters
+        ----------
+        known
+            What was found without them: where they lead to the same first cause, the rest is known.
+        """
+        if has_vanished(self.base.candidate):
+            return None  # then they took part at first
+        chain = self.first_cause(extra=self.multistart)
+        if known.first is not None and _is_same(chain.final, known.first):
+            return None
+        found = self.search(chain)
+        return found if found.is_sure else None
+
+    def search_from_other_causes(self, known: Chain) -> SearchResult | None:
+        """What a search from another first cause finds, if that is sure.
+
+        Parameters
+        ----------
+        known
+            The chain from the best first cause.
+        """
+        name = known.links[0].added.name if known.links else None
+        base = self.base
+        for other in alternative_first_links(
+            name, base.candidate, self.effects, base.scale, base.sigma
+        ):
+            longer = self.grow(other, max_links=2)
+            left = self.remainder_of(longer.final)
+            if not left.structured and left.explained_share > EXPLAINED:
+                found = self.search(longer)
+                if found.is_sure:
+                    return found
+        return None
+
+    @property
+    def _nothing(self) -> Chain:
+        return Chain((), None, self.base.candidate)
+
+    def _raced_with_multistart(self, chain: Chain, share: float) -> Chain:
+        """A chain of one link, or another where one from a multistart leaves less than a share."""
+        least = min((c.squares for c in self.multistart), default=np.inf)
+        if least > share * chain.final.squares:
+            return chain
+        return self.grow(self._nothing, max_links=1, extra=self.multistart, raced=chain.links[0])
+
+    def _may_stand_for_another(self, chain: Chain) -> bool:
+        """Whether a single cause leaves structure, and was not raced with a multistart."""
+        if len(chain.links) != 1 or len(chain.links[0].added.amplitudes) > 1:
+            return False
+        return not has_vanished(self.base.candidate) and self.remainder_of(chain.final).structured
+
+    def _revise(self, chain: Chain) -> Chain:
+        """The chain with its earlier causes revised, unless that is worse on what is held out."""
+        self.report("checking the first causes again", 0.75)
+        base = self.base
+        again = revised(chain, base.candidate, self.effects, base.scale, base.sigma)
+        if base.held_out.rms(again.final) <= NO_WORSE * base.held_out.rms(chain.final):
+            return again
+        return chain
+
+    def _judged(self, chain: Chain, first: Candidate | None) -> SearchResult:
+        """What a chain leaves, and which of its causes may be named, the largest first."""
+        held_out = self.base.held_out
+        before, after = held_out.rms(self.base.candidate), held_out.rms(chain.final)
+        if chain.links and after > (1.0 - LEAST_GAIN) * before:
+            # A chain that gains nothing is chance.
+            chain, after = Chain((), chain.links[0], self.base.candidate), before
+        self.report("looking at what is left", 0.85)
+        remainder = self.remainder_of(chain.final)
+        links = chain.links
+        if remainder.structured:
+            links = tuple(with_rivals_in_misfit(link) for link in links)
+        remainder = replace(remainder, held_out_share=held_out_share(before, after, remainder))
+        is_named = nameable(links, chain.final, remainder, gain=1.0 - after / before)
+        pairs = sorted(zip(links, is_named, strict=True), key=lambda pair: -pair[0].squares_before)
+        return SearchResult(
+            replace(chain, links=tuple(link for link, _ in pairs)),
+            remainder,
+            tuple(sure for _, sure in pairs),
+            first,
+        )
+
+
+def search_causes(
+    recordings: Recordings, request: Request, search: CauseSearch, first: Chain | None
+) -> tuple[SearchResult, CauseSearch]:
+    """What a search finds, and where it came to nothing what one from another beginning does.
+
+    Parameters
+    ----------
+    recordings
+        The logs.
+    request
+        What the user asked for.
+    search
+        The search over the base at hand.
+    first
+        The chain with its first cause, if it was looked for already.
+
+    Returns
+    -------
+    result, search
+        And the search that found it, whose base may be another optimum.
+    """
+    found = search.search(first)
+    if not found.came_to_nothing:
+        return found, search
+    again = request.fit_base(recordings.logs, recordings.hold_out, thorough=True)
+    if again.candidate.squares < BETTER_BASE * search.base.candidate.squares:
+        search = replace(search, base=again)  # the base was a false optimum
+        found = search.search()
+        if not found.came_to_nothing:
+            return found, search
+    other = search.search_from_multistart(found) or search.search_from_other_causes(found.chain)
+    return other or found, search
+
+
+def _is_same(one: Candidate, other: Candidate) -> bool:
+    """Whether two models have the same causes and explain as much."""
+    return one.keys == other.keys and abs(one.squares / other.squares - 1.0) < SAME_OPTIMUM

@@ -1,0 +1,104 @@
+"""Names that a chain as a whole does not carry, whatever its single links look like."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from softid.diagnoses import Cause
+from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis.verdict.equivalence import PRESLIDING
+from softid.effects import extended_name
+from softid.effects.base import Effect, Scale
+
+SLIGHT = 0.03
+"""A later link of the same kind that takes less than this share of what the earlier one took mends
+the form of its law: no material follows a law to the last digit."""
+
+MAIN = 0.5
+"""Causes are named when they take at least this share of what the whole chain takes: a cause beside
+a larger description stands on it."""
+
+GIVES_WAY = 0.02
+"""Friction gives way by this share of the range, at most, before it slides."""
+
+
+def consistent_names(
+    links: Sequence[Link], causes: Sequence[Cause], named: Sequence[bool], squares_left: float
+) -> tuple[bool, ...]:
+    """Which names stay when the links are looked at together.
+
+    Parameters
+    ----------
+    links
+        The chain.
+    causes
+        Their parameters.
+    named
+        Which of them may be named by themselves.
+    squares_left
+        Sum of squares that the last model leaves.
+    """
+    squares = [*(link.squares_before for link in links), squares_left]
+    taken = [max(before - after, 0.0) for before, after in pairwise(squares)]
+    effects = [link.added for link in links]
+    kept, counted = list(named), list(named)
+    for late in range(1, len(effects)):
+        if _is_held_by_bounds(causes[late], effects[late]):
+            kept[late] = False
+    for late, early in _pairs_alike(effects):
+        is_slight = taken[late] < SLIGHT * taken[early]
+        draws = _draws(effects[early], effects[late]) or _draws(effects[late], effects[early])
+        both = kept[early] and kept[late]
+        if draws and (both or not is_slight):  # a description beside it says as much
+            kept[early] = kept[late] = counted[early] = counted[late] = False
+        elif both and (is_slight or _is_bounded(causes[late])):
+            kept[late] = False
+    if sum(t for t, counts in zip(taken, counted, strict=True) if counts) < MAIN * sum(taken):
+        return (False,) * len(links)
+    return tuple(kept)
+
+
+def _is_held_by_bounds(cause: Cause, effect: Effect) -> bool:
+    """Whether several of many sizes end at their bounds: what it draws is larger than it may be."""
+    names = {extended_name(effect, name) for name in effect.amplitudes}
+    return sum(p.at_bound for p in cause.parameters if p.name in names) > 1
+
+
+def _is_bounded(cause: Cause) -> bool:
+    return any(p.at_bound for p in cause.parameters)
+
+
+def _pairs_alike(effects: Sequence[Effect]) -> list[tuple[int, int]]:
+    """Places of effects that can be confused, the later one first."""
+    places = range(len(effects))
+    return [(b, a) for b in places for a in range(b) if _alike(effects[a], effects[b])]
+
+
+def _alike(one: Effect, other: Effect) -> bool:
+    return other.name in one.neighbours or one.name in other.neighbours
+
+
+def _draws(one: Effect, other: Effect) -> bool:
+    return other.name in one.draws
+
+
+def with_presliding(link: Link, cause: Cause, scale: Scale) -> Link:
+    """The link with friction as its rival where a hysteresis is as short as a presliding.
+
+    Dry friction that gives way a little before it slides follows Dahl's law, which is that of the
+    hysteresis: only the distance tells a guide that rubs from a material with inner friction.
+
+    Parameters
+    ----------
+    link, cause
+        A link and its parameters.
+    scale
+        Sizes of the base fit.
+    """
+    hysteresis, friction = PRESLIDING.effects
+    distance = [p.value for p in cause.parameters if p.name == f"{hysteresis}_zs"]
+    if not distance or distance[0] > GIVES_WAY * scale.x_span or friction in link.rivals:
+        return link
+    return replace(link, rivals=(*link.rivals, friction))

@@ -1,0 +1,212 @@
+"""What no log can split, what these logs did not split, and the experiment that would."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from softid.effects import EFFECTS
+
+
+@dataclass(frozen=True)
+class EquivalenceClass:
+    """Causes that give the same pressure and the same motion, whatever is recorded.
+
+    Attributes
+    ----------
+    members
+        The causes, in words.
+    effects
+        Effects of the catalogue that stand for the whole class; none where parameters of the base
+        model or the sensor zero do.
+    why
+        Why no log can split them, one sentence.
+    splits
+        What is needed besides a log of pressure and motion.
+    """
+
+    members: tuple[str, ...]
+    effects: tuple[str, ...]
+    why: str
+    splits: str
+
+
+CLASSES: tuple[EquivalenceClass, ...] = (
+    EquivalenceClass(
+        ("a constant load", "an offset of the sensor's zero"),
+        (),
+        "Both move the whole output by the same amount at every pressure.",
+        "read the sensor with the load taken off",
+    ),
+    EquivalenceClass(
+        ("a delay of the input", "an offset between the clocks of the two channels"),
+        ("delay",),
+        "Both shift the motion in time by the same amount.",
+        "record both channels with one clock",
+    ),
+    EquivalenceClass(
+        ("a lag of the pneumatics", "a leak behind a restriction_issues"),
+        ("pneumatic_lag",),
+        "Such a leak is a lag and a gain, and the parameters of the model take up the gain.",
+        "close the valve and watch whether the pressure in the actuator falls",
+    ),
+    EquivalenceClass(
+        ("the gain of the pressure sensor", "the gain of the output sensor"),
+        (),
+        "The parameters of the model take up both.",
+        "calibrate each sensor on its own",
+    ),
+)
+"""Algebra, not noise: more data of the same kind never splits them."""
+
+PRESLIDING = EquivalenceClass(
+    ("hysteresis of the material", "dry friction that gives way a little before it slides"),
+    ("hysteresis", "coulomb_friction"),
+    "Dry friction that gives way over so short a distance follows the same law as a hysteresis",
+    "the same log with the guides lubricated or taken off, where only a loop of the material stays",
+)
+"""One law, and the distance alone speaks for a guide that rubs or for a material that does."""
+
+_FASTER = "the sensor beside a faster one, or the pressure at the actuator itself"
+
+LINEAR_FILTERS: tuple[EquivalenceClass, ...] = (
+    EquivalenceClass(
+        ("a lag of the pneumatics", "a lag of the sensor"),
+        ("pneumatic_lag", "sensor_lag"),
+        "In a linear model a lag of the input and one of the sensor give the same output",
+        _FASTER,
+    ),
+    EquivalenceClass(
+        ("a resonance of the supply line", "a resonance of the sensor"),
+        ("line_resonance", "sensor_resonance"),
+        "In a linear model a resonance before the actuator and one of the sensor give the same "
+        "output",
+        _FASTER,
+    ),
+)
+"""Linear operations may change places. A stiffness that goes with the pressure tells them apart."""
+
+SINE, STAIRCASE, STEPS, HOLD, CHIRP = (
+    "a sine of 0.5 Hz",
+    "a slow staircase up and down",
+    "fast steps",
+    "a hold of 20 s followed by a rest of 20 s",
+    "a chirp from slow to fast",
+)
+EXPERIMENTS = (SINE, STAIRCASE, STEPS, HOLD, CHIRP)
+
+HOPELESS = 0.2
+"""Two causes that differ by less than this, in units of the noise, are not told apart."""
+
+_SEPARATIONS: dict[tuple[str, str], tuple[float, float, float, float, float]] = {
+    ("delay", "pneumatic_lag"): (0.00, 0.19, 0.83, 0.18, 1.20),
+    ("delay", "sensor_lag"): (0.04, 0.15, 1.29, 0.23, 1.13),
+    ("line_resonance", "pneumatic_lag"): (0.01, 0.78, 4.2, 0.69, 4.6),
+    ("creep", "sensor_warmup"): (0.96, 1.4, 2.1, 4.9, 1.9),
+    ("creep", "hysteresis"): (1.3, 0.93, 1.3, 4.9, 0.66),
+    ("hysteresis", "pneumatic_lag"): (1.8, 4.5, 4.1, 3.9, 3.5),
+    ("coulomb_friction", "hysteresis"): (0.51, 0.60, 1.0, 0.76, 0.81),
+    ("contact", "sensor_clipping"): (0.38, 1.0, 1.4, 0.02, 1.4),
+    ("softening", "ageing"): (1.7, 0.13, 0.73, 0.04, 0.86),
+    ("pressure_mass", "quadratic_damping"): (0.52, 0.48, 2.7, 0.45, 2.9),
+}
+"""Rms difference of two causes in units of the noise, after one was refitted to the other's data,
+for each of `EXPERIMENTS` on a simulated muscle."""
+
+SEPARATIONS = {frozenset(pair): values for pair, values in _SEPARATIONS.items()}
+
+
+@dataclass(frozen=True)
+class Split:
+    """The experiment that tells causes apart.
+
+    Attributes
+    ----------
+    experiment
+        What to record.
+    separation
+        Smallest difference of two of the causes, in units of the noise, on a simulated muscle; None
+        where not every pair was simulated: then it is what shows those that were, or what the
+        catalogue says of each.
+    """
+
+    experiment: str
+    separation: float | None
+
+
+def splitting_experiment(effects: Sequence[str]) -> Split | None:
+    """The experiment in which causes that explain the same logs differ most.
+
+    Parameters
+    ----------
+    effects
+        Names or keys of two effects or more.
+
+    Returns
+    -------
+    Split or None
+        None when there are fewer than two causes, or no experiment is known.
+
+    Examples
+    --------
+    >>> splitting_experiment(["delay", "pneumatic_lag"])
+    Split(experiment='a chirp from slow to fast', separation=1.2)
+    """
+    names = list(dict.fromkeys(key.split(".")[0] for key in effects))
+    if len(names) < 2:
+        return None
+    known = [SEPARATIONS.get(frozenset(pair)) for pair in combinations(names, 2)]
+    rows = [row for row in known if row is not None]
+    if rows:
+        worst = [min(column) for column in zip(*rows, strict=True)]
+        best = max(worst)
+        if best >= HOPELESS:
+            measured = best if len(rows) == len(known) else None
+            return Split(EXPERIMENTS[worst.index(best)], measured)
+    shown = dict.fromkeys(EFFECTS[key].shown_by for key in effects if key in EFFECTS)
+    return Split("; ".join(shown), None) if shown else None
+
+
+def classes_of(effects: Sequence[str]) -> tuple[EquivalenceClass, ...]:
+    """Classes of which one of these effects is a member.
+
+    Parameters
+    ----------
+    effects
+        Names or keys.
+    """
+    names = {key.split(".")[0] for key in effects}
+    return tuple(c for c in CLASSES if names & set(c.effects))
+
+
+def why_unsplit(effects: Sequence[str], *, alike: bool = True) -> str:
+    """Why causes are not told apart, and what would do it, in plain sentences.
+
+    Parameters
+    ----------
+    effects
+        Names or keys of the causes that are not told apart, the best first.
+    alike
+        Whether they explain the logs equally well; otherwise they differ by less than what all of
+        them leave.
+
+    Examples
+    --------
+    >>> print(why_unsplit(["delay", "pneumatic_lag"]).split(". ")[1])
+    A chirp from slow to fast would tell them apart best.
+    """
+    sentences = [
+        "After a refit of all other parameters they explain these logs equally well"
+        if alike
+        else "What none of them explains outweighs the little by which they differ"
+    ]
+    split = splitting_experiment(effects)
+    if split is None:
+        sentences.append("No experiment is known that would tell them apart")
+    elif split.separation is None:
+        sentences.append(f"What shows each of them: {split.experiment}")
+    else:
+        experiment = split.experiment[:1].upper() + split.experiment[1:]
+        sentences.append(f"{experiment} would tell them apart best")
+    return ". ".join(sentences) + "."

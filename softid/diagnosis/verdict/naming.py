@@ -1,0 +1,203 @@
+"""Which links of a chain may be named as causes, and which verdict follows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from softid.chi_square import chi_square_tail
+from softid.diagnoses import Cause, Remainder, Verdict
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.search.forward_selection import Link
+from softid.effects import extended_name
+from softid.effects.base import Effect
+from softid.results import FitResult, ParameterEstimate
+
+EXPLAINED = 0.93
+"""Share of the misfit that the causes must explain when something is left."""
+
+MOSTLY, DOMINANT, HALF = 0.6, 0.3, 0.5
+"""Measured logs hold small disturbances that no law takes away, which a drive without a spring even
+adds up. Where the rest follows from nothing that moves, causes may be named from this explained
+share on: each that takes away at least the second share of the misfit by itself, if together they
+take away the third share of the error on what is held out."""
+
+LEAST_GAIN = 0.01
+"""Share of the held-out error that a cause takes away at least, and a chain of them, too."""
+
+SLIGHT_GAIN, UNKNOWN_SIZE = 0.1, 30.0
+"""A cause that takes away less than the first share of the held-out error is not named when its
+size may be so many times larger or smaller: the last corner of a law that another one fits."""
+
+NO_EFFECT = 0.05
+"""Zero sizes that are no less likely than this are no effect."""
+
+VARIES, VARIES_BESIDE = 0.03, 0.1
+"""Where letting its size vary takes away so much beside what a cause takes away, it is another one:
+its own size has settled between what the log asks for here and there. The second share holds where
+something else is left, whose law the size may follow a little."""
+
+ROUNDING = 1e-14
+"""Variances below this share of the largest are not told from it by the covariance's digits."""
+
+
+def nameable(
+    links: Sequence[Link], final: Candidate, remainder: Remainder, *, gain: float
+) -> tuple[bool, ...]:
+    """Which links may be named as causes; the others are descriptions.
+
+    Parameters
+    ----------
+    links
+        The chain.
+    final
+        The model with all of them.
+    remainder
+        What it leaves.
+    gain
+        Share by which the error on what is held out falls.
+    """
+    if not remainder.carries_over:
+        return (False,) * len(links)
+    if not remainder.structured or remainder.explained_share > EXPLAINED:
+        return (True,) * len(links)
+    if remainder.predictable or remainder.explained_share <= MOSTLY or gain < HALF:
+        return (False,) * len(links)
+    squares = [*(link.squares_before for link in links), final.squares]
+    return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))
+
+
+def gains_by(cause: Cause, whole: float) -> bool:
+    """Whether a cause lowers the held-out error, beside those before it or beside all others.
+
+    Where a motion integrates its force, the first of two causes may make the error larger by
+    itself and yet be what the second cannot do without.
+
+    Parameters
+    ----------
+    cause
+        The cause with its held-out errors.
+    whole
+        That of the model with all causes.
+    """
+    most = 1.0 - LEAST_GAIN
+    if cause.holdout_rmse_after <= most * cause.holdout_rmse_before:
+        return True
+    without = cause.holdout_rmse_without
+    return without is not None and whole <= most * without
+
+
+def most_variation(remainder: Remainder) -> float:
+    """How much letting its size vary may take away beside what a cause takes away.
+
+    Parameters
+    ----------
+    remainder
+        What all causes leave.
+    """
+    return VARIES_BESIDE if remainder.structured else VARIES
+
+
+def may_be_named(
+    cause: Cause, effect: Effect, extended: FitResult, whole: float, *, varies: float = VARIES
+) -> bool:
+    """Whether the numbers of a cause allow its name.
+
+    It must take away a hundredth of the held-out error at least, with a size that is the same
+    throughout. Where its size may have either sign, an interval over zero is no effect, and a size
+    at its bound stands for something else; so does a time of a relaxation: at its shortest it is a
+    damper, at its longest a drift; and so does a speed at which friction has come up when it is as
+    large as the motion's own.
+    Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
+    unknown beside the base's own parameters, or run into its bound with their common slope, and
+    their shape well known.
+
+    Parameters
+    ----------
+    cause
+        The cause with its parameters and its held-out error.
+    effect
+        Its effect.
+    extended
+        The fit with all causes, for the covariance of the sizes.
+    whole
+        Held-out error of the model with all causes.
+    varies
+        From `most_variation`.
+    """
+    if not gains_by(cause, whole):
+        return False
+    if cause.variation is not None and cause.variation.share > varies:
+        return False
+    if _is_slight(cause) and not effect.changes_sign and _is_unknown(cause, effect):
+        return False
+    names = {extended_name(effect, name) for name in effect.amplitudes if effect.changes_sign}
+    sizes = [p for p in cause.parameters if p.name in names]
+    ceilings = {extended_name(effect, name) for name in effect.ceilings}
+    if any(_is_at_ceiling(p) for p in cause.parameters if p.name in ceilings):
+        return False
+    essential = {extended_name(effect, name) for name in effect.essential}
+    held = [p for p in cause.parameters if p.name in essential]
+    if any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held))):
+        return False
+    if len(sizes) == 1:
+        return not _covers_zero(sizes[0])
+    return not sizes or not _cover_zero_together(sizes, extended)
+
+
+def _is_slight(cause: Cause) -> bool:
+    """Whether a cause gains little on what is held out."""
+    before, after = cause.holdout_rmse_before, cause.holdout_rmse_after
+    return after > (1.0 - SLIGHT_GAIN) * before
+
+
+def _is_unknown(cause: Cause, effect: Effect) -> bool:
+    """Whether not even the order of magnitude of its size is known."""
+    names = {extended_name(effect, name) for name in effect.amplitudes}
+    intervals = [p.ci95 for p in cause.parameters if p.name in names and p.ci95 is not None]
+    return any(high > UNKNOWN_SIZE * max(low, 0.0) for low, high in intervals)
+
+
+def _is_at_ceiling(parameter: ParameterEstimate) -> bool:
+    """Whether a value lies on its upper bound."""
+    value, upper = parameter.value, parameter.upper
+    return parameter.at_bound and upper is not None and bool(np.isclose(value, upper, rtol=1e-3))
+
+
+def _covers_zero(parameter: ParameterEstimate) -> bool:
+    return parameter.ci95 is not None and parameter.ci95[0] <= 0.0 <= parameter.ci95[1]
+
+
+def _cover_zero_together(sizes: Sequence[ParameterEstimate], extended: FitResult) -> bool:
+    """Whether zero lies in the 95 % region of Wald, z' C⁻¹ z, of all sizes at once."""
+    rows = [extended.free.index(p.name) for p in sizes if p.name in extended.free]
+    if extended.covariance is None or len(rows) < len(sizes):
+        return all(_covers_zero(p) for p in sizes)
+    z = np.array([p.value for p in sizes])
+    variances, axes = np.linalg.eigh(extended.covariance[np.ix_(rows, rows)])
+    least = max(ROUNDING * float(variances[-1]), np.finfo(float).tiny)
+    distance = float(np.sum((axes.T @ z) ** 2 / np.maximum(variances, least)))
+    return chi_square_tail(distance, len(sizes)) > NO_EFFECT
+
+
+def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remainder) -> Verdict:
+    """The answer that the links and the remainder allow.
+
+    Parameters
+    ----------
+    links
+        The chain.
+    is_named
+        Which of them may be named.
+    remainder
+        What it leaves.
+    """
+    if not links:
+        return Verdict.UNKNOWN if remainder.structured else Verdict.ADEQUATE
+    if not any(is_named):
+        return Verdict.UNKNOWN
+    if any(len(link.rivals) > 1 for link, named in zip(links, is_named, strict=True) if named):
+        return Verdict.AMBIGUOUS
+    return Verdict.PARTIAL if remainder.structured else Verdict.NAMED

@@ -1,0 +1,141 @@
+"""The reading of the input between its samples, looked at again with a cause in the model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linear_motion import (
+    RATE_HZ,
+    SIGMA,
+    TRUTH,
+    linear_angle,
+    linear_log,
+    linear_problem,
+    standing,
+)
+
+from softid.diagnosis.base import intersample_selection
+from softid.diagnosis.base.intersample_selection import (
+    better_intersample,
+    intersample_after_all_causes,
+    intersample_after_first_cause,
+    is_measured,
+    is_open,
+    straight_unless_declared,
+    with_intersample,
+)
+from softid.diagnosis.refit.candidates import Candidate, extend, start_unknowns
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search.forward_selection import converged
+from softid.effects import effect_of
+from softid.intersample import Intersample
+from softid.log import LogSet
+
+LOG = linear_log(noise=0.01)
+"""Its pressure jumps every 5 s, and its answer is exact for straight lines between samples."""
+
+
+def test_a_wrong_reading_is_left_for_the_true_one() -> None:
+    """Stands on the truth of the log, at the true parameters."""
+    held = linear_problem(with_intersample([LOG], "held"))
+    z = held.unknowns(TRUTH)
+    assert better_intersample(standing(held, z), SIGMA) == "straight"
+    straight = linear_problem(with_intersample([LOG], "straight"))
+    assert better_intersample(standing(straight, z), SIGMA) is None
+
+
+def test_a_measured_input_is_straight_where_that_does_as_well() -> None:
+    """Readings that explain alike: noise of the size of the motion hides what lies between."""
+    log = linear_log(noise=1.0)
+    held = linear_problem(with_intersample([log], "held"))
+    z = held.unknowns(TRUTH)
+    sigma = {"angle": 1.0}
+    assert better_intersample(standing(held, z, sigma), sigma) is None
+    assert intersample_after_all_causes(standing(held, z, sigma), sigma) == "straight"
+    command = replace(log, channels={
+        "pressure_command": log.channels["pressure"], "angle": log.channels["angle"]
+    }, input="pressure_command")  # fmt: skip
+    commanded = linear_problem(with_intersample([command], "held"))
+    assert intersample_after_all_causes(standing(commanded, z, sigma), sigma) is None
+
+
+def late(seconds: float, *, held: bool, reading: Intersample) -> tuple[Candidate, Candidate]:
+    """Base and delayed model of a log whose input goes on so late, straight or held, at the truth.
+
+    The pressure changes at every sample.
+    """
+    rng = np.random.default_rng(2)
+    fine, period_s = 20, 1.0 / RATE_HZ
+    pressure = 50.0 + 30.0 * np.sin(2.0 * np.pi * 0.7 * LOG.time_s) + rng.normal(0.0, 4.0, len(LOG))
+    pressure[:50] = 0.0
+    fine_s = period_s / fine * np.arange(fine * len(LOG))
+    arriving = np.interp(fine_s - seconds, LOG.time_s, pressure)
+    if held:
+        at = np.clip(np.floor((fine_s - seconds) / period_s + 1e-9), 0, len(LOG) - 1)
+        arriving = pressure[at.astype(int)]
+    angle = linear_angle(fine_s, arriving)[::fine] + 1e-4 * rng.standard_normal(len(LOG))
+    channels = {
+        "pressure": replace(LOG.channels["pressure"], values=pressure),
+        "angle": replace(LOG.channels["angle"], values=angle),
+    }
+    log = replace(LOG, channels=channels)
+    base = linear_problem(with_intersample([log], reading))
+    z = base.unknowns(TRUTH)
+    effect = effect_of("delay")
+    problem = extend(base, (effect,), scale_of(base, z))
+    tau = max(seconds + (0.5 * period_s if held else 0.0), 1e-3)
+    begun = start_unknowns(problem, base, z, {"delay_tau": tau})
+    delayed = replace(standing(problem, begun, SIGMA), effects=(effect,))
+    return converged(standing(base, z), SIGMA), converged(delayed, SIGMA)
+
+
+def test_half_an_interval_late_is_held() -> None:
+    """The base alone explains the log then; beside a cause that takes time it is not held."""
+    base, delayed = late(0.0, held=True, reading="straight")
+    assert better_intersample(delayed, SIGMA) == "zoh"
+    assert intersample_after_first_cause(base, delayed, SIGMA) == "zoh"
+    assert intersample_after_all_causes(delayed, SIGMA) is None
+
+
+def test_a_cause_that_takes_time_keeps_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A measured input that is late by more is not held, however much better that is beside it."""
+    base, delayed = late(0.05, held=False, reading="straight")
+    monkeypatch.setattr(intersample_selection, "better_intersample", lambda candidate, sigma: "zoh")
+    assert intersample_after_first_cause(base, delayed, SIGMA) is None
+    assert intersample_after_first_cause(base, base, SIGMA) == "zoh"
+
+
+def test_only_what_nobody_declared_is_open() -> None:
+    """Declared readings stay, and an input without a jump has but one."""
+    assert is_open(LogSet((LOG,)))
+    assert not is_open(LogSet(with_intersample([LOG], "straight")))
+    smooth = LOG.between(1.2, 3.4)
+    assert not is_open(LogSet((smooth,)))
+    assert not is_open(LogSet((LOG, replace(linear_log(seed=1), intersample="held"))))
+
+
+def test_a_reading_takes_the_place_of_another() -> None:
+    """What the first one told goes with it."""
+    held = with_intersample([LOG], "zoh")
+    assert [issue.code for issue in held[0].issues] == ["held-input"]
+    again = with_intersample(held, "straight")
+    assert again[0].intersample == "straight"
+    assert not again[0].issues
+    assert with_intersample(again, "held")[0].intersample == "held"
+
+
+def test_a_command_is_not_measured() -> None:
+    """Only a measured input goes straight from one sample to the next by its nature."""
+    assert is_measured(LogSet((LOG,)))
+    renamed = {"pressure_command": LOG.channels["pressure"], "angle": LOG.channels["angle"]}
+    command = replace(LOG, channels=renamed, input="pressure_command")
+    assert not is_measured(LogSet((command,)))
+
+
+def test_what_somebody_said_stays() -> None:
+    """A declared reading is kept, and nothing is told of the other."""
+    assert straight_unless_declared(LOG).intersample == "straight"
+    held = replace(LOG, intersample="held")
+    assert straight_unless_declared(held) is held

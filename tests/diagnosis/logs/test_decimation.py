@@ -1,0 +1,123 @@
+"""Averages of logs that are sampled far faster than anything moves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from softid.diagnosis.logs.decimation import (
+    ENOUGH,
+    SAMPLES_PER_MOTION,
+    decimated,
+    samples_to_average,
+)
+from softid.log import Log
+
+
+def regular(samples: int, period_s: float = 0.001, name: str = "log") -> Log:
+    time_s = period_s * np.arange(samples)
+    return Log.from_arrays(time_s, {"pressure": time_s, "angle": 2.0 * time_s}, name=name)
+
+
+@pytest.mark.parametrize(
+    ("samples", "motion_s", "count"),
+    [
+        (ENOUGH, 100.0, 1),
+        (ENOUGH + 1, 100.0, 2),
+        (10 * ENOUGH, 100.0, 10),
+        (10 * ENOUGH, 4.5 * SAMPLES_PER_MOTION * 0.001, 4),
+        (10 * ENOUGH, 0.9 * SAMPLES_PER_MOTION * 0.001, 1),
+    ],
+)
+def test_how_many_samples_a_mean_holds(samples: int, motion_s: float, count: int) -> None:
+    """Stands on the two limits: 6000 samples stay in all, and 30 in a time constant."""
+    assert samples_to_average([regular(samples)], motion_s) == count
+
+
+def test_logs_count_together_and_the_slowest_sets_the_limit() -> None:
+    """Two logs of 6000 samples are 12000; 30 samples of 2 ms in 0.09 s leave a mean of 1.5."""
+    fast, slow = regular(ENOUGH, name="fast"), regular(ENOUGH, 0.002, name="slow")
+    assert samples_to_average([fast, slow], 100.0) == 2
+    assert samples_to_average([fast, slow], 0.09) == 1
+
+
+def test_irregular_logs_are_left_alone() -> None:
+    """A mean of samples at uneven times is no value at their mean time; 30 % off is uneven."""
+    even = regular(10 * ENOUGH)
+    for share, count in ((0.1, 10), (0.3, 1)):
+        time_s = np.array(even.time_s)
+        time_s[500] += share * 0.001
+        uneven = Log.from_arrays(time_s, {"pressure": time_s, "angle": time_s})
+        assert samples_to_average([uneven], 100.0) == count
+        both = samples_to_average([even, uneven], 100.0)
+        assert both == (20 if count == 10 else 1)
+
+
+def test_means_by_hand() -> None:
+    """Two groups of three and one sample over: times, values and masks worked out by hand."""
+    log = Log.from_arrays(
+        [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
+        {"pressure": [1, 2, 6, 0, 0, 3, 9], "angle": [0, 3, 6, 1, 1, 1, 9]},
+    ).with_masked([False, False, False, False, True, False, True])
+    short = decimated(log, 3)
+    assert short.time_s == pytest.approx([0.1, 0.4])
+    assert short.pressure_kpa.tolist() == [3.0, 1.0]
+    assert short.channels["angle"].values.tolist() == [3.0, 1.0]
+    assert short.masked is not None
+    assert short.masked.tolist() == [False, True]
+    assert (short.name, short.input, short.outputs) == (log.name, log.input, log.outputs)
+
+
+def test_a_missing_sample_takes_its_group_out_of_the_residual() -> None:
+    """The mean of what was not recorded is not known, and must not count."""
+    log = Log.from_arrays(
+        [0.0, 0.1, 0.2, 0.3], {"pressure": [1, 2, 3, 4], "angle": [1.0, np.nan, 2.0, 4.0]}
+    )
+    (segment,) = decimated(log, 2).segments()
+    assert segment.used["angle"].tolist() == [False, True]
+    assert segment.outputs["angle"][1] == 3.0
+
+
+def test_a_straight_line_passes_unchanged() -> None:
+    """Closed form: the mean of a straight line over a group is the line at the mean time."""
+    log = regular(1000)
+    short = decimated(log, 7)
+    assert len(short) == 142
+    assert short.pressure_kpa == pytest.approx(short.time_s)
+    assert short.channels["angle"].values == pytest.approx(2.0 * short.time_s)
+
+
+def test_white_noise_falls_with_the_root_of_the_count() -> None:
+    """Closed form σ √((26² + 2)/24²)/√9 for an output: the weights −1, 26 and −1 of 24 on means.
+
+    Within four standard errors of a standard deviation of 4000 values.
+    """
+    noise = np.random.default_rng(5).standard_normal(36000)
+    time_s = 0.001 * np.arange(noise.size)
+    log = Log.from_arrays(time_s, {"pressure": time_s, "angle": noise})
+    found = float(np.std(decimated(log, 9).channels["angle"].values))
+    assert found == pytest.approx(np.sqrt(678.0) / 72.0, rel=4.0 / np.sqrt(2.0 * 4000.0))
+
+
+@pytest.mark.parametrize("hertz", [1.0, 2.0, 4.0])
+def test_what_bends_within_a_mean_is_not_lost(hertz: float) -> None:
+    """A sine under means over 50 ms: an output errs by 3 (π f T)⁴/40, where its mean errs by
+    (π f T)²/6; the straight line through the new inputs has the means of the old ones."""
+    count, period_s = 50, 0.001
+    time_s = period_s * np.arange(20_000)
+    wave = np.sin(2.0 * np.pi * hertz * time_s)
+    short = decimated(Log.from_arrays(time_s, {"pressure": wave, "angle": wave}), count)
+    exact = np.sin(2.0 * np.pi * hertz * short.time_s)
+    phase = np.pi * hertz * count * period_s
+    off = short.channels["angle"].values[1:-1] - exact[1:-1]
+    assert np.max(np.abs(off)) < 3.0 * phase**4 / 40.0 + 1e-3 * phase**2
+    assert 3.0 * phase**4 / 40.0 < 0.5 * phase**2 / 6.0
+    u = short.channels["pressure"].values
+    means = (u[:-2] + 6.0 * u[1:-1] + u[2:]) / 8.0
+    assert means == pytest.approx(wave.reshape(-1, count).mean(axis=1)[1:-1])
+
+
+def test_one_sample_is_its_own_mean() -> None:
+    """Nothing is copied."""
+    log = regular(20)
+    assert decimated(log, 1) is log

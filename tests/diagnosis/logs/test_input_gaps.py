@@ -1,0 +1,158 @@
+"""Samples that depend on what the input did while samples were lost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from linear_motion import MODEL, TRUTH, Array, linear_angle, linear_problem, standing
+
+from softid.diagnosis.base.base_fit import BaseFit, Recordings
+from softid.diagnosis.logs.input_gaps import MATTERS, MOST_LEFT_OUT, without_lost_input
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.workflow import _prepared
+from softid.log import Log, LogSet
+
+VALUES = dict(
+    zip(
+        MODEL.parameters().names, MODEL.parameters().with_values(TRUTH).values_vector(), strict=True
+    )
+)
+NOISE = 0.01
+LEVEL_KPA = 60.0
+JUMP_S = 5.03
+LOST = (250, 251, 252)
+"""Samples about the jump; those at 4.98 s and 5.06 s on either side of the gap stay."""
+
+
+def recorded(pressure: Array, *, lost: tuple[int, ...] = LOST, seed: int = 0) -> Log:
+    """A log of the linear actuator at rates of 1 kHz, of which every 20th sample was kept."""
+    fine_s = np.arange(pressure.size) / 1000.0
+    angle = linear_angle(fine_s, pressure)[::20]
+    angle = angle + NOISE * np.random.default_rng(seed).standard_normal(angle.size)
+    log = Log.from_arrays(
+        fine_s[::20], {"pressure": pressure[::20], "angle": angle}, name=f"lost-{seed}"
+    )
+    kept = np.ones(len(log), bool)
+    kept[list(lost)] = False
+    channels = {k: replace(c, values=c.values[kept]) for k, c in log.channels.items()}
+    return replace(log, time_s=log.time_s[kept], channels=channels, masked=None)
+
+
+def fine(duration_s: float = 20.0) -> Array:
+    return np.arange(round(1000 * duration_s)) / 1000.0
+
+
+def jump(duration_s: float = 20.0) -> Array:
+    return np.where(fine(duration_s) >= JUMP_S, LEVEL_KPA, 0.0)
+
+
+def unknown_part(log: Log) -> Array:
+    """How far the angle can be off behind the gap, for the model at the truth.
+
+    The input through the upper and through the lower end of the jump differ by a triangle of
+    height H and half width w about the middle of the gap. With the poles −p and −q the response
+    is H w (f(p) exp(−p t) − f(q) exp(−q t)) / (M (q − p)), f(p) = 2 (cosh p w − 1)/(p w)².
+    """
+    before = LOST[0] - 1
+    start_s, end_s = log.time_s[before], log.time_s[before + 1]
+    w, t = 0.5 * (end_s - start_s), log.time_s - 0.5 * (start_s + end_s)
+    mass, damping, spring = TRUTH["M"], TRUTH["N"], TRUTH["Q"]
+    root = np.sqrt(damping**2 - 4.0 * mass * spring)
+    p, q = (damping - root) / (2.0 * mass), (damping + root) / (2.0 * mass)
+
+    def decays(rate: float) -> Array:
+        share = 2.0 * (np.cosh(rate * w) - 1.0) / (rate * w) ** 2
+        return np.where(t >= w, share * np.exp(-rate * t), 0.0)
+
+    return LEVEL_KPA * w * (decays(p) - decays(q)) / (mass * (q - p))
+
+
+def test_a_log_without_gaps_is_itself() -> None:
+    """The same object, so that nothing is fitted again; a jump between two samples is no gap."""
+    whole = recorded(jump(), lost=())
+    assert without_lost_input(whole, MODEL, VALUES) is whole
+
+
+def test_a_jump_in_a_gap_takes_the_memory_of_the_motion() -> None:
+    """Closed form: masked is where the course of the input matters more than half of the noise.
+
+    The noise is estimated to about 5 %, which moves the end of 0.6 s by 0.05/p = 7 ms, less than a
+    sample; two are allowed. The angle itself stays, and the issue counts what is left out.
+    """
+    log = recorded(jump())
+    kept = without_lost_input(log, MODEL, VALUES)
+    assert kept.masked is not None
+    masked = np.flatnonzero(kept.masked)
+    expected = np.flatnonzero(unknown_part(log) > MATTERS * NOISE)
+    assert expected.size > 25
+    assert masked[0] == expected[0] == LOST[0]
+    assert np.array_equal(masked, np.arange(masked[0], masked[-1] + 1))
+    assert masked[-1] == pytest.approx(expected[-1], abs=2)
+    (issue,) = kept.issues
+    assert (issue.code, issue.severity) == ("lost-input", "info")
+    assert f"{masked.size} samples, from 5.06 s" in issue.message
+    for name, channel in log.channels.items():
+        assert np.array_equal(kept.channels[name].values, channel.values)
+
+
+@pytest.mark.parametrize("course", ["ramp", "sine"])
+def test_an_input_that_goes_straight_on_is_known(course: str) -> None:
+    """A ramp is straight in the gap; a sine of 0.2 Hz bends there by ω² A g²/2 = 0.15 kPa."""
+    t = fine()
+    slow = 60.0 * t if course == "ramp" else 30.0 * (1.0 - np.cos(0.4 * np.pi * t))
+    log = recorded(slow)
+    assert without_lost_input(log, MODEL, VALUES) is log
+
+
+def test_a_log_that_mostly_hangs_on_it_stays() -> None:
+    """The same gap, and so the same samples, in a log of 20 s and in the 1.7 s about it."""
+    log = recorded(jump())
+    masked = without_lost_input(log, MODEL, VALUES).masked
+    assert masked is not None
+    short = log.between(4.5, 6.2)
+    assert masked.sum() > MOST_LEFT_OUT * len(short)
+    assert without_lost_input(short, MODEL, VALUES) is short
+
+
+def test_fitted_and_held_out_logs_are_treated() -> None:
+    """A diagnosis leaves the samples out of what it fits and out of what judges, and fits again.
+
+    The base stands at the truth here, so that the samples are those of the truth.
+    """
+    begun: list[tuple[Log, ...]] = []
+
+    def fit_base(logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> BaseFit:
+        assert not thorough
+        begun.append((*logs, *hold_out))
+        problem = linear_problem(tuple(logs))
+        z = problem.unknowns(TRUTH)
+        unused: Any = None
+        return BaseFit(unused, standing(problem, z), scale_of(problem, z), unused)
+
+    request: Any = SimpleNamespace(fit_base=fit_base)
+    whole, other = recorded(jump(), lost=(), seed=2), recorded(jump(), seed=1)
+    recordings = Recordings(LogSet((recorded(jump()), whole)), (other,))
+    kept, start, count = _prepared(recordings, request)
+    assert count == 1
+    assert [len(logs) for logs in begun] == [3, 3]
+    assert begun[1] == (*kept.logs, *kept.hold_out)
+    left_out = []
+    for before, after in zip(begun[0], begun[1], strict=True):
+        expected = without_lost_input(before, MODEL, VALUES)
+        assert after.masked is not None
+        assert expected.masked is not None
+        assert np.array_equal(after.masked, expected.masked)
+        assert [issue.code for issue in after.issues] == ["lost-input"] * (before is not whole)
+        left_out.append(int(after.masked.sum()))
+    assert left_out[1] == 0
+    assert min(left_out[0], left_out[2]) > 25
+    assert start.candidate.problem.n_samples == sum(map(len, begun[1][:2])) - left_out[0]
+    begun.clear()
+    same, _, _ = _prepared(Recordings(LogSet((whole,)), ()), request)
+    assert tuple(same.logs) == (whole,)
+    assert len(begun) == 1

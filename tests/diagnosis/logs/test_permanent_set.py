@@ -1,0 +1,72 @@
+"""What remains of a motion when its input is back where it began."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from softid.diagnosis.logs.permanent_set import permanent_set_issues, residual_set
+from softid.log import Log
+from softid.readers import load
+from softid.synthesis import hidden_pair
+
+TIME_S = np.arange(4000) * 0.01
+
+
+def cycled(left: float, *, noise: float = 0.0, tau_s: float = 0.1, back_kpa: float = 2.0) -> Log:
+    """Rest, a cycle to 50 kPa of ten seconds and back, with what is left at the end."""
+    pressure = np.repeat([2.0, 50.0, back_kpa, 50.0], 1000)
+    levels = np.repeat([0.0, 1.0, left, 1.0], 1000)
+    angle = levels.copy()
+    for k in range(1, angle.size):
+        angle[k] = angle[k - 1] + 0.01 / tau_s * (levels[k] - angle[k - 1])
+    angle += noise * np.random.default_rng(0).standard_normal(angle.size)
+    return Log.from_arrays(TIME_S, {"pressure": pressure, "angle": angle}, name="cycled")
+
+
+def test_a_known_set_is_found() -> None:
+    """Known truth: 0.2 of a range of 1, on noise of a hundredth."""
+    found = residual_set(cycled(0.2, noise=0.01), "angle")
+    assert found is not None
+    assert found.before == pytest.approx(0.0, abs=0.005)
+    assert found.after == pytest.approx(0.2, abs=0.005)
+    assert found.share == pytest.approx(0.2, rel=0.1)
+    assert found.input_level == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(
+    "log",
+    [
+        cycled(0.02, noise=0.01),
+        cycled(0.0, tau_s=5.0),
+        cycled(0.2, back_kpa=20.0),
+    ],
+    ids=["noise", "still moving", "another level"],
+)
+def test_what_is_no_set(log: Log) -> None:
+    """Less than five times the noise; a motion that goes on; a rest at another pressure."""
+    assert residual_set(log, "angle") is None
+
+
+def test_the_remark_tells_the_numbers() -> None:
+    """Log, both positions and the share; a set of less than a twentieth is not told."""
+    (remark,) = permanent_set_issues([cycled(0.2, noise=0.001), cycled(0.04, noise=0.001)])
+    assert "cycled: angle begins at" in remark.message
+    assert "a set of 20 % of its range" in remark.message
+    assert remark.remedy
+
+
+@pytest.mark.parametrize(("name", "leaves"), [("hysteresis", True), ("delay", False)])
+def test_effects_that_leave_one(name: str, leaves: bool) -> None:
+    """Known truth: a hysteresis begins without memory and keeps some; a delay keeps nothing."""
+    assert bool(permanent_set_issues(hidden_pair([name], seed=3).logs[:1])) is leaves
+
+
+def test_the_arms_keep_a_bend(measured: Path) -> None:
+    """The data's description: about 10° stay after the first cycle of the two-segment arm."""
+    log = load(measured / "two-segment-arm" / "Jan5_1.csv")
+    found = residual_set(log, "angle")
+    assert found is not None
+    assert np.degrees(found.after - found.before) == pytest.approx(9.5, abs=1.0)

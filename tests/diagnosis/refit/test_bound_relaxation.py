@@ -1,0 +1,74 @@
+"""Bounds that go by the force of a base that misses the actuator."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
+
+from softid.diagnosis.refit.bound_relaxation import with_own_bounds
+from softid.diagnosis.refit.candidates import Candidate, extend, start_unknowns
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search.forward_selection import converged
+from softid.effects import ExtendedModel
+from softid.effects.stiffening import Stiffening
+
+LOG = linear_log(noise=0.01)
+EFFECT = Stiffening()
+
+
+def standing_at(share: float, *, force: float) -> Candidate:
+    """The truth with a stiffening at a share of its upper bound, for so small a share of the force.
+
+    The bound is ten times the force over the cube of the position.
+    """
+    base = linear_problem([LOG])
+    z = base.unknowns(TRUTH)
+    scale = scale_of(base, z)
+    problem = extend(base, (EFFECT,), replace(scale, force=force * scale.force))
+    upper = problem.parameters["stiffening_k3"].upper
+    begun = start_unknowns(problem, base, z, {"stiffening_k3": share * upper})
+    found: Candidate = replace(standing(problem, begun, SIGMA), effects=(EFFECT,))
+    return found
+
+
+def test_a_size_at_the_bound_of_a_weak_base_gets_its_own() -> None:
+    """By hand: the bound goes with the force, so it is a hundred times what the base allowed."""
+    held = standing_at(1.0, force=0.01)
+    freed = with_own_bounds(held)
+    before, after = (c.problem.parameters["stiffening_k3"] for c in (held, freed))
+    assert after.upper == pytest.approx(100.0 * before.upper)
+    assert after.lower <= before.lower
+    assert np.array_equal(freed.minimum.point, held.minimum.point)
+    model = freed.problem.model
+    assert isinstance(model, ExtendedModel)
+    assert model.parameters()["stiffening_k3"].upper == pytest.approx(after.upper)
+    assert freed.problem.parameters["Q"] == held.problem.parameters["Q"]
+
+
+@pytest.mark.parametrize(("share", "force"), [(0.5, 0.01), (1.0, 1.0)])
+def test_others_keep_theirs(share: float, force: float) -> None:
+    """A size within its bounds is not held, and a base with the true force knows its bounds."""
+    candidate = standing_at(share, force=force)
+    assert with_own_bounds(candidate) is candidate
+
+
+def test_settling_goes_on_behind_the_bound() -> None:
+    """The answer of a spring of 40 kPa/rad³, for which the base would allow 24: 2 %, four sd."""
+    true = standing_at(0.5, force=1.0).problem
+    theta = true.theta(true.unknowns({**TRUTH, "stiffening_k3": 40.0}))
+    (segment,) = true.segments
+    exact = true.model.response(theta, segment, ("angle",), start=None, derivatives=False)
+    noise = 0.01 * np.random.default_rng(5).standard_normal(segment.time_s.size)
+    angle = replace(LOG.channels["angle"], values=exact.outputs["angle"] + noise)
+    base = linear_problem([replace(LOG, channels=dict(LOG.channels) | {"angle": angle})])
+    z = base.unknowns(TRUTH)
+    scale = scale_of(base, z)
+    weaker = replace(scale, force=2.4 * scale.x_span * scale.x_high**2)
+    weak = extend(base, (EFFECT,), weaker)
+    assert weak.parameters["stiffening_k3"].upper == pytest.approx(24.0)
+    begun = start_unknowns(weak, base, z, {"stiffening_k3": 5.0})
+    candidate = replace(standing(weak, begun, SIGMA), effects=(EFFECT,))
+    assert converged(candidate, SIGMA).parameters["stiffening_k3"] == pytest.approx(40.0, rel=0.02)

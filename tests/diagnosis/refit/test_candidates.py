@@ -1,0 +1,243 @@
+"""Candidate causes: extended problems, their priors, and steps towards their optimum."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linear_motion import MODEL, SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
+
+from softid.diagnosis.refit.candidates import (
+    BASE_SD,
+    COARSE,
+    EFFECT_SD,
+    FINE,
+    LIGHTER,
+    Candidate,
+    TemperedPrior,
+    WhitenedObjective,
+    advance,
+    exchanged,
+    extend,
+    limited_plans,
+    named_values,
+    prior_about,
+    start_unknowns,
+)
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.whitening import Whitener
+from softid.effects import EFFECTS, effect_of, effects_of
+from softid.effects.base import Scale
+from softid.fitters.problem import Problem
+from softid.parameters import Parameter
+
+DRIFT, LAG, FRICTION = (
+    effect_of(name) for name in ("sensor_drift", "pneumatic_lag", "coulomb_friction")
+)
+KNOWN = ("M", "N", "Q")
+SIGMA_OF = {(0, "angle"): SIGMA["angle"]}
+
+
+def base_problem() -> tuple[Problem, Scale]:
+    problem = linear_problem([linear_log(noise=0.01)])
+    return problem, scale_of(problem, problem.unknowns(TRUTH))
+
+
+def test_effects_are_added_to_those_that_are_there() -> None:
+    """One model with both, not a model in a model; the base's own bounds and values stay."""
+    base, scale = base_problem()
+    narrow = replace(base.parameters["N"], lower=1.0, upper=20.0)
+    base = Problem(base.model, base.parameters.replacing(narrow), base.logs)
+    both = extend(extend(base, [DRIFT], scale), [LAG], scale)
+    assert both.model.model is MODEL or both.model.model == MODEL
+    assert {effect.key for effect in both.model.effects} == {"sensor_drift", "pneumatic_lag"}
+    assert both.parameters["N"] == narrow
+    assert set(both.free) == {*KNOWN, "sensor_drift_rate", "pneumatic_lag_tau"}
+
+
+def test_a_drive_with_friction_has_no_rest() -> None:
+    """Without a spring no position is at rest; that is no division by zero, whatever is added."""
+    base, scale = base_problem()
+    drive = replace(MODEL, spring="none")
+    free = Problem(drive, drive.parameters(), base.logs)
+    with np.errstate(all="raise"):
+        problem = extend(free, [FRICTION], scale)
+    assert not problem.has_equilibrium
+    assert not problem.zeros
+
+
+def test_start_keeps_what_the_base_knows() -> None:
+    """By name, with zeros and states behind; added values as logarithms, inside their bounds."""
+    base, scale = base_problem()
+    z = base.unknowns(TRUTH) + np.array([0.1, 0.2, 0.3, 0.4])
+    problem = extend(base, [DRIFT, LAG], scale)
+    values = named_values(LAG, {"tau": 0.07}) | named_values(DRIFT, {"rate": 1e9})
+    start = start_unknowns(problem, base, z, values)
+    at = dict(zip(problem.free, start.tolist(), strict=False))
+    assert [at[name] for name in KNOWN] == z[:3].tolist()
+    assert start[-1] == z[-1]
+    assert problem.parameters["pneumatic_lag_tau"].scale == "log"
+    assert at["pneumatic_lag_tau"] == pytest.approx(np.log(0.07))
+    assert at["sensor_drift_rate"] == problem.parameters["sensor_drift_rate"].upper
+
+
+def test_start_has_the_states_of_every_segment_behind() -> None:
+    """A log that does not begin at rest brings two states, which stay with their zero."""
+    base = linear_problem([linear_log(noise=0.01).between(1.5, 15.0)])
+    scale = scale_of(base, base.unknowns(TRUTH))
+    z = base.unknowns(TRUTH)
+    z[-3:] = [0.5, 0.6, 0.7]
+    problem = extend(base, [DRIFT], scale)
+    assert start_unknowns(problem, base, z, {"sensor_drift_rate": 0.0})[-3:].tolist() == [
+        0.5,
+        0.6,
+        0.7,
+    ]
+
+
+def test_weights_of_the_prior() -> None:
+    """Closed form s²/sd²: 1.5 and 3 in logarithms, 1.5 sizes for a linear one that was known.
+
+    Sensor zeros, and linear parameters of an effect, are held by nothing.
+    """
+    base, scale = base_problem()
+    free = Parameter("offset", 4.0, "kPa", -50.0, 50.0)
+    base = Problem(base.model, base.parameters.replacing(free), base.logs)
+    problem = extend(base, [DRIFT, LAG], scale)
+    centre = np.ones(problem.size)
+    centre[problem.free.index("offset")] = -4.0
+    prior = prior_about(problem, centre, base.free, variance=9.0)
+    weight = dict(zip(problem.free, prior.weight.tolist(), strict=False))
+    assert [weight[name] for name in KNOWN] == pytest.approx([9.0 / BASE_SD**2] * 3)
+    assert weight["pneumatic_lag_tau"] == pytest.approx(9.0 / EFFECT_SD**2)
+    assert weight["offset"] == pytest.approx(9.0 / (4.0 * BASE_SD) ** 2)
+    assert weight["sensor_drift_rate"] == 0.0
+    assert prior.weight[-1] == 0.0
+    assert prior.variance == 9.0
+
+
+def test_squares_are_those_of_the_residual_alone() -> None:
+    """The prior's part of the cost is taken off again."""
+    problem, _ = base_problem()
+    candidate = standing(problem, problem.unknowns(TRUTH))
+    away = candidate.minimum.point + 1.0
+    prior = TemperedPrior(away, np.full(problem.size, 2.0))
+    normal = candidate.minimum.normal
+    raised = replace(normal, cost=normal.cost + prior.cost(candidate.minimum.point))
+    held = replace(candidate, prior=prior, minimum=replace(candidate.minimum, normal=raised))
+    assert raised.cost - normal.cost == pytest.approx(0.5 * 2.0 * problem.size)
+    assert held.squares == pytest.approx(candidate.squares)
+
+
+def test_steps_in_an_interval_are_capped() -> None:
+    """Sharp friction asks for many steps: no more than the cap, and as many as asked below it."""
+    base, scale = base_problem()
+    problem = extend(base, [FRICTION], scale)
+    values = named_values(FRICTION, FRICTION.starts(scale)[0])
+    z = start_unknowns(problem, base, base.unknowns(TRUTH), values)
+    (whole,) = problem.plans(z)
+    assert whole is not None
+    assert whole.counts.max() > FINE
+    for most in (COARSE, FINE):
+        (plan,) = limited_plans(problem, z, most)
+        assert plan is not None
+        assert np.array_equal(plan.counts, np.minimum(whole.counts, most))  # it is overdamped
+    (same,) = limited_plans(problem, z, 10_000)
+    assert same is not None
+    assert np.array_equal(same.counts, whole.counts)
+
+
+def test_more_steps_where_the_law_swings() -> None:
+    """A hundredth of the damping swings: it asks for several steps, and may have twice the cap."""
+    problem, _ = base_problem()
+    z = problem.unknowns({**TRUTH, "M": 0.005, "N": 0.1})
+    (whole,) = problem.plans(z)
+    (plan,) = limited_plans(problem, z, COARSE)
+    assert whole is not None
+    assert plan is not None
+    assert whole.counts.max() > 2 * COARSE
+    assert plan.counts.max() == 2 * COARSE
+
+
+def test_a_step_ends_at_the_optimum() -> None:
+    """Known truth: from factors of e^0.5 away back to it, within four standard errors."""
+    problem, _ = base_problem()
+    truth = problem.unknowns(TRUTH)
+    lost = standing(problem, truth + np.array([0.5, -0.5, 0.3, 0.0]))
+    found = advance(lost, SIGMA, 60)
+    errors = np.sqrt(np.diag(np.linalg.inv(found.minimum.normal.matrix)))
+    assert np.all(np.abs(found.minimum.point - truth)[:3] < 4.0 * errors[:3])
+    assert found.squares == pytest.approx(996.0, rel=4.0 * np.sqrt(2.0 / 996.0))
+    assert found.minimum.reach < 0.05
+
+
+def test_the_prior_goes_with_the_residual() -> None:
+    """Its weight is made for a variance: with a tenth of the residual it weighs a tenth.
+
+    Under a noise model the rows are white, of variance one.
+    """
+    problem, _ = base_problem()
+    candidate = standing(problem, problem.unknowns(TRUTH))
+    variance = candidate.squares / (problem.n_samples - problem.size)
+    prior = prior_about(problem, candidate.minimum.point, problem.free, 10.0 * variance)
+    weighed = advance(replace(candidate, prior=prior), SIGMA, 1).prior
+    assert weighed.variance == pytest.approx(variance)
+    assert weighed.weight == pytest.approx(0.1 * prior.weight)
+    white = Whitener({(0, "angle"): np.zeros(0)}, {(0, "angle"): 0.01})
+    whitened = advance(replace(candidate, prior=prior, whitener=white), SIGMA, 1).prior
+    assert whitened.variance == 1.0
+    assert whitened.weight == pytest.approx(prior.weight / (10.0 * variance))
+
+
+def test_white_noise_whitens_to_the_plain_objective() -> None:
+    """Invariant: without memory the noise model only divides by the standard deviation."""
+    problem, _ = base_problem()
+    white = Whitener({(0, "angle"): np.zeros(0)}, SIGMA_OF)
+    plain = WhitenedObjective(problem, SIGMA, None)(problem.unknowns(TRUTH) + 0.1)
+    same = WhitenedObjective(problem, SIGMA, white)(plain.point)  # whose zero is the best one
+    assert same.cost == pytest.approx(plain.cost)
+    assert same.gradient == pytest.approx(plain.gradient, abs=1e-6)
+    assert same.matrix == pytest.approx(plain.matrix)
+
+
+def test_the_gradient_of_a_whitened_cost() -> None:
+    """Stands on central differences of the cost, with coloured noise and a prior."""
+    problem, _ = base_problem()
+    z = problem.unknowns(TRUTH) + 0.1
+    objective = WhitenedObjective(
+        problem, SIGMA, Whitener({(0, "angle"): np.array([0.7])}, SIGMA_OF)
+    )
+    objective.prior = TemperedPrior(z - 0.3, np.full(problem.size, 50.0))
+    found = objective(z)
+    for k, step in enumerate(1e-5 * np.eye(problem.size)):
+        slope = (objective(z + step).cost - objective(z - step).cost) / 2e-5
+        assert -found.gradient[k] == pytest.approx(slope, rel=1e-4), k
+
+
+def test_inertia_and_lag_change_places() -> None:
+    """Closed form: poles M/N and τ in a row look alike, so the larger may be the lag.
+
+    0.04 s of inertia go to a lag of 0.01 s, and a tenth of the mass stays; a lag that is the larger
+    one already stays.
+    """
+    base, scale = base_problem()
+    problem = extend(base, [LAG], scale)
+
+    def forms(tau: float) -> list[Candidate]:
+        z = start_unknowns(problem, base, base.unknowns(TRUTH), {"pneumatic_lag_tau": tau})
+        candidate = standing(problem, z)
+        return exchanged(replace(candidate, effects=(LAG,)))
+
+    (moved,) = forms(0.01)
+    assert moved.parameters["pneumatic_lag_tau"] == pytest.approx(TRUTH["M"] / TRUTH["N"])
+    assert moved.parameters["M"] == pytest.approx(LIGHTER * TRUTH["M"])
+    assert moved.parameters["N"] == pytest.approx(TRUTH["N"])
+    assert forms(0.1) == []
+
+
+def test_the_catalogue_or_what_is_named() -> None:
+    """All effects in the order of the table, or the ones asked for in theirs."""
+    assert [effect.key for effect in effects_of()] == list(EFFECTS)
+    assert [effect.key for effect in effects_of(["creep", "delay"])] == ["creep", "delay"]
+    assert named_values(Bow(), {"c": 2.0}) == {"bow_c": 2.0}

@@ -1,0 +1,75 @@
+"""What a user is told about how a diagnosis was made."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from handmade_diagnosis import diagnosis
+from handmade_rounds import link
+from linear_motion import linear_log
+
+from softid.diagnoses import Verdict
+from softid.diagnosis.report.issues import refusal_issues, rounding_issues
+from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.search.forward_selection import Chain
+from softid.log import Log
+
+BASE = diagnosis(Verdict.ADEQUATE).base
+"""Its angle is told in degrees."""
+
+
+def rounded(step: float) -> Log:
+    log = linear_log(noise=0.01)
+    angle = log.channels["angle"]
+    values = np.round(angle.values / step) * step
+    return replace(log, channels=dict(log.channels) | {"angle": replace(angle, values=values)})
+
+
+@pytest.mark.parametrize(("rms", "told"), [(0.0104, True), (0.0128, True), (0.0130, False)])
+def test_rounding_that_makes_what_is_left_is_told(rms: float, told: bool) -> None:
+    """By hand: steps of 0.0222 rad have an rms of 0.0064, a quarter of the power of 0.0128."""
+    found = rounding_issues([rounded(0.0222)], BASE, rms)
+    assert bool(found) is told
+    if told:
+        assert "steps of 1.27 deg" in found[0].message
+        assert found[0].remedy
+
+
+def test_fine_samples_are_not_rounded() -> None:
+    """No grid, or a fine one, is no remark; nor is a perfect fit."""
+    assert not rounding_issues([linear_log(noise=0.01), rounded(0.001)], BASE, 0.0128)
+    assert not rounding_issues([rounded(0.0222)], BASE, 0.0)
+
+
+def judge(before: float, after: float) -> Any:
+    """Held-out samples on which the base, which has no effects, and a law have such errors."""
+    return SimpleNamespace(rms=lambda candidate: after if candidate.effects else before)
+
+
+@pytest.mark.parametrize(
+    ("after", "words"),
+    [(1.4, "adds 40 % to it"), (1.0, "leaves it as it is"), (0.98, None), (0.5, None)],
+)
+def test_a_law_that_what_is_held_out_refuses_is_told(after: float, words: str | None) -> None:
+    """A delay halves the squares of the fitted samples and lowers the BIC by 300."""
+    found = link(300.0)
+    nothing = Chain((), found, found.before.candidate)
+    told = refusal_issues(nothing, judge(1.0, after))
+    assert bool(told) is (words is not None)
+    if words is not None:
+        assert words in told[0].message
+        assert "would take away 50 % of the squared error on the fitted samples" in told[0].message
+        shown = write_summary(replace(diagnosis(Verdict.UNKNOWN), causes=(), issues=told))
+        assert words in shown.summary
+
+
+def test_nothing_is_refused_that_did_not_pay_or_was_added() -> None:
+    """A fall of the BIC by 10 is chance; a chain with a link has its cause."""
+    chance, found = link(10.0), link(300.0)
+    assert not refusal_issues(Chain((), chance, chance.before.candidate), judge(1.0, 2.0))
+    assert not refusal_issues(Chain((found,), found, found.chosen.plain), judge(1.0, 2.0))
+    assert not refusal_issues(Chain((), None, found.before.candidate), judge(1.0, 2.0))

@@ -1,0 +1,111 @@
+"""Whether what a model leaves is more than noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from handmade_diagnosis import remainder
+from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.residual.assessment import _is_structured, assess, excess_of, held_out_share
+from softid.diagnosis.residual.motion import residual_context
+from softid.diagnosis.residual.noise_floor import NoiseFloor
+from softid.diagnosis.residual.structure import Structure
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "share"),
+    [(3.0, 1.0, 1.0), (3.0, 1.2, 1.0), (3.0, 2.0, 1.0 - 3.0 / 8.0), (3.0, 4.0, 0.0)],
+)
+def test_share_of_the_held_out_misfit(before: float, after: float, share: float) -> None:
+    """Closed form: 1 - (after² - noise²)/(before² - noise²), 1 within half a noise variance.
+
+    The rest of 1 has an excess of 0: it is the noise.
+    """
+    left = replace(remainder(structured=False, explained=1.0), rms=1.0, excess=0.0)
+    assert held_out_share(before, after, left) == pytest.approx(share)
+
+
+def bent(added: float) -> tuple[Candidate, Candidate]:
+    """Bases at the truth: one whose log is the truth with noise, one with a sine on it."""
+    samples = 4000
+    swing = added * np.sin(2.0 * np.pi * np.arange(samples) / (5.0 * RATE_HZ))
+    clean = linear_problem([linear_log(noise=0.01, samples=samples)])
+    wrong = linear_problem([linear_log(noise=0.01, samples=samples, added=swing)])
+    return (
+        standing(clean, clean.unknowns(TRUTH)),
+        standing(wrong, wrong.unknowns(TRUTH)),
+    )
+
+
+def test_noise_alone_leaves_nothing() -> None:
+    """Known truth: white noise of 0.01 rad, whose variance is known to a few hundredths."""
+    clean, _ = bent(0.0)
+    scale = scale_of(clean.problem, clean.minimum.point)
+    left = assess(clean, clean, scale, rng=np.random.default_rng(0))
+    assert left.structured is False
+    assert left.explained_share == 1.0
+    assert left.rms == pytest.approx(0.01, rel=0.05)
+    assert abs(left.excess) < 0.15
+
+
+def test_a_misfit_of_known_size() -> None:
+    """Closed form: a sine of 0.05 rad on noise of 0.01 has an excess of ½·25 = 12.5.
+
+    The cause takes all of it or none of it; the noise's variance is known to 5 %.
+    """
+    clean, wrong = bent(0.05)
+    scale = scale_of(wrong.problem, wrong.minimum.point)
+    none, every = (
+        assess(wrong, final, scale, rng=np.random.default_rng(0)) for final in (wrong, clean)
+    )
+    assert none.structured is True
+    assert none.explained_share == pytest.approx(0.0, abs=1e-9)
+    assert none.excess == pytest.approx(12.5, rel=0.15)
+    assert none.excess == excess_of(wrong, scale)
+    assert type(none.excess) is float
+    assert every.structured is False
+    assert every.explained_share > 0.98
+
+
+@pytest.mark.parametrize(
+    ("from_rest", "excess", "structured"),
+    [(True, 0.09, False), (True, 0.11, True), (False, -0.5, True)],
+)
+def test_a_structure_of_known_noise_must_show(
+    from_rest: bool, excess: float, structured: bool
+) -> None:
+    """Where rests tell the variance to 10 %, a structure must make the residual so much larger."""
+    found = Structure(0.2, 0.1, {})
+    assert _is_structured(found, excess, NoiseFloor(1.0, 0.1, from_rest), 1.0) is structured
+
+
+@pytest.mark.parametrize(
+    ("excess", "explained", "structured"),
+    [(0.66, 0.81, False), (0.66, 0.79, True), (0.54, 0.79, False), (0.76, 0.81, True)],
+)
+def test_a_law_that_explains_little_needs_less_to_be_doubted(
+    excess: float, explained: float, structured: bool
+) -> None:
+    """By hand: a variance known to 0.2 allows 0.15 + 3 · 0.2, and 0.15 + 2 · 0.2 of the latter."""
+    nothing = Structure(0.0, 0.1, {})
+    floor = NoiseFloor(1.0, 0.2, from_rest=True)
+    assert _is_structured(nothing, excess, floor, explained) is structured
+
+
+def test_surroundings_show_where_nothing_was_used() -> None:
+    """Residual and motion at every sample; NaN where masked, noise-free zeros elsewhere."""
+    log = linear_log()
+    masked = np.zeros(len(log), bool)
+    masked[300:340] = True
+    problem = linear_problem([log.with_masked(masked)])
+    (part,) = residual_context(standing(problem, problem.unknowns(TRUTH)))
+    assert np.array_equal(np.isnan(part.residual), masked)
+    assert np.nanmax(np.abs(part.residual)) < 1e-6
+    assert part.x == pytest.approx(log.channels["angle"].values, abs=1e-6)
+    assert np.max(np.abs(np.gradient(part.x, part.time_s)[5:-5] - part.v[5:-5])) < 0.5
+    assert np.array_equal(part.u, log.pressure_kpa)

@@ -1,0 +1,117 @@
+"""The moment at which a misfit begins, on logs in which something changed at a known one."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from linear_motion import (
+    RATE_HZ,
+    TRUTH,
+    linear_angle,
+    linear_log,
+    linear_problem,
+    pressure_course,
+    standing,
+)
+
+from softid.diagnosis import diagnose
+from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.report.issues import CHANGE_POINT, change_issues
+from softid.diagnosis.residual.assessment import excess_of
+from softid.diagnosis.residual.change_point import change_point
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+
+N, NOISE, MOMENT_S = 2000, 0.01, 23.0
+TIME_S = np.arange(N) / RATE_HZ
+ANGLE = linear_angle(TIME_S, pressure_course(TIME_S))
+LATE = TIME_S > MOMENT_S
+RATE = np.gradient(ANGLE, TIME_S)
+
+ADDED = {
+    "zero": 0.1 * LATE,
+    "gain": -0.08 * ANGLE * LATE,
+    "clock": np.interp(TIME_S - 0.06 * LATE, TIME_S, ANGLE) - ANGLE,
+}
+"""What a sensor adds whose zero, gain or clock jumps."""
+
+
+def fitted(*logs: Log) -> Candidate:
+    """The oscillator at its optimum over some logs."""
+    problem = linear_problem(logs)
+    begun = standing(problem, problem.unknowns(TRUTH))
+    return advance(begun, {"angle": NOISE}, 40, tolerance=1e-4)
+
+
+def excess(base: Candidate) -> float:
+    return excess_of(base, scale_of(base.problem, base.minimum.point))
+
+
+@pytest.mark.parametrize("kind", ADDED)
+def test_moment_and_kind_are_found(kind: str) -> None:
+    """Known truth, to half a second, for some jumps show in motion only; all of the misfit goes."""
+    base = fitted(linear_log(noise=NOISE, samples=N, added=ADDED[kind]))
+    found = change_point(base, excess(base))
+    assert found is not None
+    assert found.kind == kind
+    assert found.time_s == pytest.approx(MOMENT_S, abs=0.5)
+    assert found.share == pytest.approx(1.0, abs=0.06)
+
+
+def test_the_log_is_found() -> None:
+    """Of three logs the second has a zero that jumps; its own moment and name are told."""
+    logs = [
+        linear_log(noise=NOISE, seed=k, samples=N, added=ADDED["zero"] * (k == 1))
+        for k in (0, 1, 2)
+    ]
+    base = fitted(*logs)
+    found = change_point(base, excess(base))
+    assert found is not None
+    assert found.log == 1
+    (mark,) = change_issues(base, excess(base))
+    assert mark.code == CHANGE_POINT
+    assert "s of linear-1: its zero jumps there, which takes away" in mark.message
+
+
+def test_two_changes_at_once_are_neither_alone() -> None:
+    """Zero and gain jump together: the moment is told, and no kind, for none makes up for both."""
+    base = fitted(linear_log(noise=NOISE, samples=N, added=(0.1 - 0.15 * ANGLE) * LATE))
+    found = change_point(base, excess(base))
+    assert found is not None
+    assert found.kind == ""
+    assert found.time_s == pytest.approx(MOMENT_S, abs=0.5)
+    (mark,) = change_issues(base, excess(base))
+    assert "there the model changes in more than one way" in mark.message
+
+
+OTHERS = {
+    "nothing": 0.0 * ANGLE,
+    "drift": 0.004 * TIME_S,
+    "lag": np.interp(TIME_S - 0.08, TIME_S, ANGLE) - ANGLE,
+    "curve": 0.05 * ANGLE**2,
+    "friction": 0.05 * np.tanh(RATE / 0.1),
+    "two jumps": 0.1 * (LATE & (TIME_S < 31.0)),
+    "swings": 0.05 * np.sin(2.0 * np.pi * 0.13 * TIME_S),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_what_goes_on_throughout_begins_at_no_moment(name: str) -> None:
+    """Noise, a drift, a delay, a law of position or speed, a swing, and what comes and goes."""
+    base = fitted(linear_log(noise=NOISE, samples=N, added=OTHERS[name]))
+    assert change_point(base, excess(base)) is None
+
+
+def test_a_diagnosis_tells_the_moment() -> None:
+    """No effect is named, the paragraph tells when, and what to do next."""
+    log = linear_log(noise=NOISE, samples=N, added=ADDED["zero"])
+    found = diagnose(log, model="oscillator", effects=["sensor_lag"])
+    assert not found.causes
+    assert re.search(r"The misfit of angle begins at 2[23]\.\d+ s of linear-0: ", found.summary)
+    assert "its zero jumps there" in found.summary
+    assert "diagnose what comes before and after it apart" in (found.next_experiment or "")

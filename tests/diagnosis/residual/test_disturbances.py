@@ -1,0 +1,79 @@
+"""Lines and short events in what a model leaves, and the noise and motion that bring none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from softid.diagnosis.residual.disturbances import disturbance_issues, events_in, line_in
+from softid.diagnosis.residual.structure import ResidualContext
+
+TIME_S = np.arange(0.0, 40.0, 0.01)
+STEPS = np.where(TIME_S % 20.0 < 10.0, 0.0, 100.0)
+
+
+def left(residual: np.ndarray, u: np.ndarray = STEPS) -> list[ResidualContext]:
+    return [ResidualContext(TIME_S, u, np.gradient(u, TIME_S), u, residual)]
+
+
+def noise(seed: int, *, slow: bool = False) -> np.ndarray:
+    """White with a standard deviation of 1, or with a correlation time of 1 s."""
+    rng = np.random.default_rng(seed)
+    white = rng.standard_normal(TIME_S.size)
+    if not slow:
+        return white
+    found = np.empty_like(white)
+    found[0] = white[0]
+    for k in range(1, white.size):
+        found[k] = 0.99 * found[k - 1] + np.sqrt(1.0 - 0.99**2) * white[k]
+    return found
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("slow", [False, True])
+def test_noise_has_no_marks(seed: int, slow: bool) -> None:
+    """Twenty draws of which chance may mark one in 10,000; drops of samples are bridged."""
+    trembling = noise(seed, slow=slow)
+    trembling[500:520] = np.nan
+    assert line_in(left(trembling)) is None
+    if not slow:
+        assert events_in(left(trembling), 0.2) == ()
+
+
+def test_a_steady_line_is_found() -> None:
+    """Half as high as white noise and between two bins: to 1 mHz, and a tenth of its height."""
+    found = line_in(left(noise(0) + 0.5 * np.sin(2.0 * np.pi * 1.3123 * TIME_S + 0.4)))
+    assert found is not None
+    assert found.frequency_hz == pytest.approx(1.3123, abs=0.001)
+    assert found.amplitude == pytest.approx(0.5, rel=0.1)
+
+
+def test_a_line_of_the_input_is_its_motion() -> None:
+    """The same line, while the input swings at it or at half of it; and one that is there for a
+    quarter of the log only."""
+    line = 0.5 * np.sin(2.0 * np.pi * 1.3123 * TIME_S + 0.4)
+    for divisor in (1.0, 2.0):
+        swinging = 50.0 + 40.0 * np.sin(2.0 * np.pi * 1.3123 / divisor * TIME_S)
+        assert line_in(left(noise(0) + line, swinging)) is None
+    assert line_in(left(noise(0) + 4.0 * line * (TIME_S < 10.0))) is None
+
+
+def test_events_at_rest_are_found_and_those_after_a_step_are_not() -> None:
+    """Knocks of 0.1 s and ten times the noise at 6 and 17 s; the step of the input is at 10 s."""
+    knocked = noise(1)
+    for at_s in (6.0, 17.0):
+        knocked[(at_s <= TIME_S) & (at_s + 0.1 > TIME_S)] += 10.0
+    assert events_in(left(knocked), 0.2) == pytest.approx((6.0, 17.0), abs=0.051)
+    transient = noise(1) + 10.0 * np.exp(-np.maximum(TIME_S - 10.0, 0.0) / 0.1) * (TIME_S > 10.0)
+    assert events_in(left(transient), 0.2) == ()
+
+
+def test_marks_are_told_in_the_units_of_the_log() -> None:
+    """Frequency, height and times, one sentence each."""
+    both = 0.01 * (noise(2) + np.sin(2.0 * np.pi * 5.0 * TIME_S))
+    both[1700:1710] += 0.3
+    told = disturbance_issues(left(both), 0.2, channel="angle", unit="deg", factor=100.0)
+    assert [issue.code for issue in told] == ["spectral-line", "short-events"]
+    assert "at 5 Hz, 1" in told[0].message
+    assert "1 short event while the input rests, at 17 s" in told[1].message
+    assert disturbance_issues(left(noise(3)), 0.2, channel="angle", unit="deg", factor=1.0) == ()

@@ -1,0 +1,30 @@
+"""Causes that an unexplained misfit does not let apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from handmade_rounds import SAMPLES, link, ranked
+
+from softid.diagnosis.search.indistinct import with_rivals_in_misfit
+
+
+@pytest.mark.parametrize(("behind", "rivals"), [(1190.0, True), (1210.0, False)])
+def test_a_misfit_counts_as_a_hundred_samples(behind: float, rivals: bool) -> None:
+    """Closed form: of 10,000 samples, a BIC of 1200 is one of 12 for a hundred of them."""
+    assert SAMPLES == 10_000
+    first = link(3000.0)
+    other = ranked(("pneumatic_lag",), first.chosen.bic + behind)
+    found = with_rivals_in_misfit(replace(first, ranked=(first.chosen, other, first.before)))
+    assert found.rivals == (("delay", "pneumatic_lag") if rivals else ("delay",))
+
+
+def test_each_cause_is_a_rival_once() -> None:
+    """By its name, whatever its form; what was extended is none, however near it is."""
+    first = link(10.0)
+    rows = [ranked((key,), first.chosen.bic + 1.0) for key in ("creep", "coulomb_friction")]
+    rows.append(ranked(("coulomb_friction.stribeck",), first.chosen.bic + 2.0))
+    row_of_base = first.before
+    found = with_rivals_in_misfit(replace(first, ranked=(first.chosen, *rows, row_of_base)))
+    assert found.rivals == ("delay", "creep", "coulomb_friction")

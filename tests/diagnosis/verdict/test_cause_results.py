@@ -1,0 +1,65 @@
+"""From a chain of refits to plain results: which form of an effect is told."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from handmade_diagnosis import estimate
+from handmade_rounds import ranked
+
+from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis.verdict.cause_results import alternatives_of, told_as
+from softid.effects import effect_of
+
+
+def test_a_tie_names_the_forms_that_are_meant() -> None:
+    """Known rows: the lower limit was chosen, the best friction is that of Stribeck, 3 behind; a
+    rival that did not race is told by its name."""
+    rows = (
+        ranked(("sensor_clipping.lower",), 0.0),
+        ranked(("coulomb_friction.stribeck",), 3.0),
+        ranked(("sensor_clipping",), 4.0),
+        ranked(("coulomb_friction",), 8.0),
+        ranked((), 100.0),
+    )
+    rivals = ("sensor_clipping", "coulomb_friction", "delay")
+    (tie,) = alternatives_of([Link(rows[-1], rows, rows[0], rivals, (), 100.0)])
+    assert tie.effects == rivals
+    assert tie.forms == tie.keys == ("sensor_clipping.lower", "coulomb_friction.stribeck", "delay")
+    assert tie.delta_bic == {"sensor_clipping": 0.0, "coulomb_friction": 3.0, "delay": 0.0}
+    assert replace(tie, forms=()).keys == rivals
+
+
+def test_what_was_chosen_is_told_though_another_form_is_ahead() -> None:
+    """The plain lag stays the answer while two times gain little: then it is the one in the tie."""
+    rows = (
+        ranked(("pneumatic_lag.separate",), 0.0),
+        ranked(("pneumatic_lag",), 5.0),
+        ranked(("delay",), 9.0),
+        ranked((), 100.0),
+    )
+    link = Link(rows[-1], rows, rows[1], ("pneumatic_lag", "delay"), (), 100.0)
+    (tie,) = alternatives_of([link])
+    assert tie.keys == ("pneumatic_lag", "delay")
+    assert tie.delta_bic == {"pneumatic_lag": 0.0, "delay": 4.0}
+    (tie,) = alternatives_of([replace(link, chosen=rows[0])], {"pneumatic_lag.separate": "x"})
+    assert tie.keys == ("x", "delay")
+
+
+@pytest.mark.parametrize(
+    ("key", "ci95", "told"),
+    [
+        ("pneumatic_lag.separate", (0.9, 1.1), "pneumatic_lag"),
+        ("pneumatic_lag.separate", (1.0, 1.1), "pneumatic_lag"),
+        ("pneumatic_lag.separate", (1.01, 1.1), "pneumatic_lag.separate"),
+        ("pneumatic_lag.separate", (0.5, 0.99), "pneumatic_lag.separate"),
+        ("pneumatic_lag.separate", None, "pneumatic_lag.separate"),
+        ("pneumatic_lag", (0.9, 1.1), "pneumatic_lag"),
+    ],
+)
+def test_two_times_that_may_be_one(key: str, ci95: tuple[float, float] | None, told: str) -> None:
+    """Where the ratio of venting to filling may be 1, no more is told than a lag."""
+    tau = replace(estimate("pneumatic_lag_tau", 1.0, "s"), ci95=(0.9, 1.1))
+    ratio = replace(estimate("pneumatic_lag_ratio", 1.0, "1"), ci95=ci95)
+    assert told_as(effect_of(key), [tau, ratio]).key == told

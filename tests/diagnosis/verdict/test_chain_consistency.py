@@ -1,0 +1,105 @@
+"""Which names a chain carries as a whole."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from extended_fits import scale_of
+from handmade_diagnosis import cause, estimate
+from handmade_rounds import ranked
+
+from softid.diagnoses import Cause
+from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis.verdict.chain_consistency import consistent_names, with_presliding
+
+
+def links(*keys: str, squares: tuple[float, ...]) -> list[Link]:
+    """A chain of effects with the sum of squares before each of them."""
+    found = []
+    for k, before in enumerate(squares):
+        base = ranked(keys[:k], 0.0, before)
+        chosen = ranked(keys[: k + 1], -500.0, 0.5 * before)
+        found.append(Link(base, (chosen, base), chosen, (keys[k].split(".")[0],), (), before))
+    return found
+
+
+def causes(*keys: str, at_bound: str = "") -> list[Cause]:
+    sizes = {key: replace(estimate("size", 1.0, "1"), at_bound=key == at_bound) for key in keys}
+    return [cause(key, [size], before=2.0, after=1.0) for key, size in sizes.items()]
+
+
+@pytest.mark.parametrize(
+    ("keys", "squares", "bound", "kept"),
+    [
+        (("stiffening", "contact"), (100.0, 2.0), "", (True, False)),
+        (("stiffening", "contact"), (100.0, 40.0), "", (True, True)),
+        (("stiffening", "contact"), (100.0, 40.0), "contact", (True, False)),
+        (("stiffening", "creep"), (100.0, 2.0), "creep", (True, True)),
+        (("stiffening", "static_curve"), (100.0, 40.0), "", (False, False)),
+        (
+            ("stiffening", "asymmetric_damping", "static_curve"),
+            (100.0, 40.0, 30.0),
+            "",
+            (False,) * 3,
+        ),
+        (("hysteresis", "coulomb_friction"), (100.0, 70.0), "coulomb_friction", (True, False)),
+    ],
+)
+def test_which_names_stay(
+    keys: tuple[str, ...], squares: tuple[float, ...], bound: str, kept: tuple[bool, ...]
+) -> None:
+    """By the rules: a slight or bounded second law of one kind mends the first, a curve beside a
+    stiffening stands for neither, and what is left must be the larger part. One square is left."""
+    chain = links(*keys, squares=squares)
+    told = causes(*keys, at_bound=bound)
+    assert consistent_names(chain, told, (True,) * len(keys), 1.0) == kept
+
+
+@pytest.mark.parametrize(
+    ("named", "squares", "kept"),
+    [
+        ((False, True), (100.0, 40.0), (False, False)),
+        ((True, False), (100.0, 40.0), (False, False)),
+        ((True, False), (100.0, 2.0), (True, False)),
+    ],
+)
+def test_a_curve_beside_a_described_stiffening_stands_for_neither(
+    named: tuple[bool, bool], squares: tuple[float, float], kept: tuple[bool, bool]
+) -> None:
+    """Whatever forbade one of the names, unless the second took a hundredth of the first."""
+    chain = links("stiffening", "static_curve", squares=squares)
+    assert consistent_names(chain, causes("stiffening", "static_curve"), named, 1.0) == kept
+
+
+@pytest.mark.parametrize(("stuck", "kept"), [(1, (True, True)), (2, (True, False))])
+def test_a_curve_that_asks_for_more_than_it_may_have_is_no_further_cause(
+    stuck: int, kept: tuple[bool, bool]
+) -> None:
+    """One knot at its bound may come with the common slope, two draw something else."""
+    chain = links("ageing", "static_curve", squares=(100.0, 40.0))
+    knots = [
+        replace(estimate(f"static_curve_k{k}", 1.0, "mm"), at_bound=k <= stuck + 1)
+        for k in range(2, 7)
+    ]
+    told = [*causes("ageing"), cause("static_curve", knots, before=2.0, after=1.0)]
+    assert consistent_names(chain, told, (True, True), 1.0) == kept
+
+
+def test_a_cause_beside_a_larger_description_is_none() -> None:
+    """The first takes 60 of 99 and may not be named; the second took 39 on top of it."""
+    chain = links("stiffening", "creep", squares=(100.0, 40.0))
+    told = causes("stiffening", "creep")
+    assert consistent_names(chain, told, (False, True), 1.0) == (False, False)
+    assert consistent_names(chain, told, (True, False), 1.0) == (True, False)
+
+
+@pytest.mark.parametrize(("share", "rivals"), [(0.01, 2), (0.03, 1)])
+def test_a_short_hysteresis_may_be_friction(share: float, rivals: int) -> None:
+    """Dahl's law is both; up to 2 % of the range it may be a presliding."""
+    (link,) = links("hysteresis", squares=(100.0,))
+    told = cause("hysteresis", [estimate("hysteresis_zs", share, "mm")], before=2.0, after=1.0)
+    scale = replace(scale_of("muscle"), x_low=3.0, x_high=4.0)
+    found = with_presliding(link, told, scale)
+    assert len(found.rivals) == rivals
+    assert found.rivals[0] == "hysteresis"

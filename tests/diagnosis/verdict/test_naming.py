@@ -1,0 +1,232 @@
+"""Which links may be named as causes, and which verdict follows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from handmade import fit_result
+from handmade_diagnosis import cause, estimate, remainder
+
+from softid.diagnoses import Remainder, Variation, Verdict
+from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis.verdict.naming import (
+    may_be_named,
+    most_variation,
+    nameable,
+    verdict_of,
+)
+from softid.effects import effect_of
+from softid.results import ParameterEstimate
+
+PREDICTABLE = remainder(structured=True, explained=0.7)
+RANDOM = replace(PREDICTABLE, structure_share=0.01)
+WHOLE = 1.0
+
+
+def link(squares_before: float, *rivals: str) -> Any:
+    """A link of which only the sum of squares and the rivals are looked at."""
+    none: Any = None
+    return Link(none, (), none, rivals or ("delay",), (), squares_before)
+
+
+def model(squares: float) -> Any:
+    return SimpleNamespace(squares=squares)
+
+
+@pytest.mark.parametrize(
+    ("left", "named"),
+    [
+        (remainder(structured=False, explained=0.1), (True, True)),
+        (replace(RANDOM, explained_share=0.94), (True, True)),
+        (replace(PREDICTABLE, explained_share=0.94), (True, True)),
+        (replace(PREDICTABLE, explained_share=0.93), (False, False)),
+        (replace(RANDOM, explained_share=0.93), (True, False)),
+        (replace(RANDOM, explained_share=0.61), (True, False)),
+        (replace(RANDOM, explained_share=0.60), (False, False)),
+    ],
+)
+def test_what_may_be_named(left: Remainder, named: tuple[bool, ...]) -> None:
+    """Stands on the rule: nothing is left; almost all; a random rest; a rest that has a cause.
+
+    The links take 0.6 and 0.2 of the misfit, on both sides of the 0.3 that a dominant one needs.
+    """
+    assert nameable([link(100.0), link(40.0)], model(20.0), left, gain=0.55) == named
+
+
+def test_a_dominant_link_is_measured_against_the_whole_misfit() -> None:
+    """The second takes nine tenths of what the first left, which is a twentieth of the whole."""
+    left = replace(RANDOM, explained_share=0.8)
+    assert nameable([link(100.0), link(5.0)], model(0.5), left, gain=0.9) == (True, False)
+    assert nameable([link(100.0), link(70.0)], model(40.0), left, gain=0.9) == (True, True)
+    assert nameable([], model(100.0), left, gain=0.0) == ()
+
+
+def test_a_random_rest_allows_no_name_without_a_gain() -> None:
+    """What is held out must lose half of its error."""
+    left = replace(RANDOM, explained_share=0.8)
+    assert nameable([link(100.0)], model(20.0), left, gain=0.51) == (True,)
+    assert nameable([link(100.0)], model(20.0), left, gain=0.49) == (False,)
+
+
+def test_what_does_not_carry_over_is_not_named() -> None:
+    """Noise alone is left on the fitted samples, but on others most of the misfit stays."""
+    left = remainder(structured=False, explained=1.0)
+    for share, named in ((0.71, True), (0.69, False)):
+        told = nameable([link(100.0)], model(1.0), replace(left, held_out_share=share), gain=0.5)
+        assert told == (named,)
+
+
+DRIFT = effect_of("sensor_drift")
+RATE = estimate("sensor_drift_rate", 0.01, "rad/s")
+OVER_ZERO = replace(RATE, ci95=(-0.001, 0.02))
+
+
+@pytest.mark.parametrize(
+    ("rate", "after", "named"),
+    [
+        (RATE, 1.97, True),
+        (RATE, 1.99, False),
+        (OVER_ZERO, 1.0, False),
+        (replace(RATE, at_bound=True), 1.0, False),
+    ],
+)
+def test_what_a_name_needs(rate: ParameterEstimate, after: float, named: bool) -> None:
+    """A hundredth of the error of 2 on what is held out, and a size that is seen."""
+    told = cause("sensor_drift", [rate], before=2.0, after=after)
+    assert may_be_named(told, DRIFT, fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(("second", "named"), [(-1.0, True), (1.0, False)])
+def test_a_curve_stands_on_its_shape(second: float, named: bool) -> None:
+    """Closed form: variances of 25 and a correlation of 0.9999 leave 0.0025 for the difference of
+    two knots, which is 2 or 0, and 50 for their sum, so z' C⁻¹ z is 800 or 0.04."""
+    curve = effect_of("static_curve")
+    names = ("static_curve_k2", "static_curve_k3")
+    knots = [replace(estimate(n, 1.0, "rad"), ci95=(-9.0, 9.0)) for n in names]
+    knots[1] = replace(knots[1], value=second)
+    shape = 25.0 * np.array([[1.0, 0.9999], [0.9999, 1.0]])
+    fitted = replace(fit_result(), free=names, covariance=shape)
+    told = cause("static_curve", knots, before=2.0, after=1.0)
+    assert may_be_named(told, curve, fitted, WHOLE) is named
+    assert not may_be_named(told, curve, replace(fitted, covariance=None), WHOLE)
+
+
+@pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
+def test_a_relaxation_has_a_time_of_its_own(at_bound: bool, named: bool) -> None:
+    """At a bound of its time a creep is a damper, or a spring."""
+    times = [replace(estimate("creep_tau", 0.05, "s"), at_bound=at_bound)]
+    told = cause("creep", [estimate("creep_k", 1.0, "1"), *times], before=2.0, after=1.0)
+    assert may_be_named(told, effect_of("creep"), fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(("second", "named"), [(-1.0, True), (1.0, False)])
+def test_a_knot_at_its_bound_is_judged_with_the_others(second: float, named: bool) -> None:
+    """The same closed form: a bound that the common slope ran into says nothing of the shape."""
+    names = ("static_curve_k2", "static_curve_k3")
+    knots = [replace(estimate(n, 1.0, "rad"), at_bound=True) for n in names]
+    knots[1] = replace(knots[1], value=second, at_bound=False)
+    shape = 25.0 * np.array([[1.0, 0.9999], [0.9999, 1.0]])
+    fitted = replace(fit_result(), free=names, covariance=shape)
+    told = cause("static_curve", knots, before=2.0, after=1.0)
+    assert may_be_named(told, effect_of("static_curve"), fitted, WHOLE) is named
+
+
+@pytest.mark.parametrize(
+    ("after", "ci95", "named"),
+    [
+        (1.81, (0.01, 0.31), False),
+        (1.81, (0.01, 0.29), True),
+        (1.81, (0.0, 0.1), False),
+        (1.81, None, True),
+        (1.79, (0.01, 0.31), True),
+    ],
+)
+def test_a_slight_cause_has_a_size(
+    after: float, ci95: tuple[float, float] | None, named: bool
+) -> None:
+    """Of an error of 2 on what is held out less than a tenth goes: then the ends of the interval
+    must be within a factor of 30. Where more goes, no size is asked for."""
+    size = replace(estimate("coulomb_friction_Fc", 0.05, "1"), ci95=ci95)
+    told = cause("coulomb_friction", [size], before=2.0, after=after)
+    assert may_be_named(told, effect_of("coulomb_friction"), fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(
+    ("value", "at_bound", "named"),
+    [(2.0, True, False), (0.1, True, True), (1.9, False, True)],
+)
+def test_a_friction_that_comes_up_slowly_is_damping(
+    value: float, at_bound: bool, named: bool
+) -> None:
+    """At its largest speed the law is another one; at its smallest it is a sudden change."""
+    speed = estimate("asymmetric_damping_v0", value, "rad/s")
+    speed = replace(speed, at_bound=at_bound, lower=0.1, upper=2.0)
+    told = cause("asymmetric_damping", [speed], before=2.0, after=1.0)
+    assert may_be_named(told, effect_of("asymmetric_damping"), fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
+def test_a_ring_at_the_sampling_limit_is_not_named(at_bound: bool, named: bool) -> None:
+    """At its shortest period it is what the input does between two samples."""
+    period = replace(estimate("line_resonance_period", 0.06, "s"), at_bound=at_bound)
+    told = cause("line_resonance", [period], before=2.0, after=1.0)
+    assert may_be_named(told, effect_of("line_resonance"), fit_result(), WHOLE) is named
+
+
+def test_an_obstacle_may_be_as_stiff_as_it_is_asked_to_be() -> None:
+    """Its size has one sign, so that a bound says no more than that it is stiff."""
+    stop = replace(estimate("contact_kw", 1e6, "1"), at_bound=True)
+    contact = effect_of("contact")
+    assert may_be_named(
+        cause("contact", [stop], before=2.0, after=1.0), contact, fit_result(), WHOLE
+    )
+
+
+@pytest.mark.parametrize(
+    ("links", "named", "structured", "verdict"),
+    [
+        ([], [], False, Verdict.ADEQUATE),
+        ([], [], True, Verdict.UNKNOWN),
+        ([("delay",)], [False], True, Verdict.UNKNOWN),
+        ([("delay",)], [False], False, Verdict.UNKNOWN),
+        ([("delay",)], [True], False, Verdict.NAMED),
+        ([("delay",)], [True], True, Verdict.PARTIAL),
+        ([("delay", "creep")], [True], False, Verdict.AMBIGUOUS),
+        ([("delay", "creep")], [True], True, Verdict.AMBIGUOUS),
+        ([("delay",), ("creep", "ageing")], [True, True], False, Verdict.AMBIGUOUS),
+        ([("delay",), ("creep", "ageing")], [True, False], True, Verdict.PARTIAL),
+        ([("delay", "creep"), ("ageing",)], [False, True], False, Verdict.NAMED),
+    ],
+)
+def test_verdict(
+    links: list[tuple[str, ...]], named: list[bool], structured: bool, verdict: Verdict
+) -> None:
+    """Every branch: rivals of a link that is not named make nothing ambiguous."""
+    left = remainder(structured=structured, explained=0.8)
+    assert verdict_of([link(1.0, *rivals) for rivals in links], named, left) is verdict
+
+
+@pytest.mark.parametrize(("without", "named"), [(1.02, True), (1.005, False), (None, False)])
+def test_a_cause_that_the_others_need(without: float | None, named: bool) -> None:
+    """By itself it doubles the error of 1; the others leave so much without it, and 1 with it."""
+    told = cause("sensor_drift", [RATE], before=1.0, after=2.0)
+    told = replace(told, holdout_rmse_without=without)
+    assert may_be_named(told, DRIFT, fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(("share", "named"), [(None, True), (0.029, True), (0.031, False)])
+def test_a_cause_whose_size_varies_is_another(share: float | None, named: bool) -> None:
+    """What letting it vary takes away may be a thirtieth of what the cause does, not more."""
+    told = cause("sensor_drift", [RATE], before=2.0, after=1.0)
+    varied = Variation("t", 0.2, share, 1e-9) if share is not None else None
+    assert may_be_named(replace(told, variation=varied), DRIFT, fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(("structured", "most"), [(False, 0.03), (True, 0.1)])
+def test_beside_something_smaller_a_size_may_vary_more(structured: bool, most: float) -> None:
+    """What else is left has a law of its own, which the size of the main cause follows a little."""
+    assert most_variation(remainder(structured=structured, explained=0.9)) == most
