@@ -46,7 +46,7 @@ CLASSES: tuple[EquivalenceClass, ...] = (
         "record both channels with one clock",
     ),
     EquivalenceClass(
-        ("a lag of the pneumatics", "a leak behind a restriction_issues"),
+        ("a lag of the pneumatics", "a leak behind a restriction"),
         ("pneumatic_lag",),
         "Such a leak is a lag and a gain, and the parameters of the model take up the gain.",
         "close the valve and watch whether the pressure in the actuator falls",
