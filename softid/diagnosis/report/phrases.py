@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnoses import NOTABLE, Cause, Evidence, Remainder
+from softid.diagnoses import CARRIED, NOTABLE, Cause, Evidence, Remainder
 from softid.diagnosis.verdict.equivalence import classes_of
+from softid.diagnosis.verdict.naming import explains_enough
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
 
@@ -28,12 +29,6 @@ VARIATIONS = {
     "x and v": "every position passed at several speeds",
 }
 """What would show a dependence on each of them better."""
-
-ENOUGH = 0.9
-"""From this share on it is not the misfit that forbids a name."""
-
-FAR_APART = 0.15
-"""A law does not carry over when so much less of the misfit goes on what is held out."""
 
 LOUDER = 0.05
 """A rest is called noise with a reserve when its power is so much above that of the noise."""
@@ -155,13 +150,14 @@ def _value(p: ParameterEstimate) -> str:
 
 def taken_by(remainder: Remainder) -> str:
     """How much of the misfit goes, and why that names no cause."""
-    taken = f"{percent(remainder.explained_share)} of the misfit above the noise"
-    if remainder.explained_share - remainder.held_out_share < FAR_APART:
-        if remainder.explained_share > ENOUGH:
-            return f"{taken}, but not surely enough for a name"
+    fitted, held_out = remainder.explained_share, remainder.held_out_share
+    taken = f"{percent(fitted)} of the misfit above the noise"
+    if not remainder.carries_over and (fitted > CARRIED or held_out < CARRIED * fitted):
+        held = percent(held_out)
+        return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
+    if not remainder.carries_over or not explains_enough(remainder):
         return f"{taken}, which is too little for a cause"
-    held = percent(remainder.held_out_share)
-    return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
+    return f"{taken}, but not surely enough for a name"
 
 
 def structure_of_rest(remainder: Remainder) -> str:

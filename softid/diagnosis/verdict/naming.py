@@ -43,6 +43,17 @@ ROUNDING = 1e-14
 """Variances below this share of the largest are not told from it by the covariance's digits."""
 
 
+def explains_enough(remainder: Remainder) -> bool:
+    """Whether a chain leaves noise, or next to nothing of the misfit.
+
+    Parameters
+    ----------
+    remainder
+        What it leaves.
+    """
+    return not remainder.structured or remainder.explained_share > EXPLAINED
+
+
 def nameable(
     links: Sequence[Link], final: Candidate, remainder: Remainder, *, gain: float
 ) -> tuple[bool, ...]:
@@ -61,7 +72,7 @@ def nameable(
     """
     if not remainder.carries_over:
         return (False,) * len(links)
-    if not remainder.structured or remainder.explained_share > EXPLAINED:
+    if explains_enough(remainder):
         return (True,) * len(links)
     if remainder.predictable or remainder.explained_share <= MOSTLY or gain < HALF:
         return (False,) * len(links)
