@@ -82,6 +82,9 @@ LAWS: dict[str, Law] = {
     "static_curve": _static_curve,
     "stiffening": lambda at, p: Parts(force=p["k3"] * at.x**3),
     "contact": _contact,
+    "quadratic_damping.power": lambda at, p: Parts(
+        force=p["d2"] * at.scale.v_max**2 * np.sign(at.v) * abs(at.v / at.scale.v_max) ** p["n"]
+    ),
     "quadratic_damping": lambda at, p: Parts(force=p["d2"] * at.v * abs(at.v)),
     "asymmetric_damping": lambda at, p: Parts(
         damping=1 + p["eps"] * float(np.tanh(at.v / p["v0"]))

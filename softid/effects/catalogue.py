@@ -13,7 +13,7 @@ from softid.effects.hysteresis import Hysteresis
 from softid.effects.line_resonance import LineResonance
 from softid.effects.pneumatic_lag import PneumaticLag, SeparatePneumaticLag
 from softid.effects.pressure_mass import PressureMass
-from softid.effects.quadratic_damping import QuadraticDamping
+from softid.effects.quadratic_damping import PowerDamping, QuadraticDamping
 from softid.effects.sensor_clipping import (
     BothSensorClipping,
     LowerSensorClipping,
@@ -42,6 +42,7 @@ STATE: tuple[type[Effect], ...] = (
     Stiffening,
     Contact,
     QuadraticDamping,
+    PowerDamping,
     AsymmetricDamping,
     CoulombFriction,
     StribeckFriction,

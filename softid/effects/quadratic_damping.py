@@ -1,4 +1,4 @@
-"""Quadratic damping: the resistance grows with the square of the speed."""
+"""Quadratic damping: the resistance grows with the square of the speed, or another power of it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,15 @@ from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 
 SHARE = 0.1
+
+POWERS = (1.2, 6.0)
+"""Bounds of the exponent: nearer to 1 it is damping in proportion to the speed, which the models
+have, and beyond 6 the resistance is there at the largest speed only."""
+
+START_POWERS = (1.4, 3.5)
+
+SMOOTH = 1e-3
+"""Share of the largest speed below which the law bends into a line, so that derivatives exist."""
 
 
 @dataclass(frozen=True)
@@ -70,3 +79,62 @@ class QuadraticDamping(StateEffect):
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Force d2 v |v|."""
         out[FORCE] += eta[0] * v * abs(v)
+
+
+@dataclass(frozen=True)
+class PowerDamping(QuadraticDamping):
+    r"""Resistance with a power of the speed, + d2 v_m² |v/v_m|ⁿ sign v.
+
+    The largest speed v_m of the logs is where it is as large as d2 v |v|, so that d2 and n are
+    nearly independent. A drag that is turbulent in part, or a fluid whose viscosity grows with the
+    rate of shear, resists so.
+
+    Source: Ostwald 1925, doi 10.1007/BF01427932 (power law of a fluid).
+    """
+
+    variant: ClassVar[str] = "power"
+    title: ClassVar[str] = "Damping with a power of the speed"
+    law: ClassVar[str] = "+ d2 vm^2 |v/vm|^n sign(v), vm the largest speed"
+    meaning: ClassVar[str] = (
+        "Fast motion is held back more than in proportion to its speed, by a power of it that is "
+        "not the square, as by a fluid that grows stiffer the faster it is sheared."
+    )
+    signature: ClassVar[str] = (
+        "The residual appears in fast stretches only, has the shape of a power of the speed, and "
+        "shrinks faster than the motion when the amplitude shrinks."
+    )
+    source: ClassVar[str] = "Ostwald 1925, doi 10.1007/BF01427932 (power law of a fluid)"
+    plain_at: ClassVar[tuple[str, float] | None] = ("n", 2.0)
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The coefficient d2 at the largest speed, and the exponent n."""
+        return ParameterSet(
+            (
+                *super().parameters(scale).values(),
+                Parameter(
+                    "n",
+                    START_POWERS[1],
+                    "1",
+                    *POWERS,
+                    "log",
+                    meaning="exponent of the speed",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """An exponent below and one above that of the square."""
+        (plain,) = super().starts(scale)
+        return tuple({**plain, "n": power} for power in START_POWERS)
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """The largest speed, and the square of the share of it below which the law is a line."""
+        return scale.v_max, SMOOTH**2
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force d2 v_m² s (s² + ε²)^((n − 1)/2) with s = v/v_m."""
+        share = v / eta[2]
+        grown = (share * share + eta[3]) ** (0.5 * (eta[1] - 1.0))
+        out[FORCE] += eta[0] * eta[2] * eta[2] * share * grown

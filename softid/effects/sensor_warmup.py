@@ -26,11 +26,14 @@ TIMES = (0.05, 0.2, 0.6)
 
 @dataclass(frozen=True)
 class SensorWarmup(OutputEffect):
-    """Exponential wander after switching on, y + D (1 − e^{−t/T}), t from the start of the log."""
+    """Exponential wander after switching on, y + D (1 − e^{−t/T}), t from the start of the log.
+
+    D is its size and T its time.
+    """
 
     name: ClassVar[str] = "sensor_warmup"
     title: ClassVar[str] = "Warm-up of the sensor"
-    law: ClassVar[str] = "recorded y = y + D (1 - exp(-t/T))"
+    law: ClassVar[str] = "recorded y = y + size (1 - exp(-t/time))"
     meaning: ClassVar[str] = (
         "The sensor's zero wanders after it was switched on and comes to rest as the sensor gets "
         "warm."
@@ -44,7 +47,7 @@ class SensorWarmup(OutputEffect):
     shown_by: ClassVar[str] = "a record much longer than the warm-up, with rests in it"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     amplitude: ClassVar[str] = "size"
-    essential: ClassVar[tuple[str, ...]] = ("T",)
+    essential: ClassVar[tuple[str, ...]] = ("time",)
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -105,6 +105,18 @@ def _quadratic(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     return MotionLaw(act)
 
 
+def _power_damping(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
+    del occasion
+    power, speed = values["n"], sizes.v_max
+    force = values["d2"] * speed**2
+
+    def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
+        parts.force += (force if v > 0.0 else -force) * (abs(v) / speed) ** power
+        return NO_RATES
+
+    return MotionLaw(act)
+
+
 def _asymmetric(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     del sizes, occasion
     eps, v0 = values["eps"], values["v0"]
@@ -237,6 +249,13 @@ MOTIONS: tuple[Hidden, ...] = (
     entry(
         "quadratic_damping", "state", "+ d2 v |v|", "d2 {f}·s²/{x}²",
         lambda s, rng, size: {"d2": about(rng, 1.2 * size * s.damping / s.v_max)}, _quadratic,
+    ),
+    entry(
+        "quadratic_damping.power", "state", "+ d2 vm^2 |v/vm|^n sign(v), vm the largest speed",
+        "d2 {f}·s²/{x}², n 1",
+        lambda s, rng, size: {
+            "d2": about(rng, 1.2 * size * s.damping / s.v_max), "n": rng.uniform(2.6, 4.0),
+        }, _power_damping,
     ),
     entry(
         "asymmetric_damping", "state", "N (1 + eps tanh(v/v0)) in place of N", "eps 1, v0 {x}/s",

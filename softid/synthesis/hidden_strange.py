@@ -85,18 +85,6 @@ def _fractional(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     return _many_creeps(stiffness, list(FRACTIONAL_TIMES_S))
 
 
-def _power_damping(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
-    del sizes, occasion
-    size, power, speed = values["force"], values["power"], values["speed"]
-
-    def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
-        share = abs(v) / speed
-        parts.force += (size if v > 0.0 else -size) * share**power
-        return NO_RATES
-
-    return MotionLaw(act)
-
-
 def _quintic(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     del sizes, occasion
     k5 = values["k5"]
@@ -254,14 +242,6 @@ OTHER_FORMS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             "k": about(rng, 0.08 * size * s.force / s.x_span), "order": rng.uniform(0.2, 0.4),
         }, _fractional, relation="other_form", names=("creep",),
-    ),
-    entry(
-        "power_damping", "state", "+ force |v/speed|^power sign(v)",
-        "force {f}, power 1, speed {x}/s",
-        lambda s, rng, size: {
-            "force": about(rng, 1.0 * size * s.damping * s.v_max), "power": rng.uniform(1.5, 2.5),
-            "speed": s.v_max,
-        }, _power_damping, relation="other_form", names=("quadratic_damping",),
     ),
     entry(
         "quintic_stiffening", "state", "+ k5 x^5", "k5 {f}/{x}^5",

@@ -82,6 +82,22 @@ def test_neighbours_are_mutual() -> None:
                 assert mine.name in theirs.neighbours, (key, other)
 
 
+@pytest.mark.parametrize("key", EFFECTS)
+def test_roles_are_played_by_parameters(key: str) -> None:
+    """Bounds that make a law another one's, the plain form and the simpler effect all exist."""
+    effect, declared = EFFECTS[key](), EFFECTS[key]().parameters(rig("muscle")[1])
+    assert set(effect.essential) | set(effect.ceilings) <= set(declared)
+    assert set(effect.draws) <= set(NAMES)
+    if effect.plain_at is not None:
+        name, value = effect.plain_at
+        assert effect.variant
+        assert declared[name].lower < value < declared[name].upper
+    if effect.becomes is not None:
+        name, beyond, simpler = effect.becomes
+        assert declared[name].lower < beyond < declared[name].upper
+        assert simpler in EFFECTS
+
+
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("key", EFFECTS)
 def test_parameters_and_starts(key: str, base: str) -> None:

@@ -30,6 +30,9 @@ VARIATIONS = {
 }
 """What would show a dependence on each of them better."""
 
+LITTLE = 0.01
+"""A variation is told with its size from this share on."""
+
 LOUDER = 0.05
 """A rest is called noise with a reserve when its power is so much above that of the noise."""
 
@@ -219,9 +222,10 @@ def unsteady(cause: Cause) -> str:
     """
     if cause.variation is None:
         return ""
-    size = percent(cause.variation.spread)
+    spread = cause.variation.spread
+    size = f"by about {percent(spread)}" if spread > LITTLE else "a little"
     return (
-        f"The size of {lowered(cause.title)} is not the same throughout: it varies by about {size} "
+        f"The size of {lowered(cause.title)} is not the same throughout: it varies {size} "
         f"with {VARIABLES[cause.variation.by]}, so its law is not exactly this one."
     )
 
@@ -236,12 +240,18 @@ def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
     """
     names = listed([lowered(cause.title) for cause in descriptive])
     verb = "describes" if len(descriptive) == 1 else "describe"
-    most = max(cause.delta_bic for cause in descriptive)
-    if most < min((cause.delta_bic for cause in causes), default=math.inf):
+    fewest = min((cause.delta_bic for cause in causes), default=math.inf)
+    least = min((_held_out_fall(cause) for cause in causes), default=math.inf)
+    if all(c.delta_bic < fewest and _held_out_fall(c) < least for c in descriptive):
         return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
     reasons = [part for cause in descriptive for part in (at_bounds(cause), unsteady(cause))]
     told = f"Besides, {names} {verb} a part of the misfit, with a law that is not sure enough"
     return " ".join(filter(None, (f"{told} for a name.", *reasons)))
+
+
+def _held_out_fall(cause: Cause) -> float:
+    """By how much the mean square error on what is held out falls."""
+    return cause.holdout_rmse_before**2 - cause.holdout_rmse_after**2
 
 
 def noise_like(remainder: Remainder) -> str:

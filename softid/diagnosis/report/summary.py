@@ -50,6 +50,10 @@ MORE = 1.25
 """What is held out keeps more when its error is so many times that of the fitted samples."""
 
 
+NEXT_TO_NOTHING = 0.1
+"""A description that takes away less of the misfit is not worth its name."""
+
+
 def write_summary(found: Diagnosis) -> Diagnosis:
     """The diagnosis with its paragraph, what to record next, and why ties are ties.
 
@@ -62,7 +66,8 @@ def write_summary(found: Diagnosis) -> Diagnosis:
     alternatives = tuple(
         a if a.why else replace(a, why=why_tied(a, linear=linear)) for a in found.alternatives
     )
-    following = found.next_experiment or what_next(
+    following = found.next_experiment or _remedy_of_disturbance(found)
+    following = following or what_next(
         found.verdict, alternatives=alternatives, remainder=found.remainder, linear=linear
     )
     summary = summarise(
@@ -81,6 +86,13 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         dropped=dropped_from(found),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
+
+
+def _remedy_of_disturbance(found: Diagnosis) -> str | None:
+    """What to do about a disturbance, where nothing else describes the misfit."""
+    if found.verdict is not Verdict.UNKNOWN or found.descriptive:
+        return None
+    return next((issue.remedy for issue in found.issues if issue.code in CODES), None)
 
 
 def summarise(
@@ -251,7 +263,10 @@ def _unknown(
     remainder: Remainder,
 ) -> list[str]:
     told = []
-    if tried:
+    if tried and remainder.explained_share < NEXT_TO_NOTHING:
+        share = percent(remainder.explained_share)
+        told.append(f"No effect takes away more than {share} of the misfit above the noise.")
+    elif tried:
         names = listed([lowered(cause.title) for cause in tried])
         takes = "takes" if len(tried) == 1 else "take"
         told.append(f"The best description, {names}, {takes} away {taken_by(remainder)}.")
@@ -290,8 +305,8 @@ def _left(teller: _Teller, remainder: Remainder) -> str:
         told += "is larger than the noise, but follows from no variable that was looked at"
     else:
         told += (
-            "is larger than white noise of its fastest part, but follows from no variable that "
-            "was looked at: slow noise would look so, too, and no long rest shows it"
+            "is more than white noise, for it moves slowly, too. It follows from no variable that "
+            "was looked at, so it may be slow noise; no long rest shows how large that is"
         )
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
 

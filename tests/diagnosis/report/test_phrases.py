@@ -9,9 +9,10 @@ import pytest
 from handmade_diagnosis import cause, diagnosis, estimate, remainder
 
 from softid.diagnoses import Diagnosis, Variation, Verdict
-from softid.diagnosis.report.phrases import taken_by, values_of
+from softid.diagnosis.report.phrases import taken_by, unsteady, values_of
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.verdict.naming import nameable
+from softid.errors import Issue
 
 
 def told(found: Diagnosis) -> str:
@@ -61,8 +62,11 @@ def test_a_description_is_small_or_not_sure() -> None:
     found = diagnosis(Verdict.NAMED)
     stuck = replace(estimate("pneumatic_lag_ratio", 0.2, "1"), at_bound=True)
     lag = cause("pneumatic_lag", [stuck], before=2.0, after=0.5)
-    small = told(replace(found, descriptive=(replace(lag, delta_bic=100.0),)))
+    slight = replace(lag, delta_bic=100.0, holdout_rmse_before=0.0087, holdout_rmse_after=0.0085)
+    small = told(replace(found, descriptive=(slight,)))
     assert "a part of the rest, too small to be named as a cause" in small
+    much = told(replace(found, descriptive=(replace(lag, delta_bic=100.0),)))
+    assert "too small to be named" not in much  # on what is held out it takes more than the cause
     large = told(replace(found, descriptive=(replace(lag, delta_bic=1683.0),)))
     assert "too small" not in large
     assert "a law that is not sure enough for a name" in large
@@ -112,3 +116,29 @@ def test_why_a_description_is_no_cause(
     assert taken_by(left).endswith(why)
     link: Any = None
     assert nameable((link,), link, left, gain=0.9) == (why == "not surely enough for a name",)
+
+
+@pytest.mark.parametrize(("spread", "size"), [(0.004, "a little"), (0.2, "by about 20 %")])
+def test_a_variation_of_nothing_is_told_without_a_number(spread: float, size: str) -> None:
+    """A share that would round to 0 % says that nothing varies."""
+    told = cause("creep", [], before=2.0, after=1.0)
+    varied = replace(told, variation=Variation("x", spread, 0.1, 1e-9))
+    assert f"it varies {size} with the position" in unsteady(varied)
+
+
+def test_a_description_of_next_to_nothing_is_not_told() -> None:
+    """Below a tenth of the misfit no name is worth it, nor is what it is confused with."""
+    found = diagnosis(Verdict.UNKNOWN)
+    assert found.descriptive
+    left = replace(found.remainder, explained_share=0.02, held_out_share=0.02)
+    text = told(replace(found, remainder=left))
+    assert "No effect takes away more than 2 % of the misfit above the noise." in text
+    assert "The best description" not in text
+
+
+def test_a_disturbance_says_what_to_do_next() -> None:
+    """Where nothing describes the misfit; where something does, more data would show it better."""
+    line = Issue("spectral-line", "warning", "what is left holds a line", "look for a pump")
+    found = replace(diagnosis(Verdict.UNKNOWN), issues=(line,))
+    assert "look for a pump" not in told(found)
+    assert "Next: look for a pump." in told(replace(found, descriptive=(), extended=None))
