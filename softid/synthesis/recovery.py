@@ -51,6 +51,24 @@ def is_recovered(cause: Cause, truth: Mapping[str, float]) -> bool | None:
     )
 
 
+def true_values(effect: str, hidden: Mapping[str, Mapping[str, float]]) -> Mapping[str, float]:
+    """What was hidden of an effect, whatever its form; nothing where it was not.
+
+    Parameters
+    ----------
+    effect
+        Name of the effect.
+    hidden
+        Key of what was hidden → parameter → true value.
+
+    Examples
+    --------
+    >>> true_values("pneumatic_lag", {"pneumatic_lag.separate": {"tau": 0.1, "ratio": 2.0}})
+    {'tau': 0.1, 'ratio': 2.0}
+    """
+    return next((values for key, values in hidden.items() if key.split(".")[0] == effect), {})
+
+
 def _bend(knots: Sequence[float]) -> npt.NDArray[np.float64]:
     """What a straight line leaves of equidistant knots behind one that is zero."""
     heights = np.array([0.0, *knots])

@@ -15,10 +15,11 @@ from softid.effects import EFFECTS
 from softid.identification import fit
 from softid.synthesis import HiddenPair, hidden_pair
 from softid.synthesis.hidden import names_of
-from softid.synthesis.recovery import is_recovered
+from softid.synthesis.recovery import is_recovered, true_values
 from softid.synthesis.rig import Rig
 
 SINGLE = tuple(sorted(key for key in EFFECTS if "." not in key))
+FORMS = tuple(sorted(key for key in EFFECTS if "." in key))
 BACKGROUND_SIZE = (0.1, 0.2)
 SCALINGS, SIZES, LEAST_MISFIT, QUIET = 3, (1e-3, 3.0), 1e-3, 2e-4
 
@@ -58,7 +59,7 @@ class Case:
     Attributes
     ----------
     kind
-        ``clean``, ``single``, ``other_form``, ``outside``, ``pair``, ``background``, ``faint`` or
+        ``clean``, ``single``, ``form`` for the richer forms, ``other_form``, ``outside``, ``pair``, ``background``, ``faint`` or
         ``tie``. In the background of the first effect each of the others causes a tenth to a fifth
         of its misfit; faint ones have a tenth to a fifth of the usual size, whatever that causes.
     names
@@ -187,7 +188,7 @@ def _hidden(kind: str, draws: int) -> Iterator[tuple[tuple[str, ...], str, int]]
             others = [other for other in SINGLE if other != name]
             yield (name, others[(3 * k) % 20], others[(7 * k + 5) % 20]), "rich", draws
     else:
-        names = SINGLE if kind == "single" else names_of(kind)
+        names = {"single": SINGLE, "form": FORMS}.get(kind) or names_of(kind)
         for name in names:
             yield (name,), "rich", draws
 
@@ -241,6 +242,11 @@ class Score:
     structure_limit: float
     values: dict[str, float] = field(default_factory=dict)
 
+    @property
+    def hidden(self) -> tuple[str, ...]:
+        """Names of the hidden effects, whatever their form."""
+        return tuple(name.split(".")[0] for name in self.names)
+
 
 def run(case: Case) -> Score:
     """Make the logs of a case, diagnose them and score the answer.
@@ -287,6 +293,6 @@ def run(case: Case) -> Score:
 
 
 def _recovered(found: Diagnosis, pair: HiddenPair) -> bool | None:
-    judged = [is_recovered(cause, pair.hidden.get(cause.effect, {})) for cause in found.causes]
+    judged = [is_recovered(cause, true_values(cause.effect, pair.hidden)) for cause in found.causes]
     known = [found for found in judged if found is not None]
     return all(known) if known else None

@@ -24,7 +24,7 @@ for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 import numpy as np
 from diagnosis_cases import RIGS, Case, Score, cases, run
 
-KINDS = ("clean", "single", "other_form", "outside", "pair", "background", "faint", "tie")
+KINDS = ("clean", "single", "form", "other_form", "outside", "pair", "background", "faint", "tie")
 BINS = ((0.0, 0.3), (0.3, 0.5), (0.5, 1.0), (1.0, 3.0), (3.0, np.inf))
 SEED = 52_000
 """Far from the seeds of the tests."""
@@ -112,7 +112,7 @@ def _tell(score: Score) -> None:
 
 def is_right(score: Score) -> bool:
     """Whether the answer is the one that an expert who knows the truth would accept."""
-    told, true = set(score.causes), set(score.names)
+    told, true = set(score.causes), set(score.hidden)
     if score.kind == "clean":
         return score.verdict == "adequate"
     if score.kind == "outside":
@@ -120,7 +120,7 @@ def is_right(score: Score) -> bool:
     if score.kind == "tie":
         return true <= told | set(score.tied)
     if score.kind in ("background", "faint"):
-        return bool(score.causes) and score.causes[0] == score.names[0]
+        return bool(score.causes) and score.causes[0] == score.hidden[0]
     if score.kind == "other_form":
         return score.verdict != "adequate"
     return told == true
@@ -128,7 +128,7 @@ def is_right(score: Score) -> bool:
 
 def is_misnamed(score: Score) -> bool:
     """Whether one cause was named alone and is not there."""
-    return score.verdict in ("named", "partial") and bool(set(score.causes) - set(score.names))
+    return score.verdict in ("named", "partial") and bool(set(score.causes) - set(score.hidden))
 
 
 def print_tables(scores: Sequence[Score]) -> None:
@@ -161,7 +161,7 @@ def _print_kind(kind: str, scores: Sequence[Score]) -> None:
 def _print_bin(label: str, scores: Sequence[Score]) -> None:
     n = len(scores)
     right = sum(is_right(s) for s in scores)
-    present = sum(set(s.names) <= set(s.causes) | set(s.tied) for s in scores)
+    present = sum(set(s.hidden) <= set(s.causes) | set(s.tied) for s in scores)
     wrong = sum(is_misnamed(s) for s in scores)
     judged = [s.recovered for s in scores if s.recovered is not None]
     named = [s for s in scores if s.oracle_gain > 0.02]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from softid.diagnoses import (
@@ -19,6 +19,7 @@ from softid.diagnoses import (
     dropped_from,
 )
 from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_next, why_tied
+from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.issues import CHANGE_POINT, REFUSED
 from softid.diagnosis.report.phrases import (
     VARIABLES,
@@ -31,7 +32,6 @@ from softid.diagnosis.report.phrases import (
     neighbours_of,
     noise_like,
     percent,
-    percent_range,
     round_of,
     sentence,
     structure_of_rest,
@@ -45,10 +45,6 @@ from softid.diagnosis.report.phrases import (
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.verdict.equivalence import classes_of
 from softid.results import FitResult
-
-MORE = 1.25
-"""What is held out keeps more when its error is so many times that of the fitted samples."""
-
 
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
@@ -133,7 +129,7 @@ def summarise(
     str
         A few plain sentences, numbers in the units of the logs.
     """
-    teller = _Teller(base, gains, gain_ci95, dropped)
+    teller = ErrorTexts(base, gains, gain_ci95, dropped)
     told = [teller.misfit(), given_up(dropped)]
     if verdict is Verdict.ADEQUATE:
         told += _adequate(teller, remainder)
@@ -159,91 +155,7 @@ def summarise(
     return " ".join(sentence for sentence in told if sentence)
 
 
-class _Teller:
-    """Numbers of the first output in the unit in which people know it."""
-
-    def __init__(
-        self,
-        base: FitResult,
-        gains: Sequence[Gain],
-        whole_gain: tuple[float, float] | None = None,
-        dropped: Sequence[str] = (),
-    ) -> None:
-        self.base = base
-        self.dropped = dropped
-        self.whole_gain = whole_gain
-        self.first = base.outputs[0]
-        row = next((r for r in base.statistics if r.channel == self.first), None)
-        self.unit = row.display_unit if row else ""
-        self.factor = row.display_factor if row else 1.0
-        mine = [g for g in gains if g.channel == self.first]
-        held = [g for g in mine if g.held_out]
-        self.rows = held or mine
-        self.held_out = bool(held)
-
-    def size(self, value: float) -> str:
-        """An error with its unit."""
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{value * self.factor:.3g}{unit}"
-
-    def error(self, pick: Callable[[Gain], float]) -> float:
-        """Root mean square over all logs; NaN when there is none."""
-        n = sum(g.n for g in self.rows)
-        return math.sqrt(sum(g.n * pick(g) ** 2 for g in self.rows) / n) if n else math.nan
-
-    def percents(self, pick: Callable[[Gain], float]) -> str:
-        """The fit of the logs in per cent, of those in which anything moves."""
-        values = [pick(g) for g in self.rows if math.isfinite(pick(g))]
-        if not values:
-            return "unknown"
-        low, high = f"{min(values):z.0f}", f"{max(values):z.0f}"
-        return f"{low} %" if low == high else f"{low} to {high} %"
-
-    def misfit(self) -> str:
-        """What the base model reaches."""
-        model = f"The {self.base.model.name} model"
-        if not self.rows:
-            return f"{model} was fitted, and no sample of {self.first} was left to judge it on."
-        where = "held-out samples" if self.held_out else "the fitted samples"
-        before = self.size(self.error(lambda g: g.rmse_before))
-        fit = self.percents(lambda g: g.fit_percent_before)
-        return f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
-
-    def more_held_out(self, remainder: Remainder) -> str:
-        """That what is held out keeps more than what was fitted, where it does."""
-        after = self.error(lambda g: g.rmse_after)
-        if not (self.held_out and after > MORE * remainder.rms):
-            return ""
-        return (
-            f"The held-out samples keep more, {self.size(after)}: parameters that are a little off "
-            "for other moves, or something that the fitted ones hardly show."
-        )
-
-    def nothing_to_mend(self) -> str:
-        """The last word on an adequate model, and what it is worth."""
-        if any(g.fit_percent_before <= 0.0 for g in self.rows):
-            return "But a constant would do as well: the logs show too little to judge the model."
-        return "There is nothing to mend for logs like these."
-
-    def mended(self, causes: Sequence[Cause]) -> str:
-        """What the extension gains, over all links."""
-        if not self.rows or not causes:
-            return ""
-        before, after = self.error(lambda g: g.rmse_before), self.error(lambda g: g.rmse_after)
-        gain = f"{100.0 * (1.0 - after / before):.0f} %" if before > 0.0 else "nothing"
-        alone = len(causes) == 1 and not self.dropped
-        interval = causes[0].gain_ci95 if alone else self.whole_gain
-        sure = f", 95 % interval {percent_range(interval)}" if interval else ""
-        fit = self.percents(lambda g: g.fit_percent_after)
-        with_it = "With it" if len(causes) == 1 else "With all of them"
-        with_it += f" and without {listed(self.dropped)}" if self.dropped else ""
-        return (
-            f"{with_it} the error goes from {self.size(before)} to {self.size(after)} "
-            f"(gain {gain}{sure}; fit {fit})."
-        )
-
-
-def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
+def _adequate(teller: ErrorTexts, remainder: Remainder) -> list[str]:
     left = teller.size(remainder.rms)
     noise = "the noise of the rests" if remainder.noise_from_rest else "noise"
     why = "it is no larger" if remainder.predictable else structure_of_rest(remainder)
@@ -257,7 +169,7 @@ def _adequate(teller: _Teller, remainder: Remainder) -> list[str]:
 
 
 def _unknown(
-    teller: _Teller,
+    teller: ErrorTexts,
     tried: Sequence[Cause],
     alternatives: Sequence[Alternative],
     remainder: Remainder,
@@ -283,14 +195,14 @@ def _unknown(
     return [*told, _left(teller, remainder)]
 
 
-def _partial(teller: _Teller, remainder: Remainder) -> list[str]:
+def _partial(teller: ErrorTexts, remainder: Remainder) -> list[str]:
     return [
         f"That is {percent(remainder.explained_share)} of the misfit above the noise.",
         _left(teller, remainder),
     ]
 
 
-def _left(teller: _Teller, remainder: Remainder) -> str:
+def _left(teller: ErrorTexts, remainder: Remainder) -> str:
     named = [VARIABLES.get(name, name) for name in variables_left(remainder)]
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.predictable:
@@ -312,7 +224,7 @@ def _left(teller: _Teller, remainder: Remainder) -> str:
 
 
 def _explained(
-    teller: _Teller,
+    teller: ErrorTexts,
     causes: Sequence[Cause],
     alternatives: Sequence[Alternative],
     evidence: Sequence[Evidence],
@@ -349,7 +261,7 @@ def _explained(
 
 
 def _evidence(
-    teller: _Teller,
+    teller: ErrorTexts,
     cause: Cause,
     number: int,
     tie: Alternative | None,
@@ -381,7 +293,7 @@ def _evidence(
     return told + "."
 
 
-def _errors(teller: _Teller, cause: Cause, descriptive: Sequence[Cause]) -> str:
+def _errors(teller: ErrorTexts, cause: Cause, descriptive: Sequence[Cause]) -> str:
     """The error before and after, and which description brought it to where the cause begins."""
     errors = (cause.holdout_rmse_before, cause.holdout_rmse_after)
     if not all(map(math.isfinite, errors)):

@@ -1,0 +1,109 @@
+"""Errors and gains of the first output as sentences, in the unit in which people know it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from softid.diagnoses import Cause, Gain, Remainder
+from softid.diagnosis.report.phrases import listed, percent_range
+from softid.results import FitResult
+
+MORE = 1.25
+"""What is held out keeps more when its error is so many times that of the fitted samples."""
+
+
+class ErrorTexts:
+    """What is said of the errors of one diagnosis.
+
+    Parameters
+    ----------
+    base
+        The fit of the base, whose first output is told.
+    gains
+        Errors before and after, of all logs.
+    whole_gain
+        Interval of the gain of all causes.
+    dropped
+        Parameters of the base that the extension does without.
+    """
+
+    def __init__(
+        self,
+        base: FitResult,
+        gains: Sequence[Gain],
+        whole_gain: tuple[float, float] | None = None,
+        dropped: Sequence[str] = (),
+    ) -> None:
+        self.base = base
+        self.dropped = dropped
+        self.whole_gain = whole_gain
+        self.first = base.outputs[0]
+        row = next((r for r in base.statistics if r.channel == self.first), None)
+        self.unit = row.display_unit if row else ""
+        self.factor = row.display_factor if row else 1.0
+        mine = [g for g in gains if g.channel == self.first]
+        held = [g for g in mine if g.held_out]
+        self.rows = held or mine
+        self.held_out = bool(held)
+
+    def size(self, value: float) -> str:
+        """An error with its unit."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{value * self.factor:.3g}{unit}"
+
+    def error(self, pick: Callable[[Gain], float]) -> float:
+        """Root mean square over all logs; NaN when there is none."""
+        n = sum(g.n for g in self.rows)
+        return math.sqrt(sum(g.n * pick(g) ** 2 for g in self.rows) / n) if n else math.nan
+
+    def percents(self, pick: Callable[[Gain], float]) -> str:
+        """The fit of the logs in per cent, of those in which anything moves."""
+        values = [pick(g) for g in self.rows if math.isfinite(pick(g))]
+        if not values:
+            return "unknown"
+        low, high = f"{min(values):z.0f}", f"{max(values):z.0f}"
+        return f"{low} %" if low == high else f"{low} to {high} %"
+
+    def misfit(self) -> str:
+        """What the base model reaches."""
+        model = f"The {self.base.model.name} model"
+        if not self.rows:
+            return f"{model} was fitted, and no sample of {self.first} was left to judge it on."
+        where = "held-out samples" if self.held_out else "the fitted samples"
+        before = self.size(self.error(lambda g: g.rmse_before))
+        fit = self.percents(lambda g: g.fit_percent_before)
+        return f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
+
+    def more_held_out(self, remainder: Remainder) -> str:
+        """That what is held out keeps more than what was fitted, where it does."""
+        after = self.error(lambda g: g.rmse_after)
+        if not (self.held_out and after > MORE * remainder.rms):
+            return ""
+        return (
+            f"The held-out samples keep more, {self.size(after)}: parameters that are a little off "
+            "for other moves, or something that the fitted ones hardly show."
+        )
+
+    def nothing_to_mend(self) -> str:
+        """The last word on an adequate model, and what it is worth."""
+        if any(g.fit_percent_before <= 0.0 for g in self.rows):
+            return "But a constant would do as well: the logs show too little to judge the model."
+        return "There is nothing to mend for logs like these."
+
+    def mended(self, causes: Sequence[Cause]) -> str:
+        """What the extension gains, over all links."""
+        if not self.rows or not causes:
+            return ""
+        before, after = self.error(lambda g: g.rmse_before), self.error(lambda g: g.rmse_after)
+        gain = f"{100.0 * (1.0 - after / before):.0f} %" if before > 0.0 else "nothing"
+        alone = len(causes) == 1 and not self.dropped
+        interval = causes[0].gain_ci95 if alone else self.whole_gain
+        sure = f", 95 % interval {percent_range(interval)}" if interval else ""
+        fit = self.percents(lambda g: g.fit_percent_after)
+        with_it = "With it" if len(causes) == 1 else "With all of them"
+        with_it += f" and without {listed(self.dropped)}" if self.dropped else ""
+        return (
+            f"{with_it} the error goes from {self.size(before)} to {self.size(after)} "
+            f"(gain {gain}{sure}; fit {fit})."
+        )
