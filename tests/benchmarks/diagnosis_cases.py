@@ -60,8 +60,9 @@ class Case:
     ----------
     kind
         ``clean``, ``single``, ``form`` for the richer forms, ``other_form``, ``outside``, ``pair``,
-        ``background``, ``faint`` or ``tie``. In the background of the first effect each of the others causes a tenth to a fifth
-        of its misfit; faint ones have a tenth to a fifth of the usual size, whatever that causes.
+        ``background``, ``faint`` or ``tie``. In the background of the first effect each of the
+        others causes a tenth to a fifth of its misfit; faint ones have a tenth to a fifth of the
+        usual size, whatever that causes.
     names
         What is hidden, the dominant effect first.
     seed, size, model, protocol
