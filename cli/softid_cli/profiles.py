@@ -31,7 +31,7 @@ def profiled(
     """
     if not names:
         return {}
-    from softid.identification.profiling import profile_parameter
+    from softid.identification.profile_likelihood import profile_parameter
 
     free = [p.name for p in result.parameters if not p.fixed and p.tie is None]
     for name in names:

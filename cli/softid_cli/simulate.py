@@ -44,7 +44,7 @@ def simulate(
     measured ones where the log has them. A log that was fitted gets its own sensor zero and initial
     state back; any other starts at rest with the mean sensor zero of the fitted logs.
     """
-    from softid.identification.findings import extrapolation
+    from softid.identification.issues import extrapolation
     from softid.records import load_params, simulation_csv, write_atomic
     from softid.simulation import simulate as simulate_model
 

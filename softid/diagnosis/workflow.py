@@ -55,10 +55,10 @@ from softid.diagnosis.verdict.naming import gains_by, may_be_named, most_variati
 from softid.effects import effects_of
 from softid.errors import Issue
 from softid.fitters.output_error import Optimum
-from softid.identification.assembly import Identified, assemble
+from softid.identification.assembly import OptimisedProblem, assemble
+from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.preparation import as_log_set, without_dropouts
-from softid.identification.wishes import Wishes
-from softid.identification.workflow import Work
+from softid.identification.workflow import Identification
 from softid.intersample import Intersample
 from softid.log import Log, LogSet
 from softid.models.base import Model
@@ -215,10 +215,10 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
     chain, remainder, held_out = found.chain, found.remainder, base.held_out
     rng = np.random.default_rng(seed)
-    first = base.asked_for.work
+    first = base.asked_for.identified
     before = assemble(first.found, first.logs, first.hold_out, choice=first.choice, seed=seed)
     extends = bool(chain.links) or base.instead_of is not None
-    after = _fit_of(chain.final, base.work, seed) if extends else None
+    after = _fit_of(chain.final, base.identified, seed) if extends else None
     models = prefix_models(chain, base.candidate, base.scale, base.sigma)
     errors = [held_out.first_errors(model) for model in models]
     causes = _with_errors_without(causes_of(chain, errors, after, rng), chain, base)
@@ -311,7 +311,7 @@ def _cleaned(log: Log) -> Log:
     return without_dropouts(without_input_noise(log))
 
 
-def _fit_of(final: Candidate, work: Work, seed: int) -> FitResult:
+def _fit_of(final: Candidate, identified: Identification, seed: int) -> FitResult:
     """The extended model as a fit with errors and scores."""
     problem, z = final.problem, final.minimum.point
     lower, upper = problem.bounds()
@@ -320,13 +320,15 @@ def _fit_of(final: Candidate, work: Work, seed: int) -> FitResult:
     optimum = Optimum(
         z,
         0.5 * final.squares,
-        dict(work.found.optimum.sigma),
+        dict(identified.found.optimum.sigma),
         FitStatus.CONVERGED,
         final.minimum.reach,
         final.minimum.evaluations,
         (z - lower <= near) | (upper - z <= near),
         final.prior.centre,
     )
-    wishes = Wishes.of(problem.model.parameters(), None)
-    found = Identified(problem, optimum, work.found.unseen, wishes)
-    return assemble(found, work.logs, work.hold_out, choice=work.choice, seed=seed)
+    constraints = ParameterConstraints.of(problem.model.parameters(), None)
+    found = OptimisedProblem(problem, optimum, identified.found.unseen, constraints)
+    return assemble(
+        found, identified.logs, identified.hold_out, choice=identified.choice, seed=seed
+    )

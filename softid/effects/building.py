@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from softid.effects.base import Effect, Scale
 from softid.effects.catalogue import EFFECTS
-from softid.effects.extended import ExtendedModel
+from softid.effects.extended_model import ExtendedModel
 from softid.errors import UsageError
 from softid.models import MODELS, Model
 from softid.results import ModelSpec

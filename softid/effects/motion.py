@@ -144,7 +144,7 @@ def _integrated(
     derivatives: bool,
 ) -> Response:
     """The motion stage by stage, by Newton's method, as a law with terms needs it."""
-    from softid.kernels.extended import Course, integrate
+    from softid.kernels.term_integrator import Course, integrate
 
     term = model.motion_term(theta)
     n, n_theta, n_eta = segment.time_s.size, theta.size, terms.eta.size
@@ -289,7 +289,7 @@ def _packed(model: Model, theta: Array, u: Array, derivatives: bool) -> tuple[Ar
 
 def _unbalanced(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: float) -> float:
     """Force that is left at rest at a position."""
-    from softid.kernels.extended import unbalanced_at_rest
+    from softid.kernels.term_integrator import unbalanced_at_rest
 
     packed, _ = _packed(model, theta, np.array([[u]]), False)
     z = np.array([x if follows else 0.0 for follows in terms.follows])

@@ -1,7 +1,7 @@
 """From logs to parameters with honest errors."""
 
-from softid.identification.choice import ModelChoice, choose_model
-from softid.identification.profiling import profile_parameter
+from softid.identification.model_selection import ModelChoice, choose_model
+from softid.identification.profile_likelihood import profile_parameter
 from softid.identification.workflow import fit
 
 __all__ = ["ModelChoice", "choose_model", "fit", "profile_parameter"]

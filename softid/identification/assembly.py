@@ -11,11 +11,11 @@ import numpy.typing as npt
 from softid.errors import IdentificationError, Issue
 from softid.fitters.output_error import Optimum, refit_nuisance
 from softid.fitters.problem import Problem
-from softid.identification.choice import ModelChoice
-from softid.identification.errors_of_fit import errors_of, free_covariance
 from softid.identification.estimates import nuisances_of, parameter_estimates, scores
-from softid.identification.findings import fitted_range, issues_of
-from softid.identification.wishes import Wishes
+from softid.identification.issues import fitted_range, issues_of
+from softid.identification.model_selection import ModelChoice
+from softid.identification.parameter_constraints import ParameterConstraints
+from softid.identification.parameter_covariance import errors_of, free_covariance
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.results import FitResult, LogNuisance, ParameterEstimate, Simulation
@@ -26,7 +26,7 @@ Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Identified:
+class OptimisedProblem:
     """A finished optimisation.
 
     Attributes
@@ -35,18 +35,18 @@ class Identified:
         What was fitted, and where it ended.
     unseen
         Parameters dropped on the way because the logs cannot see them → the reason.
-    wishes
+    constraints
         What the user asked for.
     """
 
     problem: Problem
     optimum: Optimum
     unseen: Mapping[str, str]
-    wishes: Wishes
+    constraints: ParameterConstraints
 
 
 def assemble(
-    found: Identified,
+    found: OptimisedProblem,
     logs: LogSet,
     held: Sequence[Log],
     *,
@@ -80,7 +80,7 @@ def assemble(
             remedy="check the units, fix or bound a parameter, or choose another --model",
         )
     errors = errors_of(problem, optimum)
-    estimates = parameter_estimates(problem, optimum, errors, found.unseen, found.wishes)
+    estimates = parameter_estimates(problem, optimum, errors, found.unseen, found.constraints)
     values = {e.name: e.value for e in estimates}
     nuisances = nuisances_of(problem, optimum, errors)
     simulations = _simulations(model, values, logs.logs, nuisances)

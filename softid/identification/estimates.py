@@ -8,8 +8,8 @@ import numpy as np
 
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
-from softid.identification.errors_of_fit import Errors
-from softid.identification.wishes import Wishes
+from softid.identification.parameter_constraints import ParameterConstraints
+from softid.identification.parameter_covariance import Errors
 from softid.log import Log
 from softid.parameters import Scale
 from softid.residuals import fit_statistics
@@ -33,7 +33,7 @@ def parameter_estimates(
     optimum: Optimum,
     errors: Errors,
     unseen: Mapping[str, str],
-    wishes: Wishes,
+    constraints: ParameterConstraints,
 ) -> tuple[ParameterEstimate, ...]:
     """One row per parameter of the model.
 
@@ -43,7 +43,7 @@ def parameter_estimates(
         The fit.
     unseen
         Parameters that were dropped because the logs cannot see them, with the reason.
-    wishes
+    constraints
         What the user asked for: only bounds of theirs say how wide a search was plausible.
     """
     theta = dict(zip(problem.parameters.names, problem.theta(optimum.unknowns), strict=True))
@@ -58,7 +58,7 @@ def parameter_estimates(
         if row is not None and covariance is not None:
             sd, freedom = covariance.sd[row], covariance.degrees_of_freedom[row]
         at_bound = index is not None and bool(optimum.at_bound[index])
-        known = at_bound or wishes.bounds(name)
+        known = at_bound or constraints.bounds(name)
         verdict, reason = _verdict(
             problem, errors, name, sd, row, at_bound, unseen, theta[name], use_bounds=known
         )

@@ -11,12 +11,12 @@ import numpy as np
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
-from softid.identification.assembly import Identified, assemble
-from softid.identification.choice import ModelChoice, choose_model
-from softid.identification.direction import falls_with_input, opposed
-from softid.identification.findings import fitted_range, require_explained
-from softid.identification.held_input import as_held, explains_better, held_readings
-from softid.identification.limits import simpler_model
+from softid.identification.assembly import OptimisedProblem, assemble
+from softid.identification.intersample_choice import as_held, explains_better, held_readings
+from softid.identification.issues import fitted_range, require_explained
+from softid.identification.model_reduction import simpler_model
+from softid.identification.model_selection import ModelChoice, choose_model
+from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.preparation import (
     adapted_model,
     as_log_set,
@@ -30,7 +30,7 @@ from softid.identification.preparation import (
     with_faults_told,
     without_dropouts,
 )
-from softid.identification.wishes import Wishes
+from softid.identification.response_sign import falls_with_input, opposed
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parameters import ParameterSet
@@ -104,7 +104,7 @@ def fit(
     >>> fit(log, model="oscillator").success
     True
     """
-    work = identify(
+    identified = identify(
         logs,
         model=model,
         hold_out=hold_out,
@@ -115,14 +115,16 @@ def fit(
     )
     if progress is not None:
         progress("computing errors", 0.95)
-    found = assemble(work.found, work.logs, work.hold_out, choice=work.choice, seed=seed)
-    signs = opposed(work.logs, work.hold_out)
-    require_explained(found, work.logs, signs)
+    found = assemble(
+        identified.found, identified.logs, identified.hold_out, choice=identified.choice, seed=seed
+    )
+    signs = opposed(identified.logs, identified.hold_out)
+    require_explained(found, identified.logs, signs)
     return replace(found, issues=(*signs, *found.issues))
 
 
 @dataclass(frozen=True, eq=False)
-class Work:
+class Identification:
     """A finished optimisation with the logs it belongs to.
 
     Attributes
@@ -135,7 +137,7 @@ class Work:
         How the model was chosen, if softid chose it.
     """
 
-    found: Identified
+    found: OptimisedProblem
     logs: LogSet
     hold_out: tuple[Log, ...]
     choice: ModelChoice | None
@@ -152,7 +154,7 @@ def identify(
     thorough: bool = True,
     moving: bool = False,
     progress: Progress | None = None,
-) -> Work:
+) -> Identification:
     """Find the optimum of `fit`, without errors and scores.
 
     Parameters
@@ -190,23 +192,23 @@ def identify(
             log_set, rng=rng, inverted=inverted, preferred=preferred, moving=moving
         )
         adapted, starts = choice.model, choice.starts or None
-        wishes = Wishes.of(adapted.parameters(), None)
+        constraints = ParameterConstraints.of(adapted.parameters(), None)
     else:
         named = named_model(model)
-        wishes = Wishes.of(named.parameters(), parameters)
+        constraints = ParameterConstraints.of(named.parameters(), parameters)
         require_channels(named, log_set)
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
-    found = _identify(adapted, log_set, wishes, starts, rng, report, thorough=thorough)
+    found = _identify(adapted, log_set, constraints, starts, rng, report, thorough=thorough)
     read = straight = log_set
     for reading in held_readings(straight) if np.isfinite(found.optimum.cost) else ():
         other = LogSet(as_held(straight.logs, reading))
         known = found.optimum.linearised
         if explains_better(found.problem, found.optimum.unknowns, other, known=known):
             read = other
-            found = _identify(adapted, read, wishes, starts, rng, report, thorough=thorough)
+            found = _identify(adapted, read, constraints, starts, rng, report, thorough=thorough)
     if read is not straight:
         held = tuple(log.with_intersample(read.logs[0].intersample) for log in held)
-    return Work(found, read, held, choice)
+    return Identification(found, read, held, choice)
 
 
 def _require_new(logs: LogSet, held: Sequence[Log]) -> None:
@@ -226,13 +228,13 @@ def _require_new(logs: LogSet, held: Sequence[Log]) -> None:
 def _identify(
     model: Model,
     logs: LogSet,
-    wishes: Wishes,
+    constraints: ParameterConstraints,
     starts: Sequence[Mapping[str, float]] | None,
     rng: np.random.Generator,
     report: Progress,
     *,
     thorough: bool,
-) -> Identified:
+) -> OptimisedProblem:
     """Fit, and continue with the model's limit while a term cannot be seen.
 
     Parameters
@@ -240,14 +242,14 @@ def _identify(
     starts
         Start values if they are known already; None searches them in the data.
     """
-    overlaid = wishes.over(model.parameters())
+    overlaid = constraints.over(model.parameters())
     problem = Problem(model, overlaid, logs.logs)
     _require_samples(problem, logs)
     if starts is None:
         guesses = model.guess(problem.plain_segments, logs.outputs[0])
         starts = [guess.values_dict() for guess in guesses]
     optimum = output_error(
-        problem, wishes.starts(overlaid, starts), rng=rng, thorough=thorough, progress=report
+        problem, constraints.starts(overlaid, starts), rng=rng, thorough=thorough, progress=report
     )
     period_s = float(np.median([log.period_s for log in logs]))
     input_range = fitted_range(logs)[logs.input]
@@ -260,14 +262,14 @@ def _identify(
             break
         limit, reason = simpler
         dropped = set(problem.free) - set(limit.parameters().free)
-        if not dropped or wishes.keep(dropped):
+        if not dropped or constraints.keep(dropped):
             break
         unseen |= dict.fromkeys(dropped, reason)
-        overlaid = wishes.over(limit.parameters())
+        overlaid = constraints.over(limit.parameters())
         values |= {n: p.value for n, p in overlaid.items() if p.fixed}
         problem = Problem(limit, overlaid, logs.logs)
         optimum = output_error(problem, [values], rng=rng, thorough=thorough, progress=report)
-    return Identified(problem, optimum, unseen, wishes)
+    return OptimisedProblem(problem, optimum, unseen, constraints)
 
 
 def _require_samples(problem: Problem, logs: LogSet) -> None:

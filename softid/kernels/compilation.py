@@ -8,7 +8,7 @@ from pathlib import Path
 
 from numba.core import event
 
-from softid.kernels.affine import move
+from softid.kernels.affine_simulation import move
 
 COMPILES = "numba:compile"
 """numba's event of a function that is compiled, not loaded from disk."""

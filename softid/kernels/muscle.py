@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels import exponential as exponentials
+from softid.kernels.cache_invalidation import follow_sources
 from softid.kernels.decorators import kernel
 from softid.kernels.exponential import exponential
-from softid.kernels.sources import follow_sources
 
 Array = npt.NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.affine import move_through
-from softid.kernels.lanes import N_PARAMETERS, N_STATES
+from softid.kernels.affine_blocks import N_PARAMETERS, N_STATES
+from softid.kernels.affine_simulation import move_through
 from softid.models.base import Model, Response
 from softid.models.division import Division, held
 from softid.models.second_order import Law, Motion, initial_state, start_tangent

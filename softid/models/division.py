@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.division import count_steps
 from softid.kernels.radau import STAGES
+from softid.kernels.step_counts import count_steps
 
 if TYPE_CHECKING:
     from softid.models.second_order import Law
@@ -62,7 +62,7 @@ class Division:
 
         Each of shape (1 + 16 L,); kept, since an optimiser asks for them at every evaluation.
         """
-        from softid.kernels.arrival import spread
+        from softid.kernels.stage_projection import spread
 
         size = 1 + int(self.counts.sum()) * NODES_PER_STEP
         node_s, node_u = np.empty(size), np.empty(size)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import UsageError
-from softid.kernels.lanes import MUSCLE
+from softid.kernels.affine_blocks import MUSCLE
 from softid.kernels.muscle import coefficient_derivatives, coefficients, pack
 from softid.kernels.small_matrix import LANES
 from softid.models.base import Model, Response, require_choice
@@ -23,12 +23,11 @@ from softid.models.second_order import (
     AffineForm,
     Law,
     Order,
-    faded,
     simulate_law,
-    speeds,
     sum_law,
 )
 from softid.models.starts import as_values, damping_shapes, hammerstein_starts
+from softid.models.time_scales import faded, speeds
 from softid.parameters import Parameter, ParameterSet
 from softid.segment import Segment
 

@@ -10,7 +10,7 @@ from typing import ClassVar, Literal
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.lanes import OSCILLATOR
+from softid.kernels.affine_blocks import OSCILLATOR
 from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide
 from softid.models.products import Products
@@ -19,11 +19,10 @@ from softid.models.second_order import (
     AffineForm,
     Law,
     Order,
-    faded,
     simulate_law,
-    speeds,
     sum_law,
 )
+from softid.models.time_scales import faded, speeds
 from softid.models.weak_form import weak_form_coefficients
 from softid.parameters import Parameter, ParameterSet
 from softid.segment import Segment

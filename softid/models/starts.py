@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.start_scores import add_products
+from softid.kernels.start_value_scores import add_products
 from softid.models.division import held
 from softid.models.second_order import Law
 from softid.segment import Segment

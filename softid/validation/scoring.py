@@ -9,7 +9,7 @@ from softid.effects import model_of
 from softid.errors import Issue, UsageError
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
-from softid.identification.findings import extrapolation
+from softid.identification.issues import extrapolation
 from softid.identification.preparation import as_log_set, without_dropouts
 from softid.log import Log, LogSet
 from softid.models.base import Model

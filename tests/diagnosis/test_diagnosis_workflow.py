@@ -171,7 +171,7 @@ def test_a_term_that_the_limit_dropped_is_restored(asked: str | Oscillator, orde
     log = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
     wish = Request(asked, None, 0, lambda message, fraction: None)
     start = wish.begin(LogSet((log,)), (), thorough=True)
-    work, base = start.work, start.base
+    work, base = start.identified, start.base
     assert work.found.problem.model.spec().options["order"] == "first"
     assert base.problem.model.spec().options["order"] == order
     assert base.problem.free == (("M",) if order == "second" else ()) + ("N", "Q")

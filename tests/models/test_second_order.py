@@ -8,13 +8,14 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.kernels.division import MAX_SUBSTEPS
+from softid.kernels.step_counts import MAX_SUBSTEPS
 from softid.log import Log
 from softid.models.base import Model
 from softid.models.division import divide
 from softid.models.muscle import Muscle, MuscleLaw
 from softid.models.oscillator import Oscillator, OscillatorLaw
-from softid.models.second_order import faded, simulate_law, speeds
+from softid.models.second_order import simulate_law
+from softid.models.time_scales import faded, speeds
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]

@@ -16,7 +16,7 @@ from softid.errors import IdentificationError, UsageError
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.problem import Problem
 from softid.identification.preparation import named_model
-from softid.identification.workflow import Work, identify
+from softid.identification.workflow import Identification, identify
 from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
@@ -100,7 +100,7 @@ class BaseFit:
 
     Attributes
     ----------
-    work
+    identified
         The fit as `softid.fit` makes it.
     candidate
         The same as the candidate without effects.
@@ -112,7 +112,7 @@ class BaseFit:
         The fit of the model that was asked for, where this one takes its place.
     """
 
-    work: Work
+    identified: Identification
     candidate: Candidate
     scale: Scale
     held_out: HeldOut
@@ -126,7 +126,7 @@ class BaseFit:
     @property
     def sigma(self) -> dict[str, float]:
         """Residual standard deviation of each output channel, by which residuals are divided."""
-        return dict(self.work.found.optimum.sigma)
+        return dict(self.identified.found.optimum.sigma)
 
 
 @dataclass(frozen=True)
@@ -188,7 +188,7 @@ class Request:
         """
         _require_motion(self.model)
         trained, held = (logs, None) if hold_out else hold_out_blocks(logs)
-        work = identify(
+        identified = identify(
             trained.logs,
             model=self.model,
             hold_out=hold_out,
@@ -198,10 +198,10 @@ class Request:
             moving=True,
             progress=self.progress,
         )
-        candidate = _candidate(work, self.model)
+        candidate = _candidate(identified, self.model)
         scale = scale_of(candidate.problem, candidate.minimum.point)
-        held_out = held or HeldOut(work.hold_out)
-        return BaseFit(work, candidate, scale, held_out, self.instead_of)
+        held_out = held or HeldOut(identified.hold_out)
+        return BaseFit(identified, candidate, scale, held_out, self.instead_of)
 
 
 def _require_motion(model: Model | str | None) -> None:
@@ -214,16 +214,16 @@ def _require_motion(model: Model | str | None) -> None:
     )
 
 
-def _candidate(work: Work, asked: Model | str | None) -> Candidate:
+def _candidate(identified: Identification, asked: Model | str | None) -> Candidate:
     """The fit as the candidate without effects, with every term that its limit had dropped.
 
     A term that cannot be seen behind a misfit may be seen once its cause is in the model: without
     it another effect would take its place. What the user asked to drop stays dropped.
     """
-    optimum = work.found.optimum
-    problem, z = _whole_problem(work, asked), optimum.unknowns
-    if problem is not work.found.problem:
-        z = problem.unknowns(_whole_values(work, problem))
+    optimum = identified.found.optimum
+    problem, z = _whole_problem(identified, asked), optimum.unknowns
+    if problem is not identified.found.problem:
+        z = problem.unknowns(_whole_values(identified, problem))
     size = problem.size
     empty = Normal(z, optimum.cost, np.zeros(size), np.eye(size), problem.n_samples)
     variance = 2.0 * optimum.cost / max(problem.n_samples - size, 1)
@@ -234,29 +234,31 @@ def _candidate(work: Work, asked: Model | str | None) -> Candidate:
     )
 
 
-def _whole_problem(work: Work, asked: Model | str | None) -> Problem:
+def _whole_problem(identified: Identification, asked: Model | str | None) -> Problem:
     """The problem of the model of full order, or of the order that was asked for."""
-    problem = work.found.problem
+    problem = identified.found.problem
     options = dict(problem.model.spec().options)
     wanted = asked.spec().options if isinstance(asked, Model) else {}
     order = wanted.get("order", "second")
     if options.get("order", order) == order:
         return problem
     whole: Model = MODELS[problem.model.name](**(options | {"order": order}))
-    return Problem(whole, work.found.wishes.over(whole.parameters()), work.logs.logs)
+    return Problem(
+        whole, identified.found.constraints.over(whole.parameters()), identified.logs.logs
+    )
 
 
-def _whole_values(work: Work, problem: Problem) -> dict[str, float]:
+def _whole_values(identified: Identification, problem: Problem) -> dict[str, float]:
     """Fitted values, with a restored term as large as it may be without being seen."""
-    fitted = work.found.problem
-    theta = fitted.theta(work.found.optimum.unknowns)
+    fitted = identified.found.problem
+    theta = fitted.theta(identified.found.optimum.unknowns)
     values = dict(zip(fitted.parameters.names, theta.tolist(), strict=True))
     law = fitted.model.motion_law(theta)
     if law is None:
         return values
     u = np.concatenate([segment.input for segment in problem.segments])
     damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
-    hidden_s = HIDDEN_PERIODS * float(np.median([log.period_s for log in work.logs]))
+    hidden_s = HIDDEN_PERIODS * float(np.median([log.period_s for log in identified.logs]))
     slow = damping if damping > 0.0 else hidden_s * stiffness
     restored = {"M": hidden_s * slow, "N": slow, "c2": slow, "a2": 0.1 * slow}
     for name in problem.free:

@@ -16,7 +16,7 @@ from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.effects import ExtendedModel
 from softid.fitters.problem import Problem
-from softid.identification.held_input import (
+from softid.identification.intersample_choice import (
     BETTER_BY,
     COMMAND,
     HELD_INPUT,

@@ -1,4 +1,4 @@
-"""Work that is shared by the processor's cores; the compiled kernels release the lock."""
+"""Identification that is shared by the processor's cores; the compiled kernels release the lock."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Work shared by cores."""
+"""Identification shared by cores."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Motion, derivatives and normal equations of a law that is affine in its state, in one pass.
 
-See `softid.kernels.lanes` for the law and for how a block of steps is laid out.
+See `softid.kernels.affine_blocks` for the law and for how a block of steps is laid out.
 """
 
 from __future__ import annotations
@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from softid.kernels import affine_steps, exponential, lanes
-from softid.kernels.decorators import kernel
-from softid.kernels.lanes import (
+from softid.kernels import affine_blocks, affine_steps, exponential
+from softid.kernels.affine_blocks import (
     BY,
     GIVEN,
     INPUT,
@@ -42,7 +41,8 @@ from softid.kernels.lanes import (
     run_rk4,
     select_ends,
 )
-from softid.kernels.sources import follow_sources
+from softid.kernels.cache_invalidation import follow_sources
+from softid.kernels.decorators import kernel
 
 Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.int16]
@@ -349,4 +349,4 @@ def move_through(
 
 
 for _kernel in (move, move_with_derivatives, sum_products, move_through):
-    follow_sources(_kernel, (affine_steps, exponential, lanes))
+    follow_sources(_kernel, (affine_blocks, affine_steps, exponential))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Wishes:
+class ParameterConstraints:
     """Start values, bounds, fixed values and ties that the user asked for.
 
     What the user left as the model has it is no wish: units and direction come from the logs, and
@@ -35,8 +35,10 @@ class Wishes:
     asked: ParameterSet
 
     @classmethod
-    def of(cls, base: ParameterSet, asked: ParameterSet | lmfit.Parameters | None) -> Wishes:
-        """Take wishes in any form that `softid.fit` accepts.
+    def of(
+        cls, base: ParameterSet, asked: ParameterSet | lmfit.Parameters | None
+    ) -> ParameterConstraints:
+        """Take constraints in any form that `softid.fit` accepts.
 
         Raises
         ------
@@ -45,8 +47,10 @@ class Wishes:
         """
         if asked is None:
             return cls(base, base)
-        wishes = cls(base, asked if isinstance(asked, ParameterSet) else _from_lmfit(base, asked))
-        for name, wish in wishes.asked.items():
+        constraints = cls(
+            base, asked if isinstance(asked, ParameterSet) else _from_lmfit(base, asked)
+        )
+        for name, wish in constraints.asked.items():
             if name not in base:
                 raise UsageError(
                     f"the model has no parameter {name}",
@@ -58,7 +62,7 @@ class Wishes:
                     where=f"parameter {name}",
                     remedy="leave it fixed, or choose other options of the model",
                 )
-        return wishes
+        return constraints
 
     @property
     def changed(self) -> dict[str, Parameter]:
@@ -66,7 +70,7 @@ class Wishes:
         return {name: p for name, p in self.asked.items() if p != self.base[name]}
 
     def over(self, declared: ParameterSet) -> ParameterSet:
-        """Lay the wishes over the parameters of the adapted model or of one of its limits.
+        """Lay the constraints over the parameters of the adapted model or of one of its limits.
 
         A parameter that a limit has dropped stays dropped.
         """

@@ -12,7 +12,7 @@ from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
-from softid.identification.errors_of_fit import errors_of
+from softid.identification.parameter_covariance import errors_of
 from softid.identification.preparation import as_log_set
 from softid.log import Log
 from softid.parameters import ParameterSet
@@ -77,7 +77,7 @@ def profile_parameter(
         )
     p = parameters[name]
     return profile(
-        _Valley(problem, name, optimum, result.values).refit,
+        _ProfileRefits(problem, name, optimum, result.values).refit,
         p.value,
         sd=float(covariance.sd[row] or 0.0),
         cost_per_variance=float(covariance.cost_per_variance[row]),
@@ -89,7 +89,7 @@ def profile_parameter(
     )
 
 
-class _Valley:
+class _ProfileRefits:
     """Refits along one parameter, which start from the optimum and from the nearest refit before.
 
     A valley that bends has left the other parameters of the optimum behind, and a start there may

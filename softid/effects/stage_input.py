@@ -44,7 +44,7 @@ def arriving_input(
     """
     if not effects:
         return float(segment.input[0]), plan.stage_input
-    from softid.kernels.arrival import gather
+    from softid.kernels.stage_projection import gather
 
     time_s, u = plan.nodes
     for effect, eta in effects:

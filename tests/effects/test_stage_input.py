@@ -10,9 +10,9 @@ import pytest
 from io_rig import SCALE, extended, pressure, segment
 
 from softid.effects import Scale
-from softid.effects.arrival import arriving_input
 from softid.effects.delay import Delay
 from softid.effects.motion import divided
+from softid.effects.stage_input import arriving_input
 from softid.kernels.radau import STAGES
 from softid.models.second_order import Division
 

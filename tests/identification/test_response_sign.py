@@ -10,7 +10,7 @@ from linear_motion import linear_log
 
 from softid.errors import IdentificationError
 from softid.identification import fit
-from softid.identification.direction import opposed
+from softid.identification.response_sign import opposed
 from softid.log import Log, LogSet
 
 

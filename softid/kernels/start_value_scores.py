@@ -13,9 +13,9 @@ import numpy.typing as npt
 from numba import njit
 
 from softid.kernels import exponential as exponentials
+from softid.kernels.cache_invalidation import follow_sources
 from softid.kernels.decorators import kernel
 from softid.kernels.exponential import EXACT, exponential
-from softid.kernels.sources import follow_sources
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

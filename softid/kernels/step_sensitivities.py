@@ -10,8 +10,8 @@ import numpy.typing as npt
 from softid.kernels.decorators import inlined
 from softid.kernels.equation import Equation, unbalanced
 from softid.kernels.radau import B1, A
+from softid.kernels.radau_stages import Step
 from softid.kernels.small_matrix import LANES, multiply_columns, weighted_sum
-from softid.kernels.stages import Step
 
 Array = npt.NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from softid.errors import IdentificationError, Issue, Severity
-from softid.identification.errors_of_fit import Errors
+from softid.identification.parameter_covariance import Errors
 from softid.log import Log, LogSet
 from softid.results import FitResult, FitStatistics, ParameterEstimate
 

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.kernels.affine import move, move_with_derivatives, sum_products
-from softid.kernels.lanes import MUSCLE, OSCILLATOR, RADAU, RK4, STEPS
+from softid.kernels.affine_blocks import MUSCLE, OSCILLATOR, RADAU, RK4, STEPS
+from softid.kernels.affine_simulation import move, move_with_derivatives, sum_products
 from softid.kernels.radau import STAGES, propagate_with_sensitivities
 
 Array = npt.NDArray[np.float64]

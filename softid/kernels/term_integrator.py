@@ -13,14 +13,21 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels import equation, radau, small_matrix, stages, tangents, terms
+from softid.kernels import (
+    equation,
+    radau,
+    radau_stages,
+    small_matrix,
+    step_sensitivities,
+    terms,
+)
+from softid.kernels.cache_invalidation import follow_sources
 from softid.kernels.decorators import bare_kernel, inlined, inner
 from softid.kernels.equation import Equation, Instants, unbalanced
 from softid.kernels.radau import STAGES
+from softid.kernels.radau_stages import Step, advance, solve_stages
 from softid.kernels.small_matrix import LANES, groups
-from softid.kernels.sources import follow_sources
-from softid.kernels.stages import Step, advance, solve_stages
-from softid.kernels.tangents import Transfer, carry
+from softid.kernels.step_sensitivities import Transfer, carry
 from softid.kernels.terms import TERM_SIZE
 
 Array = npt.NDArray[np.float64]
@@ -335,4 +342,6 @@ def integrate(
 
 
 for _kernel in (_march, _left_at_rest):
-    follow_sources(_kernel, (equation, stages, tangents, small_matrix, terms, radau))
+    follow_sources(
+        _kernel, (equation, radau_stages, step_sensitivities, small_matrix, terms, radau)
+    )

@@ -10,7 +10,6 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.arrival import arriving_input
 from softid.effects.base import (
     STAGES,
     Effect,
@@ -21,7 +20,8 @@ from softid.effects.base import (
     usual_size,
 )
 from softid.effects.motion import divided, rest, simulate_motion
-from softid.kernels.division import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
+from softid.effects.stage_input import arriving_input
+from softid.kernels.step_counts import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
 from softid.models.base import Model, Response
 from softid.models.division import Division, divide
 from softid.models.second_order import Law

@@ -10,7 +10,7 @@ from pathlib import Path
 ENTRY = """
 from numba import njit
 import inner
-from softid.kernels.sources import follow_sources
+from softid.kernels.cache_invalidation import follow_sources
 
 @njit(cache=True)
 def outer():

@@ -12,9 +12,9 @@ import numpy.typing as npt
 from numba import njit
 
 from softid.kernels import exponential
+from softid.kernels.cache_invalidation import follow_sources
 from softid.kernels.decorators import kernel
 from softid.kernels.exponential import EXACT
-from softid.kernels.sources import follow_sources
 
 Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.int16]

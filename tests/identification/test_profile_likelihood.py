@@ -9,7 +9,7 @@ import pytest
 
 from softid.errors import UsageError
 from softid.identification import fit
-from softid.identification.profiling import profile_parameter
+from softid.identification.profile_likelihood import profile_parameter
 from softid.log import Log
 from softid.readers import load
 

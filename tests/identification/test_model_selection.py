@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from softid.errors import UsageError
-from softid.identification.choice import choose_model
+from softid.identification.model_selection import choose_model
 from softid.log import Log, LogSet
 from softid.readers import load
 from softid.synthesis import bundled_datasets

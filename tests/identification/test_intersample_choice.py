@@ -10,7 +10,7 @@ import pytest
 
 from softid.fitters.problem import Problem
 from softid.identification import fit
-from softid.identification.held_input import explains_better, held_readings
+from softid.identification.intersample_choice import explains_better, held_readings
 from softid.log import Log, LogSet
 from softid.models import Oscillator
 from softid.records import load_params, save_fit
