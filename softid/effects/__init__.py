@@ -9,7 +9,7 @@ from softid.effects.base import (
 )
 from softid.effects.building import effect_of, effects_of, model_of
 from softid.effects.catalogue import EFFECTS
-from softid.effects.extended_model import ExtendedModel, belongs_to, extended_name
+from softid.effects.extended_model import ExtendedModel, belongs_to, extended_name, own_values
 from softid.effects.motion import divided
 from softid.effects.registration import register_effect
 
@@ -27,5 +27,6 @@ __all__ = [
     "effects_of",
     "extended_name",
     "model_of",
+    "own_values",
     "register_effect",
 ]

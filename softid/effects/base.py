@@ -121,9 +121,6 @@ class Effect(ABC):
         Parameters at whose upper bounds alone it is so.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one; None for others.
-    becomes
-        Parameter, value, and the simpler effect that the law is like when the parameter is larger;
-        None for others.
     """
 
     name: ClassVar[str]
@@ -143,12 +140,27 @@ class Effect(ABC):
     essential: ClassVar[tuple[str, ...]] = ()
     ceilings: ClassVar[tuple[str, ...]] = ()
     plain_at: ClassVar[tuple[str, float] | None] = None
-    becomes: ClassVar[tuple[str, float, str] | None] = None
 
     @property
     def key(self) -> str:
         """Name in the table: that of the catalogue, with the variant if there is one."""
         return f"{self.name}.{self.variant}" if self.variant else self.name
+
+    def simpler(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]] | None:
+        """The simpler effect that the law is like at some values.
+
+        Parameters
+        ----------
+        values
+            Parameter → value.
+
+        Returns
+        -------
+        tuple or None
+            Key of that effect and its values; None where the law is like no other.
+        """
+        del values
+        return None
 
     def takes_time(self, scale: Scale) -> bool:
         """Whether it makes the response late, as an inertia does, outside the motion itself."""

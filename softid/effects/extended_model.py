@@ -351,6 +351,16 @@ def extended_name(effect: Effect, parameter: str) -> str:
     return f"{effect.name}_{parameter}"
 
 
+def own_values(effect: Effect, values: Mapping[str, float]) -> dict[str, float]:
+    """Values of an effect's parameters among those of an extended model, by their own names."""
+    prefix = extended_name(effect, "")
+    return {
+        name.removeprefix(prefix): value
+        for name, value in values.items()
+        if belongs_to(effect, name)
+    }
+
+
 def belongs_to(effect: Effect, parameter: str) -> bool:
     """Whether a parameter of an extended model is one of an effect's.
 

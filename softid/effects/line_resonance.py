@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
-from softid.effects.second_order import ringing_parameters, ringing_starts
+from softid.effects.second_order import as_lag, ringing_parameters, ringing_starts
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 
@@ -39,6 +39,7 @@ class LineResonance(InputEffect):
         "pneumatic_lag",
         "delay",
         "pressure_mass",
+        "sensor_lag",
         "sensor_resonance",
     )
     remedy: ClassVar[str] = (
@@ -48,7 +49,6 @@ class LineResonance(InputEffect):
     source: ClassVar[str] = "Bergh and Tijdeman, NLR-TR F.238, 1965"
     amplitude: ClassVar[str] = "period"
     essential: ClassVar[tuple[str, ...]] = ("period",)
-    becomes: ClassVar[tuple[str, float, str] | None] = ("zeta", 1.0, "pneumatic_lag")
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The ringing period 2π/ω and the damping ratio ζ."""
@@ -57,6 +57,11 @@ class LineResonance(InputEffect):
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Lightly damped, from six samples to twice the motion's own time."""
         return ringing_starts(scale)
+
+    def simpler(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]] | None:
+        """Overdamped it is a first-order lag."""
+        lag = as_lag(values)
+        return ("pneumatic_lag", lag) if lag is not None else None
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The ringing input."""

@@ -140,13 +140,6 @@ def _check_words(effect: Effect, where: str) -> None:
                 value=strange[0],
                 remedy=f"choose from {', '.join(sorted(known))}",
             )
-    if effect.becomes is not None and effect.becomes[2] not in EFFECTS:
-        raise UsageError(
-            "the simpler effect that it becomes is no effect",
-            where=where,
-            value=effect.becomes[2],
-            remedy=f"choose from {', '.join(sorted(EFFECTS))}",
-        )
 
 
 def _check_name(effect: Effect, where: str) -> None:
@@ -186,7 +179,6 @@ def _check_parameters(effect: Effect, where: str) -> ParameterSet:
         "essential parameter": effect.essential,
         "parameter with a ceiling": effect.ceilings,
         "parameter of the plain form": (effect.plain_at or ())[:1],
-        "parameter by which it becomes a simpler effect": (effect.becomes or ())[:1],
     }
     for role, names in roles.items():
         strange = [name for name in names if name not in declared]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -64,6 +65,27 @@ def ringing_starts(scale: Scale) -> tuple[Mapping[str, float], ...]:
         Sizes of the logs.
     """
     return tuple({"period": t, "zeta": START_ZETA} for t in _periods(scale))
+
+
+def as_lag(values: Mapping[str, float]) -> Mapping[str, float] | None:
+    """The first-order lag that an overdamped law is like; None for one that is not overdamped.
+
+    Its time constant is the larger of the two, τ = (ζ + √(ζ² − 1))/ω.
+
+    Parameters
+    ----------
+    values
+        The period and the damping ratio.
+
+    Examples
+    --------
+    >>> as_lag({"period": 6.283185307179586, "zeta": 1.25})
+    {'tau': 2.0}
+    """
+    zeta = values["zeta"]
+    if zeta <= 1.0:
+        return None
+    return {"tau": values["period"] / (2.0 * math.pi) * (zeta + math.sqrt(zeta**2 - 1.0))}
 
 
 def _periods(scale: Scale) -> tuple[float, ...]:

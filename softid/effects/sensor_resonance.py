@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.effects.base import OutputEffect, Scale
 from softid.effects.finer_motion import PIECES, finer_motion
-from softid.effects.second_order import ringing_parameters, ringing_starts
+from softid.effects.second_order import as_lag, ringing_parameters, ringing_starts
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 
@@ -47,7 +47,6 @@ class SensorResonance(OutputEffect):
     source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.3"
     amplitude: ClassVar[str] = "period"
     essential: ClassVar[tuple[str, ...]] = ("period",)
-    becomes: ClassVar[tuple[str, float, str] | None] = ("zeta", 1.0, "sensor_lag")
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The ringing period 2π/ω and the damping ratio ζ."""
@@ -56,6 +55,11 @@ class SensorResonance(OutputEffect):
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Lightly damped, from six samples to twice the motion's own time."""
         return ringing_starts(scale)
+
+    def simpler(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]] | None:
+        """Overdamped it is a first-order lag."""
+        lag = as_lag(values)
+        return ("sensor_lag", lag) if lag is not None else None
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """The reading, settled at the first sample."""

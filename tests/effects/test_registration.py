@@ -169,12 +169,6 @@ MISTAKES: dict[str, tuple[type[Effect], dict[str, Any], str]] = {
     "taken": (OutputEffect, {"name": "delay"}, "another effect has this name"),
     "neighbour": (OutputEffect, {"neighbours": ("delays",)}, "a neighbour is no effect"),
     "drawn": (OutputEffect, {"draws": ("delays",)}, "a drawn effect is no effect"),
-    "becomes": (OutputEffect, {"becomes": ("k", 1.0, "lag")}, "that it becomes is no effect"),
-    "becomes by": (
-        OutputEffect,
-        {"becomes": ("zeta", 1.0, "sensor_lag")},
-        "becomes a simpler effect is none of its parameters",
-    ),
     "essential": (OutputEffect, {"essential": ("c",)}, "essential parameter is none of its"),
     "ceiling": (OutputEffect, {"ceilings": ("c",)}, "with a ceiling is none of its parameters"),
     "plain": (OutputEffect, {"plain_at": ("c", 1.0)}, "the plain form is none of its parameters"),

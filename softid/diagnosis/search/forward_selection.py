@@ -12,7 +12,7 @@ from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.search.bic_ranking import Ranked, rank
 from softid.diagnosis.search.racing import UNCONVERGED, race
 from softid.diagnosis.search.screening import Signature, screen
-from softid.effects import extended_name
+from softid.effects import own_values
 from softid.effects.base import Effect, Scale
 
 
@@ -315,11 +315,8 @@ def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str
 
 def _simpler(row: Ranked, effect: Effect) -> str | None:
     """The simpler effect that an added one is like, at the values that it has."""
-    if effect.becomes is None:
-        return None
-    name, beyond, simpler = effect.becomes
-    value = row.candidate.parameters[extended_name(effect, name)]
-    return simpler if value > beyond else None
+    simpler = effect.simpler(own_values(effect, row.candidate.parameters))
+    return simpler[0] if simpler is not None else None
 
 
 def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:

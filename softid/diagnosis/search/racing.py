@@ -22,6 +22,7 @@ from softid.diagnosis.search.screening import (
     late_candidate,
     screen,
 )
+from softid.effects import own_values
 from softid.effects.base import Effect, Scale
 
 SECOND_START = 0.3
@@ -155,7 +156,7 @@ def race(
     others = _run(others, sigma, SECOND_ROUND, COARSE) + _run(swaps, sigma, EXCHANGE_ROUND, COARSE)
     kept += [form for form in others if form.squares <= limit]
     last = _last_lap(kept, sigma)
-    last += _plain_forms(fitted, _best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
+    last += _simpler_forms(fitted, _best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
     report(1.0)
     return _best_of_each(last)
 
@@ -242,21 +243,23 @@ def _is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
     return set(plain.parameters(scale).names) < set(effect.parameters(scale).names)
 
 
-def _plain_forms(
+def _simpler_forms(
     fitted: Candidate,
     leaders: Sequence[Candidate],
     effects: Sequence[Effect],
     scale: Scale,
     sigma: Mapping[str, float],
 ) -> list[Candidate]:
-    """The plain form of every richer one, from where that stands."""
+    """The plain form of every richer one, and what a law is like, from where the leaders stand."""
     variance = fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
-    placed = [
-        form_of(fitted, leader, effect, scale, sigma, variance)
-        for leader in leaders
-        for effect in effects
-        if _is_richer(leader.effects[-1], effect, scale)
-    ]
+    placed = []
+    for leader in leaders:
+        added = leader.effects[-1]
+        like = added.simpler(own_values(added, leader.parameters))
+        for effect in effects:
+            known = like[1] if like is not None and like[0] == effect.key else None
+            if known is not None or _is_richer(added, effect, scale):
+                placed.append(form_of(fitted, leader, effect, scale, sigma, variance, known=known))
     return _run(placed, sigma, EXCHANGE_ROUND, FINE)
 
 

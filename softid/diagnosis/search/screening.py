@@ -242,6 +242,8 @@ def form_of(
     scale: Scale,
     sigma: Mapping[str, float],
     variance: float,
+    *,
+    known: Mapping[str, float] | None = None,
 ) -> Candidate:
     """A candidate with another form of a law, where a first form stands.
 
@@ -259,11 +261,13 @@ def form_of(
         Residual standard deviation of each output channel.
     variance
         Variance of the weighted residual, for the prior.
+    known
+        Values of the other form, if they follow from those of the first.
     """
     problem = extend(fitted.problem, (effect,), scale)
     starts = [
         start_unknowns(problem, first.problem, first.minimum.point, named_values(effect, values))
-        for values in effect.starts(scale)
+        for values in ([known] if known else effect.starts(scale))
     ]
     best = min(starts, key=lambda z: _squares(problem, z, sigma))
     return _placed(fitted, effect, problem, best, variance)

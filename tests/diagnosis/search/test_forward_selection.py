@@ -115,7 +115,11 @@ def test_a_line_that_does_not_ring_is_a_lag(
 ) -> None:
     """Beyond a damping ratio of 1 it must gain 6 of BIC on the lag, and is no rival to it else."""
     rows = [
-        ranked(("line_resonance",), 0.0, values={"line_resonance_zeta": zeta}),
+        ranked(
+            ("line_resonance",),
+            0.0,
+            values={"line_resonance_zeta": zeta, "line_resonance_period": 0.1},
+        ),
         ranked(("pneumatic_lag",), gain),
     ]
     assert _rivals(sorted(rows, key=lambda row: row.bic), candidate(()))[1] == names
