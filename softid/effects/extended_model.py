@@ -77,6 +77,9 @@ class ExtendedModel(Model):
             "inputs": base.inputs,
             "outputs": base.outputs,
             "own_zero": base.own_zero,
+            "is_linear": base.is_linear,
+            "inertia_parameter": base.inertia_parameter,
+            "stiffness_parameter": base.stiffness_parameter,
             "identified_by": dict(base.identified_by)
             | {
                 extended_name(effect, parameter): effect.shown_by

@@ -113,6 +113,10 @@ class Model(ABC):
         same thing twice.
     identified_by
         Parameter name → the excitation that shows it, one sentence.
+    is_linear
+        Whether its coefficients stay whatever the input does.
+    inertia_parameter, stiffness_parameter
+        Parameters that are the inertia and the stiffness; None where none of them is.
     """
 
     name: ClassVar[str]
@@ -124,6 +128,9 @@ class Model(ABC):
     outputs: ClassVar[tuple[str, ...]] = ()
     own_zero: ClassVar[bool] = False
     identified_by: ClassVar[Mapping[str, str]] = {}
+    is_linear: ClassVar[bool] = False
+    inertia_parameter: ClassVar[str | None] = None
+    stiffness_parameter: ClassVar[str | None] = None
 
     @property
     def label(self) -> str:
@@ -181,6 +188,19 @@ class Model(ABC):
         """
         del segments, output
         return ()
+
+    def hidden_terms(self, damping: float, hidden_s: float) -> Mapping[str, float]:
+        """Values of the terms that may be dropped, as large as they may be without being seen.
+
+        Parameters
+        ----------
+        damping
+            Coefficient of the speed.
+        hidden_s
+            A mode that dies out within this time is not seen.
+        """
+        del damping, hidden_s
+        return {}
 
     def plainer(self) -> Model | None:
         """The same without a term that may not carry over from log to log; None without one."""

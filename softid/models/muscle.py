@@ -77,6 +77,10 @@ class MuscleLaw(Law):
         return float(max(abs(self._theta[2]), abs(self._theta[5]))) / _KPA_PER_BAR
 
 
+GROWING = 0.1
+"""Share that grows with the pressure of a damping that comes back: small, but enough to fit."""
+
+
 @dataclass(frozen=True)
 class Muscle(Model):
     """M·ẍ + N(p)·ẋ + Q(p)·x = P(p) with P = exp(b1·p), Q = a1·P + c1, N = a2·exp(b2·p) + c2.
@@ -119,6 +123,7 @@ class Muscle(Model):
     states: ClassVar[tuple[str, ...]] = ("x", "v")
     inputs: ClassVar[tuple[str, ...]] = ("pressure", "pressure_command")
     outputs: ClassVar[tuple[str, ...]] = ("angle", "contraction", "length", "distance", "position")
+    inertia_parameter: ClassVar[str | None] = "M"
     identified_by: ClassVar[Mapping[str, str]] = {
         "M": "fast steps or a chirp past the natural frequency, sampled well above it",
         "a1": "settled levels close to the highest pressure, where the curve saturates",
@@ -218,6 +223,10 @@ class Muscle(Model):
             return ()
         motions = self._motions(segments, output)
         return self._usable(ringing_starts(segments, motions, output, MuscleLaw))
+
+    def hidden_terms(self, damping: float, hidden_s: float) -> Mapping[str, float]:
+        """Inertia, and a damping of which a tenth grows with the pressure."""
+        return {"M": hidden_s * damping, "c2": damping, "a2": GROWING * damping}
 
     def plainer(self) -> Muscle | None:
         """The same with a damping that does not change with the pressure."""

@@ -111,6 +111,9 @@ class Oscillator(Model):
     equation: ClassVar[str] = "M x'' + N x' + Q x = G (u - offset)"
     source: ClassVar[str] = "the conventional second-order model; baseline in Ru et al. 2019, Eq 4"
     states: ClassVar[tuple[str, ...]] = ("x", "v")
+    is_linear: ClassVar[bool] = True
+    inertia_parameter: ClassVar[str | None] = "M"
+    stiffness_parameter: ClassVar[str | None] = "Q"
     identified_by: ClassVar[Mapping[str, str]] = {
         "M": "fast steps or a chirp past the natural frequency, sampled well above it",
         "N": "any transient that is slow enough to be sampled",
@@ -164,6 +167,10 @@ class Oscillator(Model):
         if self.order == "static":
             held["N"] = 0.0
         return declared.with_fixed(held)
+
+    def hidden_terms(self, damping: float, hidden_s: float) -> Mapping[str, float]:
+        """Inertia and damping."""
+        return {"M": hidden_s * damping, "N": damping}
 
     def guess(self, segments: Sequence[Segment], output: str) -> tuple[ParameterSet, ...]:
         """Weak-form regression at several window lengths and a grid of speeds, ranked."""

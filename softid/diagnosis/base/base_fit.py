@@ -260,8 +260,8 @@ def _whole_values(identified: Identification, problem: Problem) -> dict[str, flo
     damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
     hidden_s = HIDDEN_PERIODS * float(np.median([log.period_s for log in identified.logs]))
     slow = damping if damping > 0.0 else hidden_s * stiffness
-    restored = {"M": hidden_s * slow, "N": slow, "c2": slow, "a2": 0.1 * slow}
+    hidden = problem.model.hidden_terms(slow, hidden_s)
     for name in problem.free:
-        if values.get(name, 0.0) == 0.0 and name in restored:
-            values[name] = restored[name]
+        if values.get(name, 0.0) == 0.0 and name in hidden:
+            values[name] = hidden[name]
     return values

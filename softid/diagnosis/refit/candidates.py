@@ -290,16 +290,17 @@ def _lag_for_inertia(candidate: Candidate) -> dict[str, float]:
     """The time that the inertia takes given to a lag: poles in a row look alike in any order."""
     problem, values = candidate.problem, candidate.parameters
     law = problem.model.motion_law(problem.theta(candidate.minimum.point))
-    if law is None or "M" not in problem.free or not candidate.effects:
+    inertia = problem.model.inertia_parameter
+    if law is None or inertia not in problem.free or not candidate.effects:
         return {}
     damping = law.coefficients(np.concatenate([s.input for s in problem.segments]))[0]
-    fast_s = values["M"] / max(float(np.median(damping)), 1e-300)
+    fast_s = values[inertia] / max(float(np.median(damping)), 1e-300)
     for effect in candidate.effects:
         if effect.stage == "state" or effect.amplitude is None:
             continue
         name = extended_name(effect, effect.amplitude)
         if problem.parameters[name].unit == "s" and fast_s > values[name]:
-            return {name: fast_s, "M": LIGHTER * values["M"]}
+            return {name: fast_s, inertia: LIGHTER * values[inertia]}
     return {}
 
 

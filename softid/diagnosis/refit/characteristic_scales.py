@@ -45,7 +45,6 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
     y = np.concatenate([s.outputs[first][s.used[first]] for s in problem.segments])
     x_span = max(float(np.ptp(x)), 1e-12)
     units = {name: problem.logs[0].channels[name].unit for name in (first, problem.logs[0].input)}
-    declared = problem.parameters
     return Scale(
         u_low=float(u.min()),
         u_high=float(u.max()),
@@ -63,9 +62,7 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
         ),
         u_unit=units[problem.logs[0].input],
         x_unit=str(getattr(problem.model, "x_unit", units[first])),
-        force_unit=_force_unit(declared["Q"].unit, str(getattr(problem.model, "x_unit", "")))
-        if "Q" in declared
-        else "1",
+        force_unit=_force_unit(problem),
         y_unit=units[first],
     )
 
@@ -158,6 +155,10 @@ def _travel(v: Array, time_s: Array) -> float:
     return max(float(np.sum(np.abs(v[:-1]) * np.diff(time_s))), 1e-12)
 
 
-def _force_unit(stiffness_unit: str, x_unit: str) -> str:
-    """Unit of a stiffness times that of a position."""
-    return stiffness_unit.removesuffix(f"/{x_unit}") or "1"
+def _force_unit(problem: Problem) -> str:
+    """Unit of the stiffness times that of the position; a pure number where there is none."""
+    model = problem.model
+    if model.stiffness_parameter is None:
+        return "1"
+    x_unit = str(getattr(model, "x_unit", ""))
+    return problem.parameters[model.stiffness_parameter].unit.removesuffix(f"/{x_unit}") or "1"

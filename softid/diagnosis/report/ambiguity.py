@@ -14,15 +14,13 @@ from softid.diagnosis.verdict.equivalence import (
     splitting_experiment,
     why_unsplit,
 )
+from softid.models import MODELS
 from softid.results import FitResult
-
-LINEAR = ("oscillator",)
-"""Models that are linear in input and motion."""
 
 
 def is_linear(base: FitResult) -> bool:
     """Whether a model's coefficients stay whatever the input does."""
-    return base.model.name in LINEAR
+    return MODELS[base.model.name].is_linear
 
 
 def why_tied(alternative: Alternative, *, linear: bool) -> str:

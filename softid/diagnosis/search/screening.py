@@ -325,7 +325,11 @@ def late_candidate(
         Variance of the weighted residual, for the prior.
     """
     problem = extend(fitted.problem, (effect,), scale)
-    at = [k for k, name in enumerate(fitted.problem.free) if name == "M"]
+    at = [
+        k
+        for k, name in enumerate(fitted.problem.free)
+        if name == fitted.problem.model.inertia_parameter
+    ]
     starts = []
     for values in effect.starts(scale):
         for share in INERTIA_SHARES if at else INERTIA_SHARES[:1]:
