@@ -17,7 +17,7 @@ from handmade import failed_fit, fit_result
 from handmade_diagnosis import FRICTION, cause, diagnosis, estimate
 
 from softid.diagnoses import Diagnosis, Verdict
-from softid.diagnosis.report.summary import worded
+from softid.diagnosis.report.summary import write_summary
 from softid.errors import IdentificationError
 from softid.log import Log
 from softid.records import load_params, save_fit
@@ -28,7 +28,7 @@ Cli = Callable[..., Outcome]
 @pytest.fixture
 def bench(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> Desk:
     """Diagnosing gives a hand-made answer."""
-    desk.answer = worded(diagnosis(Verdict.NAMED))
+    desk.answer = write_summary(diagnosis(Verdict.NAMED))
 
     def diagnose(logs: Sequence[Log], **options: Any) -> Diagnosis:
         desk.asked |= {"logs": [log.name for log in logs], **options}
@@ -96,7 +96,7 @@ def test_a_saved_model_is_the_base(softid: Cli, bench: Desk, tmp_path: Path) -> 
 
 def test_json(softid: Cli, bench: Desk) -> None:
     """stdout is the record and the files; the record on disk is the same without them."""
-    bench.answer = worded(diagnosis(Verdict.AMBIGUOUS))
+    bench.answer = write_summary(diagnosis(Verdict.AMBIGUOUS))
     told = softid("diagnose", "step_1.csv", "--json", "--out", "here", "--no-plots")
     document = json.loads(told.out)
     assert [Path(f).name for f in document.pop("files")] == [
@@ -113,7 +113,7 @@ def test_json(softid: Cli, bench: Desk) -> None:
 @pytest.mark.parametrize("verdict", Verdict)
 def test_every_verdict_is_printed(softid: Cli, bench: Desk, verdict: Verdict) -> None:
     """A negative verdict is an answer, so the exit code is 0; ties and descriptions are marked."""
-    bench.answer = worded(diagnosis(verdict))
+    bench.answer = write_summary(diagnosis(verdict))
     told = softid("diagnose", "step_1.csv", "--no-plots")
     assert told.code == 0, told.err
     flat = " ".join(told.out.split())
@@ -131,7 +131,7 @@ def test_results_are_replaced_when_told(softid: Cli, bench: Desk, tmp_path: Path
     assert told.code == 3
     assert "--force" in told.err
     assert bench.asked == {}
-    bench.answer = worded(diagnosis(Verdict.ADEQUATE))
+    bench.answer = write_summary(diagnosis(Verdict.ADEQUATE))
     assert softid("diagnose", "a.csv", "--out", "here", "--force", "--no-plots").code == 0
     assert sorted(p.name for p in Path("here").iterdir()) == ["diagnosis.json", "params.json"]
     assert softid("diagnose", "a.csv", "--no-plots").code == 0
@@ -169,7 +169,9 @@ def test_a_failure_writes_nothing(softid: Cli, bench: Desk, tmp_path: Path) -> N
     """4 whether the library refuses or its base fit ended short of the optimum."""
     bench.answer = IdentificationError("no start gave a finite response")
     assert softid("diagnose", "a.csv").code == 4
-    bench.answer = Diagnosis(**{**vars(worded(diagnosis(Verdict.NAMED))), "base": failed_fit()})
+    bench.answer = Diagnosis(
+        **{**vars(write_summary(diagnosis(Verdict.NAMED))), "base": failed_fit()}
+    )
     assert softid("diagnose", "a.csv").code == 4
     assert list(tmp_path.iterdir()) == []
 
