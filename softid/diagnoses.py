@@ -219,7 +219,7 @@ class Evidence:
     round
         1 for the first link of the chain.
     effect
-        Key of the candidate; empty for what was to be extended.
+        Key of the candidate.
     delta_bic
         Fall of the BIC against what was to be extended; None when it was out of the race before.
     drop_share

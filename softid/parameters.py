@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import lmfit
 
 Array = npt.NDArray[np.float64]
-Scale = Literal["linear", "log"]
+ParameterScale = Literal["linear", "log"]
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Parameter:
     unit: str = "1"
     lower: float = -np.inf
     upper: float = np.inf
-    scale: Scale = "linear"
+    scale: ParameterScale = "linear"
     fixed: bool = False
     tie: str | None = None
     meaning: str = ""

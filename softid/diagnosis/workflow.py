@@ -111,7 +111,16 @@ def diagnose(
     Raises
     ------
     InputError, UsageError, IdentificationError
-        As `softid.fit`.
+        As `softid.fit`; besides, an effect is unknown, the model is static, the logs have too few
+        samples to tell a cause from noise, or what is held out does not move.
+
+    Examples
+    --------
+    >>> from softid.synthesis import hidden_pair
+    >>> train, hold_out = hidden_pair(["sensor_drift"], seed=7).logs
+    >>> found = diagnose(train, hold_out=[hold_out], model="muscle", effects=["sensor_drift"])
+    >>> found.verdict.value, [cause.effect for cause in found.causes]
+    ('named', ['sensor_drift'])
     """
     report = _rising(progress)
     recorded = as_log_set(logs)

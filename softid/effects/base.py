@@ -42,7 +42,7 @@ class Scale:
     period_s, duration_s
         Median sampling interval, and the length of the longest log.
     motion_s
-        Slowest time constant of the motion.
+        Typical time constant of the motion, its median damping over its median stiffness.
     travel
         ∫|v| dt over the longest log.
     u_unit, x_unit, force_unit, y_unit

@@ -89,7 +89,7 @@ class PowerDamping(QuadraticDamping):
     nearly independent. A drag that is turbulent in part, or a fluid whose viscosity grows with the
     rate of shear, resists so.
 
-    Source: Ostwald 1925, doi 10.1007/BF01427932 (power law of a fluid).
+    Source: Ostwald, Kolloid-Zeitschrift 36, 99, 1925 (power law of a fluid).
     """
 
     variant: ClassVar[str] = "power"
@@ -103,7 +103,7 @@ class PowerDamping(QuadraticDamping):
         "The residual appears in fast stretches only, has the shape of a power of the speed, and "
         "shrinks faster than the motion when the amplitude shrinks."
     )
-    source: ClassVar[str] = "Ostwald 1925, doi 10.1007/BF01427932 (power law of a fluid)"
+    source: ClassVar[str] = "Ostwald, Kolloid-Zeitschrift 36, 99, 1925 (power law of a fluid)"
     plain_at: ClassVar[tuple[str, float] | None] = ("n", 2.0)
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -11,7 +11,7 @@ from softid.fitters.problem import Problem
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.parameter_covariance import Errors
 from softid.log import Log
-from softid.parameters import Scale
+from softid.parameters import ParameterScale
 from softid.residuals import fit_statistics
 from softid.results import (
     FitStatistics,
@@ -89,7 +89,7 @@ def parameter_estimates(
 
 
 def _interval(
-    value: float, scale: Scale, sd: float | None, freedom: float | None
+    value: float, scale: ParameterScale, sd: float | None, freedom: float | None
 ) -> tuple[float, float] | None:
     """95 % interval, or None where it would span so many orders that it says nothing."""
     interval = confidence_interval(value, scale, sd, freedom)

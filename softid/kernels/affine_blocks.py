@@ -27,7 +27,7 @@ from softid.kernels.affine_steps import (
     rk4_map,
     rk4_sums,
 )
-from softid.kernels.exponential import EXACT, exponential
+from softid.kernels.exponential import NO_REORDERING, exponential
 
 Array = npt.NDArray[np.float64]
 
@@ -78,7 +78,7 @@ GIVEN = (_INNER + _D1, _OUTER + _D1, _START + _D1 + LANES)
 SUMMING = {"contract", "arcp", "nsz", "reassoc"}
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def fill_coefficients(w: Array, law: int, rule: int, theta: Array) -> None:
     """E₁, E₂ and their slopes at all places of a block's steps."""
     if law == OSCILLATOR:
@@ -92,7 +92,7 @@ def fill_coefficients(w: Array, law: int, rule: int, theta: Array) -> None:
         _fill_stages(w, b1, b2)
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _fill_starts(w: Array, b1: float, b2: float) -> None:
     for i in range(POINTS):
         u = w[INPUT + i]
@@ -101,7 +101,7 @@ def _fill_starts(w: Array, b1: float, b2: float) -> None:
         w[_START + _E2 + i], w[_START + _D2 + i] = e2, u * e2
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _fill_middles(w: Array, b1: float, b2: float) -> None:
     for i in range(STEPS):
         u = 0.5 * (w[INPUT + i] + w[INPUT + i + LANES])
@@ -110,7 +110,7 @@ def _fill_middles(w: Array, b1: float, b2: float) -> None:
         w[_INNER + _E2 + i], w[_INNER + _D2 + i] = e2, u * e2
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _fill_stages(w: Array, b1: float, b2: float) -> None:
     for i in range(STEPS):
         u = w[INPUT + i] + FIRST_STAGE * (w[INPUT + i + LANES] - w[INPUT + i])
@@ -124,7 +124,7 @@ def _fill_stages(w: Array, b1: float, b2: float) -> None:
         w[_OUTER + _E2 + i], w[_OUTER + _D2 + i] = e2, u * e2
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _fill_oscillator(w: Array, rule: int, theta: Array) -> None:
     offset, gain = theta[2], theta[7]
     inner = 0.5 if rule == RK4 else FIRST_STAGE
@@ -140,7 +140,7 @@ def _fill_oscillator(w: Array, rule: int, theta: Array) -> None:
         w[_OUTER + _E1 + i] = start + SECOND_STAGE * rise
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def fill_from_stages(w: Array, law: int, theta: Array) -> None:
     """The same where the input is known at the stages alone, and stands at `GIVEN`."""
     b1, b2 = theta[2], theta[5]
@@ -158,7 +158,7 @@ def fill_from_stages(w: Array, law: int, theta: Array) -> None:
                 w[at + _E2 + i], w[at + _D2 + i] = e2, u * e2
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def run_rk4(w: Array, theta: Array) -> None:
     """Every stretch from zero, with its propagator, by the Runge–Kutta rule."""
     over = 1.0 / theta[0]
@@ -186,7 +186,7 @@ def run_rk4(w: Array, theta: Array) -> None:
             w[_PVV + k] = vx * pxv + vv * pvv
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def run_radau(w: Array, theta: Array) -> None:
     """Every stretch from zero, with its propagator, by the Radau rule."""
     m, a1, c1, a2, c2 = theta[0], theta[1], theta[3], theta[4], theta[6]
@@ -213,7 +213,7 @@ def run_radau(w: Array, theta: Array) -> None:
             w[_PVV + k] = vx * pxv + vv * pvv
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def reset(w: Array) -> None:
     """Zero state and unit propagator at the start of every stretch."""
     for lane in range(LANES):
@@ -221,7 +221,7 @@ def reset(w: Array) -> None:
         w[_PXX + lane], w[_PXV + lane], w[_PVX + lane], w[_PVV + lane] = 1.0, 0.0, 0.0, 1.0
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def join_states(w: Array, state: Array) -> None:
     """Move every stretch to its true start; ``state`` goes on to the end of the block."""
     x, v = state[0], state[1]
@@ -240,7 +240,7 @@ def join_states(w: Array, state: Array) -> None:
         w[V + i] += w[_PVX + i] * w[_ROW_X + i] + w[_PVV + i] * w[_ROW_V + i]
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
 def _pushes(s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
     """What a change of each parameter pushes, from the ten sums of one component of the state."""
     b0, b1, b2, x0, x1, x2, v0, v1, v2, a = s
@@ -255,14 +255,14 @@ def _pushes(s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
 def _advance(w, at, speed, xx, xv, vx, vv, push_x, push_v):  # type: ignore[no-untyped-def]
     sx, sv = w[at], w[speed]
     w[at + LANES] = xx * sx + xv * sv + push_x
     w[speed] = vx * sx + vv * sv + push_v
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
 def _advance_all(w, i, lane, s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
     xx, xv, vx, vv = w[_XX + i], w[_XV + i], w[_VX + i], w[_VV + i]
     px = _pushes(s[:10], e, d, f, g, a1, a2)
@@ -277,7 +277,7 @@ def _advance_all(w, i, lane, s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-
     _advance(w, at + 6 * POINTS, speed + 6 * LANES, xx, xv, vx, vv, px[6], pv[6])
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def differentiate_rk4(w: Array, theta: Array) -> None:
     """Derivatives by the parameters over every stretch from zero, by the Runge–Kutta rule."""
     _clear_derivatives(w)
@@ -302,7 +302,7 @@ def differentiate_rk4(w: Array, theta: Array) -> None:
             _advance_all(w, i, lane, s, e, d, f, g, a1, a2)
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def differentiate_radau(w: Array, theta: Array) -> None:
     """Derivatives by the parameters over every stretch from zero, by the Radau rule."""
     _clear_derivatives(w)
@@ -327,7 +327,7 @@ def differentiate_radau(w: Array, theta: Array) -> None:
             _advance_all(w, i, lane, s, e, d, f, g, a1, a2)
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _clear_derivatives(w: Array) -> None:
     for p in range(N_PARAMETERS):
         for lane in range(LANES):
@@ -335,7 +335,7 @@ def _clear_derivatives(w: Array) -> None:
             w[_BY_V + p * LANES + lane] = 0.0
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def join_derivatives(w: Array, tangent: Array) -> None:
     """Move every stretch's derivatives to their true start; ``tangent`` goes on to the block's end.
 
@@ -366,12 +366,12 @@ def join_derivatives(w: Array, tangent: Array) -> None:
             _join(w, at + 8 * POINTS, lane + 8 * LANES, xx, xv, 0.0)
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
 def _join(w, at, start, xx, xv, own):  # type: ignore[no-untyped-def]
     w[at] = own + xx * w[_STARTS_X + start] + xv * w[_STARTS_V + start]
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def select_ends(w: Array, gain: float, level: float) -> None:
     """Residual y − (gain·x + level) at the ends of the steps, and zero rows where none counts."""
     for i in range(LANES, POINTS):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from softid.kernels.exponential import EXACT
+from softid.kernels.exponential import NO_REORDERING
 
 _R6 = float(np.sqrt(6.0))
 FIRST_STAGE = (4.0 - _R6) / 10.0
@@ -26,7 +26,7 @@ _INVERSE = np.linalg.inv(np.array([[A00, A01, A02], [A10, A11, A12], [A20, A21, 
 ((B00, B01, B02), (B10, B11, B12), (B20, B21, B22)) = _INVERSE.tolist()
 B0, B1, B2 = _INVERSE.sum(axis=1).tolist()
 
-inlined = njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+inlined = njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
 
 
 @inlined

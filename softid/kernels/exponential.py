@@ -17,7 +17,7 @@ _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10, _C11, _C12, _C13 = (
     1.0 / math.factorial(k) for k in range(2, 14)
 )
 
-EXACT = {"contract", "arcp", "nsz"}
+NO_REORDERING = {"contract", "arcp", "nsz"}
 """Freedoms that let a multiply and an add become one instruction, and nothing that reorders."""
 
 
@@ -32,7 +32,7 @@ def _float_of_bits(typing_context: Any, bits: Any) -> Any:
 _FLOAT_OF_BITS: Any = _float_of_bits
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, inline="always")
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, inline="always")
 def exponential(x: float) -> float:
     """exp(x) within two units of the last place; infinite above 708 and for NaN, e⁻⁷⁰⁸ below −708.
 

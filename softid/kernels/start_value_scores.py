@@ -15,7 +15,7 @@ from numba import njit
 from softid.kernels import exponential as exponentials
 from softid.kernels.cache_invalidation import follow_sources
 from softid.kernels.decorators import kernel
-from softid.kernels.exponential import EXACT, exponential
+from softid.kernels.exponential import NO_REORDERING, exponential
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -40,7 +40,7 @@ LEAST_PERIOD = 1e-3
 _TINY = 1e-70
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _begin(w: Array, thetas: Array, first: int, u: float) -> None:
     for k in range(7):
         for lane in range(LANES):
@@ -52,7 +52,7 @@ def _begin(w: Array, thetas: Array, first: int, u: float) -> None:
         w[DAMPING + lane] = w[C2 + lane]
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _coefficients(w: Array, u: float, varying: bool) -> None:
     for lane in range(LANES):
         w[FORCE + lane] = exponential(w[B1 + lane] * u)
@@ -61,7 +61,7 @@ def _coefficients(w: Array, u: float, varying: bool) -> None:
             w[DAMPING + lane] = w[A2 + lane] * exponential(w[B2 + lane] * u) + w[C2 + lane]
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _step(w: Array, h: float) -> None:
     """(1 − ⅔B + ⅙B²) y⁺ = (1 + ⅓B) y for y = (x − x∞, h·v) and B = [[0, 1], [−k/m, −d/m]].
 
@@ -87,7 +87,7 @@ def _step(w: Array, h: float) -> None:
         w[V + lane] = scale * over * (quick * r2 - k * four * r1)
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _add(w: Array, y: float) -> None:
     for lane in range(LANES):
         x = w[X + lane] - w[BEGAN + lane]

@@ -14,7 +14,7 @@ from numba import njit
 from softid.kernels import exponential
 from softid.kernels.cache_invalidation import follow_sources
 from softid.kernels.decorators import kernel
-from softid.kernels.exponential import EXACT
+from softid.kernels.exponential import NO_REORDERING
 
 Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.int16]
@@ -56,7 +56,7 @@ MAX_SUBSTEPS = 64
 _HUGE = 1e300
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
 def _radau_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
     """Steps per second of the Radau rule.
 
@@ -74,7 +74,7 @@ def _radau_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
     return (oscillating if discriminant < 0.0 else bold) / MAX_PHASE_PER_STEP
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT, forceinline=True)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
 def _rk4_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
     """Steps per second of the explicit rule; not finite where it must not be used."""
     omega, decay = np.sqrt(stiffness / mass), damping / mass
@@ -84,14 +84,14 @@ def _rk4_rate(mass, damping, stiffness):  # type: ignore[no-untyped-def]
     return max(rate, omega * np.sqrt(np.sqrt(ringing)))
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _rates(mass: float, damping: Array, stiffness: Array, radau: Array, rk4: Array) -> None:
     for i in range(radau.size):
         radau[i] = _radau_rate(mass, damping[i], stiffness[i])
         rk4[i] = _rk4_rate(mass, damping[i], stiffness[i])
 
 
-@njit(nogil=True, error_model="numpy", fastmath=EXACT)
+@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _counts(rate: Array, time_s: Array, bend: Array, limit: float, counts: Counts) -> float:
     """Counts from 1 to MAX_SUBSTEPS; what is not finite asks for one step. Returns the most."""
     most = 0.0

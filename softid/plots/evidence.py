@@ -61,7 +61,7 @@ def draw_evidence(
     -------
     Figure
     """
-    named = [e for e in evidence if e.effect]
+    named = list(evidence)
     rounds = sorted({e.round for e in named})[:MOST_ROUNDS]
     order = row_order(named, rounds)
     left_out = len({e.effect for e in named}) - len(order)

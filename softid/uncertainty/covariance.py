@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
-from softid.parameters import Scale
+from softid.parameters import ParameterScale
 from softid.uncertainty.autoregression import (
     MAX_ORDER,
     AutoRegression,
@@ -201,7 +201,7 @@ def sandwich_covariance(
     return _assemble(names, line, scales[0], variances[pick], freedoms[pick])
 
 
-def standard_error(value: float, scale: Scale, sd: float | None) -> float | None:
+def standard_error(value: float, scale: ParameterScale, sd: float | None) -> float | None:
     """Standard error in the parameter's own unit, value · sd on a logarithmic scale."""
     if sd is None:
         return None
@@ -210,7 +210,7 @@ def standard_error(value: float, scale: Scale, sd: float | None) -> float | None
 
 def confidence_interval(
     value: float,
-    scale: Scale,
+    scale: ParameterScale,
     sd: float | None,
     degrees_of_freedom: float | None,
     *,
@@ -250,7 +250,9 @@ def confidence_interval(
     return value * float(np.exp(-half)), value * float(np.exp(half))
 
 
-def to_linear(covariance: Covariance, values: Sequence[float], scales: Sequence[Scale]) -> Array:
+def to_linear(
+    covariance: Covariance, values: Sequence[float], scales: Sequence[ParameterScale]
+) -> Array:
     """Covariance in the parameters' own units, shape (K, K), by ∂v/∂log v = v."""
     pairs = zip(values, scales, strict=True)
     slope = np.array([v if scale == "log" else 1.0 for v, scale in pairs])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.parameters import Scale
+from softid.parameters import ParameterScale
 from softid.results import Verdict
 from softid.uncertainty.covariance import Covariance
 
@@ -98,7 +98,12 @@ def companions(covariance: Covariance, name: str) -> tuple[str, ...]:
 
 
 def relative_sd(
-    value: float, scale: Scale, sd: float, *, lower: float | None = None, upper: float | None = None
+    value: float,
+    scale: ParameterScale,
+    sd: float,
+    *,
+    lower: float | None = None,
+    upper: float | None = None,
 ) -> float:
     """Standard deviation that a verdict is based on.
 
@@ -133,7 +138,7 @@ def relative_sd(
 
 def judge(
     value: float,
-    scale: Scale,
+    scale: ParameterScale,
     sd: float | None,
     *,
     at_bound: bool = False,

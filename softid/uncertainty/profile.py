@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from softid.errors import IdentificationError, UsageError
-from softid.parameters import Scale
+from softid.parameters import ParameterScale
 from softid.uncertainty.student import student_quantile
 
 Point = tuple[float, float]
@@ -88,7 +88,7 @@ def profile(
     sd: float,
     cost_per_variance: float,
     optimum_cost: float,
-    scale: Scale = "linear",
+    scale: ParameterScale = "linear",
     lower: float = -np.inf,
     upper: float = np.inf,
     degrees_of_freedom: float = np.inf,
@@ -170,7 +170,12 @@ def profile(
 
 
 def _check(
-    value: float, sd: float, cost_per_variance: float, scale: Scale, lower: float, upper: float
+    value: float,
+    sd: float,
+    cost_per_variance: float,
+    scale: ParameterScale,
+    lower: float,
+    upper: float,
 ) -> None:
     if not lower <= value <= upper or (scale == "log" and value <= 0.0):
         raise UsageError(
@@ -192,7 +197,7 @@ class _Search:
     def __init__(
         self,
         refit: Callable[[float], float],
-        scale: Scale,
+        scale: ParameterScale,
         optimum_cost: float,
         unit: float,
         quantile: float,

@@ -36,7 +36,8 @@ many where an affine law oscillates. Overdamped and sharp laws ask for more to r
 range; noise is far above what this costs."""
 
 EFFECT_SD = 3.0
-"""The same for an effect's parameters about their start, in logarithms."""
+"""Standard deviation of the prior of an effect's parameters about their start, in logarithms: a
+start knows a size to a factor of twenty, and a time constant hardly better."""
 
 
 @dataclass(frozen=True, eq=False)

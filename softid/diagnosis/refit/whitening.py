@@ -73,7 +73,8 @@ def whitener_of(problem: Problem, unknowns: Array, floor: Mapping[str, float]) -
     unknowns
         Where it stands, shape (U,).
     floor
-        Output channel → its span; the noise is taken to be at least a billionth of it.
+        Output channel → standard deviation of its residual; the noise is taken to be at least a
+        billionth of it.
     """
     parts: dict[tuple[int, str], list[Block]] = {}
     for block in problem.blocks(unknowns, derivatives=False):

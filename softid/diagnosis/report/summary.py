@@ -277,7 +277,7 @@ def _evidence(
         for e in evidence
         if e.round == round_of(cause, evidence, number) and e.effect.split(".")[0] not in tied
     ]
-    rivals = [(e.delta_bic, e.effect) for e in raced if e.effect and e.delta_bic is not None]
+    rivals = [(e.delta_bic, e.effect) for e in raced if e.delta_bic is not None]
     ahead = sorted({key for delta, key in rivals if delta > cause.delta_bic})
     if ahead:
         verb = "lowers" if len(ahead) == 1 else "lower"

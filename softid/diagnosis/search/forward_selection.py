@@ -64,14 +64,14 @@ STILL_FALLS = 0.999
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """One round of the search.
+    """One step of the selection.
 
     Attributes
     ----------
     before
-        What was to be extended, under the round's noise model.
+        What was to be extended, under the step's noise model.
     ranked
-        All contenders of the round, best first.
+        All contenders of the step, best first.
     chosen
         The best one.
     rivals
@@ -114,14 +114,15 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """The links found, and the round that found no more.
+    """The links found, and the step that found no more.
 
     Attributes
     ----------
     links
         One for each cause.
     last
-        The round after the last link; None when the limit was reached.
+        The step that added no further link, or one that was taken back; None when no step followed
+        the last link, because the limit was reached or no signature predicted enough.
     final
         The model with all causes.
     """

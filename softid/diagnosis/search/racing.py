@@ -35,45 +35,51 @@ this share of what the best effect promises: the base may do all that the plain 
 
 FIRST_ROUND, SECOND_ROUND, EXCHANGE_ROUND = 4, 8, 24
 LAST_ROUNDS = (5, 10, 25)
-"""Evaluations of each lap; two poles that were exchanged begin far off. Who has no hope left drops
-out within the last ones."""
+"""Evaluations of each round; two poles that were exchanged begin far off. Who cannot catch up any
+more drops out within the last ones."""
 
 RACING_TOLERANCE = 0.2
 """A candidate in the race rests within a fifth of a standard error of its optimum."""
 
 SECOND_SURVIVORS, LAST_SURVIVORS, FORM_SURVIVORS = 7, 4, 2
-"""Candidates that stay in the race for the second and the last lap, and those among them that also
-start with the base's terms in another form; all of them with the times of inertia and lag
+"""Candidates that stay in the race for the second and the last round, and those among them that
+also start with the base's terms in another form; all of them with the times of inertia and lag
 exchanged, for which of two poles is whose has nothing to do with who leads."""
 
 MULTISTART_ROUNDS, MULTISTART_SURVIVORS = (8, 8, 16), 8
-"""Evaluations of the laps of those that begin elsewhere, and how many of them join the race."""
+"""Evaluations of the rounds of those that begin elsewhere, and how many of them join the race."""
 
 PROMISING_SIGNATURES = 5
-"""Effects of the best signatures stay for the second lap however far the first one brought them: a
-motion that integrates its force answers violently to a start that is a little off."""
+"""Effects of the best signatures stay for the second round however far the first one brought them:
+a motion that integrates its force answers violently to a start that is a little off."""
 
 FAR = 5.0
 """So do those that are still so many standard errors away."""
 
 UNCONVERGED, EXTRA_ROUNDS = 1.0, 2
-"""Those that are more than a standard error away from their optimum after the second lap run it
+"""Those that are more than a standard error away from their optimum after the second round run it
 again, up to so many times, before anyone drops out: some begin worse than the base."""
 
 FAVOURITES = 2
-"""The effects of so many best signatures that are still not settled run the last lap too."""
+"""The effects of so many best signatures that are still not settled run the last round too."""
 
 CLEAR_LEAD, UNCONVERGED_LEAD = 0.2, 0.5
 """One whose sum of squares above the leader's is more than the first share of the base's misfit
-above the leader's drops out before the last lap; for one that is not settled it is the second."""
+above the leader's drops out before the last round; for one that is not settled it is the second."""
 
-NEAR, HOPE, PACE = 0.3, 4.0, 3.0
-"""Hope has a candidate whose ln(S) is so little above the leader's, which may be little where none
-explains the misfit; or whose distance is less than so many times what its quadratic model
-promises, or so many times what it gained in the lap."""
+NEAR = 0.3
+"""A candidate may catch up with the leader whose ln(S) is so little above the leader's: that may be
+little where none explains the misfit."""
+
+REACH = 4.0
+"""So may one whose distance, in n ln(S), is less than so many times what its quadratic model
+predicts."""
+
+PACE = 3.0
+"""And one whose distance is less than so many times what it gained in the round."""
 
 SMALLEST_GAIN = 4.0
-"""When nobody has lowered n ln(S) by this much after two laps, the race is over."""
+"""When nobody has lowered n ln(S) by this much after two rounds, the race is over."""
 
 
 def race(
@@ -91,9 +97,9 @@ def race(
     """Refit the base with each effect, polishing the contenders only; best first.
 
     A richer form of a law enters where the plain one has got to, when that is still in the race
-    after its second lap, and leaves again if it hardly gains on it; one that promises far more runs
-    from the start. Where it led to a better place,
-    the plain one follows it there at the end.
+    after its second round, and leaves again if it hardly gains on it; one that promises far more
+    runs from the start. Where it led to a better place, the plain one follows it there at the end,
+    and so does a simpler effect that the law is like.
 
     Parameters
     ----------
@@ -108,8 +114,8 @@ def race(
     signatures
         From `screen`, if it ran already.
     known
-        Candidates near their optimum already, which join for the last lap; their effects do not run
-        the others.
+        Candidates near their optimum already, which join for the last round; their effects do not
+        run the others.
     extra
         Candidates that began elsewhere and came far; their effects run as usual, too.
     again
@@ -135,7 +141,7 @@ def race(
     promising = list(dict.fromkeys(s.effect.key for s in found))
     first = _best_of_each(_run(entrants, sigma, FIRST_ROUND, COARSE, straight=True))
     report(0.5)
-    second = _second_lap(first, promising, sigma)
+    second = _second_round(first, promising, sigma)
     second = _best_of_each([*second, *known, *extra])
     forms = [
         (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
@@ -150,12 +156,12 @@ def race(
     leader = second[0].squares
     misfit = max(fitted.squares - leader, 0.0)
     limit = leader + CLEAR_LEAD * misfit
-    kept = _last_field(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
+    kept = _last_survivors(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
     others = [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
     swaps = [form for candidate in kept for form in exchanged(candidate)]
     others = _run(others, sigma, SECOND_ROUND, COARSE) + _run(swaps, sigma, EXCHANGE_ROUND, COARSE)
     kept += [form for form in others if form.squares <= limit]
-    last = _last_lap(kept, sigma)
+    last = _last_rounds(kept, sigma)
     last += _simpler_forms(fitted, _best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
     report(1.0)
     return _best_of_each(last)
@@ -173,8 +179,8 @@ def refined(starts: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Can
     """
     running, out = list(starts), list[Candidate]()
     for evaluations in MULTISTART_ROUNDS:
-        running, without_hope = _lap(running, out, sigma, evaluations, COARSE)
-        out += without_hope
+        running, out_of_reach = _round(running, out, sigma, evaluations, COARSE)
+        out += out_of_reach
     return _best_of_each([*running, *out])[:MULTISTART_SURVIVORS]
 
 
@@ -186,7 +192,7 @@ def _run(
     *,
     straight: bool = False,
 ) -> list[Candidate]:
-    """One lap of all candidates, on all cores."""
+    """One round of all candidates, on all cores."""
     return in_parallel(
         lambda c: advance(
             c,
@@ -200,10 +206,10 @@ def _run(
     )
 
 
-def _second_lap(
+def _second_round(
     first: Sequence[Candidate], promising: Sequence[str], sigma: Mapping[str, float]
 ) -> list[Candidate]:
-    """Those that stay after the first lap, once more, and the unsettled among them again."""
+    """Those that stay after the first round, once more, and the unsettled among them again."""
     favoured = promising[:PROMISING_SIGNATURES]
     field = [
         c
@@ -211,13 +217,13 @@ def _second_lap(
         if k < SECOND_SURVIVORS or c.effects[-1].key in favoured or c.minimum.reach > FAR
     ]
     second = _run(field, sigma, SECOND_ROUND, COARSE)
-    hopeless: list[Candidate] = []
+    left_behind: list[Candidate] = []
     for _ in range(EXTRA_ROUNDS):
-        moving = [c for c in second if c.minimum.reach > UNCONVERGED and c not in hopeless]
+        moving = [c for c in second if c.minimum.reach > UNCONVERGED and c not in left_behind]
         resting = [c for c in second if c not in moving]
-        again, without_hope = _lap(moving, resting, sigma, SECOND_ROUND, COARSE)
-        second = resting + again + without_hope
-        hopeless += without_hope
+        again, out_of_reach = _round(moving, resting, sigma, SECOND_ROUND, COARSE)
+        second = resting + again + out_of_reach
+        left_behind += out_of_reach
     return by_squares(second)
 
 
@@ -266,7 +272,7 @@ def _simpler_forms(
 def _those_that_gain(
     forms: Sequence[tuple[float, Candidate]], sigma: Mapping[str, float]
 ) -> list[Candidate]:
-    """Richer forms after a lap, without those that hardly gain on the plain form's squares."""
+    """Richer forms after a round, without those that hardly gain on the plain form's squares."""
     tried = _run([form for _, form in forms], sigma, SECOND_ROUND, COARSE)
     return [
         form
@@ -284,10 +290,10 @@ def _gain(squares: float, candidate: Candidate) -> float:
     return float(n * np.log(max(squares, tiny) / max(candidate.squares, tiny)))
 
 
-def _last_field(
+def _last_survivors(
     second: Sequence[Candidate], promising: Sequence[str], limit: float, unsettled_limit: float
 ) -> list[Candidate]:
-    """Those that stay after the second lap: near the leader, or still on their way.
+    """Those that stay after the second round: near the leader, or still on their way.
 
     The leader's neighbours stay, too, when they are near: it is them that it is taken for.
     """
@@ -302,32 +308,32 @@ def _last_field(
     return kept
 
 
-def _last_lap(kept: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Candidate]:
-    """The contenders at their optimum, and as far as they got those that have no hope left."""
+def _last_rounds(kept: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Candidate]:
+    """The contenders at their optimum, and those that cannot catch up as far as they got."""
     running, out = list(kept), list[Candidate]()
     for evaluations in LAST_ROUNDS:
-        running, without_hope = _lap(running, out, sigma, evaluations, FINE)
-        out += without_hope
+        running, out_of_reach = _round(running, out, sigma, evaluations, FINE)
+        out += out_of_reach
     return running + out
 
 
-def _lap(
+def _round(
     running: Sequence[Candidate],
     others: Sequence[Candidate],
     sigma: Mapping[str, float],
     evaluations: int,
     substeps: int,
 ) -> tuple[list[Candidate], list[Candidate]]:
-    """Candidates after a lap: those that may still come near the leader, and those without hope."""
+    """Candidates after a round: those that may still catch up with the leader, and the others."""
     after = _run(running, sigma, evaluations, substeps)
     leader = min((c.squares for c in (*after, *others)), default=0.0)
-    hopeful, hopeless = list[Candidate](), list[Candidate]()
+    in_reach, out_of_reach = list[Candidate](), list[Candidate]()
     for before, candidate in zip(running, after, strict=True):
         gained = _gain(before.squares, candidate)
-        hopes = can_catch_up(candidate, leader, gained=gained)
-        hopes = hopes and not _is_outdone(candidate, after, gained=gained)
-        (hopeful if hopes else hopeless).append(candidate)
-    return hopeful, hopeless
+        may_catch_up = can_catch_up(candidate, leader, gained=gained)
+        may_catch_up = may_catch_up and not _is_outdone(candidate, after, gained=gained)
+        (in_reach if may_catch_up else out_of_reach).append(candidate)
+    return in_reach, out_of_reach
 
 
 def _is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: float) -> bool:
@@ -339,7 +345,7 @@ def _is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: fl
     if not candidate.squares > mine:
         return False
     promised = candidate.minimum.reach**2 * candidate.problem.size
-    return -_gain(mine, candidate) + SMALLEST_GAIN > max(HOPE * promised, PACE * gained)
+    return -_gain(mine, candidate) + SMALLEST_GAIN > max(REACH * promised, PACE * gained)
 
 
 def can_catch_up(candidate: Candidate, leader: float, *, gained: float = 0.0) -> bool:
@@ -352,12 +358,12 @@ def can_catch_up(candidate: Candidate, leader: float, *, gained: float = 0.0) ->
     leader
         The leader's sum of squares.
     gained
-        Fall of n ln(S) in the last lap.
+        Fall of n ln(S) in the last round.
     """
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     promised = candidate.minimum.reach**2 * candidate.problem.size
     distance = -_gain(leader, candidate)
-    return distance <= NEAR * n + HOPE * promised or distance <= PACE * gained
+    return distance <= NEAR * n + REACH * promised or distance <= PACE * gained
 
 
 def _starts(signatures: Sequence[Signature]) -> list[Signature]:

@@ -21,7 +21,7 @@ from softid.diagnosis.search.racing import (
     _by_themselves,
     _is_outdone,
     _is_richer,
-    _last_field,
+    _last_survivors,
     _starts,
     by_squares,
     can_catch_up,
@@ -102,14 +102,14 @@ def test_neighbours_of_the_leader_stay() -> None:
     keys = ("pneumatic_lag", "creep", "ageing", "softening", "sensor_drift", "delay")
     field = [candidate((key,), 10.0 + k) for k, key in enumerate(keys)]
     assert "delay" in effect_of("pneumatic_lag").neighbours
-    kept = [c.keys[0] for c in _last_field(field, (), 20.0, 20.0)]
+    kept = [c.keys[0] for c in _last_survivors(field, (), 20.0, 20.0)]
     assert kept == [*keys[:4], "delay"]
-    kept = [c.keys[0] for c in _last_field(field, (), 14.0, 14.0)]
+    kept = [c.keys[0] for c in _last_survivors(field, (), 14.0, 14.0)]
     assert kept == list(keys[:4])
 
 
 @pytest.mark.parametrize(
-    ("squares", "reach", "gained", "hopes"),
+    ("squares", "reach", "gained", "may_catch_up"),
     [
         (1.34, 0.0, 0.0, True),
         (1.36, 0.0, 0.0, False),
@@ -121,11 +121,11 @@ def test_neighbours_of_the_leader_stay() -> None:
         (0.9, 0.0, 0.0, True),
     ],
 )
-def test_whohas_hope(squares: float, reach: float, gained: float, hopes: bool) -> None:
+def test_whohas_hope(squares: float, reach: float, gained: float, may_catch_up: bool) -> None:
     """Closed form with n = 10,000 beside a leader of 1, where ln 1.35 = 0.3: a reach of r promises
     6 r² of n ln(S), and four times that; or three times what was gained, of n ln 2 = 6931."""
     row = candidate(("delay",), squares, reach=reach)
-    assert can_catch_up(row, 1.0, gained=gained) is hopes
+    assert can_catch_up(row, 1.0, gained=gained) is may_catch_up
 
 
 @pytest.mark.parametrize(
@@ -293,7 +293,7 @@ def test_of_one_law_only_the_best_place_counts(
     key: str, squares: float, reach: float, gained: float, outdone: bool
 ) -> None:
     """By hand: 1 % of 10,000 samples is 99.5 behind, and 4 more would have to be won. Of six
-    unknowns 24 reach² is to be hoped for, 96 and 106, or three times what the lap gained."""
+    unknowns 24 reach² is to be hoped for, 96 and 106, or three times what the round gained."""
     row = candidate((key,), squares, reach=reach)
     best = candidate(("creep",), 1.0)
     assert _is_outdone(row, [row, best], gained=gained) is outdone
@@ -309,7 +309,7 @@ def test_a_race_that_ran_already_is_not_run_again() -> None:
     assert rows[0].squares == pytest.approx(drift[0].squares, rel=1e-6)
 
 
-def test_what_is_known_joins_for_the_last_lap() -> None:
+def test_what_is_known_joins_for_the_last_rounds() -> None:
     """It wins as it would from its start, and its effect is not run a second time."""
     base, scale = parabolic()
     (plain,) = (row for row in race(base, [DRIFT, Bow()], scale, SIGMA) if row.keys == ("bow",))
@@ -331,7 +331,7 @@ def test_the_race_goes_to_the_true_cause() -> None:
 
 
 def test_a_race_that_nobody_wins_ends_early() -> None:
-    """On white noise two laps show that nothing is gained; one candidate is handed back."""
+    """On white noise two rounds show that nothing is gained; one candidate is handed back."""
     problem = linear_problem([linear_log(noise=0.01)])
     z = problem.unknowns(TRUTH)
     base = converged(standing(problem, z), SIGMA)
