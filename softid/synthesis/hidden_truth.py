@@ -20,7 +20,7 @@ from softid.synthesis.waveforms import Piece
 
 Array = npt.NDArray[np.float64]
 
-RELATIVE_TOLERANCE = 1e-9
+RELATIVE_TOLERANCE = 1e-8
 LONGEST_STEP_S = 0.01
 SMALLEST_RATE = 1e-150
 DENSE_HZ = 1000.0

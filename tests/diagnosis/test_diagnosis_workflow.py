@@ -170,12 +170,12 @@ def test_a_term_that_the_limit_dropped_is_restored(asked: str | Oscillator, orde
     angle += 0.01 * np.random.default_rng(0).standard_normal(1000)
     log = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
     wish = Request(asked, None, 0, lambda message, fraction: None)
-    start = wish.begin(LogSet((log,)), (), thorough=True)
-    work, base = start.identified, start.base
-    assert work.found.problem.model.spec().options["order"] == "first"
+    start = wish.fit_base(LogSet((log,)), (), thorough=True)
+    identified, base = start.identified, start.candidate
+    assert identified.found.problem.model.spec().options["order"] == "first"
     assert base.problem.model.spec().options["order"] == order
     assert base.problem.free == (("M",) if order == "second" else ()) + ("N", "Q")
-    assert base.squares <= 2.0 * work.found.optimum.cost * 1.001
+    assert base.squares <= 2.0 * identified.found.optimum.cost * 1.001
     if order == "second":
         assert 0.0 < base.parameters["M"] / base.parameters["N"] < 3.0 / RATE_HZ
 
