@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from importlib import import_module
 from math import exp, pi, sqrt
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from softid.errors import InputError
-from softid.synthesis import HIDDEN, Actuator, Rig, hidden_log, hidden_pair, hidden_truth
+from softid.synthesis import HIDDEN, Actuator, Rig, hidden_pair, hidden_truth
 from softid.synthesis.hidden_base import Occasion, OutputLaw
 from softid.synthesis.hidden_log import measured_sizes
 from softid.synthesis.hidden_truth import HiddenTruth, chain_of, integrate_hidden
@@ -84,7 +85,8 @@ def test_another_solver_finds_the_same(
 
     monkeypatch.setattr(hidden_truth, "_solve", solved)
     # One law holds the largest speed, which another solver finds a millionth larger.
-    monkeypatch.setattr(hidden_log, "measured_sizes", lambda *args: plain.sizes)
+    sizing = import_module("softid.synthesis.hidden_log")
+    monkeypatch.setattr(sizing, "measured_sizes", lambda *args: plain.sizes)
     values = {name: dict(plain.hidden[name]) for name in names}
     other = hidden_pair(
         names, seed=4, protocol="step", rig=QUIET, actuator=plain.actuator, values=values
