@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnoses import Cause
+from softid.results import FitResult
+from softid.synthesis.hidden_log import HiddenPair
 
 FROM_TRUTH = 0.2
 """A parameter counts as recovered within its interval or a fifth of the truth."""
@@ -51,22 +53,30 @@ def is_recovered(cause: Cause, truth: Mapping[str, float]) -> bool | None:
     )
 
 
-def true_values(effect: str, hidden: Mapping[str, Mapping[str, float]]) -> Mapping[str, float]:
-    """What was hidden of an effect, whatever its form; nothing where it was not.
+def true_values(cause: Cause, pair: HiddenPair, extended: FitResult) -> Mapping[str, float]:
+    """What was hidden of a cause, whatever its form; nothing where it was not.
+
+    A power of the speed is written with the largest speed, v_m, of which the fit has its own: the
+    same law has d2 v_m^(2 − n) in common.
 
     Parameters
     ----------
-    effect
-        Name of the effect.
-    hidden
-        Key of what was hidden → parameter → true value.
-
-    Examples
-    --------
-    >>> true_values("pneumatic_lag", {"pneumatic_lag.separate": {"tau": 0.1, "ratio": 2.0}})
-    {'tau': 0.1, 'ratio': 2.0}
+    cause
+        The cause.
+    pair
+        The logs with their truth.
+    extended
+        The fit that names it.
     """
-    return next((values for key, values in hidden.items() if key.split(".")[0] == effect), {})
+    hidden = pair.hidden
+    key = next((key for key in hidden if key.split(".")[0] == cause.effect), None)
+    if key is None:
+        return {}
+    values = dict(hidden[key])
+    if {"d2", "n"} <= set(values):
+        ratio = pair.sizes.v_max / float(extended.model.scale["v_max"])
+        values["d2"] *= ratio ** (2.0 - values["n"])
+    return values
 
 
 def _bend(knots: Sequence[float]) -> npt.NDArray[np.float64]:

@@ -294,6 +294,10 @@ def run(case: Case) -> Score:
 
 
 def _recovered(found: Diagnosis, pair: HiddenPair) -> bool | None:
-    judged = [is_recovered(cause, true_values(cause.effect, pair.hidden)) for cause in found.causes]
+    if found.extended is None:
+        return None
+    judged = [
+        is_recovered(cause, true_values(cause, pair, found.extended)) for cause in found.causes
+    ]
     known = [found for found in judged if found is not None]
     return all(known) if known else None

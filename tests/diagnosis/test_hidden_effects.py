@@ -88,8 +88,9 @@ def outcome_of(names: Sequence[str], seed: int, rig: Rig = USUAL) -> Outcome:
         is_right=told == true or (true <= told | tied and told <= true | tied),
         is_misnamed=bool(told - true - tied),
         is_recovered=all(
-            is_recovered(cause, true_values(cause.effect, pair.hidden)) is not False
+            is_recovered(cause, true_values(cause, pair, found.extended)) is not False
             for cause in found.causes
+            if found.extended is not None
         ),
         gain=1.0 - outside.rmse_after / before,
         oracle_gain=max(1.0 - pair.hold_out.sigma[channel] / before, 0.0),

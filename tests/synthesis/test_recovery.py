@@ -6,10 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from handmade import fit_result
 from handmade_diagnosis import cause, estimate
 
 from softid.diagnoses import Cause
-from softid.synthesis.recovery import is_recovered
+from softid.results import ModelSpec
+from softid.synthesis import hidden_pair
+from softid.synthesis.recovery import is_recovered, true_values
 
 
 def cause_with(*values: float, half_width: float = 0.0) -> Cause:
@@ -41,3 +44,17 @@ def test_knots_are_judged_by_their_shape() -> None:
     truth = {f"q{k}": v for k, v in enumerate(bow.tolist())}
     assert is_recovered(cause_with(*(bow + 3.0 * np.arange(1.0, 6.0)).tolist()), truth)
     assert not is_recovered(cause_with(*(0.5 * bow).tolist()), truth)
+
+
+def test_a_power_of_the_speed_is_one_law_at_any_largest_speed() -> None:
+    """By hand: d2 v_m^(2 − n) is common, so twice the largest speed makes d2 of n = 3 twice."""
+    pair = hidden_pair(["quadratic_damping.power"], seed=2, protocol="step")
+    (truth,) = pair.hidden.values()
+    wider = replace(
+        fit_result(), model=ModelSpec("muscle", scale={"v_max": 2.0 * pair.sizes.v_max})
+    )
+    told = cause("quadratic_damping", [], before=2.0, after=1.0)
+    found = true_values(told, pair, wider)
+    assert found["n"] == truth["n"]
+    assert found["d2"] == pytest.approx(truth["d2"] * 2.0 ** (truth["n"] - 2.0))
+    assert true_values(replace(told, effect="creep"), pair, wider) == {}
