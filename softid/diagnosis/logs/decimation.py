@@ -30,6 +30,7 @@ SAMPLES_PER_MOTION = 30.0
 of it still count in whole samples."""
 
 LEAST_MEANS = 3
+"""A slope is taken from the neighbours on both sides, so fewer means have none."""
 
 REGULAR = 0.2
 """Sampling is regular when no interval differs from the median by more than this share."""

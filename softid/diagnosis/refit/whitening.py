@@ -15,7 +15,11 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 MAX_ORDER = 8
+"""Orders of the autoregression are tried up to this one: a lag structure longer than that is a
+misfit, which the whitening should leave for the causes."""
+
 SIGMA_FLOOR = 1e-9
+"""Noise is at least this share of the residual: a log without any would weigh infinitely."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,6 +29,7 @@ MOST_TURNS = 6
 """A cycle may rise so many times before it repeats."""
 
 FEWEST_CYCLES = 5
+"""Equal cycles that show a slow noise: with fewer, a trend over them is as good as any."""
 
 MOST_BLOCKS = 150
 """Blocks of a run are so wide that there are no more: that is enough to see what is slow."""

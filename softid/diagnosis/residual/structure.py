@@ -20,12 +20,18 @@ from softid.diagnoses import NOTABLE
 Array = npt.NDArray[np.float64]
 
 BLOCKS = 12
+"""Folds of the cross-validation, each of two contiguous blocks of a log."""
+
 SHIFTS = 199
+"""Circular shifts of the residual that make up the null distribution."""
+
 LEVEL, WANDERING_LEVEL = 0.95, 0.99
 """What shifted residuals reach in so many cases is chance. Where nothing pulls the motion back more
 is left to it: a residual that adds up disturbances resembles every slow variable."""
 
 KNOTS = 7
+"""Knots of the smooth function of one variable."""
+
 RIDGE = 1e-3
 """Penalty of the smooth function, as a share of the data's weight."""
 
@@ -33,6 +39,7 @@ LAGS = (0.1, 0.5, 2.0)
 """Lags of the input in units of the motion's time constant."""
 
 SLOW_PIECES = 4
+"""Knots of the smooth function of time: only what is slow counts as following from it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,6 +51,8 @@ NESTED = 6.0
 """A richer form of the same law must gain this much on the plain one."""
 
 MAX_LINKS = 3
+"""A fourth cause would be fitted to what three have left, which is their own errors as a rule."""
+
 MOST_TRIED = 3
 """When what is held out refuses the best contender, so many are tried in all."""
 
