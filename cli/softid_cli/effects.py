@@ -18,7 +18,7 @@ STAGE_TITLES = {
     "state": "In the equation of motion",
     "output": "Between the motion and the recorded output",
 }
-EXAMPLE = "a log of 60 s at 100 Hz, 0 to 200 kPa, 0 to 90 deg (0 to 1.5 rad)"
+EXAMPLE = "a log of 60 s at 100 Hz, 0 to 200 kPa, 0 to 1.5 rad"
 
 
 @click.command()

@@ -28,13 +28,13 @@ EXAMPLE = Scale(
     v_max=3.0,
     force=1.0,
     y_low=0.0,
-    y_high=90.0,
+    y_high=1.5,
     period_s=0.01,
     duration_s=60.0,
     motion_s=0.5,
     travel=50.0,
     x_unit="rad",
-    y_unit="deg",
+    y_unit="rad",
 )
 """Sizes of an ordinary log, for which an effect is tried."""
 
