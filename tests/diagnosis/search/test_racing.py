@@ -9,7 +9,15 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from handmade_rounds import candidate
-from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, standing
+from linear_motion import (
+    SIGMA,
+    TRUTH,
+    Array,
+    Bow,
+    linear_log,
+    linear_problem,
+    standing,
+)
 
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
@@ -121,7 +129,7 @@ def test_neighbours_of_the_leader_stay() -> None:
         (0.9, 0.0, 0.0, True),
     ],
 )
-def test_whohas_hope(squares: float, reach: float, gained: float, may_catch_up: bool) -> None:
+def test_who_can_catch_up(squares: float, reach: float, gained: float, may_catch_up: bool) -> None:
     """Closed form with n = 10,000 beside a leader of 1, where ln 1.35 = 0.3: a reach of r promises
     6 r² of n ln(S), and four times that; or three times what was gained, of n ln 2 = 6931."""
     row = candidate(("delay",), squares, reach=reach)
