@@ -195,6 +195,7 @@ def prior_about(
     variance
         Variance of the weighted residual.
     """
+    variance = max(variance, float(np.finfo(float).tiny))
     weight = np.zeros(problem.size)
     for k, name in enumerate(problem.free):
         p = problem.parameters[name]

@@ -39,6 +39,10 @@ INERTIA_SHARES = (1.0, 0.1, 0.01)
 SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE = 0.05, 5.0
 """A start's amplitude is scaled by what the residual asks for, within these factors."""
 
+LOST = 1e6
+"""A response so many residual standard deviations away is lost. Beyond 1e16 the sensor's zero would
+even take all of it away, rounding the measured output to nothing, and leave a sum of zero."""
+
 
 @dataclass(frozen=True, eq=False)
 class Signature:
@@ -377,10 +381,12 @@ def _placed(
 
 
 def _squares(problem: Problem, z: Array, sigma: Mapping[str, float]) -> float:
-    """Weighted sum of squares with every zero at its best; infinite where it is not finite."""
+    """Weighted sum of squares with every zero at its best; infinite where the response is lost."""
     plans = limited_plans(problem, z, COARSE)
     with np.errstate(all="ignore"):
         blocks = list(problem.blocks(z, derivatives=False, plans=plans))
+        if not all(np.all(np.abs(b.residual) < LOST * sigma[b.channel]) for b in blocks):
+            return np.inf
         _, blocks = problem.with_best_zeros(z, blocks)
         total = sum(float(b.residual @ b.residual) / sigma[b.channel] ** 2 for b in blocks)
     return total if np.isfinite(total) else np.inf

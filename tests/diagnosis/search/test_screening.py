@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linear_motion import SIGMA, TRUTH, Bow, Gain, linear_log, linear_problem, standing
+from linear_motion import RATE_HZ, SIGMA, TRUTH, Bow, Gain, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.screening import (
     LARGEST_AMPLITUDE,
     SMALLEST_AMPLITUDE,
+    _squares,
     candidate_from,
     residual_of,
     screen,
@@ -159,3 +160,15 @@ def test_an_effect_that_overflows_is_left_out() -> None:
 
     base, scale = base_of(bowed(BOW_SIZE))
     assert [s.effect.key for s in screen(base, [Wild(), Bow()], scale, SIGMA)] == ["bow"]
+
+
+def test_a_response_that_is_lost_has_no_sum_of_squares() -> None:
+    """By hand: a held input and a spring of 1e-25 hold the angle at 6e26 rad, of which the zero
+    takes away all, and the measured angle of 0.1 rad with it."""
+    channels = {"pressure": np.full(200, 60.0), "angle": np.full(200, 0.1)}
+    log = Log.from_arrays(np.arange(200) / RATE_HZ, channels, units={"angle": "rad"})
+    problem = linear_problem([log])
+    usual, lost = problem.unknowns(TRUTH), problem.unknowns(TRUTH | {"Q": 1e-25})
+    lost[problem.free.index("Q")] = np.log(1e-25)
+    assert np.isfinite(_squares(problem, usual, SIGMA))
+    assert _squares(problem, lost, SIGMA) == np.inf
