@@ -121,6 +121,8 @@ class CauseSearch:
         extra
             Candidates of which it is known that they take part.
         """
+        if self.base.is_negligible:
+            return self._nothing
         if not extra and has_vanished(self.base.candidate):
             extra = self.multistart
         chain = self.grow(self._nothing, max_links=1, extra=extra)
@@ -173,6 +175,9 @@ class CauseSearch:
         first
             The chain with its first cause, where that is known.
         """
+        if self.base.is_negligible:
+            left = self.remainder_of(self.base.candidate)
+            return SearchResult(self._nothing, replace(left, structured=False), ())
         chain = first or self.first_cause()
         chain = self.grow(chain, max_links=2) if chain.links else chain
         if self._may_stand_for_another(chain):

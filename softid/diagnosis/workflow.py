@@ -30,6 +30,7 @@ from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.report.issues import (
     averaging_issues,
     change_issues,
+    negligible_issues,
     refusal_issues,
     restriction_issues,
     rounding_issues,
@@ -143,7 +144,12 @@ def diagnose(
         other = search.search_from_multistart(found)
         answer = _answer(search.base, other, seed) if other else answer
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
-    issues = (*restriction_issues(effects), *averaging_issues(count), *rounded)
+    issues = (
+        *negligible_issues(search.base),
+        *restriction_issues(effects),
+        *averaging_issues(count),
+        *rounded,
+    )
     candidate = search.base.candidate
     if answer.verdict is Verdict.UNKNOWN:
         moments = change_issues(candidate, excess_of(candidate, search.base.scale))

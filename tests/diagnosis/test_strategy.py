@@ -33,7 +33,9 @@ def chain_of(*keys: str) -> Chain:
 
 
 def base_fit(squares: float = 100.0) -> Any:
-    return SimpleNamespace(candidate=candidate((), squares), scale=None, sigma={"angle": 1.0})
+    return SimpleNamespace(
+        candidate=candidate((), squares), scale=None, sigma={"angle": 1.0}, is_negligible=False
+    )
 
 
 def search_over(base: Any = None, *, effects: Sequence[str] = ()) -> CauseSearch:

@@ -35,6 +35,10 @@ out has next to none."""
 LEAST_MOVE = 0.05
 """Held-out logs judge when their input moves by this share of what the fitted ones' does."""
 
+NEGLIGIBLE = 3e-4
+"""Share of the output's range below which a misfit is none: steps of the integrator, and what the
+input does between its samples, leave as much of a log without any noise."""
+
 HIDDEN_PERIODS = 0.1
 """A restored term dies out within a tenth of the sampling interval."""
 
@@ -122,6 +126,14 @@ class BaseFit:
     def asked_for(self) -> BaseFit:
         """The fit that a user compares with."""
         return self.instead_of or self
+
+    @property
+    def is_negligible(self) -> bool:
+        """Whether the misfit of the first output is too small to be looked into."""
+        problem = self.candidate.problem
+        per_sample = self.candidate.squares / max(problem.n_samples, 1)
+        rms = self.sigma[problem.outputs[0]] * float(np.sqrt(per_sample))
+        return rms < NEGLIGIBLE * self.scale.y_span
 
     @property
     def sigma(self) -> dict[str, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.report.phrases import listed, lowered, percent
@@ -19,6 +20,9 @@ from softid.results import FitResult
 REFUSED = "not-held-out"
 """Code of the remark that a law does not carry over."""
 
+NEGLIGIBLE_MISFIT = "negligible-misfit"
+"""Code of the remark that nothing was looked for."""
+
 CHANGE_POINT = "change-point"
 """Code of the remark that a misfit begins at one moment."""
 
@@ -32,6 +36,28 @@ CHANGES = {
 
 COARSE = 0.25
 """Share of the power of what is left from which on the rounding of the output is told."""
+
+
+def negligible_issues(base: BaseFit) -> tuple[Issue, ...]:
+    """That a misfit is too small to be looked into; nothing where it is not.
+
+    Parameters
+    ----------
+    base
+        The base fit.
+    """
+    if not base.is_negligible:
+        return ()
+    return (
+        Issue(
+            NEGLIGIBLE_MISFIT,
+            "info",
+            f"the misfit of {base.candidate.problem.outputs[0]} is below "
+            f"{100.0 * NEGLIGIBLE:.2g} % of its range, as much as the sampling of the input leaves "
+            "by itself: no cause was looked for",
+            None,
+        ),
+    )
 
 
 def restriction_issues(effects: Sequence[str]) -> tuple[Issue, ...]:

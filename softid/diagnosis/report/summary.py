@@ -20,7 +20,7 @@ from softid.diagnoses import (
 )
 from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_next, why_tied
 from softid.diagnosis.report.error_texts import ErrorTexts
-from softid.diagnosis.report.issues import CHANGE_POINT, REFUSED
+from softid.diagnosis.report.issues import CHANGE_POINT, NEGLIGIBLE_MISFIT, REFUSED
 from softid.diagnosis.report.phrases import (
     VARIABLES,
     at_bounds,
@@ -80,6 +80,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         marks=[issue.message for issue in found.issues if issue.code in (*CODES, REFUSED)],
         moments=[issue.message for issue in found.issues if issue.code == CHANGE_POINT],
         dropped=dropped_from(found),
+        negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
 
@@ -106,6 +107,7 @@ def summarise(
     marks: Sequence[str] = (),
     moments: Sequence[str] = (),
     dropped: Sequence[str] = (),
+    negligible: str = "",
 ) -> str:
     """What is wrong, by how much, why we think so, what it could be confused with, what to do next.
 
@@ -123,6 +125,8 @@ def summarise(
         What `change_issues` found.
     dropped
         Parameters of the base that the extended model does without.
+    negligible
+        That the misfit is too small to be looked into; empty where it is not.
 
     Returns
     -------
@@ -132,7 +136,7 @@ def summarise(
     teller = ErrorTexts(base, gains, gain_ci95, dropped)
     told = [teller.misfit(), given_up(dropped)]
     if verdict is Verdict.ADEQUATE:
-        told += _adequate(teller, remainder)
+        told += [sentence(negligible)] if negligible else _adequate(teller, remainder)
     elif verdict is Verdict.UNKNOWN:
         told.append("Something is missing, and none of the effects tried can be named for it.")
         told += [sentence(moment) for moment in moments]
