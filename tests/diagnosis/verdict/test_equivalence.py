@@ -20,14 +20,14 @@ from softid.diagnosis.verdict.equivalence import (
 from softid.effects import EFFECTS
 
 BEST = {
-    ("delay", "pneumatic_lag"): (CHIRP, 1.20),
-    ("delay", "sensor_lag"): (STEPS, 1.29),
-    ("line_resonance", "pneumatic_lag"): (CHIRP, 4.6),
-    ("creep", "sensor_warmup"): (HOLD, 4.9),
-    ("creep", "hysteresis"): (HOLD, 4.9),
-    ("coulomb_friction", "hysteresis"): (STEPS, 1.0),
-    ("softening", "ageing"): (SINE, 1.7),
-    ("pressure_mass", "quadratic_damping"): (CHIRP, 2.9),
+    ("delay", "pneumatic_lag"): (CHIRP, 4.9),
+    ("delay", "sensor_lag"): (CHIRP, 4.8),
+    ("line_resonance", "pneumatic_lag"): (CHIRP, 15.0),
+    ("creep", "sensor_warmup"): (HOLD, 4.3),
+    ("creep", "hysteresis"): (HOLD, 4.2),
+    ("coulomb_friction", "hysteresis"): (STEPS, 3.7),
+    ("softening", "ageing"): (SINE, 5.0),
+    ("pressure_mass", "quadratic_damping"): (CHIRP, 3.1),
 }
 
 
@@ -41,12 +41,12 @@ def test_the_largest_separation_is_proposed(pair: tuple[str, str]) -> None:
 
 
 def test_three_causes_are_split_by_their_worst_known_pair() -> None:
-    """By hand: of creep or lag against hysteresis the smaller is largest in a hold, 3.9.
+    """By hand: of creep or lag against hysteresis the smaller is largest in fast steps, 3.0.
 
     Creep against a lag was not simulated, so no size is claimed.
     """
     split = splitting_experiment(("hysteresis", "pneumatic_lag", "creep"))
-    assert split == Split(HOLD, None)
+    assert split == Split(STEPS, None)
 
 
 def test_causes_outside_the_table_are_shown_by_what_shows_each() -> None:
