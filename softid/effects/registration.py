@@ -187,7 +187,8 @@ def _check_parameters(effect: Effect, where: str) -> ParameterSet:
                 f"the {role} is none of its parameters",
                 where=where,
                 value=strange[0],
-                remedy=f"choose from {', '.join(declared.names)}, or leave it out",
+                remedy=f"choose from {', '.join(declared.names)}, or "
+                + ("set amplitude = None" if role == "amplitude" else "leave it out"),
             )
     return declared
 

@@ -61,10 +61,9 @@ def draw_evidence(
     -------
     Figure
     """
-    named = list(evidence)
-    rounds = sorted({e.round for e in named})[:MOST_ROUNDS]
-    order = row_order(named, rounds)
-    left_out = len({e.effect for e in named}) - len(order)
+    rounds = sorted({e.round for e in evidence})[:MOST_ROUNDS]
+    order = row_order(evidence, rounds)
+    left_out = len({e.effect for e in evidence}) - len(order)
     figure = new_figure()
     width = (RIGHT - _LEFT - _GAP * (len(rounds) - 1)) / max(len(rounds), 1)
     first: Axes | None = None
@@ -80,7 +79,7 @@ def draw_evidence(
         )
         first = first or axes
         axes.set_title(f"round {number}", fontsize=NOTE_SIZE, loc="left", pad=5.0)
-        _draw_round(axes, [e for e in named if e.round == number], order, chosen, tied)
+        _draw_round(axes, [e for e in evidence if e.round == number], order, chosen, tied)
     if first is not None:
         first.set_yticks(range(len(order)), [spoken(key) for key in order])
         first.tick_params(axis="y", length=0)

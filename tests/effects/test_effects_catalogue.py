@@ -16,7 +16,7 @@ from textbook_effects import (
     textbook_motion,
 )
 
-from softid.effects import EFFECTS, Effect, ExtendedModel, Scale, StateEffect
+from softid.effects import EFFECTS, Effect, ExtendedModel, Scale, StateEffect, effects_of
 from softid.effects.base import usual_size
 from softid.models.base import Model
 from softid.models.muscle import Muscle
@@ -322,3 +322,9 @@ def test_all_state_effects_act_together() -> None:
 def test_a_value_of_zero_has_a_size(value: float, lower: float, upper: float, size: float) -> None:
     """By the definition: its value, the width of its bounds, or one; it is moved in proportion."""
     assert usual_size(Parameter("d", value, "1", lower, upper)) == size
+
+
+def test_the_catalogue_or_what_is_named() -> None:
+    """All effects in the order of the table, or the ones asked for in theirs."""
+    assert [effect.key for effect in effects_of()] == list(EFFECTS)
+    assert [effect.key for effect in effects_of(["creep", "delay"])] == ["creep", "delay"]

@@ -137,7 +137,10 @@ class BaseFit:
 
     @property
     def sigma(self) -> dict[str, float]:
-        """Residual standard deviation of each output channel, by which residuals are divided."""
+        """Output channel → scale that its residual is divided by.
+
+        The span of a single output; of several, the standard deviation of each one's residual.
+        """
         return dict(self.identified.found.optimum.sigma)
 
 

@@ -28,7 +28,7 @@ from softid.log import Log, LogSet
 
 READINGS: tuple[Intersample, ...] = ("straight", *HELD)
 
-LAP = 15
+REFITTING = 15
 """Evaluations from the optimum of one reading to that of the other."""
 
 
@@ -58,7 +58,7 @@ def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Inte
     candidate
         A model with its first cause, at its optimum.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
 
     Returns
     -------
@@ -132,7 +132,7 @@ def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample
     if changed.size != problem.size:
         return -np.inf
     begin = replace(candidate.minimum, damping=None)
-    refitted = advance(replace(candidate, problem=changed, minimum=begin), sigma, LAP)
+    refitted = advance(replace(candidate, problem=changed, minimum=begin), sigma, REFITTING)
     if not np.isfinite(refitted.squares):
         return -np.inf
     return problem.n_samples * float(np.log(candidate.squares / refitted.squares))

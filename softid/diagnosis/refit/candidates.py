@@ -222,7 +222,7 @@ def advance(
     candidate
         Where it stands.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     evaluations
         At most so many simulations with derivatives.
     substeps

@@ -19,7 +19,7 @@ MAX_ORDER = 8
 misfit, which the whitening should leave for the causes."""
 
 SIGMA_FLOOR = 1e-9
-"""Noise is at least this share of the residual: a log without any would weigh infinitely."""
+"""Noise is at least this share of the output's scale: a log without any would weigh infinitely."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +77,7 @@ def whitener_of(problem: Problem, unknowns: Array, floor: Mapping[str, float]) -
     unknowns
         Where it stands, shape (U,).
     floor
-        Output channel → standard deviation of its residual; the noise is taken to be at least a
+        Output channel → scale that its residual is divided by; the noise is taken to be at least a
         billionth of it.
     """
     parts: dict[tuple[int, str], list[Block]] = {}

@@ -64,7 +64,7 @@ def variations(
     effects
         The causes that are asked about.
     sigma
-        Residual standard deviation of each output channel, which floors the noise.
+        Output channel → scale that its residual is divided by, which floors the noise.
 
     Returns
     -------

@@ -49,7 +49,7 @@ def alternative_first_links(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     """
     promising = screen(base, effects, scale, sigma)
     names = dict.fromkeys(s.effect.name for s in promising if s.effect.name != known)

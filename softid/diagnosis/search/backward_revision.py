@@ -52,7 +52,7 @@ def revised(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     """
     links, now = list(chain.links), chain.final
     for position in range(len(links) - 2, -1, -1):

@@ -13,8 +13,8 @@ from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.refit.whitening import Whitener, whitener_of
 from softid.diagnosis.search.racing import by_squares, can_catch_up
 
-WHITE_LAP = (8, 16)
-"""Evaluations of the laps under the noise model; who has no hope left stays out of them."""
+WHITE_ROUNDS = (8, 16)
+"""Evaluations of the rounds under the noise model; who cannot catch up stays out of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +45,14 @@ def rank(
 ) -> list[Ranked]:
     """Refit all under the noise model of the best one and compare them by BIC, best first.
 
-    What has no hope left is only evaluated, but for the one that all others extend.
+    What cannot catch up is only evaluated, but for the one that all others extend.
 
     Parameters
     ----------
     candidates
         What has been refitted, the base among them, best first.
     sigma
-        Residual standard deviation of each output channel, which floors the noise.
+        Output channel → scale that its residual is divided by, which floors the noise.
     whitener
         A noise model; None fits it to what the best candidate leaves.
     """
@@ -70,7 +70,7 @@ def rank(
             return candidate
         return advance(candidate, sigma, evaluations)
 
-    for evaluations in WHITE_LAP:
+    for evaluations in WHITE_ROUNDS:
         leader = min(c.squares for c in white)
         white = in_parallel(partial(polished, leader=leader, evaluations=evaluations), white)
     ranked = [Ranked(w, c, _bic(w)) for w, c in zip(white, candidates, strict=True)]

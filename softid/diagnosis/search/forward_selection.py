@@ -159,7 +159,7 @@ def select_forward(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     is_no_worse
         Whether a candidate is no worse than another on what was held out.
     is_noise

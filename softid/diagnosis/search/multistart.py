@@ -59,7 +59,7 @@ def multistart_candidates(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     """
     rough = _sparse(base)
     usual = list(_places(rough, rough.problem.plain_segments))

@@ -110,7 +110,7 @@ def race(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     signatures
         From `screen`, if it ran already.
     known
@@ -175,7 +175,7 @@ def refined(starts: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Can
     starts
         Where they begin.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     """
     running, out = list(starts), list[Candidate]()
     for evaluations in MULTISTART_ROUNDS:
@@ -209,7 +209,7 @@ def _run(
 def _second_round(
     first: Sequence[Candidate], promising: Sequence[str], sigma: Mapping[str, float]
 ) -> list[Candidate]:
-    """Those that stay after the first round, once more, and the unsettled among them again."""
+    """Those that stay after the first round, once more, and the unconverged among them again."""
     favoured = promising[:PROMISING_SIGNATURES]
     field = [
         c
@@ -291,7 +291,7 @@ def _gain(squares: float, candidate: Candidate) -> float:
 
 
 def _last_survivors(
-    second: Sequence[Candidate], promising: Sequence[str], limit: float, unsettled_limit: float
+    second: Sequence[Candidate], promising: Sequence[str], limit: float, unconverged_limit: float
 ) -> list[Candidate]:
     """Those that stay after the second round: near the leader, or still on their way.
 
@@ -300,10 +300,10 @@ def _last_survivors(
     kept = []
     neighbours = second[0].effects[-1].neighbours
     for k, candidate in enumerate(second):
-        is_unsettled = candidate.minimum.reach > UNCONVERGED
+        is_unconverged = candidate.minimum.reach > UNCONVERGED
         asked = k < LAST_SURVIVORS or candidate.effects[-1].name in neighbours
-        near = asked and candidate.squares <= (unsettled_limit if is_unsettled else limit)
-        if near or (is_unsettled and candidate.effects[-1].key in promising[:FAVOURITES]):
+        near = asked and candidate.squares <= (unconverged_limit if is_unconverged else limit)
+        if near or (is_unconverged and candidate.effects[-1].key in promising[:FAVOURITES]):
             kept.append(candidate)
     return kept
 

@@ -40,7 +40,7 @@ SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE = 0.05, 5.0
 """A start's amplitude is scaled by what the residual asks for, within these factors."""
 
 LOST = 1e6
-"""A response so many residual standard deviations away is lost. Beyond 1e16 the sensor's zero would
+"""A response so many times the output's own scale away is lost. Beyond 1e16 the sensor's zero would
 even take all of it away, rounding the measured output to nothing, and leave a sum of zero."""
 
 
@@ -101,7 +101,7 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
     problem, unknowns
         The fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     """
     fine, coarse = (limited_plans(problem, unknowns, most) for most in (FINE, COARSE))
     blocks = list(problem.blocks(unknowns, derivatives=True, plans=fine))
@@ -148,7 +148,7 @@ def screen(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     """
     residual = residual_of(fitted.problem, fitted.minimum.point, sigma)
     measured = _measured(fitted.problem, sigma)
@@ -214,7 +214,7 @@ def candidate_from(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     variance
         Variance of the weighted residual, for the prior.
     """
@@ -262,7 +262,7 @@ def form_of(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     variance
         Variance of the weighted residual, for the prior.
     known
@@ -297,7 +297,7 @@ def candidate_at(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     """
     problem = extend(place.problem, (effect,), scale)
     named = named_values(effect, values)
@@ -324,7 +324,7 @@ def late_candidate(
     scale
         Sizes of the base fit.
     sigma
-        Residual standard deviation of each output channel.
+        Output channel → scale that its residual is divided by.
     variance
         Variance of the weighted residual, for the prior.
     """

@@ -27,7 +27,7 @@ from softid.diagnosis.refit.candidates import (
 )
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.whitening import Whitener
-from softid.effects import EFFECTS, effect_of, effects_of
+from softid.effects import effect_of
 from softid.effects.base import Scale
 from softid.fitters.problem import Problem
 from softid.parameters import Parameter
@@ -236,8 +236,6 @@ def test_inertia_and_lag_change_places() -> None:
     assert forms(0.1) == []
 
 
-def test_the_catalogue_or_what_is_named() -> None:
-    """All effects in the order of the table, or the ones asked for in theirs."""
-    assert [effect.key for effect in effects_of()] == list(EFFECTS)
-    assert [effect.key for effect in effects_of(["creep", "delay"])] == ["creep", "delay"]
+def test_values_are_named_after_their_effect() -> None:
+    """As in an extended model."""
     assert named_values(Bow(), {"c": 2.0}) == {"bow_c": 2.0}

@@ -24,9 +24,10 @@ LAG, DRIFT = effect_of("sensor_lag"), effect_of("sensor_drift")
 
 @pytest.mark.parametrize(("zeta", "keys"), [(2.9, [("sensor_lag",)]), (0.9, [])])
 def test_an_overdamped_resonance_is_tried_as_a_lag(zeta: float, keys: list[object]) -> None:
-    """Known truth: a reading that lags by 0.3 s. From a resonance of the slower time constant
+    """Known truth: a reading that lags by 0.3 s.
 
-    0.32 (2.9 + √(2.9² − 1))/2π = 0.29 s the lag leaves the noise: 1000 within four times √2000.
+    From a resonance of the slower time constant 0.32 (2.9 + √(2.9² − 1))/2π = 0.29 s the lag leaves
+    the noise: 1000 within four times √2000.
     """
     clean = linear_problem([linear_log()])
     z = clean.unknowns(TRUTH)
