@@ -6,8 +6,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from softid.diagnoses import Diagnosis
     from softid.diagnosis import diagnose
+    from softid.diagnosis_results import Diagnosis
     from softid.effects import register_effect
     from softid.errors import (
         IdentificationError,
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from softid.validation import self_check, validate
 
 _HOME = {
-    "Diagnosis": "softid.diagnoses",
+    "Diagnosis": "softid.diagnosis_results",
     "diagnose": "softid.diagnosis",
     "register_effect": "softid.effects",
     "IdentificationError": "softid.errors",

@@ -8,7 +8,7 @@ from dataclasses import replace
 from extended_fits import extended_fit
 from handmade import DEGREE, fit_result
 
-from softid.diagnoses import (
+from softid.diagnosis_results import (
     Alternative,
     Cause,
     Diagnosis,

@@ -23,7 +23,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("channels", "chi_square", "intersample"),
     ("segment",),
     ("log", "parameters", "results"),
-    ("diagnoses",),
+    ("diagnosis_results",),
     (
         "readers",
         "quality",
@@ -177,6 +177,11 @@ def test_imports_point_downward() -> None:
     assert not upward, "\n".join(upward)
 
 
+def is_step(name: str) -> bool:
+    """Whether a module is softid.diagnosis or in it, rather than beside it with a longer name."""
+    return name.split(".")[:2] == ["softid", "diagnosis"]
+
+
 def step_of(name: str) -> int:
     """Depth of a module within softid.diagnosis."""
     part = name.removeprefix("softid.diagnosis").removeprefix(".").split(".")[0]
@@ -189,14 +194,13 @@ def step_of(name: str) -> int:
 def test_a_diagnosis_is_made_in_steps_that_import_downward() -> None:
     """Logs, one refit, what it leaves, the base, the search, the verdict, the words: so ordered."""
     known = set(modules())
-    inside = [m for m in modules().values() if m.name.startswith("softid.diagnosis")]
+    inside = [m for m in modules().values() if is_step(m.name)]
     assert len(inside) > len(DIAGNOSIS)
     upward = [
         f"{module.place}:{found.line}: {module.name} imports {found.target} of a later step"
         for module in inside
         for found in imports(module, known)
-        if found.target.startswith("softid.diagnosis")
-        and step_of(found.target) > step_of(module.name)
+        if is_step(found.target) and step_of(found.target) > step_of(module.name)
     ]
     assert not upward, "\n".join(upward)
 

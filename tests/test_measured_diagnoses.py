@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from softid.diagnoses import Diagnosis, Verdict
 from softid.diagnosis import diagnose
+from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log
 from softid.models import Oscillator
 from softid.readers import load

@@ -26,7 +26,7 @@ from softid_cli.options import (
 from softid_cli.results_folder import free_folder, refuse_old_results
 
 if TYPE_CHECKING:
-    from softid.diagnoses import Diagnosis
+    from softid.diagnosis_results import Diagnosis
     from softid.models.base import Model
     from softid.parameters import ParameterSet
     from softid.records import SavedModel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnoses import Cause, Diagnosis, cause_before
+from softid.diagnosis_results import Cause, Diagnosis, cause_before
 from softid.results import ParameterEstimate
 from softid_cli.tables import interval, name_in_effect, print_issues, print_rows, print_text
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from softid.diagnoses import Diagnosis
+from softid.diagnosis_results import Diagnosis
 from softid.results import FitResult, Validation
 
 

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from softid.diagnoses import Remainder
 from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import BETTER, NO_WORSE
@@ -19,6 +18,7 @@ from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, se
 from softid.diagnosis.search.indistinct import with_rivals_in_misfit
 from softid.diagnosis.search.multistart import has_vanished, multistart_candidates
 from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, nameable
+from softid.diagnosis_results import Remainder
 from softid.effects.base import Effect
 
 BETTER_BASE = 0.98

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softid.diagnoses import Cause, Diagnosis, Verdict
 from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request, require_enough
 from softid.diagnosis.base.intersample_selection import (
     intersample_after_all_causes,
@@ -53,6 +52,7 @@ from softid.diagnosis.verdict.cause_results import (
 )
 from softid.diagnosis.verdict.chain_consistency import consistent_names, with_presliding
 from softid.diagnosis.verdict.naming import gains_by, may_be_named, most_variation, verdict_of
+from softid.diagnosis_results import Cause, Diagnosis, Verdict
 from softid.effects import effects_of
 from softid.errors import Issue
 from softid.fitters.output_error import Optimum

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from softid.diagnoses import Cause
+from softid.diagnosis_results import Cause
 from softid.plots.canvas import (
     INK,
     LABEL_SIZE,

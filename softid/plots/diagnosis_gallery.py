@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.figure import Figure
 
-from softid.diagnoses import Diagnosis, dropped_from
+from softid.diagnosis_results import Diagnosis, dropped_from
 from softid.plots.before_after import Scored, draw_before_after
 from softid.plots.canvas import Display, listed, shortened
 from softid.plots.chain import draw_chain

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from softid.diagnoses import Evidence
+from softid.diagnosis_results import Evidence
 from softid.plots.canvas import (
     BOTTOM,
     INK,

@@ -6,7 +6,7 @@ import hashlib
 from dataclasses import replace
 from pathlib import Path
 
-from softid.diagnoses import Diagnosis
+from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
 from softid.records.params import (
     channel_entries,

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnoses import Cause
+from softid.diagnosis_results import Cause
 from softid.results import FitResult
 from softid.synthesis.hidden_log import HiddenPair
 

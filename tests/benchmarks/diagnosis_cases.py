@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from softid.diagnoses import Diagnosis
 from softid.diagnosis import diagnose
+from softid.diagnosis_results import Diagnosis
 from softid.effects import EFFECTS
 from softid.identification import fit
 from softid.synthesis import HiddenPair, hidden_pair

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log
 
-from softid.diagnoses import Verdict
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.workflow import _rising
+from softid.diagnosis_results import Verdict
 from softid.errors import IdentificationError, UsageError
 from softid.log import Log, LogSet
 from softid.models import Oscillator

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from softid.diagnoses import Verdict
 from softid.diagnosis import diagnose
+from softid.diagnosis_results import Verdict
 from softid.effects import EFFECTS
 from softid.synthesis import hidden_pair
 from softid.synthesis.hidden import names_of

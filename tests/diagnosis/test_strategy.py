@@ -11,10 +11,10 @@ import pytest
 from handmade_diagnosis import remainder
 from handmade_rounds import candidate, ranked
 
-from softid.diagnoses import Remainder
 from softid.diagnosis import strategy
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.strategy import BETTER_BASE, CauseSearch, SearchResult, search_causes
+from softid.diagnosis_results import Remainder
 from softid.effects import effect_of
 
 NOISE = remainder(structured=False, explained=1.0)

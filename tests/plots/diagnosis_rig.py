@@ -7,7 +7,15 @@ from functools import cache
 import numpy as np
 
 import softid
-from softid.diagnoses import Alternative, Cause, Diagnosis, Evidence, Gain, Remainder, Verdict
+from softid.diagnosis_results import (
+    Alternative,
+    Cause,
+    Diagnosis,
+    Evidence,
+    Gain,
+    Remainder,
+    Verdict,
+)
 from softid.effects import EFFECTS, ExtendedModel, Scale
 from softid.log import Log
 from softid.models.muscle import Muscle

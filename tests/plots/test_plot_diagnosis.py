@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from diagnosis_rig import cause, diagnosis, rmse
 
-from softid.diagnoses import Alternative, Diagnosis, Evidence, Verdict
+from softid.diagnosis_results import Alternative, Diagnosis, Evidence, Verdict
 from softid.plots import png_bytes
 from softid.plots.canvas import Display
 from softid.plots.chain import draw_chain

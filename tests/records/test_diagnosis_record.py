@@ -12,7 +12,7 @@ from handmade import failed_fit
 from handmade_diagnosis import diagnosis, odd_diagnosis
 from jsonschema import Draft202012Validator
 
-from softid.diagnoses import Variation, Verdict
+from softid.diagnosis_results import Variation, Verdict
 from softid.errors import IdentificationError, OutputError
 from softid.records import load_params, save_diagnosis
 from softid.records.reading import load_schema

@@ -9,7 +9,7 @@ import pytest
 from handmade import fit_result
 from handmade_diagnosis import cause, estimate
 
-from softid.diagnoses import Cause
+from softid.diagnosis_results import Cause
 from softid.results import ModelSpec
 from softid.synthesis import hidden_pair
 from softid.synthesis.recovery import is_recovered, true_values

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from softid.diagnoses import Alternative, Remainder, Verdict
 from softid.diagnosis.report.phrases import VARIATIONS, title_of, titles_of, variables_left
 from softid.diagnosis.search.forward_selection import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
@@ -14,6 +13,7 @@ from softid.diagnosis.verdict.equivalence import (
     splitting_experiment,
     why_unsplit,
 )
+from softid.diagnosis_results import Alternative, Remainder, Verdict
 from softid.models import MODELS
 from softid.results import FitResult
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from softid.diagnoses import Cause, Gain, Remainder
 from softid.diagnosis.report.phrases import listed, percent_range
+from softid.diagnosis_results import Cause, Gain, Remainder
 from softid.results import FitResult
 
 MORE = 1.25

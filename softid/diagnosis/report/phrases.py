@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnoses import CARRIED, NOTABLE, Cause, Evidence, Remainder
 from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis.verdict.naming import explains_enough
+from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Evidence, Remainder
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
 

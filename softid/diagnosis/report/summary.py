@@ -6,18 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from softid.diagnoses import (
-    NOTABLE,
-    Alternative,
-    Cause,
-    Diagnosis,
-    Evidence,
-    Gain,
-    Remainder,
-    Verdict,
-    cause_before,
-    dropped_from,
-)
 from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_next, why_tied
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.issues import CHANGE_POINT, NEGLIGIBLE_MISFIT, REFUSED
@@ -44,6 +32,18 @@ from softid.diagnosis.report.phrases import (
 )
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.verdict.equivalence import classes_of
+from softid.diagnosis_results import (
+    NOTABLE,
+    Alternative,
+    Cause,
+    Diagnosis,
+    Evidence,
+    Gain,
+    Remainder,
+    Verdict,
+    cause_before,
+    dropped_from,
+)
 from softid.results import FitResult
 
 NEXT_TO_NOTHING = 0.1

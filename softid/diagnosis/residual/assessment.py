@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from softid.diagnoses import Remainder
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.motion import has_spring, residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
+from softid.diagnosis_results import Remainder
 from softid.effects.base import Scale
 
 LEAST_NOISE = 1e-9

@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
-from softid.diagnoses import Variation
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.whitening import whitener_of
 from softid.diagnosis.residual.projection import (
@@ -26,6 +25,7 @@ from softid.diagnosis.residual.projection import (
     project_out,
     rows_of,
 )
+from softid.diagnosis_results import Variation
 from softid.effects import belongs_to, extended_name
 from softid.effects.base import Effect
 

@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnoses import NOTABLE
+from softid.diagnosis_results import NOTABLE
 
 Array = npt.NDArray[np.float64]
 

@@ -9,10 +9,10 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnoses import Alternative, Cause, Evidence, Gain
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, gain_interval
 from softid.diagnosis.search.forward_selection import Chain, Link
+from softid.diagnosis_results import Alternative, Cause, Evidence, Gain
 from softid.effects import EFFECTS, belongs_to, effect_of, extended_name
 from softid.effects.base import Effect
 from softid.residuals import fit_percent

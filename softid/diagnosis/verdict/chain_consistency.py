@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from softid.diagnoses import Cause
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.equivalence import PRESLIDING
+from softid.diagnosis_results import Cause
 from softid.effects import extended_name
 from softid.effects.base import Effect, Scale
 

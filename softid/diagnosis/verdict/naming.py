@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from softid.chi_square import chi_square_tail
-from softid.diagnoses import Cause, Remainder, Verdict
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis_results import Cause, Remainder, Verdict
 from softid.effects import extended_name
 from softid.effects.base import Effect
 from softid.results import FitResult, ParameterEstimate

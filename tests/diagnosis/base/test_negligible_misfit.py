@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from softid.diagnoses import Verdict
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import NEGLIGIBLE
+from softid.diagnosis_results import Verdict
 from softid.synthesis import Rig, hidden_pair
 
 SILENT = Rig(noise=0.0, pressure_noise_kpa=0.0)

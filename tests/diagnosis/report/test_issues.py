@@ -12,10 +12,10 @@ from handmade_diagnosis import diagnosis
 from handmade_rounds import link
 from linear_motion import linear_log
 
-from softid.diagnoses import Verdict
 from softid.diagnosis.report.issues import refusal_issues, rounding_issues
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis_results import Verdict
 from softid.log import Log
 
 BASE = diagnosis(Verdict.ADEQUATE).base

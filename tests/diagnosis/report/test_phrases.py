@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from handmade_diagnosis import cause, diagnosis, estimate, remainder
 
-from softid.diagnoses import Diagnosis, Variation, Verdict
 from softid.diagnosis.report.phrases import taken_by, unsteady, values_of
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.verdict.naming import nameable
+from softid.diagnosis_results import Diagnosis, Variation, Verdict
 from softid.errors import Issue
 
 

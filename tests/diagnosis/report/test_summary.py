@@ -8,10 +8,10 @@ from dataclasses import replace
 import pytest
 from handmade_diagnosis import DELAY, FRICTION, TIE, cause, diagnosis, estimate, odd_diagnosis
 
-from softid.diagnoses import Alternative, Diagnosis, Evidence, Verdict
 from softid.diagnosis.report.ambiguity import is_linear, what_next
 from softid.diagnosis.report.issues import restriction_issues
 from softid.diagnosis.report.summary import summarise, write_summary
+from softid.diagnosis_results import Alternative, Diagnosis, Evidence, Verdict
 from softid.effects import EFFECTS
 
 

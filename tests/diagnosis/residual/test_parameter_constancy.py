@@ -21,7 +21,6 @@ from linear_motion import (
     standing,
 )
 
-from softid.diagnoses import Variation
 from softid.diagnosis.refit.candidates import (
     Candidate,
     advance,
@@ -32,6 +31,7 @@ from softid.diagnosis.refit.candidates import (
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.residual import parameter_constancy
 from softid.diagnosis.residual.parameter_constancy import CHANCE, variations
+from softid.diagnosis_results import Variation
 from softid.effects.base import Effect, Scale
 from softid.log import Log
 

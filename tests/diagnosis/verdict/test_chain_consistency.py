@@ -9,9 +9,9 @@ from extended_fits import scale_of
 from handmade_diagnosis import cause, estimate
 from handmade_rounds import ranked
 
-from softid.diagnoses import Cause
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.chain_consistency import consistent_names, with_presliding
+from softid.diagnosis_results import Cause
 
 
 def links(*keys: str, squares: tuple[float, ...]) -> list[Link]:

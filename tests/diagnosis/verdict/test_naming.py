@@ -11,7 +11,6 @@ import pytest
 from handmade import fit_result
 from handmade_diagnosis import cause, estimate, remainder
 
-from softid.diagnoses import Remainder, Variation, Verdict
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.naming import (
     may_be_named,
@@ -19,6 +18,7 @@ from softid.diagnosis.verdict.naming import (
     nameable,
     verdict_of,
 )
+from softid.diagnosis_results import Remainder, Variation, Verdict
 from softid.effects import effect_of
 from softid.results import ParameterEstimate
 
