@@ -12,17 +12,22 @@ import click
 from softid.errors import InputError, UsageError
 from softid_cli.console import announce_compilation, progress
 from softid_cli.effects import no_such_effect
-from softid_cli.model_options import GEOMETRY_MODEL, chosen_model, shape_options
+from softid_cli.model_options import GEOMETRY_MODEL, model_option, shape_options
 from softid_cli.options import (
     FILE,
     GreedyCommand,
+    hold_out_option,
     intersample_option,
     json_option,
     load_logs,
     log_options,
+    logs_argument,
+    no_plots_option,
     out_options,
     quiet_option,
+    seed_option,
 )
+from softid_cli.requests import Request, takes
 from softid_cli.results_folder import free_folder, refuse_old_results
 
 if TYPE_CHECKING:
@@ -36,29 +41,11 @@ SUFFIX = "-diagnosis"
 
 
 @dataclass(frozen=True)
-class DiagnoseRequest:
+class DiagnoseRequest(Request):
     """What the user asked of `softid diagnose`; the fields are its options."""
 
-    logs: tuple[Path, ...]
-    hold_out: tuple[Path, ...] = ()
-    model: str | None = None
     params: Path | None = None
     effects: tuple[str, ...] = ()
-    damping: str | None = None
-    fixed_length: float | None = None
-    diameter: float | None = None
-    geometry: Path | None = None
-    options: tuple[str, ...] = ()
-    channel: tuple[str, ...] = ()
-    input: str | None = None
-    output: tuple[str, ...] = ()
-    intersample: str | None = None
-    out: Path | None = None
-    force: bool = False
-    plots: bool = True
-    seed: int = 0
-    as_json: bool = False
-    quiet: bool = False
 
 
 def _names(ctx: click.Context, param: click.Parameter, text: str | None) -> tuple[str, ...]:
@@ -75,21 +62,15 @@ def _names(ctx: click.Context, param: click.Parameter, text: str | None) -> tupl
 
 
 @click.command(cls=GreedyCommand, greedy=("--hold-out",))
-@click.argument("logs", nargs=-1, type=FILE, metavar="LOG...")
-@click.option("--model", metavar="NAME", help="Base model; without it softid chooses.")
+@logs_argument
+@model_option("Base model; without it softid chooses.")
 @click.option(
     "--params",
     type=FILE,
     metavar="FILE",
     help="Take base model, roles and start values from a params.json.",
 )
-@click.option(
-    "--hold-out",
-    multiple=True,
-    type=FILE,
-    metavar="LOG...",
-    help="Logs that judge and are not fitted: all up to the next option.",
-)
+@hold_out_option("Logs that judge and are not fitted")
 @click.option(
     "--effects",
     callback=_names,
@@ -100,69 +81,19 @@ def _names(ctx: click.Context, param: click.Parameter, text: str | None) -> tupl
 @intersample_option
 @shape_options
 @out_options
-@click.option("--no-plots", is_flag=True, help="Write JSON files only.")
-@click.option(
-    "--seed",
-    type=click.IntRange(min=0),
-    default=0,
-    show_default=True,
-    metavar="N",
-    help="Random seed.",
-)
+@no_plots_option("JSON files")
+@seed_option
 @json_option
 @quiet_option
-def diagnose(
-    logs: tuple[Path, ...],
-    model: str | None,
-    params: Path | None,
-    hold_out: tuple[Path, ...],
-    effects: tuple[str, ...],
-    channel: tuple[str, ...],
-    input: str | None,
-    output: tuple[str, ...],
-    intersample: str | None,
-    damping: str | None,
-    fixed_length: float | None,
-    diameter: float | None,
-    geometry: Path | None,
-    option: tuple[str, ...],
-    out: Path | None,
-    force: bool,
-    no_plots: bool,
-    seed: int,
-    as_json: bool,
-    quiet: bool,
-) -> None:
+@takes(DiagnoseRequest)
+def diagnose(request: DiagnoseRequest) -> None:
     """Say what a simulation of LOGs gets wrong, name the cause, and measure what mending it gains.
 
     Prints a paragraph and a table of causes. Writes diagnosis.json, params.json of the base model,
     extended_params.json of the model with the causes, and plots to softid-out/LOG-diagnosis, or to
     DIR. Without --hold-out, blocks of the logs are held out.
     """
-    examine(
-        DiagnoseRequest(
-            logs=logs,
-            hold_out=hold_out,
-            model=model,
-            params=params,
-            effects=effects,
-            damping=damping,
-            fixed_length=fixed_length,
-            diameter=diameter,
-            geometry=geometry,
-            options=option,
-            channel=channel,
-            input=input,
-            output=output,
-            intersample=intersample,
-            out=out,
-            force=force,
-            plots=not no_plots,
-            seed=seed,
-            as_json=as_json,
-            quiet=quiet,
-        )
-    )
+    examine(request)
 
 
 def examine(request: DiagnoseRequest) -> None:
@@ -175,13 +106,7 @@ def examine(request: DiagnoseRequest) -> None:
     IdentificationError
         The base model could not be fitted; nothing is written.
     """
-    if not request.logs:
-        raise UsageError(
-            "no log was given to diagnose",
-            remedy="name at least one log before --hold-out"
-            if request.hold_out
-            else "name at least one log",
-        )
+    request.require_logs("diagnose")
     from softid.records.diagnosis import RECORD
 
     refuse_old_results(request.out, RECORD, force=request.force)
@@ -240,7 +165,7 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, str | bytes]]
             seed=request.seed,
             progress=report,
         )
-        if not request.plots:
+        if request.no_plots:
             return found, {}
         if report is not None:
             report("drawing", 1.0)
@@ -253,14 +178,7 @@ def _base(
     request: DiagnoseRequest,
 ) -> tuple[Model | None, ParameterSet | None, SavedModel | None]:
     """The base model, its start values and the record that they come from."""
-    chosen = chosen_model(
-        request.model,
-        damping=request.damping,
-        fixed_length_mm=request.fixed_length,
-        diameter_mm=request.diameter,
-        geometry=request.geometry,
-        other=request.options,
-    )
+    chosen = request.chosen_model()
     if request.geometry is not None and chosen is None:
         raise UsageError(
             "a geometry file describes one model, and none was named",

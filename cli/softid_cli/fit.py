@@ -9,26 +9,30 @@ from typing import TYPE_CHECKING
 
 import click
 
-from softid.errors import IdentificationError, UsageError
+from softid.errors import IdentificationError
 from softid_cli.console import announce_compilation, progress
 from softid_cli.model_options import (
-    chosen_model,
     chosen_parameters,
     described_models,
+    model_option,
     require_parameters,
     shape_options,
 )
 from softid_cli.options import (
-    FILE,
     GreedyCommand,
+    hold_out_option,
     intersample_option,
     json_option,
     load_logs,
     log_options,
+    logs_argument,
+    no_plots_option,
     out_options,
     quiet_option,
+    seed_option,
 )
 from softid_cli.profiles import print_profiles, profile_entries, profile_figures, profiled
+from softid_cli.requests import Request, takes
 from softid_cli.results_folder import free_folder, refuse_old_results
 
 if TYPE_CHECKING:
@@ -41,43 +45,19 @@ PARAMS = "params.json"
 
 
 @dataclass(frozen=True)
-class FitRequest:
+class FitRequest(Request):
     """What the user asked of `softid fit`; the fields are its options."""
 
-    logs: tuple[Path, ...]
-    hold_out: tuple[Path, ...] = ()
-    model: str | None = None
-    damping: str | None = None
-    fixed_length: float | None = None
-    diameter: float | None = None
-    geometry: Path | None = None
-    options: tuple[str, ...] = ()
     profile: tuple[str, ...] = ()
     fix: tuple[str, ...] = ()
     bound: tuple[str, ...] = ()
     tie: tuple[str, ...] = ()
-    channel: tuple[str, ...] = ()
-    input: str | None = None
-    output: tuple[str, ...] = ()
-    intersample: str | None = None
-    out: Path | None = None
-    force: bool = False
-    plots: bool = True
-    seed: int = 0
-    as_json: bool = False
-    quiet: bool = False
 
 
 @click.command(cls=GreedyCommand, greedy=("--hold-out",))
-@click.argument("logs", nargs=-1, type=FILE, metavar="LOG...")
-@click.option("--model", metavar="NAME", help="Model; without it softid chooses and says why.")
-@click.option(
-    "--hold-out",
-    multiple=True,
-    type=FILE,
-    metavar="LOG...",
-    help="Logs to score but not to fit: all up to the next option.",
-)
+@logs_argument
+@model_option("Model; without it softid chooses and says why.")
+@hold_out_option("Logs to score but not to fit")
 @click.option(
     "--fix", multiple=True, metavar="NAME=VALUE", help="Hold a parameter; may be repeated."
 )
@@ -103,72 +83,18 @@ class FitRequest:
     help="Interval of a parameter by refitting all others along it; may be repeated.",
 )
 @out_options
-@click.option("--no-plots", is_flag=True, help="Write params.json only.")
-@click.option(
-    "--seed",
-    type=click.IntRange(min=0),
-    default=0,
-    show_default=True,
-    metavar="N",
-    help="Random seed.",
-)
+@no_plots_option("params.json")
+@seed_option
 @json_option
 @quiet_option
-def fit(
-    logs: tuple[Path, ...],
-    model: str | None,
-    hold_out: tuple[Path, ...],
-    fix: tuple[str, ...],
-    bound: tuple[str, ...],
-    tie: tuple[str, ...],
-    channel: tuple[str, ...],
-    input: str | None,
-    output: tuple[str, ...],
-    intersample: str | None,
-    damping: str | None,
-    fixed_length: float | None,
-    diameter: float | None,
-    geometry: Path | None,
-    option: tuple[str, ...],
-    profile: tuple[str, ...],
-    out: Path | None,
-    force: bool,
-    no_plots: bool,
-    seed: int,
-    as_json: bool,
-    quiet: bool,
-) -> None:
+@takes(FitRequest)
+def fit(request: FitRequest) -> None:
     """Identify a model from one or more LOGs of the same actuator.
 
     Prints parameters with errors, 95 % intervals and what the logs say about each, and how well the
     simulated response follows every log. Writes params.json and plots to softid-out/LOG, or to DIR.
     """
-    identify(
-        FitRequest(
-            logs=logs,
-            hold_out=hold_out,
-            model=model,
-            damping=damping,
-            fixed_length=fixed_length,
-            diameter=diameter,
-            geometry=geometry,
-            options=option,
-            profile=profile,
-            fix=fix,
-            bound=bound,
-            tie=tie,
-            channel=channel,
-            input=input,
-            output=output,
-            intersample=intersample,
-            out=out,
-            force=force,
-            plots=not no_plots,
-            seed=seed,
-            as_json=as_json,
-            quiet=quiet,
-        )
-    )
+    identify(request)
 
 
 def identify(request: FitRequest) -> None:
@@ -181,22 +107,9 @@ def identify(request: FitRequest) -> None:
     IdentificationError
         The optimum was not reached; nothing is written.
     """
-    if not request.logs:
-        raise UsageError(
-            "no log was given to fit",
-            remedy="name at least one log before --hold-out"
-            if request.hold_out
-            else "name at least one log",
-        )
+    request.require_logs("fit")
     refuse_old_results(request.out, PARAMS, force=request.force)
-    model = chosen_model(
-        request.model,
-        damping=request.damping,
-        fixed_length_mm=request.fixed_length,
-        diameter_mm=request.diameter,
-        geometry=request.geometry,
-        other=request.options,
-    )
+    model = request.chosen_model()
     require_parameters(model, request.profile, option="--profile")
     preferred = () if model is not None else described_models(request.geometry)
     parameters = chosen_parameters(model, fix=request.fix, bound=request.bound, tie=request.tie)
@@ -248,7 +161,7 @@ def _deliver(
     if profiles:
         document |= {"profiles": profile_entries(profiles)}
     plots: dict[str, str | bytes] = {}
-    if request.plots:
+    if not request.no_plots:
         from softid_cli.figures import drawn
 
         plots = drawn(result) | profile_figures(result, profiles)

@@ -30,6 +30,11 @@ _FLAGS = {
 }
 
 
+def model_option(help: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Add ``--model`` (keyword: model)."""
+    return click.option("--model", metavar="NAME", help=help)
+
+
 def shape_options(command: Callable[P, R]) -> Callable[P, R]:
     """Add ``--damping``, the geometry and ``--option`` (keywords as in `chosen_model`, option)."""
     for add in reversed(

@@ -86,6 +86,22 @@ class GreedyCommand(click.Command):
         return super().parse_args(ctx, spread)
 
 
+def logs_argument(command: Callable[P, R]) -> Callable[P, R]:
+    """Add the argument ``LOG...`` (keyword: logs)."""
+    return click.argument("logs", nargs=-1, type=FILE, metavar="LOG...")(command)
+
+
+def hold_out_option(logs: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Add ``--hold-out`` of a `GreedyCommand` (keyword: hold_out); ``logs`` says what they do."""
+    return click.option(
+        "--hold-out",
+        multiple=True,
+        type=FILE,
+        metavar="LOG...",
+        help=f"{logs}: all up to the next option.",
+    )
+
+
 def channel_option(command: Callable[P, R]) -> Callable[P, R]:
     """Add ``--channel`` (keyword: channel)."""
     return click.option(
@@ -119,6 +135,23 @@ def intersample_option(command: Callable[P, R]) -> Callable[P, R]:
         help="What the input does between samples: straight, held where it jumps, or held at every "
         "sample (zero-order hold); without it, what fits better.",
     )(command)
+
+
+def seed_option(command: Callable[P, R]) -> Callable[P, R]:
+    """Add ``--seed`` (keyword: seed)."""
+    return click.option(
+        "--seed",
+        type=click.IntRange(min=0),
+        default=0,
+        show_default=True,
+        metavar="N",
+        help="Random seed.",
+    )(command)
+
+
+def no_plots_option(written: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Add ``--no-plots`` (keyword: no_plots); ``written`` says what is left of the results."""
+    return click.option("--no-plots", is_flag=True, help=f"Write {written} only.")
 
 
 def quiet_option(command: Callable[P, R]) -> Callable[P, R]:

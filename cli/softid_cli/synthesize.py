@@ -9,6 +9,7 @@ import click
 from softid.errors import UsageError
 from softid_cli.console import progress, say
 from softid_cli.hiding import HideRequest, hide_effects, split_names
+from softid_cli.model_options import model_option
 from softid_cli.options import FILE, json_option, out_options, quiet_option
 
 DEFAULT_OUT = Path("softid-out") / "synthetic"
@@ -25,7 +26,7 @@ DEFAULT_OUT = Path("softid-out") / "synthetic"
 )
 @click.option("--size", type=float, metavar="S", help="Magnitude of the effects; 1 is moderate.")
 @click.option("--protocol", metavar="NAME", help="rich (default), paper, sine, step or slow.")
-@click.option("--model", metavar="NAME", help="muscle (default), oscillator or equilibrium.")
+@model_option("muscle (default), oscillator or equilibrium.")
 @click.option("--noise", type=float, metavar="SHARE", help="Output noise over its range; 0.005.")
 @click.option("--coloured", type=float, metavar="SHARE", help="Coloured part of its variance; 0.")
 @click.option("--rate", type=float, metavar="HZ", help="Sampling rate; 100.")
