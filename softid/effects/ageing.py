@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import MOST_LOST, Scale, StateEffect
 from softid.kernels.terms import STIFFNESS
 from softid.parameters import Parameter, ParameterSet
 
-LARGEST = 0.9
 SHARE = 0.1
+"""Start of the change over the log."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ class Ageing(StateEffect):
                     "r",
                     SHARE / scale.duration_s,
                     "1/s",
-                    -LARGEST / scale.duration_s,
-                    LARGEST / scale.duration_s,
+                    -MOST_LOST / scale.duration_s,
+                    MOST_LOST / scale.duration_s,
                     meaning="share of the stiffness gained each second",
                     source=self.source,
                 ),

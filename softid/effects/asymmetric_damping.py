@@ -7,13 +7,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import SHARPEST_BEND, Scale, StateEffect
 from softid.kernels.terms import DAMPING
 from softid.parameters import Parameter, ParameterSet
 
 LARGEST = 0.95
+"""Bound of the asymmetry either way: with all of the damping gone, one direction would run free."""
+
 SHARE = 0.2
 SPEEDS = (0.02, 0.3)
+"""Starts of the asymmetry, and of v0 as shares of the largest speed."""
+
 SMOOTHEST = 0.5
 """Share of the largest speed up to which the damping still changes with the direction; what comes
 up more slowly grows with the speed, as quadratic damping does."""
@@ -65,7 +69,7 @@ class AsymmetricDamping(StateEffect):
                     "v0",
                     SPEEDS[0] * scale.v_max,
                     f"{scale.x_unit}/s",
-                    3e-3 * scale.v_max,
+                    SHARPEST_BEND * scale.v_max,
                     SMOOTHEST * scale.v_max,
                     "log",
                     meaning="speed at which the difference has come up",

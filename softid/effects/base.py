@@ -19,6 +19,18 @@ Step = Callable[[float, float, float, float, float, Any, Any], None]
 
 STAGES: tuple[Stage, ...] = ("input", "state", "output")
 
+LEAST_AMPLITUDE = 1e-6
+"""Lower bound of an amplitude on the logarithmic scale, which has no zero, as a share of a size
+that would be felt throughout: so little is lost in any noise."""
+
+MOST_LOST = 0.9
+"""Share of a stiffness, an inertia or a gain that an effect may take away at most: with a tenth
+left the law keeps its sign."""
+
+SHARPEST_BEND = 3e-3
+"""Lower bound of the speed or distance over which a law turns from one branch to the other, as a
+share of the largest: a motion passes so little within a few samples, and a log sees a jump."""
+
 
 @dataclass(frozen=True)
 class Scale:
@@ -38,7 +50,7 @@ class Scale:
     force
         Span of the elastic force over the range of positions.
     y_low, y_high
-        Range of the first output as it is simulated, without a sensor zero.
+        Range of the first output as it is recorded.
     period_s, duration_s
         Median sampling interval, and the length of the longest log.
     motion_s

@@ -16,8 +16,14 @@ from softid.parameters import Parameter, ParameterSet
 Array = npt.NDArray[np.float64]
 
 LARGEST = 0.05
+"""Bound of the relative rate: clocks that run farther apart were given a wrong period, which is to
+be mended in the log."""
+
 START_SHIFTS = (0.2, 1.0)
-"""Bound of the relative rate, and shifts at the end of the log for the starts, in motion times."""
+"""Shifts at the end of the log for the starts, in motion times."""
+
+START_SHARE = 0.5
+"""The starts' largest share of the bound, at which a search would be held."""
 
 
 @dataclass(frozen=True)
@@ -89,4 +95,6 @@ class ClockRate(OutputEffect):
 
 def _rates(scale: Scale) -> tuple[float, ...]:
     slowest_s = max(scale.motion_s, scale.period_s)
-    return tuple(min(shift * slowest_s / scale.duration_s, 0.5 * LARGEST) for shift in START_SHIFTS)
+    return tuple(
+        min(shift * slowest_s / scale.duration_s, START_SHARE * LARGEST) for shift in START_SHIFTS
+    )

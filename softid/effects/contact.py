@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, Scale, StateEffect
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 
@@ -24,6 +24,11 @@ BOUNCE = 4.0
 largest speed covers in a second: the steps then err by less than 1e-4 up to kw = 100 Q."""
 
 PLACES = (0.35, 0.6, 0.8, 0.92)
+"""Starts of the place, in the upper two thirds of the range of positions."""
+
+STIFFEST = 100.0
+"""Largest stiffness, in those of the actuator: a stiffer obstacle gives way by less than a
+hundredth of what the actuator would move without it."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +66,8 @@ class Contact(StateEffect):
                     "kw",
                     stiffness,
                     f"{scale.force_unit}/{scale.x_unit}",
-                    1e-6 * stiffness,
-                    100.0 * stiffness,
+                    LEAST_AMPLITUDE * stiffness,
+                    STIFFEST * stiffness,
                     "log",
                     meaning="stiffness of what is touched",
                     source=self.source,

@@ -10,26 +10,44 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, Scale, StateEffect
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
 SHARE = 0.05
+"""Start of the friction, as a share of the elastic force."""
+
+LARGEST = 3.0
+"""Bound of the friction, in elastic forces. Friction above one holds the actuator everywhere; but
+the elastic force is that of a base without friction, whose force may be too small."""
+
 TURN = 0.8
+"""Rate that the steps resolve while the speed goes through ±vs, in ranges of positions that the
+largest speed covers in a second, times v_max/vs."""
+
 SHARP = 190.0
+"""Largest v_max/vs. Near a turn the friction changes within a time that goes with vs; a sharper one
+is a jump for the steps, and its errors at the turns would be false optima."""
+
 LARGE = 0.05
-"""Near a turn the friction changes within a time that goes with vs; beyond vs = v_max/`SHARP` it is
-a jump for the steps, whose error goes with their square and with the force, and stops growing at a
-friction of `LARGE` of the elastic force, where the motion begins to stick. No sharper one is looked
-for: its errors at the turns would be false optima."""
+"""Share of the elastic force from which on friction makes the motion stick. The error of the steps
+at a jump goes with their square and with the friction up to there, and then stops growing."""
 
 SMOOTHEST = 0.3
 """Share of the largest speed up to which friction is dry; what comes up more slowly is damping."""
 
 SPEEDS = (0.01, 0.06)
+"""Starts of vs, as shares of the largest speed."""
+
+EXCESS = (1e-3, 0.5, 5.0)
+"""Bounds and start of the share by which friction is larger at low speed. Static friction is seldom
+twice the sliding one; the upper bound leaves room where no speed is low enough to show all of
+it."""
+
 STRIBECK_SPEEDS = (0.03, 0.1)
+"""Starts of vb, as shares of the largest speed."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +85,8 @@ class CoulombFriction(StateEffect):
                     "Fc",
                     SHARE * scale.force,
                     scale.force_unit,
-                    1e-6 * scale.force,
-                    3.0 * scale.force,
+                    LEAST_AMPLITUDE * scale.force,
+                    LARGEST * scale.force,
                     "log",
                     meaning="force of dry friction",
                     source=self.source,
@@ -132,10 +150,10 @@ class StribeckFriction(CoulombFriction):
                 *super().parameters(scale).values(),
                 Parameter(
                     "beta",
-                    0.5,
+                    EXCESS[1],
                     "1",
-                    1e-3,
-                    5.0,
+                    EXCESS[0],
+                    EXCESS[2],
                     "log",
                     meaning="share by which friction is larger at low speed",
                     source=self.source,
@@ -144,7 +162,7 @@ class StribeckFriction(CoulombFriction):
                     "vb",
                     STRIBECK_SPEEDS[1] * scale.v_max,
                     f"{scale.x_unit}/s",
-                    3e-3 * scale.v_max,
+                    SHARPEST_BEND * scale.v_max,
                     scale.v_max,
                     "log",
                     meaning="speed at which the excess has gone",
@@ -156,7 +174,7 @@ class StribeckFriction(CoulombFriction):
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Those of dry friction with two Stribeck speeds."""
         return tuple(
-            {**start, "beta": 0.5, "vb": share * scale.v_max}
+            {**start, "beta": EXCESS[1], "vb": share * scale.v_max}
             for start, share in zip(super().starts(scale), STRIBECK_SPEEDS, strict=True)
         )
 

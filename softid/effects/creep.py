@@ -6,12 +6,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, Scale, StateEffect
+from softid.effects.time_constants import SETTLING_PERIODS, start_times, time_bounds
 from softid.kernels.terms import FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
 
-STIFFNESS_SHARES = 0.2
+SHARE = 0.2
+"""Start of the stiffness that relaxes, in those of the actuator."""
+
+STIFFEST = 30.0
+"""Largest stiffness that relaxes, in those of the actuator: a thirtieth of what a sudden force
+meets is then left at rest."""
+
+LONGEST_SHARE = 1.0
+"""Longest relaxation as a share of the log: one that takes longer is a drift in it."""
+
 TIMES = (0.03, 0.1, 0.3)
+"""Starts of the time, as shares of the log."""
 
 
 @dataclass(frozen=True)
@@ -47,16 +58,15 @@ class Creep(StateEffect):
     def parameters(self, scale: Scale) -> ParameterSet:
         """Stiffness k that relaxes, and the time τ in which it does."""
         stiffness = scale.force / scale.x_span
-        shortest = 5.0 * scale.period_s
-        longest = max(scale.duration_s, 10.0 * shortest)
+        shortest, longest = time_bounds(scale, periods=SETTLING_PERIODS, share=LONGEST_SHARE)
         return ParameterSet(
             (
                 Parameter(
                     "k",
-                    STIFFNESS_SHARES * stiffness,
+                    SHARE * stiffness,
                     f"{scale.force_unit}/{scale.x_unit}",
-                    1e-6 * stiffness,
-                    30.0 * stiffness,
+                    LEAST_AMPLITUDE * stiffness,
+                    STIFFEST * stiffness,
                     "log",
                     meaning="stiffness that relaxes",
                     source=self.source,
@@ -75,17 +85,10 @@ class Creep(StateEffect):
         )
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Times from a few of the motion's own to a third of the log."""
+        """Times from a thirtieth to a third of the log."""
         declared = self.parameters(scale)
-        return tuple(
-            {
-                "k": declared["k"].value,
-                "tau": min(
-                    max(share * scale.duration_s, declared["tau"].lower), declared["tau"].upper
-                ),
-            }
-            for share in TIMES
-        )
+        times = start_times(declared["tau"], scale, TIMES)
+        return tuple({"k": declared["k"].value, "tau": tau} for tau in times)
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:

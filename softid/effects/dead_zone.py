@@ -15,9 +15,14 @@ from softid.parameters import Parameter, ParameterSet
 Array = npt.NDArray[np.float64]
 
 LARGEST_SHARE = 0.6
+"""Bound of the threshold in the range of the input: above it too little of a log would move."""
+
 START_SHARES = (0.05, 0.15, 0.4)
+"""Starts of the threshold in the range of the input."""
+
 SOFTNESS = (0.02, 0.1, 0.5)
-"""Bounds and usual value of the width of the bend over the threshold."""
+"""Bounds and start of the width of the bend over the threshold. A sharper bend is a corner to every
+log; a softer one reaches down to no input at all, and is no threshold."""
 
 
 @dataclass(frozen=True)

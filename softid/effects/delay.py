@@ -10,13 +10,24 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
+from softid.effects.time_constants import first_time
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
 LONGEST_S = 1.0
+"""Longest delay: valves, controllers and buses take less, and clocks that are farther apart are
+seen by eye."""
+
 LONGEST_SHARE = 0.1
-"""Longest delay, in seconds and as a share of the log."""
+"""Longest delay as a share of the log, of which nothing is known for as long at its beginning."""
+
+USUAL_PERIODS = 4.0
+"""A moderate delay, in sampling intervals."""
+
+LAST_SHARE = 0.5
+"""The longest start, as a share of the longest delay: a search from the bound would be held
+there."""
 
 SHARP = 0.02
 """Neighbouring times that are so much closer than others hold a jump between them."""
@@ -56,7 +67,7 @@ class Delay(InputEffect):
             (
                 Parameter(
                     "tau",
-                    min(4.0 * scale.period_s, 0.5 * longest),
+                    min(USUAL_PERIODS * scale.period_s, LAST_SHARE * longest),
                     "s",
                     0.0,
                     longest,
@@ -69,8 +80,8 @@ class Delay(InputEffect):
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """From two samples to half of the longest delay."""
         longest = self.parameters(scale)["tau"].upper
-        shortest = min(2.0 * scale.period_s, 0.1 * longest)
-        return tuple({"tau": float(t)} for t in np.geomspace(shortest, 0.5 * longest, 4))
+        shortest = first_time(scale, longest)
+        return tuple({"tau": float(t)} for t in np.geomspace(shortest, LAST_SHARE * longest, 4))
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The straight-line input, read τ earlier; its means where it jumps.

@@ -9,18 +9,30 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, Scale, StateEffect
 from softid.kernels.terms import FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
 SHARE = 0.05
+"""Start of the half height, as a share of the elastic force."""
+
+LARGEST = 10.0
+"""Bound of the half height, in elastic forces. One as high as the elastic force holds the actuator
+wherever it turns; but the elastic force is that of a base without the loop, and may be too
+small."""
+
+LONGEST = 0.6
+"""Longest zs in ranges of positions: over a longer one the branch has not arrived at the end of the
+range, and the law is nearly a spring."""
+
 TURN = 8.0
 """Rate that the steps resolve where the loop is as steep as the spring, in ranges of positions that
 the largest speed covers in a second; the corner of |v| at a turn asks for more than smooth laws."""
 
 DISTANCES = (0.01, 0.05, 0.25)
+"""Starts of zs in ranges of positions."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +72,8 @@ class Hysteresis(StateEffect):
                     "alpha",
                     SHARE * scale.force,
                     scale.force_unit,
-                    1e-6 * scale.force,
-                    10.0 * scale.force,
+                    LEAST_AMPLITUDE * scale.force,
+                    LARGEST * scale.force,
                     "log",
                     meaning="force by which the branches lie off the middle",
                     source=self.source,
@@ -70,8 +82,8 @@ class Hysteresis(StateEffect):
                     "zs",
                     DISTANCES[1] * scale.x_span,
                     scale.x_unit,
-                    3e-3 * scale.x_span,
-                    0.6 * scale.x_span,
+                    SHARPEST_BEND * scale.x_span,
+                    LONGEST * scale.x_span,
                     "log",
                     meaning="distance over which one branch turns into the other",
                     source=self.source,

@@ -6,13 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import MOST_LOST, Scale, StateEffect
 from softid.kernels.terms import INERTIA
 from softid.parameters import Parameter, ParameterSet
 
-LIGHTEST = 0.9
 HEAVIEST = 10.0
+"""Largest gain, in times the inertia without input: with more, hardly anything but the fluid
+moves."""
+
 SHARE = 0.3
+"""Start of the gain at the largest input."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +51,9 @@ class PressureMass(StateEffect):
         reach = max(abs(scale.u_low), abs(scale.u_high))
         largest, smallest = HEAVIEST / reach, -HEAVIEST / reach
         if scale.u_low < 0.0:
-            largest = min(largest, -LIGHTEST / scale.u_low)
+            largest = min(largest, -MOST_LOST / scale.u_low)
         if scale.u_high > 0.0:
-            smallest = max(smallest, -LIGHTEST / scale.u_high)
+            smallest = max(smallest, -MOST_LOST / scale.u_high)
         return ParameterSet(
             (
                 Parameter(

@@ -8,15 +8,26 @@ from collections.abc import Mapping
 import numpy as np
 
 from softid.effects.base import Scale
+from softid.effects.time_constants import first_time, last_time
 from softid.parameters import Parameter, ParameterSet
 
 SHORTEST_PERIODS = 4.0
+"""Shortest ringing period in sampling intervals: what rings faster is not told from what the input
+does between two samples."""
+
 LONGEST_SHARE = 0.25
-"""Bounds of the ringing period, in sampling intervals and as a share of the log. What rings faster
-is not told from what the input does between two samples."""
+"""Longest ringing period as a share of the log, which then holds four of them."""
 
 ZETA = (0.02, 3.0)
+"""Bounds of the damping ratio. At the lower one a ring takes nine periods to fall to a third; air
+in a tube and soft mounts are damped more. At the upper one the two time constants are as 34 to 1,
+and the law is the lag of the larger."""
+
 START_ZETA = 0.2
+"""A step overshoots by half."""
+
+START_PERIODS = 6.0
+"""Shortest start in sampling intervals, clear of the bound."""
 
 
 def ringing_parameters(scale: Scale, *, what: str, source: str) -> ParameterSet:
@@ -90,7 +101,7 @@ def as_lag(values: Mapping[str, float]) -> Mapping[str, float] | None:
 
 def _periods(scale: Scale) -> tuple[float, ...]:
     longest = 0.5 * LONGEST_SHARE * scale.duration_s
-    shortest = min(6.0 * scale.period_s, 0.1 * longest)
+    shortest = first_time(scale, longest, periods=START_PERIODS)
     shortest = max(shortest, SHORTEST_PERIODS * scale.period_s)
-    slowest = min(max(2.0 * scale.motion_s, 8.0 * shortest), longest)
+    slowest = last_time(2.0 * scale.motion_s, shortest, longest)
     return tuple(np.geomspace(shortest, slowest, 4).tolist())

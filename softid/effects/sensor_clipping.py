@@ -15,9 +15,16 @@ from softid.parameters import Parameter, ParameterSet
 Array = npt.NDArray[np.float64]
 
 DEEPEST = 0.7
+"""Deepest cut, as a share of the output's range: of a motion cut deeper little is left to fit."""
+
 BEYOND = 1.0
+"""How far beyond the range a limit may lie, in ranges; it cuts nothing there."""
+
 START_DEPTHS = (0.01, 0.1, 0.3)
-"""Deepest cut into the output's range, limit beyond it, and starts, as shares of the range."""
+"""Starts, as shares of the range."""
+
+START_PAIRS = ((0.01, 0.01), (0.1, 0.1), (0.3, 0.1), (0.1, 0.3))
+"""Starts of the upper and of the lower limit, as shares of the range."""
 
 
 @dataclass(frozen=True)
@@ -98,14 +105,13 @@ class BothSensorClipping(SensorClipping):
         return ParameterSet((_upper(scale, depth, self.source), _lower(scale, depth, self.source)))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Limits at equal depths, and one that cuts the upper end deeper."""
-        pairs = ((0.01, 0.01), (0.1, 0.1), (0.3, 0.1), (0.1, 0.3))
+        """Limits at equal depths, and two that cut one end deeper than the other."""
         return tuple(
             {
                 "upper": scale.y_high - above * scale.y_span,
                 "lower": scale.y_low + below * scale.y_span,
             }
-            for above, below in pairs
+            for above, below in START_PAIRS
         )
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:

@@ -14,6 +14,13 @@ from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
+LARGEST_SHARE = 2.0
+"""Bound of the drift over the longest log, in the output's ranges: what drifts by more than a range
+must be made up for by as large a motion the other way."""
+
+START_SHARE = 0.05
+"""Start of the drift, as a share of its bound."""
+
 
 @dataclass(frozen=True)
 class SensorDrift(OutputEffect):
@@ -32,13 +39,13 @@ class SensorDrift(OutputEffect):
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The rate d, at most the whole output span within the log."""
-        largest = 2.0 * scale.y_span / scale.duration_s
+        """The rate d, at most twice the output's range within the log."""
+        largest = LARGEST_SHARE * scale.y_span / scale.duration_s
         return ParameterSet(
             (
                 Parameter(
                     "rate",
-                    0.05 * largest,
+                    START_SHARE * largest,
                     f"{scale.y_unit}/s",
                     -largest,
                     largest,

@@ -9,13 +9,13 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import OutputEffect, Scale
+from softid.effects.base import MOST_LOST, OutputEffect, Scale
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
-LARGEST, SHARE = 0.9, 0.1
-"""Bound and start of the change of the gain over the log."""
+SHARE = 0.1
+"""Start of the change over the log."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ class SensorGainDrift(OutputEffect):
                     "g",
                     SHARE / scale.duration_s,
                     "1/s",
-                    -LARGEST / scale.duration_s,
-                    LARGEST / scale.duration_s,
+                    -MOST_LOST / scale.duration_s,
+                    MOST_LOST / scale.duration_s,
                     meaning="relative change of the gain in a second",
                     source=self.source,
                 ),

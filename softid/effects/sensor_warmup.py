@@ -10,18 +10,24 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import OutputEffect, Scale
+from softid.effects.time_constants import SETTLING_PERIODS, start_times, time_bounds
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
 LARGEST_SHARE = 1.0
-START_SHARE = 0.1
-"""Bound and start of the wander, as shares of the output's range."""
+"""Bound of the wander, as a share of the output's range: a sensor that wanders by more shows
+nothing else."""
 
-SHORTEST_PERIODS = 5.0
-LONGEST_DURATIONS = 2.0
+START_SHARE = 0.1
+"""Start of the wander, as a share of the output's range."""
+
+LONGEST_SHARE = 2.0
+"""Longest warm-up in logs: of a longer one a log holds less than 40 %, nearly a straight line,
+which is a drift."""
+
 TIMES = (0.05, 0.2, 0.6)
-"""Bounds of the warm-up time in sampling intervals and logs, and its starts in logs."""
+"""Starts of the warm-up time, as shares of the log."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +58,7 @@ class SensorWarmup(OutputEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The wander D, at most the output's range, and its time T, at most two logs."""
-        shortest = SHORTEST_PERIODS * scale.period_s
-        longest = max(LONGEST_DURATIONS * scale.duration_s, 10.0 * shortest)
+        shortest, longest = time_bounds(scale, periods=SETTLING_PERIODS, share=LONGEST_SHARE)
         return ParameterSet(
             (
                 Parameter(
@@ -81,14 +86,8 @@ class SensorWarmup(OutputEffect):
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Times from a twentieth to most of the log; the effect is linear in its size."""
         declared = self.parameters(scale)
-        time = declared["time"]
-        return tuple(
-            {
-                "size": declared["size"].value,
-                "time": min(max(share * scale.duration_s, time.lower), time.upper),
-            }
-            for share in TIMES
-        )
+        times = start_times(declared["time"], scale, TIMES)
+        return tuple({"size": declared["size"].value, "time": time} for time in times)
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """Add D (1 − e^{−t/T})."""

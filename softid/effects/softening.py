@@ -7,12 +7,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, MOST_LOST, Scale, StateEffect
 from softid.kernels.terms import RATE, STIFFNESS
 from softid.parameters import Parameter, ParameterSet
 
 SHARE = 0.1
+"""Start of the share of the stiffness that goes."""
+
 PATHS = (0.05, 0.2, 0.7)
+"""Starts of the path, as shares of the whole one."""
+
+SHORTEST, LONGEST = 0.01, 3.0
+"""Bounds of the path, as shares of the whole one. A softening that is sooner done has no samples;
+of one that takes longer the log holds a quarter, which is nearly in proportion to the path: how far
+it would go is not seen."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +60,8 @@ class Softening(StateEffect):
                     "s",
                     SHARE,
                     "1",
-                    1e-6,
-                    0.9,
+                    LEAST_AMPLITUDE,
+                    MOST_LOST,
                     "log",
                     meaning="share of the stiffness that is lost in the end",
                     source=self.source,
@@ -62,8 +70,8 @@ class Softening(StateEffect):
                     "W0",
                     PATHS[1] * scale.travel,
                     scale.x_unit,
-                    0.01 * scale.travel,
-                    3.0 * scale.travel,
+                    SHORTEST * scale.travel,
+                    LONGEST * scale.travel,
                     "log",
                     meaning="path over which it is lost",
                     source=self.source,

@@ -12,11 +12,15 @@ from softid.kernels.terms import SHIFT
 from softid.parameters import Parameter, ParameterSet
 
 KNOTS = 6
+"""Enough for a bow, an S and a W, and few enough that held levels determine each value."""
+
 LAST = KNOTS - 1
 NAMES = tuple(f"k{i + 1}" for i in range(1, KNOTS))
 """Of the knots behind the first."""
 
 SHARE = 0.05
+"""Size of the starts, as a share of the range of positions."""
+
 LEVELLING = 0.5
 """Distance, in knots, over which the curve levels off outside the range of the knots."""
 

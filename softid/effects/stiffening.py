@@ -14,7 +14,11 @@ SOFTEST = -0.3
 """At −1/3 the spring would have no stiffness left at the end of the range of positions."""
 
 STIFFEST = 10.0
+"""At the end of the range of positions the force is eleven times that of the spring alone; what
+grows more steeply is an obstacle."""
+
 SHARES = (0.1, -0.1)
+"""Starts, both in the k3 that doubles the force at the end of the range of positions."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,6 @@ class Stiffening(StateEffect):
 
 
 def _natural(scale: Scale) -> float:
-    """The k3 that doubles the stiffness at the largest position."""
+    """The k3 that doubles the force at the largest position."""
     reach = max(abs(scale.x_low), abs(scale.x_high))
     return scale.force / scale.x_span / reach**2

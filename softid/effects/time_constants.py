@@ -1,14 +1,97 @@
-"""Bounds and plausible values of the time constants of lags."""
+"""Bounds and plausible values of the times of lags, relaxations and delays."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from softid.effects.base import Scale
+from softid.parameters import Parameter
 
 SHORTEST_PERIODS = 1e-3
+"""Shortest lag in sampling intervals: it stands for none, which the logarithmic scale has not."""
+
 LONGEST_SHARE = 0.25
-"""Bounds of the time constant, in sampling intervals and as a share of the log."""
+"""Longest lag as a share of the log, which then holds four of them: it has settled before the
+end."""
+
+SETTLING_PERIODS = 5.0
+"""Shortest relaxation in sampling intervals: one that is over sooner is part of the motion."""
+
+LEAST_FACTOR = 10.0
+"""Between both bounds of a time, that a search has some way even in a log of a few samples."""
+
+FIRST_PERIODS = 2.0
+"""Starts begin at a time that two samples just show."""
+
+FIRST_SHARE = 0.1
+"""In a short log they begin at so large a share of the longest time instead, to be spread at
+all."""
+
+SPREAD = 8.0
+"""From the first to the last start at least, where the motion is quick."""
+
+
+def time_bounds(scale: Scale, *, periods: float, share: float) -> tuple[float, float]:
+    """Shortest and longest time, in seconds, that an effect may take.
+
+    Parameters
+    ----------
+    scale
+        Sizes of the logs.
+    periods
+        The shortest in sampling intervals.
+    share
+        The longest as a share of the longest log.
+    """
+    shortest = periods * scale.period_s
+    return shortest, max(share * scale.duration_s, LEAST_FACTOR * shortest)
+
+
+def start_times(time: Parameter, scale: Scale, shares: Sequence[float]) -> tuple[float, ...]:
+    """Starts of a time, in seconds, within its bounds.
+
+    Parameters
+    ----------
+    time
+        The parameter as it is declared.
+    scale
+        Sizes of the logs.
+    shares
+        The starts as shares of the longest log.
+    """
+    return tuple(min(max(share * scale.duration_s, time.lower), time.upper) for share in shares)
+
+
+def first_time(scale: Scale, longest: float, *, periods: float = FIRST_PERIODS) -> float:
+    """Time, in seconds, of the shortest start.
+
+    Parameters
+    ----------
+    scale
+        Sizes of the logs.
+    longest
+        The longest start, in seconds.
+    periods
+        It in sampling intervals, where the log is long enough.
+    """
+    return min(periods * scale.period_s, FIRST_SHARE * longest)
+
+
+def last_time(slowest_s: float, first_s: float, longest_s: float) -> float:
+    """Time, in seconds, of the longest start.
+
+    Parameters
+    ----------
+    slowest_s
+        What the motion suggests.
+    first_s
+        The shortest start.
+    longest_s
+        What it may not exceed.
+    """
+    return min(max(slowest_s, SPREAD * first_s), longest_s)
 
 
 def lag_bounds(scale: Scale) -> tuple[float, float]:
@@ -19,8 +102,7 @@ def lag_bounds(scale: Scale) -> tuple[float, float]:
     scale
         Sizes of the logs.
     """
-    shortest = SHORTEST_PERIODS * scale.period_s
-    return shortest, max(LONGEST_SHARE * scale.duration_s, 10.0 * shortest)
+    return time_bounds(scale, periods=SHORTEST_PERIODS, share=LONGEST_SHARE)
 
 
 def lag_times(scale: Scale) -> tuple[float, ...]:
@@ -32,6 +114,6 @@ def lag_times(scale: Scale) -> tuple[float, ...]:
         Sizes of the logs.
     """
     _, longest = lag_bounds(scale)
-    shortest = min(2.0 * scale.period_s, 0.1 * longest)
-    slowest = min(max(scale.motion_s, 8.0 * shortest), longest)
+    shortest = first_time(scale, longest)
+    slowest = last_time(scale.motion_s, shortest, longest)
     return tuple(np.geomspace(shortest, slowest, 3).tolist())

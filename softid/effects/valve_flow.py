@@ -17,6 +17,8 @@ from softid.parameters import Parameter, ParameterSet
 Array = npt.NDArray[np.float64]
 
 ATMOSPHERE_KPA = 101.325
+"""Standard atmosphere, to which a recorded pressure is added."""
+
 LOWEST_SHARE = 0.01
 """Lowest absolute pressure, in atmospheres: noise below a vacuum is no pressure."""
 
@@ -24,7 +26,8 @@ TOLERANCE = 1e-9
 """Error allowed per step of the integration, as a share of the input's range."""
 
 CRITICAL = (0.1, 0.3, 0.528)
-"""Bounds and usual value of the critical ratio; 0.528 is an ideal nozzle's."""
+"""Bounds and start of the critical ratio: 0.528 is an ideal nozzle's, and a long tube or several
+restrictions in a row come down to a tenth."""
 
 
 @dataclass(frozen=True)
