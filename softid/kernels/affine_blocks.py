@@ -20,12 +20,17 @@ from numba import njit
 from softid.kernels.affine_steps import (
     FIRST_STAGE,
     SECOND_STAGE,
-    radau_inverse,
+    Places,
+    dot,
+    inlined,
+    line,
     radau_map,
     radau_sums,
+    radau_velocities,
     rk4_end,
     rk4_map,
     rk4_sums,
+    times,
 )
 from softid.kernels.exponential import NO_REORDERING, exponential
 
@@ -158,6 +163,18 @@ def fill_from_stages(w: Array, law: int, theta: Array) -> None:
                 w[at + _E2 + i], w[at + _D2 + i] = e2, u * e2
 
 
+@inlined
+def _rk4_places(w, what, i):  # type: ignore[no-untyped-def]
+    """E₁, E₂ or a slope at the start, the middle and the end of step ``i``."""
+    return Places(w[_START + what + i], w[_INNER + what + i], w[_START + what + i + LANES])
+
+
+@inlined
+def _radau_places(w, what, i):  # type: ignore[no-untyped-def]
+    """E₁, E₂ or a slope at the three stages of step ``i``."""
+    return Places(w[_INNER + what + i], w[_OUTER + what + i], w[_START + what + i + LANES])
+
+
 @njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def run_rk4(w: Array, theta: Array) -> None:
     """Every stretch from zero, with its propagator, by the Runge–Kutta rule."""
@@ -168,15 +185,10 @@ def run_rk4(w: Array, theta: Array) -> None:
             i = j * LANES + lane
             k = i + LANES
             h = w[STEP + i]
-            e0, e1, e2 = w[_START + _E1 + i], w[_INNER + _E1 + i], w[_START + _E1 + k]
-            n0 = a2 * w[_START + _E2 + i] + c2
-            n1 = a2 * w[_INNER + _E2 + i] + c2
-            n2 = a2 * w[_START + _E2 + k] + c2
-            q0, q1, q2 = a1 * e0 + c1, a1 * e1 + c1, a1 * e2 + c1
-            xx, xv, vx, vv = rk4_map(h, n0, q0, n1, q1, n2, q2)
-            x, v = rk4_end(
-                h, n0, q0, e0 * over, n1, q1, e1 * over, n2, q2, e2 * over, w[X + i], w[V + i]
-            )
+            e = _rk4_places(w, _E1, i)
+            n, q = line(a2, _rk4_places(w, _E2, i), c2), line(a1, e, c1)
+            xx, xv, vx, vv = rk4_map(h, n, q)
+            x, v = rk4_end(h, n, q, times(e, over), w[X + i], w[V + i])
             w[X + k], w[V + k] = x, v
             w[_XX + i], w[_XV + i], w[_VX + i], w[_VV + i] = xx, xv, vx, vv
             pxx, pxv, pvx, pvv = w[_PXX + i], w[_PXV + i], w[_PVX + i], w[_PVV + i]
@@ -195,16 +207,14 @@ def run_radau(w: Array, theta: Array) -> None:
             i = j * LANES + lane
             k = i + LANES
             h = w[STEP + i]
-            e0, e1, e2 = w[_INNER + _E1 + i], w[_OUTER + _E1 + i], w[_START + _E1 + k]
-            n0 = a2 * w[_INNER + _E2 + i] + c2
-            n1 = a2 * w[_OUTER + _E2 + i] + c2
-            n2 = a2 * w[_START + _E2 + k] + c2
-            q0, q1, q2 = a1 * e0 + c1, a1 * e1 + c1, a1 * e2 + c1
-            g = radau_inverse(h, m, n0, q0, n1, q1, n2, q2)
-            xx, xv, vx, vv, x0, x1, x2 = radau_map(h, m, q0, q1, q2, g)
+            e = _radau_places(w, _E1, i)
+            n, q = line(a2, _radau_places(w, _E2, i), c2), line(a1, e, c1)
+            g = radau_velocities(h, m, n, q)
+            (xx, xv, vx, vv), (x0, x1, x2) = radau_map(h, m, q, g)
+            (e0, e1, e2), (v0, v1, v2) = e, g.third
             x, v = w[X + i], w[V + i]
             w[X + k] = xx * x + xv * v + x0 * e0 + x1 * e1 + x2 * e2
-            w[V + k] = vx * x + vv * v + g[6] * e0 + g[7] * e1 + g[8] * e2
+            w[V + k] = vx * x + vv * v + v0 * e0 + v1 * e1 + v2 * e2
             w[_XX + i], w[_XV + i], w[_VX + i], w[_VV + i] = xx, xv, vx, vv
             pxx, pxv, pvx, pvv = w[_PXX + i], w[_PXV + i], w[_PVX + i], w[_PVV + i]
             w[_PXX + k] = xx * pxx + xv * pvx
@@ -240,33 +250,38 @@ def join_states(w: Array, state: Array) -> None:
         w[V + i] += w[_PVX + i] * w[_ROW_X + i] + w[_PVV + i] * w[_ROW_V + i]
 
 
-@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
+@inlined
 def _pushes(s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
-    """What a change of each parameter pushes, from the ten sums of one component of the state."""
-    b0, b1, b2, x0, x1, x2, v0, v1, v2, a = s
+    """What a change of each parameter pushes, from the `StageSums` of one component of the state.
+
+    ``e``, ``d``, ``f`` and ``g`` are E₁, ∂E₁/∂b1, E₂ and ∂E₂/∂b2.
+    """
+    b, x, v = s.answer, s.by_x, s.by_v
     return (
-        -a,
-        -(e[0] * x0 + e[1] * x1 + e[2] * x2),
-        d[0] * (b0 - a1 * x0) + d[1] * (b1 - a1 * x1) + d[2] * (b2 - a1 * x2),
-        -(x0 + x1 + x2),
-        -(f[0] * v0 + f[1] * v1 + f[2] * v2),
-        -a2 * (g[0] * v0 + g[1] * v1 + g[2] * v2),
-        -(v0 + v1 + v2),
+        -s.by_a,
+        -dot(e, x),
+        d.first * (b.first - a1 * x.first)
+        + d.second * (b.second - a1 * x.second)
+        + d.third * (b.third - a1 * x.third),
+        -(x.first + x.second + x.third),
+        -dot(f, v),
+        -a2 * dot(g, v),
+        -(v.first + v.second + v.third),
     )
 
 
-@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
+@inlined
 def _advance(w, at, speed, xx, xv, vx, vv, push_x, push_v):  # type: ignore[no-untyped-def]
     sx, sv = w[at], w[speed]
     w[at + LANES] = xx * sx + xv * sv + push_x
     w[speed] = vx * sx + vv * sv + push_v
 
 
-@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
+@inlined
 def _advance_all(w, i, lane, s, e, d, f, g, a1, a2):  # type: ignore[no-untyped-def]
     xx, xv, vx, vv = w[_XX + i], w[_XV + i], w[_VX + i], w[_VV + i]
-    px = _pushes(s[:10], e, d, f, g, a1, a2)
-    pv = _pushes(s[10:], e, d, f, g, a1, a2)
+    px = _pushes(s[0], e, d, f, g, a1, a2)
+    pv = _pushes(s[1], e, d, f, g, a1, a2)
     at, speed = BY + i, _BY_V + lane
     _advance(w, at + 0 * POINTS, speed + 0 * LANES, xx, xv, vx, vv, px[0], pv[0])
     _advance(w, at + 1 * POINTS, speed + 1 * LANES, xx, xv, vx, vv, px[1], pv[1])
@@ -286,19 +301,11 @@ def differentiate_rk4(w: Array, theta: Array) -> None:
     for j in range(ROWS):
         for lane in range(LANES):
             i = j * LANES + lane
-            k = i + LANES
             h = w[STEP + i]
-            e = w[_START + _E1 + i], w[_INNER + _E1 + i], w[_START + _E1 + k]
-            d = w[_START + _D1 + i], w[_INNER + _D1 + i], w[_START + _D1 + k]
-            f = w[_START + _E2 + i], w[_INNER + _E2 + i], w[_START + _E2 + k]
-            g = w[_START + _D2 + i], w[_INNER + _D2 + i], w[_START + _D2 + k]
-            s = rk4_sums(
-                h, over,
-                a2m * f[0] + c2m, a1m * e[0] + c1m, e[0] * over,
-                a2m * f[1] + c2m, a1m * e[1] + c1m, e[1] * over,
-                a2m * f[2] + c2m, a1m * e[2] + c1m, e[2] * over,
-                w[X + i], w[V + i],
-            )  # fmt: skip
+            e, d = _rk4_places(w, _E1, i), _rk4_places(w, _D1, i)
+            f, g = _rk4_places(w, _E2, i), _rk4_places(w, _D2, i)
+            n, q = line(a2m, f, c2m), line(a1m, e, c1m)
+            s = rk4_sums(h, over, n, q, times(e, over), w[X + i], w[V + i])
             _advance_all(w, i, lane, s, e, d, f, g, a1, a2)
 
 
@@ -310,20 +317,13 @@ def differentiate_radau(w: Array, theta: Array) -> None:
     for j in range(ROWS):
         for lane in range(LANES):
             i = j * LANES + lane
-            k = i + LANES
             h = w[STEP + i]
-            e = w[_INNER + _E1 + i], w[_OUTER + _E1 + i], w[_START + _E1 + k]
-            d = w[_INNER + _D1 + i], w[_OUTER + _D1 + i], w[_START + _D1 + k]
-            f = w[_INNER + _E2 + i], w[_OUTER + _E2 + i], w[_START + _E2 + k]
-            g = w[_INNER + _D2 + i], w[_OUTER + _D2 + i], w[_START + _D2 + k]
-            q0, q1, q2 = a1 * e[0] + c1, a1 * e[1] + c1, a1 * e[2] + c1
-            inverse = radau_inverse(
-                h, m, a2 * f[0] + c2, q0, a2 * f[1] + c2, q1, a2 * f[2] + c2, q2
-            )
-            found = radau_map(h, m, q0, q1, q2, inverse)
-            s = radau_sums(
-                h, m, q0, e[0], q1, e[1], q2, e[2], inverse, found[4:], w[X + i], w[V + i]
-            )
+            e, d = _radau_places(w, _E1, i), _radau_places(w, _D1, i)
+            f, g = _radau_places(w, _E2, i), _radau_places(w, _D2, i)
+            q = line(a1, e, c1)
+            velocities = radau_velocities(h, m, line(a2, f, c2), q)
+            _, on_x = radau_map(h, m, q, velocities)
+            s = radau_sums(h, m, q, e, velocities, on_x, w[X + i], w[V + i])
             _advance_all(w, i, lane, s, e, d, f, g, a1, a2)
 
 
@@ -366,7 +366,7 @@ def join_derivatives(w: Array, tangent: Array) -> None:
             _join(w, at + 8 * POINTS, lane + 8 * LANES, xx, xv, 0.0)
 
 
-@njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)
+@inlined
 def _join(w, at, start, xx, xv, own):  # type: ignore[no-untyped-def]
     w[at] = own + xx * w[_STARTS_X + start] + xv * w[_STARTS_V + start]
 
