@@ -10,7 +10,7 @@ import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.refit.held_out import HeldOut, hold_out_blocks
+from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, hold_out_blocks
 from softid.effects.base import Scale
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.levenberg_marquardt import Minimum, Normal
@@ -215,7 +215,7 @@ class Request:
         )
         candidate = _candidate(identified, self.model)
         scale = scale_of(candidate.problem, candidate.minimum.point)
-        held_out = held or HeldOut(identified.hold_out)
+        held_out = held or HeldOutLogs(identified.hold_out)
         return BaseFit(identified, candidate, scale, held_out, self.instead_of)
 
 

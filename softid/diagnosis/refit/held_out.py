@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +14,6 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
 from softid.log import Log, LogSet
-from softid.uncertainty.student import student_quantile
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -28,68 +29,86 @@ GOLDEN_RATIO = 0.618
 """Each fifth of the log has its block elsewhere, so that the blocks do not fall on the same part of
 every cycle."""
 
-DRAWS = 999
-BOOTSTRAP_BLOCKS = 24
-"""Blocks into which held-out samples fall for the interval of the gain."""
-
 NO_WORSE, BETTER = 1.02, 0.998
 """A held-out error counts as no worse than another up to a fiftieth above it, and as better from
 two thousandths below it."""
 
 
-@dataclass(frozen=True, eq=False)
-class HeldOut:
-    """The samples that judge and are not fitted.
+class HeldOutErrors(NamedTuple):
+    """What a model leaves of one output channel of one log or segment.
 
     Attributes
     ----------
-    logs
-        Held-out logs; empty when blocks are held out.
-    whole
-        The fitted logs with their blocks, when blocks are held out.
-    blocks
-        Which samples of each of them are held out.
+    log, channel
+        Where.
+    measured, residual
+        Measured values and residual at the held-out samples, each of shape (m,).
     """
 
-    logs: tuple[Log, ...]
-    whole: tuple[Log, ...] = ()
-    blocks: tuple[BoolArray, ...] = ()
+    log: str
+    channel: str
+    measured: Array
+    residual: Array
 
-    def errors(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
-        """Measured values and residual at the held-out samples.
+
+class HeldOut(ABC):
+    """The samples that judge and are not fitted."""
+
+    @abstractmethod
+    def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
+        """Measured values and residual at all held-out samples.
 
         Parameters
         ----------
         candidate
             A fit to the rest.
-
-        Returns
-        -------
-        list
-            (log, channel, measured, residual), the arrays of shape (m,).
         """
-        if self.logs:
-            return self._on_logs(candidate)
-        return self._in_blocks(candidate)
+
+    def judging(self, candidate: Candidate) -> list[HeldOutErrors]:
+        """The same at the samples that can judge, which all can unless said otherwise.
+
+        Parameters
+        ----------
+        candidate
+            A fit to the rest.
+        """
+        return self.errors(candidate)
 
     def first_errors(self, candidate: Candidate) -> Array:
         """Residuals of the first output at all held-out samples, shape (m,)."""
         return _joined(self.errors(candidate), candidate)
 
     def rms(self, candidate: Candidate) -> float:
-        """Root mean square of the first output's residual over what can judge.
-
-        Of other logs that are the samples whose input lies within the range that was fitted, if
-        there are any: beyond it no law of the curve is known.
-        """
-        errors = self._on_logs(candidate, _fitted_range(candidate)) if self.logs else []
-        joined = _joined(errors or self.errors(candidate), candidate)
+        """Root mean square of the first output's residual over what can judge; NaN for nothing."""
+        joined = _joined(self.judging(candidate), candidate)
         return float(np.sqrt(np.mean(joined**2))) if joined.size else float("nan")
 
-    def _on_logs(
-        self, candidate: Candidate, within: tuple[float, float] = (-np.inf, np.inf)
-    ) -> list[tuple[str, str, Array, Array]]:
-        """Of the samples whose input lies within limits; no row where there are none."""
+
+@dataclass(frozen=True, eq=False)
+class HeldOutLogs(HeldOut):
+    """Other logs than the fitted ones; each has a sensor zero and an initial state of its own.
+
+    Attributes
+    ----------
+    logs
+        The logs.
+    """
+
+    logs: tuple[Log, ...]
+
+    def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
+        """At all samples of the logs; see `HeldOut.errors`."""
+        return self._within((-np.inf, np.inf), candidate)
+
+    def judging(self, candidate: Candidate) -> list[HeldOutErrors]:
+        """At the samples whose input lies within the range that was fitted, if there are any.
+
+        Beyond it no law of the curve is known.
+        """
+        return self._within(_fitted_range(candidate), candidate) or self.errors(candidate)
+
+    def _within(self, limits: tuple[float, float], candidate: Candidate) -> list[HeldOutErrors]:
+        """At the samples whose input lies within limits; no row where there are none."""
         model = candidate.problem.model
         fixed = model.parameters().with_fixed(candidate.parameters)
         problem = Problem(model, fixed, self.logs)
@@ -99,13 +118,29 @@ class HeldOut:
             segment = problem.segments[block.segment]
             used = segment.used[block.channel]
             measured, u = segment.outputs[block.channel][used], segment.input[used]
-            judges = (u >= within[0]) & (u <= within[1])
+            judges = (u >= limits[0]) & (u <= limits[1])
             if judges.any():
                 row = (measured[judges], block.residual[judges])
-                found.append((segment.log_name, block.channel, *row))
+                found.append(HeldOutErrors(segment.log_name, block.channel, *row))
         return found
 
-    def _in_blocks(self, candidate: Candidate) -> list[tuple[str, str, Array, Array]]:
+
+@dataclass(frozen=True, eq=False)
+class HeldOutBlocks(HeldOut):
+    """Blocks of the fitted logs.
+
+    Attributes
+    ----------
+    whole
+        The fitted logs with their blocks.
+    blocks
+        Which samples of each of them are held out.
+    """
+
+    whole: tuple[Log, ...]
+    blocks: tuple[BoolArray, ...]
+
+    def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
         """From the initial states of the fit: without the mask another start may count as rest.
 
         The input does between its samples what it does in the fit, which found that out.
@@ -134,14 +169,14 @@ class HeldOut:
                 measured = segment.samples_of(segment.outputs[name])[held]
                 zero = z[fitted.zero_position(log, name)] if fitted.zeros else 0.0
                 residual = measured - segment.samples_of(response.outputs[name])[held] - zero
-                found.append((segment.log_name, name, measured, residual))
+                found.append(HeldOutErrors(segment.log_name, name, measured, residual))
         return found
 
 
-def _joined(errors: Sequence[tuple[str, str, Array, Array]], candidate: Candidate) -> Array:
+def _joined(errors: Sequence[HeldOutErrors], candidate: Candidate) -> Array:
     """Residuals of the first output."""
     first = candidate.problem.outputs[0]
-    rows = [r for _, channel, _, r in errors if channel == first]
+    rows = [row.residual for row in errors if row.channel == first]
     return np.concatenate(rows) if rows else np.empty(0)
 
 
@@ -150,7 +185,7 @@ def _fitted_range(candidate: Candidate) -> tuple[float, float]:
     return float(u.min()), float(u.max())
 
 
-def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOut]:
+def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOutBlocks]:
     """Mask contiguous blocks of every log, within the range of inputs that the rest covers.
 
     Parameters
@@ -160,7 +195,7 @@ def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOut]:
 
     Returns
     -------
-    LogSet, HeldOut
+    LogSet, HeldOutBlocks
         The logs without the blocks, and what is held out.
     """
     trained, blocks = [], []
@@ -169,7 +204,7 @@ def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOut]:
         masked = held if log.masked is None else log.masked | held
         trained.append(replace(log, masked=masked))
         blocks.append(held)
-    return LogSet(tuple(trained)), HeldOut((), logs.logs, tuple(blocks))
+    return LogSet(tuple(trained)), HeldOutBlocks(logs.logs, tuple(blocks))
 
 
 def _blocks(log: Log) -> BoolArray:
@@ -187,31 +222,3 @@ def _blocks(log: Log) -> BoolArray:
     low, high = u[~held].min(), u[~held].max()
     held &= (u >= low) & (u <= high)
     return held
-
-
-def gain_interval(
-    before: Array, after: Array, rng: np.random.Generator
-) -> tuple[float, float] | None:
-    """95 % interval of 1 − rms(after)/rms(before) by a block bootstrap over the same blocks.
-
-    Stretched by Student's t for the number of blocks; None for fewer than eight samples a block.
-
-    Parameters
-    ----------
-    before, after
-        Residuals at the same held-out samples, each of shape (n,).
-    rng
-        Source of randomness.
-    """
-    size = before.size // BOOTSTRAP_BLOCKS
-    if size < 8 or after.size != before.size:
-        return None
-    n = size * BOOTSTRAP_BLOCKS
-    squares = np.stack((before[:n], after[:n])) ** 2
-    sums = squares.reshape(2, BOOTSTRAP_BLOCKS, size).sum(axis=2)
-    drawn = sums[:, rng.integers(0, BOOTSTRAP_BLOCKS, (DRAWS, BOOTSTRAP_BLOCKS))].sum(axis=2)
-    gains = 1.0 - np.sqrt(drawn[1] / np.maximum(drawn[0], 1e-300))
-    middle = 1.0 - float(np.sqrt(sums[1].sum() / max(sums[0].sum(), 1e-300)))
-    low, high = np.quantile(gains, [0.025, 0.975])
-    stretch = student_quantile(BOOTSTRAP_BLOCKS - 1.0, 0.975) / 1.96
-    return float(middle - stretch * (middle - low)), float(middle + stretch * (high - middle))

@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.held_out import HeldOut, gain_interval
+from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.search.forward_selection import Chain, Link
+from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis_results import Alternative, Cause, Evidence, Gain
 from softid.effects import EFFECTS, belongs_to, effect_of, extended_name
 from softid.effects.base import Effect

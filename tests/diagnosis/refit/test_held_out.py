@@ -10,9 +10,8 @@ import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.held_out import (
-    BOOTSTRAP_BLOCKS,
-    HeldOut,
-    gain_interval,
+    HeldOutBlocks,
+    HeldOutLogs,
     hold_out_blocks,
 )
 from softid.intersample import Intersample
@@ -117,7 +116,7 @@ def test_errors_on_held_out_logs() -> None:
     """
     fitted, other = linear_log(), linear_log(noise=0.02, seed=3, added=0.5)
     problem = linear_problem([fitted])
-    held = HeldOut((other,))
+    held = HeldOutLogs((other,))
     candidate = standing(problem, problem.unknowns(TRUTH))
     ((name, _, measured, residual),) = held.errors(candidate)
     assert name == other.name
@@ -139,7 +138,7 @@ def test_beyond_the_fitted_range_nothing_judges() -> None:
     noise = np.where(beyond, 0.5, 0.01) * rng.standard_normal(time_s.size)
     judge = with_angle(higher, higher.channels["angle"].values + noise)
     problem = linear_problem([fitted])
-    held = HeldOut((judge,))
+    held = HeldOutLogs((judge,))
     candidate = standing(problem, problem.unknowns(TRUTH))
     ((_, _, _, residual),) = held.errors(candidate)
     assert residual.size == time_s.size
@@ -153,7 +152,7 @@ def test_the_parameters_are_not_fitted_to_what_judges() -> None:
     problem = linear_problem([log])
     candidate = standing(problem, problem.unknowns(TRUTH))
     wanted = float(np.std(0.5 * log.channels["angle"].values))
-    held = HeldOut((replace(stiff, name="stiff"),))
+    held = HeldOutLogs((replace(stiff, name="stiff"),))
     assert held.rms(candidate) == pytest.approx(wanted, rel=1e-3)
 
 
@@ -182,43 +181,8 @@ def test_nothing_held_out_has_no_error() -> None:
     """Not a number rather than a perfect zero."""
     log = linear_log()
     problem = linear_problem([log])
-    nothing = HeldOut((), (log,), (np.zeros(len(log), bool),))
+    nothing = HeldOutBlocks((log,), (np.zeros(len(log), bool),))
     assert np.isnan(nothing.rms(standing(problem, problem.unknowns(TRUTH))))
-
-
-def test_the_interval_covers_a_known_gain() -> None:
-    """Closed form: noise of 1 under a misfit of 2 that is mended, 1 − 1/√5.
-
-    Of 300 intervals 95 % cover it; the share itself is known to ±1.3 %, of which four are allowed.
-    """
-    true, hits, widths = 1.0 - 1.0 / np.sqrt(5.0), 0, []
-    for seed in range(300):
-        rng = np.random.default_rng(seed)
-        noise, misfit = rng.standard_normal(480), 2.0 * rng.standard_normal(480)
-        interval = gain_interval(noise + misfit, noise, rng)
-        assert interval is not None
-        hits += interval[0] <= true <= interval[1]
-        widths.append(interval[1] - interval[0])
-    assert 0.90 <= hits / 300 <= 1.0
-    assert np.median(widths) < 0.1
-
-
-def test_no_interval_of_few_samples() -> None:
-    """Eight samples a block are the least, and both errors belong to the same samples."""
-    rng = np.random.default_rng(0)
-    values = rng.standard_normal(8 * BOOTSTRAP_BLOCKS)
-    assert gain_interval(values, 0.5 * values, rng) == pytest.approx((0.5, 0.5))
-    assert gain_interval(values[1:], 0.5 * values[1:], rng) is None
-    assert gain_interval(values, values[1:], rng) is None
-    assert gain_interval(np.empty(0), np.empty(0), rng) is None
-
-
-def test_no_gain_and_a_loss() -> None:
-    """Closed form: the same error gains nothing, a doubled one loses its whole size."""
-    rng = np.random.default_rng(0)
-    values = rng.standard_normal(400)
-    assert gain_interval(values, values, rng) == pytest.approx((0.0, 0.0))
-    assert gain_interval(values, 2.0 * values, rng) == pytest.approx((-1.0, -1.0))
 
 
 @pytest.mark.parametrize("reading", ["held", "zoh"])
