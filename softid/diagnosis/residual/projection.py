@@ -1,4 +1,4 @@
-"""Residuals and derivatives of a model at the samples that count, as columns over all segments."""
+"""Residuals and derivatives of a model at the samples that count, and what such columns span."""
 
 from __future__ import annotations
 
@@ -13,9 +13,12 @@ from softid.diagnosis.residual.structure import ResidualContext
 
 Array = npt.NDArray[np.float64]
 
-SEEN, DISTINCT = 1e-10, 1e-6
-"""Directions that are weaker than this share of the strongest, or of what they are without what
-others explain of them, are rounding."""
+SEEN = 1e-10
+"""Directions that are weaker than this share of the strongest are rounding."""
+
+DISTINCT = 1e-6
+"""So are columns of which others leave less than this share, and directions within what they leave:
+to take out those others has cost digits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,23 +70,60 @@ def rows_of(candidate: Candidate) -> list[Rows]:
     return found
 
 
-def basis_of(columns: Array, smallest: float = SEEN) -> Array:
-    """Orthonormal columns that span the given ones.
+@dataclass(frozen=True, eq=False)
+class Span:
+    """What columns span.
+
+    Attributes
+    ----------
+    basis
+        Orthonormal columns of the same span, shape (m, B).
+    combinations
+        What makes them of the given columns: columns @ combinations = basis, shape (C, B).
+    """
+
+    basis: Array
+    combinations: Array
+
+
+def span_of(columns: Array, smallest: float) -> Span:
+    """The directions of columns that are not rounding, each column scaled to unit length first.
 
     Parameters
     ----------
     columns
         Of shape (m, C).
     smallest
-        Share of the strongest direction below which one is rounding.
+        Share of the strongest direction below which one is left out.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> columns = np.array([[3.0, 6.0, 0.0], [4.0, 8.0, 0.0]])
+    >>> span = span_of(columns, 1e-10)
+    >>> np.round(np.abs(span.basis), 3).tolist()
+    [[0.6], [0.8]]
+    >>> np.allclose(columns @ span.combinations, span.basis)
+    True
     """
     size = np.linalg.norm(columns, axis=0)
-    scaled: Array = columns[:, size > 0.0] / size[size > 0.0]
-    if scaled.shape[1] == 0:
-        return scaled
-    left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
-    basis: Array = left[:, singular > smallest * singular[0]]
-    return basis
+    filled = size > 0.0
+    left, singular, right = np.linalg.svd(columns[:, filled] / size[filled], full_matrices=False)
+    seen = singular > smallest * singular.max(initial=0.0)
+    combinations = np.zeros((size.size, int(seen.sum())))
+    combinations[filled] = right[seen].T / singular[seen] / size[filled, None]
+    return Span(left[:, seen], combinations)
+
+
+def basis_of(columns: Array, smallest: float = SEEN) -> Array:
+    """Orthonormal columns that span the given ones.
+
+    Parameters
+    ----------
+    columns, smallest
+        As in `span_of`.
+    """
+    return span_of(columns, smallest).basis
 
 
 def project_out(basis: Array, columns: Array) -> Array:
@@ -105,8 +145,10 @@ def added_basis(basis: Array, columns: Array) -> Array:
 
     Parameters
     ----------
-    basis, columns
-        As in `beside`, with ``columns`` of shape (m, C).
+    basis
+        Of shape (m, B).
+    columns
+        Of shape (m, C).
     """
     left = project_out(basis, columns)
     adds = np.linalg.norm(left, axis=0) > DISTINCT * np.linalg.norm(columns, axis=0)

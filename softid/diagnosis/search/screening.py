@@ -19,13 +19,15 @@ from softid.diagnosis.refit.candidates import (
     start_unknowns,
 )
 from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.residual.projection import Span, project_out, span_of
 from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]
 
-SEEN = 1e-6
-"""Directions of the Jacobian that are weaker than this share of the strongest are not followed."""
+FOLLOWED = 1e-6
+"""Directions of the Jacobian that are weaker than this share of the strongest are not followed: the
+unknowns would have to go so far along them that no linear model holds."""
 
 FRACTIONS = (1.0, 0.4, 0.1)
 """Fractions of a proposed start that are tried, with and without the base moved along."""
@@ -74,23 +76,15 @@ class Residual:
     ----------
     rows
         Residual in units of the channels' weights, shape (n,).
-    basis
-        Orthonormal columns that span the Jacobian, shape (n, U).
-    to_unknowns
-        From coordinates in the basis to unknowns, shape (U, columns).
+    span
+        What the Jacobian spans, as far as the unknowns can follow.
     simulated
         Simulated outputs in the same units and order, with the steps of the signatures, shape (n,).
     """
 
     rows: Array
-    basis: Array
-    to_unknowns: Array
+    span: Span
     simulated: Array
-
-    def without_basis(self, values: Array) -> Array:
-        """A vector of shape (n,) with the Jacobian's span taken out."""
-        projected: Array = values - self.basis @ (self.basis.T @ values)
-        return projected
 
 
 def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -> Residual:
@@ -110,15 +104,8 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
     jacobian = np.concatenate(
         [b.jacobian / sigma[b.channel] for b in blocks if b.jacobian is not None]
     )
-    size = np.linalg.norm(jacobian, axis=0)
-    kept = jacobian[:, size > 0] / size[size > 0]
-    left, singular, right = np.linalg.svd(kept, full_matrices=False)
-    seen = singular > SEEN * singular.max(initial=0.0)
-    to_unknowns = np.zeros((size.size, int(seen.sum())))
-    to_unknowns[size > 0] = right[seen].T / singular[seen] / size[size > 0, None]
-    basis = left[:, seen]
     roughly = np.concatenate([b.residual / sigma[b.channel] for b in rough])
-    return Residual(rows, basis, to_unknowns, _measured(problem, sigma) - roughly)
+    return Residual(rows, span_of(jacobian, FOLLOWED), _measured(problem, sigma) - roughly)
 
 
 def _measured(problem: Problem, sigma: Mapping[str, float]) -> Array:
@@ -165,7 +152,7 @@ def screen(
             blocks = problem.blocks(z, derivatives=False, plans=plans)
             rows = [b.residual / sigma[b.channel] for b in blocks]
             whole = measured - np.concatenate(rows) - residual.simulated
-            change = residual.without_basis(whole)
+            change = project_out(residual.span.basis, whole)
             power = float(change @ change)
         if not np.isfinite(power) or power <= 0.0:
             return None
@@ -175,7 +162,7 @@ def screen(
         if not effect.changes_sign and share < 0.0:
             share, drop = SMALLEST_AMPLITUDE, 0.0
         scaled, factor = _scaled(effect, values, share)
-        shift = -factor * (residual.to_unknowns @ (residual.basis.T @ whole))
+        shift = -factor * (residual.span.combinations @ (residual.span.basis.T @ whole))
         return Signature(effect, scaled, drop, np.clip(shift, -reach, reach))
 
     found = [s for s in in_parallel(look, starts) if s is not None]

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
-from softid.diagnosis.residual.projection import added_basis, basis_of, project_out, rows_of
+from softid.diagnosis.residual.projection import (
+    added_basis,
+    basis_of,
+    project_out,
+    rows_of,
+    span_of,
+)
 
 BOTH = np.array([[1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
 
@@ -21,6 +27,18 @@ def test_a_basis_is_orthonormal_and_spans() -> None:
         project_out(basis, np.array([3.0, 4.0, 5.0])), [0.0, 0.0, 5.0], atol=1e-9
     )
     assert basis_of(np.zeros((3, 2))).shape == (3, 0)
+
+
+def test_combinations_make_the_basis_of_the_columns() -> None:
+    """By the definition of both; a direction that counts no more is in neither."""
+    columns = np.column_stack((BOTH * [1e3, 1e-3], np.zeros(3)))
+    span = span_of(columns, 1e-10)
+    np.testing.assert_allclose(columns @ span.combinations, span.basis, atol=1e-12)
+    assert span.combinations.shape == (3, 2)
+    assert not span.combinations[2].any()
+    nearly = np.array([[1.0, 1.0], [0.0, 1e-7]])
+    assert span_of(nearly, 1e-6).combinations.shape == (2, 1)
+    assert span_of(nearly, 1e-8).combinations.shape == (2, 2)
 
 
 def test_what_columns_add_stands_beside_the_basis() -> None:

@@ -10,6 +10,7 @@ from linear_motion import RATE_HZ, SIGMA, TRUTH, Bow, Gain, linear_log, linear_p
 
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.residual.projection import project_out
 from softid.diagnosis.search.screening import (
     LARGEST_AMPLITUDE,
     SMALLEST_AMPLITUDE,
@@ -84,13 +85,13 @@ def test_the_span_of_the_jacobian_is_taken_out() -> None:
     residual = residual_of(base.problem, base.minimum.point, SIGMA)
     (block,) = base.problem.blocks(base.minimum.point, derivatives=True)
     assert block.jacobian is not None
-    assert residual.basis.shape == (1000, base.problem.size)
+    assert residual.span.basis.shape == (1000, base.problem.size)
     for column in (block.jacobian / SIGMA["angle"]).T:
-        left = np.linalg.norm(residual.without_basis(column))
+        left = np.linalg.norm(project_out(residual.span.basis, column))
         assert left < 1e-8 * np.linalg.norm(column)
     values = np.random.default_rng(0).standard_normal(1000)
-    once = residual.without_basis(values)
-    assert residual.without_basis(once) == pytest.approx(once, abs=1e-12)
+    once = project_out(residual.span.basis, values)
+    assert project_out(residual.span.basis, once) == pytest.approx(once, abs=1e-12)
     assert residual.rows == pytest.approx(block.residual / SIGMA["angle"])
 
 
@@ -102,7 +103,9 @@ def test_coordinates_lead_back_to_the_unknowns() -> None:
     assert block.jacobian is not None
     move = np.array([0.3, -0.2, 0.1, 0.05])
     seen = block.jacobian / SIGMA["angle"] @ move
-    assert residual.to_unknowns @ (residual.basis.T @ seen) == pytest.approx(move, rel=1e-6)
+    assert residual.span.combinations @ (residual.span.basis.T @ seen) == pytest.approx(
+        move, rel=1e-6
+    )
 
 
 def test_the_most_promising_comes_first() -> None:
