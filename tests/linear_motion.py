@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, TemperedPrior
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search.forward_selection import converged
 from softid.effects.base import OutputEffect, Scale
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.problem import Problem
@@ -69,6 +71,14 @@ def standing(problem: Problem, z: Array, sigma: Mapping[str, float] = SIGMA) -> 
     normal = Normal(z, cost, np.zeros(size), np.eye(size), problem.n_samples)
     prior = TemperedPrior(z.copy(), np.zeros(size), 1.0)
     return Candidate((), problem, Minimum(z, normal, 0, 0.0), prior)
+
+
+def parabolic() -> tuple[Candidate, Scale]:
+    """The linear actuator fitted to a parabola of 0.05 under noise of 0.01."""
+    time_s = linear_log().time_s
+    problem = linear_problem([linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)])
+    z = problem.unknowns(TRUTH)
+    return converged(standing(problem, z), SIGMA), scale_of(problem, z)
 
 
 @dataclass(frozen=True)

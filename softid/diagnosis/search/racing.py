@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-import numpy as np
-
 from softid.diagnosis.refit.candidates import (
     COARSE,
     FINE,
@@ -15,6 +13,14 @@ from softid.diagnosis.refit.candidates import (
     exchanged,
 )
 from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.search.catching_up import (
+    SMALLEST_GAIN,
+    best_of_each,
+    by_squares,
+    can_catch_up,
+    gain,
+    is_outdone,
+)
 from softid.diagnosis.search.screening import (
     Signature,
     candidate_from,
@@ -66,20 +72,6 @@ FAVOURITES = 2
 CLEAR_LEAD, UNCONVERGED_LEAD = 0.2, 0.5
 """One whose sum of squares above the leader's is more than the first share of the base's misfit
 above the leader's drops out before the last round; for one that is not settled it is the second."""
-
-NEAR = 0.3
-"""A candidate may catch up with the leader whose ln(S) is so little above the leader's: that may be
-little where none explains the misfit."""
-
-REACH = 4.0
-"""So may one whose distance, in n ln(S), is less than so many times what its quadratic model
-predicts."""
-
-PACE = 3.0
-"""And one whose distance is less than so many times what it gained in the round."""
-
-SMALLEST_GAIN = 4.0
-"""When nobody has lowered n ln(S) by this much after two rounds, the race is over."""
 
 
 def race(
@@ -139,10 +131,10 @@ def race(
     entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
     report(0.1)
     promising = list(dict.fromkeys(s.effect.key for s in found))
-    first = _best_of_each(_run(entrants, sigma, FIRST_ROUND, COARSE, straight=True))
+    first = best_of_each(_run(entrants, sigma, FIRST_ROUND, COARSE, straight=True))
     report(0.5)
     second = _second_round(first, promising, sigma)
-    second = _best_of_each([*second, *known, *extra])
+    second = best_of_each([*second, *known, *extra])
     forms = [
         (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
         for candidate in second
@@ -151,7 +143,7 @@ def race(
     ]
     second = by_squares([*second, *_those_that_gain(forms, sigma)])
     report(0.7)
-    if not second or _gain(fitted.squares, second[0]) < SMALLEST_GAIN:
+    if not second or gain(fitted.squares, second[0]) < SMALLEST_GAIN:
         return second[:1]
     leader = second[0].squares
     misfit = max(fitted.squares - leader, 0.0)
@@ -162,9 +154,9 @@ def race(
     others = _run(others, sigma, SECOND_ROUND, COARSE) + _run(swaps, sigma, EXCHANGE_ROUND, COARSE)
     kept += [form for form in others if form.squares <= limit]
     last = _last_rounds(kept, sigma)
-    last += _simpler_forms(fitted, _best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
+    last += _simpler_forms(fitted, best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
     report(1.0)
-    return _best_of_each(last)
+    return best_of_each(last)
 
 
 def refined(starts: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Candidate]:
@@ -181,7 +173,7 @@ def refined(starts: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Can
     for evaluations in MULTISTART_ROUNDS:
         running, out_of_reach = _round(running, out, sigma, evaluations, COARSE)
         out += out_of_reach
-    return _best_of_each([*running, *out])[:MULTISTART_SURVIVORS]
+    return best_of_each([*running, *out])[:MULTISTART_SURVIVORS]
 
 
 def _run(
@@ -277,17 +269,8 @@ def _those_that_gain(
     return [
         form
         for (squares, _), form in zip(forms, tried, strict=True)
-        if _gain(squares, form) >= SMALLEST_GAIN
+        if gain(squares, form) >= SMALLEST_GAIN
     ]
-
-
-def _gain(squares: float, candidate: Candidate) -> float:
-    """Fall of n ln(S) from a sum of squares to a candidate's."""
-    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
-    tiny = float(np.finfo(float).tiny)
-    if not np.isfinite(candidate.squares):
-        return -np.inf
-    return float(n * np.log(max(squares, tiny) / max(candidate.squares, tiny)))
 
 
 def _last_survivors(
@@ -329,41 +312,11 @@ def _round(
     leader = min((c.squares for c in (*after, *others)), default=0.0)
     in_reach, out_of_reach = list[Candidate](), list[Candidate]()
     for before, candidate in zip(running, after, strict=True):
-        gained = _gain(before.squares, candidate)
+        gained = gain(before.squares, candidate)
         may_catch_up = can_catch_up(candidate, leader, gained=gained)
-        may_catch_up = may_catch_up and not _is_outdone(candidate, after, gained=gained)
+        may_catch_up = may_catch_up and not is_outdone(candidate, after, gained=gained)
         (in_reach if may_catch_up else out_of_reach).append(candidate)
     return in_reach, out_of_reach
-
-
-def _is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: float) -> bool:
-    """Whether a better one with the same effects will not be left behind by this one.
-
-    Of one law only the best optimum counts, so being near is not enough.
-    """
-    mine = min(c.squares for c in others if c.keys == candidate.keys)
-    if not candidate.squares > mine:
-        return False
-    promised = candidate.minimum.reach**2 * candidate.problem.size
-    return -_gain(mine, candidate) + SMALLEST_GAIN > max(REACH * promised, PACE * gained)
-
-
-def can_catch_up(candidate: Candidate, leader: float, *, gained: float = 0.0) -> bool:
-    """Whether a candidate may still come near the leader's sum of squares.
-
-    Parameters
-    ----------
-    candidate
-        Where it stands.
-    leader
-        The leader's sum of squares.
-    gained
-        Fall of n ln(S) in the last round.
-    """
-    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
-    promised = candidate.minimum.reach**2 * candidate.problem.size
-    distance = -_gain(leader, candidate)
-    return distance <= NEAR * n + REACH * promised or distance <= PACE * gained
 
 
 def _starts(signatures: Sequence[Signature]) -> list[Signature]:
@@ -374,16 +327,3 @@ def _starts(signatures: Sequence[Signature]) -> list[Signature]:
         if not mine or (len(mine) < MAX_STARTS and signature.drop >= SECOND_START * mine[0].drop):
             mine.append(signature)
     return [s for mine in chosen.values() for s in mine]
-
-
-def by_squares(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Those that did not run away, the least sum of squares first."""
-    finite = [c for c in candidates if np.isfinite(c.minimum.normal.cost)]
-    return sorted(finite, key=lambda c: c.squares)
-
-
-def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
-    best: dict[tuple[str, ...], Candidate] = {}
-    for candidate in by_squares(candidates):
-        best.setdefault(candidate.keys, candidate)
-    return list(best.values())

@@ -1,4 +1,4 @@
-"""The race of candidate causes, and their comparison."""
+"""The race of candidate causes."""
 
 from __future__ import annotations
 
@@ -16,23 +16,18 @@ from linear_motion import (
     Bow,
     linear_log,
     linear_problem,
+    parabolic,
     standing,
 )
 
-from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.candidates import advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.refit.whitening import Whitener
-from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.search.racing import (
-    _best_of_each,
     _by_themselves,
-    _is_outdone,
     _is_richer,
     _last_survivors,
     _starts,
-    by_squares,
-    can_catch_up,
     race,
 )
 from softid.diagnosis.search.screening import Signature, candidate_at
@@ -87,24 +82,6 @@ def test_starts_are_counted_for_each_effect() -> None:
     ]
 
 
-def test_the_best_of_each_cause_stays() -> None:
-    """By the sum of squares; what ran away is out even where nothing else is left of its cause."""
-    rows = [
-        candidate(("delay",), 9.0),
-        candidate(("creep",), 5.0),
-        candidate(("delay",), 4.0),
-        candidate(("ageing",), np.inf),
-        candidate(("creep", "delay"), 1.0),
-        candidate(("creep",), np.nan),
-    ]
-    assert [(c.keys, c.squares) for c in _best_of_each(rows)] == [
-        (("creep", "delay"), 1.0),
-        (("delay",), 4.0),
-        (("creep",), 5.0),
-    ]
-    assert [c.squares for c in by_squares(rows)] == [1.0, 4.0, 5.0, 9.0]
-
-
 def test_neighbours_of_the_leader_stay() -> None:
     """Four stay, and further down those for which the leader is easily taken, if they are near."""
     keys = ("pneumatic_lag", "creep", "ageing", "softening", "sensor_drift", "delay")
@@ -114,26 +91,6 @@ def test_neighbours_of_the_leader_stay() -> None:
     assert kept == [*keys[:4], "delay"]
     kept = [c.keys[0] for c in _last_survivors(field, (), 14.0, 14.0)]
     assert kept == list(keys[:4])
-
-
-@pytest.mark.parametrize(
-    ("squares", "reach", "gained", "may_catch_up"),
-    [
-        (1.34, 0.0, 0.0, True),
-        (1.36, 0.0, 0.0, False),
-        (1.352, 1.0, 0.0, True),
-        (2.0, 1.0, 0.0, False),
-        (2.0, 13.0, 0.0, True),
-        (2.0, 0.0, 2300.0, False),
-        (2.0, 0.0, 2320.0, True),
-        (0.9, 0.0, 0.0, True),
-    ],
-)
-def test_who_can_catch_up(squares: float, reach: float, gained: float, may_catch_up: bool) -> None:
-    """Closed form with n = 10,000 beside a leader of 1, where ln 1.35 = 0.3: a reach of r promises
-    6 r² of n ln(S), and four times that; or three times what was gained, of n ln 2 = 6931."""
-    row = candidate(("delay",), squares, reach=reach)
-    assert can_catch_up(row, 1.0, gained=gained) is may_catch_up
 
 
 @pytest.mark.parametrize(
@@ -276,37 +233,6 @@ def test_a_plain_law_follows_its_richer_form(led: bool) -> None:
         assert plain.squares > 20_000.0
 
 
-def parabolic() -> tuple[Candidate, Scale]:
-    """The linear actuator fitted to a parabola of 0.05 under noise of 0.01."""
-    time_s = linear_log().time_s
-    problem = linear_problem([linear_log(noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)])
-    z = problem.unknowns(TRUTH)
-    return converged(standing(problem, z), SIGMA), scale_of(problem, z)
-
-
-@pytest.mark.parametrize(
-    ("key", "squares", "reach", "gained", "outdone"),
-    [
-        ("creep", 1.01, 0.0, 0.0, True),
-        ("creep", 1.0, 0.0, 0.0, False),
-        ("creep", 0.99, 0.0, 0.0, False),
-        ("delay", 1.01, 0.0, 0.0, False),
-        ("creep", 1.01, 2.0, 0.0, True),
-        ("creep", 1.01, 2.1, 0.0, False),
-        ("creep", 1.01, 0.0, 34.0, True),
-        ("creep", 1.01, 0.0, 35.0, False),
-    ],
-)
-def test_of_one_law_only_the_best_place_counts(
-    key: str, squares: float, reach: float, gained: float, outdone: bool
-) -> None:
-    """By hand: 1 % of 10,000 samples is 99.5 behind, and 4 more would have to be won. Of six
-    unknowns 24 reach² is to be hoped for, 96 and 106, or three times what the round gained."""
-    row = candidate((key,), squares, reach=reach)
-    best = candidate(("creep",), 1.0)
-    assert _is_outdone(row, [row, best], gained=gained) is outdone
-
-
 def test_a_race_that_ran_already_is_not_run_again() -> None:
     """Who is neither known nor from elsewhere stays away; who is known ends where it stood."""
     base, scale = parabolic()
@@ -347,35 +273,3 @@ def test_a_race_that_nobody_wins_ends_early() -> None:
     found = race(base, [DRIFT, Bow()], scale_of(problem, z), SIGMA, report=told.append)
     assert len(found) == 1
     assert told[-1] < 1.0
-
-
-def test_bic_by_hand() -> None:
-    """Closed form n ln(S/n) + k ln n with S of the white rows: n = 1000, k = 4 unknowns.
-
-    A noise model of half the size makes S four times larger for all alike.
-    """
-    problem = linear_problem([linear_log(noise=0.01)])
-    base = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
-    n, k = 1000, problem.size
-    for sigma, factor in ((0.01, 1.0), (0.005, 4.0)):
-        white = Whitener({(0, "angle"): NOTHING}, {(0, "angle"): sigma})
-        (row,) = rank([base], SIGMA, whitener=white)
-        wanted = n * np.log(factor * base.squares / n) + k * np.log(n)
-        assert row.bic == pytest.approx(wanted, abs=0.01)
-        assert row.plain is base
-
-
-def test_the_noise_model_is_that_of_the_best() -> None:
-    """What the worse candidate leaves is no noise: all are whitened by what the best one leaves.
-
-    The base leaves a parabola of 0.05 m on noise of 0.01; the noise that is used is the latter.
-    """
-    base, scale = parabolic()
-    best = race(base, [Bow()], scale, SIGMA)[0]
-    first, second = rank([base, best], SIGMA)
-    assert first.candidate.keys == ("bow",)
-    assert second.candidate.keys == ()
-    whitener = first.candidate.whitener
-    assert whitener is second.candidate.whitener
-    assert whitener is not None
-    assert whitener.sigma[0, "angle"] == pytest.approx(0.01, rel=0.1)
