@@ -11,7 +11,11 @@ from softid.effects.dead_zone import DeadZone
 from softid.effects.delay import Delay
 from softid.effects.hysteresis import Hysteresis
 from softid.effects.line_resonance import LineResonance
-from softid.effects.pneumatic_lag import PneumaticLag, SeparatePneumaticLag
+from softid.effects.pneumatic_lag import (
+    LevelPneumaticLag,
+    PneumaticLag,
+    SeparatePneumaticLag,
+)
 from softid.effects.pressure_mass import PressureMass
 from softid.effects.quadratic_damping import PowerDamping, QuadraticDamping
 from softid.effects.sensor_clipping import (
@@ -33,6 +37,7 @@ INPUT: tuple[type[Effect], ...] = (
     Delay,
     PneumaticLag,
     SeparatePneumaticLag,
+    LevelPneumaticLag,
     LineResonance,
     ValveFlow,
     DeadZone,

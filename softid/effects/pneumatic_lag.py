@@ -11,12 +11,16 @@ import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
 from softid.effects.time_constants import lag_bounds, lag_times
-from softid.kernels.filters import lag
+from softid.kernels.filters import lag, lag_by_level
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
 RATIOS = (0.4, 2.5)
+"""Ratios of two time constants at which a search begins, either way."""
+
+RATIO_BOUNDS = (0.05, 20.0)
+"""Bounds of such a ratio: with one time so much shorter than the other, the shorter one is none."""
 
 
 @dataclass(frozen=True)
@@ -106,8 +110,7 @@ class SeparatePneumaticLag(PneumaticLag):
             "ratio",
             RATIOS[1],
             "1",
-            0.05,
-            20.0,
+            *RATIO_BOUNDS,
             "log",
             meaning="time constant of venting over that of filling",
             source=self.source,
@@ -124,4 +127,57 @@ class SeparatePneumaticLag(PneumaticLag):
         del scale
         arriving = np.array(u, np.float64)
         lag(np.diff(time_s), arriving, float(eta[0]), float(eta[0] * eta[1]))
+        return arriving
+
+
+@dataclass(frozen=True)
+class LevelPneumaticLag(PneumaticLag):
+    r"""First-order lag whose time constant depends on the pressure in the actuator.
+
+        τ(pa) ṗa + pa = p,   τ(pa) = τ ρ^((pa − p_l)/(p_h − p_l))
+
+    with p_l and p_h the lowest and the highest recorded pressure, where the time constant is τ and
+    ρ τ. A chamber or a tube that swells takes longer the fuller it is, air in a line that is driven
+    by a liquid shorter, for it is compressed.
+    """
+
+    variant: ClassVar[str] = "level"
+    title: ClassVar[str] = "Lag of the pneumatics that differs by level"
+    law: ClassVar[str] = "tau ratio^((pa - pl)/(ph - pl)) pa' + pa = p, pl lowest, ph highest p"
+    meaning: ClassVar[str] = (
+        "The actuator fills and vents in another time when it is full than when it is empty, "
+        "because its chamber and its tube swell, or because what fills it is compressed."
+    )
+    signature: ClassVar[str] = (
+        "The residual is a pulse after every change of the input that dies out in one time at low "
+        "pressures and in another at high ones, upward and downward alike."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = ("valve_flow", "delay", "sensor_lag")
+    shown_by: ClassVar[str] = "steps of one size, up and down, at several levels"
+    plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The time constant at the lowest pressure, and that at the highest as a multiple of it."""
+        (tau,) = super().parameters(scale).values()
+        ratio = Parameter(
+            "ratio",
+            RATIOS[1],
+            "1",
+            *RATIO_BOUNDS,
+            "log",
+            meaning="time constant at the highest pressure over that at the lowest",
+            source=self.source,
+        )
+        return ParameterSet((replace(tau, meaning="time constant at the lowest pressure"), ratio))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Two times in the middle of the range, growing and shrinking with the pressure."""
+        times = lag_times(scale)[1:]
+        return tuple({"tau": t / np.sqrt(r), "ratio": r} for t in times for r in RATIOS)
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """The input lagged by the time constant of its level."""
+        arriving = np.array(u, np.float64)
+        growth = float(np.log(eta[1])) / scale.u_span
+        lag_by_level(np.diff(time_s), arriving, float(eta[0]), growth, scale.u_low)
         return arriving

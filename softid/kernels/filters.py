@@ -89,6 +89,49 @@ def lag(step_s: Array, values: Array, rising_s: float, falling_s: float) -> None
 
 
 @kernel
+def lag_by_level(step_s: Array, values: Array, tau_s: float, growth: float, level: float) -> None:
+    """First-order lag whose time constant depends on its output, τ(y) ẏ + y = u.
+
+    With τ(y) = τ e^{g (y − y0)} the difference d = y − u obeys ḋ = −d/τ(y) − s along a straight
+    input. Each step takes the mean of 1/τ along it by Simpson's rule, at the output that the lag
+    with the rate known so far would have reached: an exponential integrator of order 2, exact where
+    g is zero and stable however short τ is.
+
+    Parameters
+    ----------
+    step_s
+        Intervals, shape (n − 1,).
+    values
+        Input, shape (n,); overwritten by the output.
+    tau_s
+        Time constant τ at the level y0; not negative.
+    growth
+        Growth g of ln τ per unit of the output.
+    level
+        The level y0.
+
+    Source: Hochbruck and Ostermann, Acta Numerica 19, 209, 2010 (exponential integrators).
+    """
+    if not tau_s > 0.0:
+        return
+    before = values[0]
+    difference = 0.0
+    for k in range(step_s.size):
+        h, now = step_s[k], values[k + 1]
+        slope = (now - before) / h
+        first = np.exp(-growth * (before + difference - level)) / tau_s
+        halfway = lag_difference(difference, slope, 0.5 * h, 1.0 / first)
+        output = before + 0.5 * h * slope + halfway
+        middle = np.exp(-growth * (output - level)) / tau_s
+        output = now + lag_difference(difference, slope, h, 1.0 / middle)
+        last = np.exp(-growth * (output - level)) / tau_s
+        mean = (first + 4.0 * middle + last) / 6.0
+        difference = lag_difference(difference, slope, h, 1.0 / mean)
+        values[k + 1] = now + difference
+        before = now
+
+
+@kernel
 def resonance(step_s: Array, values: Array, omega: float, zeta: float) -> None:
     """Second-order resonance ÿ/ω² + 2ζ ẏ/ω + y = u at any damping.
 

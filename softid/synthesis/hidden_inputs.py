@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import exp, log1p, pi, sqrt
+from math import exp, log, log1p, pi, sqrt
 
 import numpy as np
 
@@ -128,6 +128,16 @@ def _pressure_lag(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
     return InputLaw(act, _same)
 
 
+def _level_lag(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
+    del occasion
+    tau, growth = values["tau"], log(values["ratio"]) / sizes.p_span
+
+    def act(t: float, p: float, z: States) -> tuple[float, Rates]:
+        return z[0], ((p - z[0]) / (tau * exp(growth * (z[0] - sizes.p_low))),)
+
+    return InputLaw(act, _same)
+
+
 def _two_lags(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
     del sizes, occasion
     first, second = values["tau1"], values["tau2"]
@@ -210,6 +220,13 @@ INPUTS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             "tau": about(rng, 0.4 * size * s.motion_s), "ratio": about(rng, 2.5) ** either(rng),
         }, _lag,
+    ),
+    entry(
+        "pneumatic_lag.level", "input",
+        "tau ratio^((pa - pl)/(ph - pl)) pa' + pa = p, pl lowest, ph highest p", "tau s, ratio 1",
+        lambda s, rng, size: {
+            "tau": about(rng, 0.3 * size * s.motion_s), "ratio": about(rng, 3.0) ** either(rng),
+        }, _level_lag,
     ),
     entry(
         "line_resonance", "input", "pa''/w^2 + 2 zeta pa'/w + pa = p, w = 2 pi/period",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from zlib import crc32
 
 import numpy as np
 import numpy.typing as npt
@@ -296,11 +297,15 @@ def _drawn(
     size: float,
     values: Mapping[str, Mapping[str, float]],
 ) -> dict[str, dict[str, float]]:
-    """Parameters of every effect, each from the stream of its own place in the table."""
-    places = dict(zip(HIDDEN, stream.spawn(len(HIDDEN)), strict=True))
+    """Parameters of every effect, each from a stream that belongs to its name.
+
+    So a draw stays as it is when other effects join the table.
+    """
     found = {}
     for name in names:
-        drawn = HIDDEN[name].draw(sizes, np.random.default_rng(places[name]), size)
+        own = (*stream.spawn_key, crc32(name.encode()))
+        rng = np.random.default_rng(np.random.SeedSequence(stream.entropy, spawn_key=own))
+        drawn = HIDDEN[name].draw(sizes, rng, size)
         found[name] = {**{k: float(v) for k, v in drawn.items()}, **values.get(name, {})}
     return found
 

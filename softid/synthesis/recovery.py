@@ -57,7 +57,8 @@ def true_values(cause: Cause, pair: HiddenPair, extended: FitResult) -> Mapping[
     """What was hidden of a cause, whatever its form; nothing where it was not.
 
     A power of the speed is written with the largest speed, v_m, of which the fit has its own: the
-    same law has d2 v_m^(2 − n) in common.
+    same law has d2 v_m^(2 − n) in common. So is a lag that differs by level with the range of the
+    pressure: ln τ is the same straight line over the pressure.
 
     Parameters
     ----------
@@ -73,9 +74,15 @@ def true_values(cause: Cause, pair: HiddenPair, extended: FitResult) -> Mapping[
     if key is None:
         return {}
     values = dict(hidden[key])
-    if {"d2", "n"} <= set(values):
-        ratio = pair.sizes.v_max / float(extended.model.scale["v_max"])
+    sizes, scale = pair.sizes, extended.model.scale
+    if key == "quadratic_damping.power":
+        ratio = sizes.v_max / float(scale["v_max"])
         values["d2"] *= ratio ** (2.0 - values["n"])
+    if key == "pneumatic_lag.level":
+        per_kpa = np.log(values["ratio"]) / sizes.p_span
+        low, high = float(scale["u_low"]), float(scale["u_high"])
+        values["tau"] *= float(np.exp(per_kpa * (low - sizes.p_low)))
+        values["ratio"] = float(np.exp(per_kpa * (high - low)))
     return values
 
 

@@ -14,8 +14,9 @@ from io_rig import (
     segment,
     vanishes,
 )
+from scipy.special import exp1, expi
 
-from softid.effects.pneumatic_lag import PneumaticLag, SeparatePneumaticLag
+from softid.effects.pneumatic_lag import LevelPneumaticLag, PneumaticLag, SeparatePneumaticLag
 
 
 def test_a_step_and_a_ramp() -> None:
@@ -50,6 +51,40 @@ def test_a_ratio_of_one_is_the_plain_lag() -> None:
     np.testing.assert_allclose(found, plain, rtol=0.0, atol=1e-10)
 
 
+@pytest.mark.parametrize("ratio", [0.3, 4.0])
+@pytest.mark.parametrize("size", [40.0, 120.0])
+def test_a_step_into_a_chamber_that_swells(ratio: float, size: float) -> None:
+    """Behind a step to U a pressure p is reached at ∫ τ e^{gq}/(U − q) dq from 0 to p.
+
+    It is τ e^{gU} [E(g (U − p)) − E(gU)] with g = ln ρ/(p_h − p_l) and E the exponential integral,
+    E1(z) or −Ei(−z) for a negative z. To 10 µs at times 1 ms apart, by an integrator of order 2.
+    """
+    tau, growth = 0.3, np.log(ratio) / SCALE.u_span
+    time_s = np.arange(0.0, 1.5, 1e-3)
+    u = np.full(time_s.size, size)
+    u[0] = 0.0
+    found = LevelPneumaticLag().apply(np.array([tau, ratio]), time_s, u, SCALE)
+    rising = (time_s > 0.0) & (found < 0.99 * size)
+    to_go = exp_integral(growth * (size - found[rising]))
+    reached_s = tau * np.exp(growth * size) * to_go
+    passed_s = time_s[rising]
+    np.testing.assert_allclose(reached_s - reached_s[0], passed_s - passed_s[0], atol=1e-5)
+
+
+def exp_integral(z: np.ndarray) -> np.ndarray:
+    """E1(z), continued to negative z as −Ei(−z)."""
+    return exp1(z) if z[0] > 0.0 else -expi(-z)
+
+
+def test_a_lag_of_one_level_is_the_plain_one() -> None:
+    """At a ratio of one, to rounding; whatever the ratio, a lag of zero is none."""
+    time_s = fine_times()
+    u = pressure(time_s)
+    plain = PneumaticLag().apply(np.array([0.1]), time_s, u, SCALE)
+    found = LevelPneumaticLag().apply(np.array([0.1, 1.0]), time_s, u, SCALE)
+    np.testing.assert_allclose(found, plain, rtol=0.0, atol=1e-10)
+
+
 def test_two_input_effects_follow_each_other() -> None:
     """Delay and lag commute: lagging the delayed input is delaying the lagged one."""
     model, theta = extended("delay", "pneumatic_lag")
@@ -74,7 +109,12 @@ def test_pneumatic_lag_separate_of_zero_is_none() -> None:
     vanishes("pneumatic_lag.separate")
 
 
-@pytest.mark.parametrize("key", ["pneumatic_lag", "pneumatic_lag.separate"])
+def test_pneumatic_lag_level_of_zero_is_none() -> None:
+    """The base response, within 1e-9 of its range; at moderate size it differs."""
+    vanishes("pneumatic_lag.level")
+
+
+@pytest.mark.parametrize("key", ["pneumatic_lag", "pneumatic_lag.separate", "pneumatic_lag.level"])
 @pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
 def test_pneumatic_lag_derivatives(sampling: str, key: str) -> None:
     """The model's derivatives against central differences, within 1e-4 of each column's largest."""
