@@ -11,12 +11,14 @@ from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 
 SHARE = 0.1
+"""Resistance at the largest speed with which a search begins, as a share of the base's force."""
 
 POWERS = (1.2, 6.0)
 """Bounds of the exponent: nearer to 1 it is damping in proportion to the speed, which the models
 have, and beyond 6 the resistance is there at the largest speed only."""
 
 START_POWERS = (1.4, 3.5)
+"""Exponents at which a search begins, one below that of the square and one above."""
 
 SMOOTH = 1e-3
 """Share of the largest speed below which the law bends into a line, so that derivatives exist."""
@@ -104,6 +106,7 @@ class PowerDamping(QuadraticDamping):
         "shrinks faster than the motion when the amplitude shrinks."
     )
     source: ClassVar[str] = "Ostwald, Kolloid-Zeitschrift 36, 99, 1925 (power law of a fluid)"
+    essential: ClassVar[tuple[str, ...]] = ("n",)
     plain_at: ClassVar[tuple[str, float] | None] = ("n", 2.0)
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -206,6 +206,27 @@ def prior_about(
     return TemperedPrior(centre.copy(), weight, variance)
 
 
+def standing_at(point: Array, minimum: Minimum, prior: TemperedPrior, squares: float) -> Minimum:
+    """Where a candidate begins, before anything is evaluated there.
+
+    The cost holds the prior's part, which belongs to the point: a cost that was computed elsewhere
+    would count it into the sum of squares, or leave less than nothing of that.
+
+    Parameters
+    ----------
+    point
+        Unknowns, shape (U,).
+    minimum
+        Where it comes from.
+    prior
+        The prior under which it will go on.
+    squares
+        What is known of its weighted sum of squares.
+    """
+    normal = replace(minimum.normal, cost=0.5 * squares + prior.cost(point))
+    return replace(minimum, point=point, normal=normal, damping=None)
+
+
 def advance(
     candidate: Candidate,
     sigma: Mapping[str, float],
@@ -258,7 +279,8 @@ def _tempered(candidate: Candidate) -> Candidate:
     prior = candidate.prior
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     variance = 1.0 if candidate.whitener is not None else candidate.squares / n
-    factor = max(variance, np.finfo(float).tiny) / prior.variance
+    variance = max(variance, float(np.finfo(float).tiny))
+    factor = variance / prior.variance
     return replace(candidate, prior=replace(prior, weight=prior.weight * factor, variance=variance))
 
 
@@ -285,7 +307,8 @@ def _moved(candidate: Candidate, change: Mapping[str, float]) -> Candidate:
             p = problem.parameters[name]
             inside = float(np.clip(change[name], p.lower, p.upper))
             z[k] = np.log(inside) if p.scale == "log" else inside
-    return replace(candidate, minimum=replace(candidate.minimum, point=z, damping=None))
+    minimum = standing_at(z, candidate.minimum, candidate.prior, candidate.squares)
+    return replace(candidate, minimum=minimum)
 
 
 def _lag_for_inertia(candidate: Candidate) -> dict[str, float]:

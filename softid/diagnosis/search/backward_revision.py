@@ -7,7 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.refit.candidates import Candidate, advance, extend, prior_about
+from softid.diagnosis.refit.candidates import (
+    Candidate,
+    advance,
+    extend,
+    prior_about,
+    standing_at,
+)
 from softid.diagnosis.search.forward_selection import (
     FURTHER,
     Chain,
@@ -171,6 +177,6 @@ def _without(
     z = np.concatenate((z, now.minimum.point[len(now.problem.free) :]))
     n = max(problem.n_samples - problem.size, 1)
     prior = prior_about(problem, z, problem.free, now.squares / n)
-    placed = replace(now.minimum, point=z, damping=None)
+    placed = standing_at(z, now.minimum, prior, now.squares)
     candidate = Candidate(tuple(others), problem, placed, prior)
     return advance(candidate, sigma, WITHOUT_ROUND)

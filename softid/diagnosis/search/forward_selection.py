@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from softid.diagnosis.refit.bound_relaxation import with_own_bounds
-from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
+from softid.diagnosis.refit.candidates import Candidate, advance, prior_about, standing_at
 from softid.diagnosis.search.bic_ranking import Ranked, rank
 from softid.diagnosis.search.racing import UNCONVERGED, race
 from softid.diagnosis.search.screening import Signature, screen
@@ -336,7 +336,7 @@ def converged(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
         n = max(candidate.problem.n_samples - candidate.problem.size, 1)
         point, problem = candidate.minimum.point, candidate.problem
         prior = prior_about(problem, point, problem.free, before / n)
-        begin = replace(candidate.minimum, damping=None)
+        begin = standing_at(point, candidate.minimum, prior, before)
         candidate = advance(replace(candidate, minimum=begin, prior=prior), sigma, CONVERGING)
         held, candidate = candidate, with_own_bounds(candidate)
         if candidate is not held:

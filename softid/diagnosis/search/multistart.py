@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, extend
+from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, extend, standing_at
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.search.racing import refined
 from softid.diagnosis.search.screening import candidate_at
@@ -140,4 +140,5 @@ def _places(base: Candidate, segments: Sequence[Segment]) -> Iterator[Candidate]
     problem = base.problem
     for start in problem.model.guess(segments, problem.outputs[0])[:PLACES]:
         point = problem.unknowns(start.values_dict())
-        yield replace(base, minimum=replace(base.minimum, point=point))
+        place = standing_at(point, base.minimum, base.prior, base.squares)
+        yield replace(base, minimum=place)

@@ -16,6 +16,7 @@ from softid.diagnosis.refit.candidates import (
     limited_plans,
     named_values,
     prior_about,
+    standing_at,
     start_unknowns,
 )
 from softid.diagnosis.refit.parallel import in_parallel
@@ -157,24 +158,22 @@ def screen(
         if not np.isfinite(power) or power <= 0.0:
             return None
         along = float(residual.rows @ change)
-        share = along / power
-        drop = along**2 / power
+        share, drop = along / power, along**2 / power
         if not effect.changes_sign and share < 0.0:
             share, drop = SMALLEST_AMPLITUDE, 0.0
         scaled, factor = _scaled(effect, values, share)
         shift = -factor * (residual.span.combinations @ (residual.span.basis.T @ whole))
         return Signature(effect, scaled, drop, np.clip(shift, -reach, reach))
 
-    found = [s for s in in_parallel(look, starts) if s is not None]
-    return sorted(found, key=lambda s: -s.drop)
+    return sorted(filter(None, in_parallel(look, starts)), key=lambda s: -s.drop)
 
 
 def _scaled(
     effect: Effect, values: Mapping[str, float], share: float
 ) -> tuple[dict[str, float], float]:
     """Start values with the amplitude as large as the residual asks for, and by what factor."""
-    size = float(np.clip(abs(share), SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE))
-    factor = size if share >= 0.0 else -size
+    size = np.clip(abs(share), SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE)
+    factor = float(np.copysign(size, share))
     scaled = dict(values)
     for name in effect.amplitudes:
         scaled[name] = factor * scaled[name]
@@ -290,8 +289,9 @@ def candidate_at(
     named = named_values(effect, values)
     start = start_unknowns(problem, place.problem, place.minimum.point, named)
     squares = _squares(problem, start, sigma)
-    variance = squares / max(problem.n_samples - problem.size, 1)
-    return squares, _placed(place, effect, problem, start, variance)
+    known = squares if np.isfinite(squares) else place.squares
+    variance = known / max(problem.n_samples - problem.size, 1)
+    return squares, _placed(place, effect, problem, start, variance, squares=known)
 
 
 def late_candidate(
@@ -316,16 +316,13 @@ def late_candidate(
         Variance of the weighted residual, for the prior.
     """
     problem = extend(fitted.problem, (effect,), scale)
-    at = [
-        k
-        for k, name in enumerate(fitted.problem.free)
-        if name == fitted.problem.model.inertia_parameter
-    ]
+    inertia = fitted.problem.model.inertia_parameter
+    at = [k for k, name in enumerate(fitted.problem.free) if name == inertia]
     starts = []
-    for values in effect.starts(scale):
-        for share in INERTIA_SHARES if at else INERTIA_SHARES[:1]:
-            point = fitted.minimum.point.copy()
-            point[at] += np.log(share)
+    for share in INERTIA_SHARES if at else INERTIA_SHARES[:1]:
+        point = fitted.minimum.point.copy()
+        point[at] += np.log(share)
+        for values in effect.starts(scale):
             named = named_values(effect, values)
             starts.append(start_unknowns(problem, fitted.problem, point, named))
     best = min(starts, key=lambda z: _squares(problem, z, sigma))
@@ -350,20 +347,30 @@ def with_effect(fitted: Candidate, whole: Candidate, effect: Effect, scale: Scal
     z = start_unknowns(problem, whole.problem, whole.minimum.point, {})
     variance = whole.squares / max(problem.n_samples - problem.size, 1)
     prior = prior_about(problem, z, problem.free, variance)
-    placed = replace(whole.minimum, point=z, damping=None)
+    placed = standing_at(z, whole.minimum, prior, whole.squares)
     return Candidate((*fitted.effects, effect), problem, placed, prior)
 
 
 def _placed(
-    fitted: Candidate, effect: Effect, problem: Problem, best: Array, variance: float
+    fitted: Candidate,
+    effect: Effect,
+    problem: Problem,
+    best: Array,
+    variance: float,
+    *,
+    squares: float | None = None,
 ) -> Candidate:
-    """The candidate at a start; the prior holds what was known where it was fitted."""
+    """The candidate at a start; until it is refitted it is as good as what it extends, or as said.
+
+    The prior holds what was known where that was fitted.
+    """
     centre = best.copy()
     known = dict(zip(fitted.problem.free, fitted.minimum.point.tolist(), strict=False))
     for k, name in enumerate(problem.free):
         centre[k] = known.get(name, centre[k])
     prior = prior_about(problem, centre, fitted.problem.free, variance)
-    placed = replace(fitted.minimum, point=best, evaluations=0, reach=np.inf, damping=None)
+    begin = replace(fitted.minimum, evaluations=0, reach=np.inf)
+    placed = standing_at(best, begin, prior, fitted.squares if squares is None else squares)
     return Candidate((*fitted.effects, effect), problem, placed, prior)
 
 

@@ -236,6 +236,22 @@ def test_inertia_and_lag_change_places() -> None:
     assert forms(0.1) == []
 
 
+def test_a_candidate_that_is_moved_is_as_good_as_before() -> None:
+    """Its sum of squares stays, although the prior asks another price of the new place.
+
+    Else the price would be taken off the squares, down to zero, and with them the prior's weight.
+    """
+    base, scale = base_problem()
+    problem = extend(base, [LAG], scale)
+    z = start_unknowns(problem, base, base.unknowns(TRUTH), {"pneumatic_lag_tau": 0.01})
+    candidate = replace(standing(problem, z), effects=(LAG,))
+    prior = TemperedPrior(z, np.full(problem.size, 1e6))
+    (moved,) = exchanged(replace(candidate, prior=prior))
+    assert prior.cost(moved.minimum.point) > candidate.squares
+    assert moved.squares == pytest.approx(candidate.squares)
+    assert advance(moved, SIGMA, 1).prior.variance > 0.0
+
+
 def test_values_are_named_after_their_effect() -> None:
     """As in an extended model."""
     assert named_values(Bow(), {"c": 2.0}) == {"bow_c": 2.0}
