@@ -36,7 +36,13 @@ REGULAR = 0.2
 """Sampling is regular when no interval differs from the median by more than this share."""
 
 
-def samples_to_average(logs: Sequence[Log], motion_s: float) -> int:
+def samples_to_average(
+    logs: Sequence[Log],
+    motion_s: float,
+    *,
+    enough: int = ENOUGH,
+    per_motion: float = SAMPLES_PER_MOTION,
+) -> int:
     """Over how many samples the logs may be averaged; 1 for not at all.
 
     Parameters
@@ -45,12 +51,16 @@ def samples_to_average(logs: Sequence[Log], motion_s: float) -> int:
         The logs.
     motion_s
         Time constant of the motion.
+    enough
+        So many averages are left at least, in all logs together.
+    per_motion
+        So many averages are left in a time constant of the motion at least.
     """
     if not all(_is_regular(log) for log in logs):
         return 1
-    wanted = sum(len(log) for log in logs) / ENOUGH
+    wanted = sum(len(log) for log in logs) / enough
     period_s = max(log.period_s for log in logs)
-    return max(int(min(np.ceil(wanted), motion_s / SAMPLES_PER_MOTION / period_s)), 1)
+    return max(int(min(np.ceil(wanted), motion_s / per_motion / period_s)), 1)
 
 
 def _is_regular(log: Log) -> bool:

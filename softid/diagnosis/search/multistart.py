@@ -13,8 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, extend, standing_at
+from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, standing_at
 from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.racing import refined
 from softid.diagnosis.search.screening import candidate_at
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale
@@ -61,45 +62,42 @@ def multistart_candidates(
     sigma
         Output channel → scale that its residual is divided by.
     """
-    rough = _sparse(base)
+    rough, weights = rough_copy(base, scale, sigma)
+    if rough is base:
+        rough = _sparse(base)
     usual = list(_places(rough, rough.problem.plain_segments))
 
     def placed(effect: Effect) -> list[Candidate]:
         found = (
             [] if isinstance(effect, InputEffect) else [(v, usual) for v in effect.starts(scale)]
         )
-        chosen = _best(found, effect, scale, sigma)
+        chosen = _best(found, effect, scale, weights)
         if isinstance(effect, InputEffect | OutputEffect) and _comes_first(effect, scale):
             own = [
                 (values, _driven(rough, effect, values, scale)) for values in effect.starts(scale)
             ]
-            chosen += _best(own, effect, scale, sigma)
+            chosen += _best(own, effect, scale, weights)
         return chosen
 
-    led = refined([c for found in in_parallel(placed, effects) for c in found], sigma)
+    led = refined([c for found in in_parallel(placed, effects) for c in found], weights)
     if rough is base:
         return led
-    return in_parallel(lambda c: _over_all(c, base, scale, sigma), led)
+
+    def finished(candidate: Candidate) -> Candidate:
+        whole = over_samples_of(candidate, base, scale)
+        return advance(whole, sigma, OVER_ALL, substeps=COARSE)
+
+    return in_parallel(finished, led)
 
 
 def _sparse(base: Candidate) -> Candidate:
-    """The base over every k-th sample of long logs: a rough optimum needs no more."""
+    """The base over every k-th sample of long logs that cannot be averaged."""
     step = base.problem.n_samples // ENOUGH
     if step < 2 or any(log.intersample in HELD for log in base.problem.logs):
         return base
     logs = [log.every(step) for log in base.problem.logs]
     sparse = Problem(base.problem.model, base.problem.parameters, logs)
     return replace(base, problem=sparse) if sparse.size == base.problem.size else base
-
-
-def _over_all(
-    candidate: Candidate, base: Candidate, scale: Scale, sigma: Mapping[str, float]
-) -> Candidate:
-    """A candidate over all samples, led on from where few of them brought it."""
-    problem = extend(base.problem, candidate.effects, scale)
-    begin = replace(candidate.minimum, damping=None)
-    placed = replace(candidate, problem=problem, minimum=begin)
-    return advance(placed, sigma, OVER_ALL, substeps=COARSE)
 
 
 def _comes_first(effect: Effect, scale: Scale) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from softid.diagnosis.refit.candidates import (
     COARSE,
@@ -13,6 +13,7 @@ from softid.diagnosis.refit.candidates import (
     exchanged,
 )
 from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.catching_up import (
     SMALLEST_GAIN,
     best_of_each,
@@ -84,9 +85,10 @@ def race(
     known: Sequence[Candidate] = (),
     extra: Sequence[Candidate] = (),
     again: bool = False,
-    report: Callable[[float], None] = lambda fraction: None,
 ) -> list[Candidate]:
     """Refit the base with each effect, polishing the contenders only; best first.
+
+    All rounds but the last ones run on a `rough_copy`, where they cost a fraction.
 
     A richer form of a law enters where the plain one has got to, when that is still in the race
     after its second round, and leaves again if it hardly gains on it; one that promises far more
@@ -113,49 +115,26 @@ def race(
     again
         Whether the race was run already without those: who dropped out would do so again, and only
         what is known and what began elsewhere runs.
-    report
-        Called with the fraction done.
     """
     found = list(signatures) if signatures is not None else screen(fitted, effects, scale, sigma)
-    variance = fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
     richer = [effect for effect in effects if any(_is_richer(effect, e, scale) for e in effects)]
     late_forms = {effect.key for effect in richer} - _by_themselves(found, richer)
     left_out = {c.effects[-1].key for c in known} | late_forms
     running = [e for e in effects if e.key not in left_out] if not again else []
-    keys = {effect.key for effect in running}
-    entrants = in_parallel(
-        lambda s: candidate_from(fitted, s, scale, sigma, variance),
-        [s for s in _starts(found) if s.effect.key in keys],
-    )
-    late = [effect for effect in running if effect.takes_time(scale)]
-    entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
-    report(0.1)
+    rough, weights = rough_copy(fitted, scale, sigma)
+    joining = [over_samples_of(candidate, rough, scale) for candidate in (*known, *extra)]
+    first = _first_round(rough, found, running, scale, weights)
     promising = list(dict.fromkeys(s.effect.key for s in found))
-    first = best_of_each(_run(entrants, sigma, FIRST_ROUND, COARSE, straight=True))
-    report(0.5)
-    second = _second_round(first, promising, sigma)
-    second = best_of_each([*second, *known, *extra])
-    forms = [
-        (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
-        for candidate in second
-        for effect in richer
-        if effect.key in late_forms and _is_richer(effect, candidate.effects[-1], scale)
-    ]
-    second = by_squares([*second, *_those_that_gain(forms, sigma)])
-    report(0.7)
-    if not second or gain(fitted.squares, second[0]) < SMALLEST_GAIN:
-        return second[:1]
-    leader = second[0].squares
-    misfit = max(fitted.squares - leader, 0.0)
-    limit = leader + CLEAR_LEAD * misfit
-    kept = _last_survivors(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
-    others = [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
-    swaps = [form for candidate in kept for form in exchanged(candidate)]
-    others = _run(others, sigma, SECOND_ROUND, COARSE) + _run(swaps, sigma, EXCHANGE_ROUND, COARSE)
-    kept += [form for form in others if form.squares <= limit]
-    last = _last_rounds(kept, sigma)
+    second = _second_round(first, promising, weights)
+    second = best_of_each([*second, *_run(joining, weights, 1, COARSE)])
+    entering = [effect for effect in richer if effect.key in late_forms]
+    second = by_squares([*second, *_forms_that_gain(rough, second, entering, scale, weights)])
+    if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:
+        best = [over_samples_of(candidate, fitted, scale) for candidate in second[:1]]
+        return _run(best, sigma, 1, FINE)
+    kept = _contenders(rough, second, promising, weights)
+    last = _last_rounds([over_samples_of(c, fitted, scale) for c in kept], sigma)
     last += _simpler_forms(fitted, best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
-    report(1.0)
     return best_of_each(last)
 
 
@@ -196,6 +175,25 @@ def _run(
         ),
         candidates,
     )
+
+
+def _first_round(
+    fitted: Candidate,
+    signatures: Sequence[Signature],
+    running: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """A few evaluations from the best starts of every effect; the best of each."""
+    variance = _variance(fitted)
+    keys = {effect.key for effect in running}
+    entrants = in_parallel(
+        lambda s: candidate_from(fitted, s, scale, sigma, variance),
+        [s for s in _starts(signatures) if s.effect.key in keys],
+    )
+    late = [effect for effect in running if effect.takes_time(scale)]
+    entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
+    return best_of_each(_run(entrants, sigma, FIRST_ROUND, COARSE, straight=True))
 
 
 def _second_round(
@@ -249,7 +247,7 @@ def _simpler_forms(
     sigma: Mapping[str, float],
 ) -> list[Candidate]:
     """The plain form of every richer one, and what a law is like, from where the leaders stand."""
-    variance = fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
+    variance = _variance(fitted)
     placed = []
     for leader in leaders:
         added = leader.effects[-1]
@@ -261,16 +259,49 @@ def _simpler_forms(
     return _run(placed, sigma, EXCHANGE_ROUND, FINE)
 
 
-def _those_that_gain(
-    forms: Sequence[tuple[float, Candidate]], sigma: Mapping[str, float]
+def _forms_that_gain(
+    fitted: Candidate,
+    plain: Sequence[Candidate],
+    richer: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
 ) -> list[Candidate]:
-    """Richer forms after a round, without those that hardly gain on the plain form's squares."""
-    tried = _run([form for _, form in forms], sigma, SECOND_ROUND, COARSE)
+    """Richer forms after a round, from where the plain ones stand, that gain on them."""
+    variance = _variance(fitted)
+    pairs = [
+        (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
+        for candidate in plain
+        for effect in richer
+        if _is_richer(effect, candidate.effects[-1], scale)
+    ]
+    tried = _run([form for _, form in pairs], sigma, SECOND_ROUND, COARSE)
     return [
         form
-        for (squares, _), form in zip(forms, tried, strict=True)
+        for (squares, _), form in zip(pairs, tried, strict=True)
         if gain(squares, form) >= SMALLEST_GAIN
     ]
+
+
+def _contenders(
+    fitted: Candidate,
+    second: Sequence[Candidate],
+    promising: Sequence[str],
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """Those that stay for the last rounds, also with the base's terms or two times exchanged."""
+    leader = second[0].squares
+    misfit = max(fitted.squares - leader, 0.0)
+    limit = leader + CLEAR_LEAD * misfit
+    kept = _last_survivors(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
+    others = [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
+    swaps = [form for candidate in kept for form in exchanged(candidate)]
+    others = _run(others, sigma, SECOND_ROUND, COARSE) + _run(swaps, sigma, EXCHANGE_ROUND, COARSE)
+    return [*kept, *(form for form in others if form.squares <= limit)]
+
+
+def _variance(fitted: Candidate) -> float:
+    """Variance of the weighted residual."""
+    return fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
 
 
 def _last_survivors(

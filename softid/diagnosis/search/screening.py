@@ -20,6 +20,7 @@ from softid.diagnosis.refit.candidates import (
     start_unknowns,
 )
 from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.refit.rough_copy import rough_copy
 from softid.diagnosis.residual.projection import Span, project_out, span_of
 from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
@@ -125,7 +126,7 @@ def screen(
     scale: Scale,
     sigma: Mapping[str, float],
 ) -> list[Signature]:
-    """Signatures of every start of every effect, the most promising first.
+    """Signatures of every start of every effect, seen on a `rough_copy`, the most promising first.
 
     Parameters
     ----------
@@ -138,6 +139,7 @@ def screen(
     sigma
         Output channel → scale that its residual is divided by.
     """
+    fitted, sigma = rough_copy(fitted, scale, sigma)
     residual = residual_of(fitted.problem, fitted.minimum.point, sigma)
     measured = _measured(fitted.problem, sigma)
     reach = 0.5 * fitted.problem.reach()

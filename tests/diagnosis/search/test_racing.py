@@ -255,13 +255,10 @@ def test_what_is_known_joins_for_the_last_rounds() -> None:
 def test_the_race_goes_to_the_true_cause() -> None:
     """Known truth: a parabola of 0.05 under noise of 0.01, against a straight drift."""
     base, scale = parabolic()
-    told: list[float] = []
-    found = race(base, [DRIFT, Bow()], scale, SIGMA, report=told.append)
+    found = race(base, [DRIFT, Bow()], scale, SIGMA)
     assert found[0].keys == ("bow",)
     assert found[0].parameters["bow_c"] == pytest.approx(0.05, abs=0.01)
     assert found[0].squares < base.squares
-    assert told == sorted(told)
-    assert told[-1] == 1.0
 
 
 def test_a_race_that_nobody_wins_ends_early() -> None:
@@ -269,7 +266,5 @@ def test_a_race_that_nobody_wins_ends_early() -> None:
     problem = linear_problem([linear_log(noise=0.01)])
     z = problem.unknowns(TRUTH)
     base = converged(standing(problem, z), SIGMA)
-    told: list[float] = []
-    found = race(base, [DRIFT, Bow()], scale_of(problem, z), SIGMA, report=told.append)
+    found = race(base, [DRIFT, Bow()], scale_of(problem, z), SIGMA)
     assert len(found) == 1
-    assert told[-1] < 1.0

@@ -1,0 +1,75 @@
+"""A fit over averages of a few samples, for early rounds that only choose who goes on.
+
+Who leads after a few evaluations is seen on a fraction of the samples as well as on all of them,
+and every evaluation costs that fraction only. What is chosen there is refitted to all samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.logs.decimation import decimated, samples_to_average
+from softid.diagnosis.refit.candidates import Candidate, advance, extend
+from softid.effects.base import Scale
+from softid.fitters.problem import Problem
+from softid.intersample import HELD
+
+ENOUGH = 1200
+"""Averages that are left at least."""
+
+SAMPLES_PER_MOTION = 5.0
+"""Averages in a time constant of the motion at least."""
+
+
+def rough_copy(
+    whole: Candidate, scale: Scale, sigma: Mapping[str, float]
+) -> tuple[Candidate, Mapping[str, float]]:
+    """A fit over averages, where it stands; itself where there is nothing to average.
+
+    Parameters
+    ----------
+    whole
+        The fit over all samples.
+    scale
+        Sizes of the base fit.
+    sigma
+        Output channel → scale that its residual is divided by.
+
+    Returns
+    -------
+    candidate, sigma
+        The fit over averages of k samples, and the scales divided by √k: so each average counts
+        for the k samples in it, and a sum of squares that falls falls as much as over all samples.
+    """
+    logs = whole.problem.logs
+    if any(log.intersample in HELD for log in logs):
+        return whole, sigma
+    count = samples_to_average(logs, scale.motion_s, enough=ENOUGH, per_motion=SAMPLES_PER_MOTION)
+    if count == 1:
+        return whole, sigma
+    averaged = [decimated(log, count) for log in logs]
+    problem = Problem(whole.problem.model, whole.problem.parameters, averaged)
+    if problem.size != whole.problem.size:  # a stall more or less, with an initial state of its own
+        return whole, sigma
+    weighted = {channel: size / np.sqrt(count) for channel, size in sigma.items()}
+    return advance(replace(whole, problem=problem), weighted, 1), weighted
+
+
+def over_samples_of(candidate: Candidate, fitted: Candidate, scale: Scale) -> Candidate:
+    """A candidate over all samples in place of averages, or the other way round, where it stands.
+
+    Parameters
+    ----------
+    candidate
+        The candidate.
+    fitted
+        What it extends, over the samples that it shall have.
+    scale
+        Sizes of the base fit.
+    """
+    added = candidate.effects[len(fitted.effects) :]
+    begin = replace(candidate.minimum, damping=None)
+    return replace(candidate, problem=extend(fitted.problem, added, scale), minimum=begin)

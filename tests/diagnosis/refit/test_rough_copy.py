@@ -1,0 +1,111 @@
+"""A fit over averages of a few samples."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linear_motion import (
+    RATE_HZ,
+    SIGMA,
+    TRUTH,
+    Bow,
+    linear_log,
+    linear_problem,
+    standing,
+)
+
+from softid.diagnosis.refit import rough_copy as module
+from softid.diagnosis.refit.candidates import advance, extend
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
+from softid.diagnosis.search.racing import race
+from softid.effects import effect_of
+from softid.log import Log
+
+SAMPLES = 3000
+DRIFT = effect_of("sensor_drift")
+
+
+def slow_misfit(size: float) -> np.ndarray:
+    """A sine of 10 s that no linear actuator has."""
+    return size * np.sin(2.0 * np.pi * np.arange(SAMPLES) / (10.0 * RATE_HZ))
+
+
+def test_a_misfit_weighs_as_much_over_averages_and_noise_half_as_much() -> None:
+    """Σ of a sine over half the samples, each for two, is the same; the noise of a mean is σ/√2.
+
+    A time constant of 0.2 s at 50 Hz has ten samples, of which five stay. By hand, with a sine of
+    0.1 rad: 3000·½·0.1²/0.01² = 150000, to 1 % for what jumps of the input between samples leave.
+    Noise alone leaves n/2 = 1500, times (13/12)² + 2/24² for means at their centres, y − Δ²y/24,
+    within four times √(2 n/2).
+    """
+    of_centres = (13.0 / 12.0) ** 2 + 2.0 / 24.0**2
+    for added, noise, expected, tolerance in (
+        (slow_misfit(0.1), 0.0, 150_000.0, 1500.0),
+        (0.0, 0.01, 1500.0 * of_centres, 4.0 * np.sqrt(3000.0)),
+    ):
+        problem = linear_problem([linear_log(samples=SAMPLES, noise=noise, added=added)])
+        z = problem.unknowns(TRUTH)
+        rough, weights = rough_copy(standing(problem, z), scale_of(problem, z), SIGMA)
+        assert rough.problem.n_samples == SAMPLES // 2
+        assert weights["angle"] == pytest.approx(SIGMA["angle"] / np.sqrt(2.0))
+        assert rough.squares == pytest.approx(expected, abs=tolerance)
+        assert {name: rough.parameters[name] for name in TRUTH} == pytest.approx(TRUTH)
+
+
+def held_log() -> Log:
+    return replace(linear_log(samples=SAMPLES), intersample="zoh")
+
+
+@pytest.mark.parametrize(
+    "log",
+    [linear_log(samples=1000), held_log()],
+    ids=["short", "held"],
+)
+def test_what_is_not_averaged_is_handed_back(log: Log) -> None:
+    """Short logs have nothing to spare, and a held input is not straight within a mean."""
+    problem = linear_problem([log])
+    z = problem.unknowns(TRUTH)
+    whole = standing(problem, z)
+    rough, weights = rough_copy(whole, scale_of(problem, z), SIGMA)
+    assert rough is whole
+    assert weights is SIGMA
+
+
+def test_there_and_back_is_the_same_candidate() -> None:
+    """The unknowns stay, and evaluated over all samples again so does the sum of squares."""
+    problem = linear_problem([linear_log(samples=SAMPLES, noise=0.01, added=slow_misfit(0.1))])
+    z = problem.unknowns(TRUTH)
+    whole, scale = standing(problem, z), scale_of(problem, z)
+    rough, weights = rough_copy(whole, scale, SIGMA)
+    added = (Bow(),)
+    bowed = extend(whole.problem, added, scale)
+    point = np.insert(whole.minimum.point, bowed.free.index("bow_c"), 0.05)
+    candidate = standing(bowed, point)
+    candidate = replace(advance(candidate, SIGMA, 1), effects=added)
+    there = over_samples_of(candidate, rough, scale)
+    assert there.problem.n_samples == SAMPLES // 2
+    back = over_samples_of(advance(there, weights, 1), whole, scale)
+    assert back.parameters == candidate.parameters
+    assert advance(back, SIGMA, 1).squares == pytest.approx(candidate.squares)
+
+
+def test_a_race_over_averages_ends_where_one_over_all_samples_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The same order, and the same optimum to a fifth of a standard error, at which it rests."""
+    time_s = np.arange(SAMPLES) / RATE_HZ
+    log = linear_log(samples=SAMPLES, noise=0.01, added=0.05 * (time_s / time_s[-1]) ** 2)
+    problem = linear_problem([log])
+    z = problem.unknowns(TRUTH)
+    base, scale = advance(standing(problem, z), SIGMA, 40), scale_of(problem, z)
+    found = race(base, [DRIFT, Bow()], scale, SIGMA)
+    monkeypatch.setattr(module, "ENOUGH", SAMPLES)
+    whole = race(base, [DRIFT, Bow()], scale, SIGMA)
+    assert [c.keys for c in found] == [c.keys for c in whole]
+    assert found[0].keys == ("bow",)
+    assert found[0].problem.n_samples == SAMPLES
+    assert found[0].parameters["bow_c"] == pytest.approx(whole[0].parameters["bow_c"], abs=2e-4)
+    assert found[0].squares == pytest.approx(whole[0].squares, rel=1e-4)
