@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 Progress = Callable[[str, float], None]
 
 RESTORING_ROUND = 15
+"""Evaluations from where a fit without a term ended to the optimum with it."""
+
 FEWEST_SAMPLES = 100
 """With fewer, seven terms of a base and an effect explain most of any noise, and a block to hold
 out has next to none."""

@@ -27,6 +27,7 @@ from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
 
 READINGS: tuple[Intersample, ...] = ("straight", *HELD)
+"""What an input may do between its samples, the plainest first."""
 
 REFITTING = 15
 """Evaluations from the optimum of one reading to that of the other."""

@@ -21,6 +21,8 @@ REACH = 10
 """Samples to either side over which the input is averaged."""
 
 PASSES = 2
+"""Times that the mean is taken; the second tells edges from an input that has less noise."""
+
 SIGMAS = 3.0
 """A pair of samples counts where both lie within so many standard deviations of the one between
 them, so that edges stay and slopes are not bent."""

@@ -27,13 +27,18 @@ BASE_SD = 1.5
 and make a wrong name look good."""
 
 TOLERANCE = 1e-2
+"""A refit rests within a hundredth of a standard error of its optimum."""
+
 LIGHTER = 0.1
 """What is left of an inertia when its time is given to a lag."""
 
-COARSE, FINE = 1, 2
-"""Most steps in a sampling interval while candidates race, and while they are compared; twice as
-many where an affine law oscillates. Overdamped and sharp laws ask for more to reach 1e-4 of the
-range; noise is far above what this costs."""
+COARSE = 1
+"""Most steps in a sampling interval while candidates race; twice as many where an affine law
+oscillates. Overdamped and sharp laws ask for more to reach 1e-4 of the range; noise is far above
+what this costs."""
+
+FINE = 2
+"""The same while they are compared."""
 
 EFFECT_SD = 3.0
 """Standard deviation of the prior of an effect's parameters about their start, in logarithms: a

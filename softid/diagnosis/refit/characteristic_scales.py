@@ -15,8 +15,11 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-LONGEST_SHARE, SHIFTS = 0.1, 200
-"""An output is late by a tenth of its log at most; so many shifts are tried."""
+LONGEST_SHARE = 0.1
+"""An output is late by a tenth of its log at most."""
+
+SHIFTS = 200
+"""So many shifts up to there are tried."""
 
 FASTEST = 0.05
 """The motion may be faster still at the inputs of so large a share of the samples."""

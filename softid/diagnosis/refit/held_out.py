@@ -19,8 +19,11 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 BLOCKS = 5
+"""Blocks of a log that are held out when no other log is."""
+
 BLOCK_SHARE = 0.04
-"""Five blocks of 4 % of a log are held out when no other log is."""
+"""Length of a block: five of 4 % are a fifth of the log, and four fifths identify nearly as
+well."""
 
 FIRST_SHARE = 0.1
 """Nothing is held out of the first tenth, from which initial states are found."""
@@ -29,9 +32,11 @@ GOLDEN_RATIO = 0.618
 """Each fifth of the log has its block elsewhere, so that the blocks do not fall on the same part of
 every cycle."""
 
-NO_WORSE, BETTER = 1.02, 0.998
-"""A held-out error counts as no worse than another up to a fiftieth above it, and as better from
-two thousandths below it."""
+NO_WORSE = 1.02
+"""A held-out error counts as no worse than another up to a fiftieth above it."""
+
+BETTER = 0.998
+"""It counts as better from two thousandths below it."""
 
 
 class HeldOutErrors(NamedTuple):

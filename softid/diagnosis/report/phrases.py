@@ -20,6 +20,8 @@ VARIABLES = {
     "t": "the time",
     "x and v": "position and speed together",
 }
+"""What `Remainder.by` names, within a sentence."""
+
 VARIATIONS = {
     "x": "more positions over the whole range",
     "v": "slower and faster moves",
@@ -37,7 +39,10 @@ LOUDER = 0.05
 """A rest is called noise with a reserve when its power is so much above that of the noise."""
 
 MOST_VARIABLES = 2
+"""A sentence names no more variables."""
+
 MOST_PARAMETERS = 3
+"""A sentence names no more parameters."""
 
 
 def variables_left(remainder: Remainder) -> list[str]:

@@ -22,14 +22,18 @@ FAINT = 0.5
 parameters are a little off on other logs."""
 
 SMALLEST_EXCESS = 0.15
-EXCESS_SDS = 3.0
-"""The residual is larger than the noise when its variance is so far above it: pressure noise and
-the estimate of the noise itself leave less."""
+"""The residual is larger than the noise when its variance is so far above it, as a share: pressure
+noise leaves less."""
 
-LITTLE_EXPLAINED, FEWER_SDS = 0.8, 2.0
-"""Where causes explain less than the first share of a misfit, so many deviations are enough: a rest
-of coloured noise knows its variance to a third only, and a law that is not the right one leaves
-what that hides."""
+EXCESS_SDS = 3.0
+"""And by so many deviations of the estimate of the noise more."""
+
+LITTLE_EXPLAINED = 0.8
+"""Causes that explain less than this share of a misfit explain little."""
+
+FEWER_SDS = 2.0
+"""Where little is explained so many deviations are enough: a rest of coloured noise knows its
+variance to a third only, and a law that is not the right one leaves what that hides."""
 
 
 def assess(

@@ -18,15 +18,20 @@ from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, pr
 
 Array = npt.NDArray[np.float64]
 
-MOMENTS, FINER = 48, 12
-"""Moments that are tried over a log, and between the neighbours of the best one."""
+MOMENTS = 48
+"""Moments that are tried over a log."""
+
+FINER = 12
+"""Moments that are then tried on either side of the best one, up to its neighbour."""
 
 EDGE = 0.08
 """Nothing is looked for in this share of a log at either end: too little would tell of it."""
 
-TAKES, TAKES_AT_LARGE = 0.94, 0.985
-"""A change must take away so much of the misfit above the noise, and the second share where no kind
-alone does: a change of everything takes much of any misfit."""
+TAKES = 0.94
+"""A change must take away so much of the misfit above the noise."""
+
+TAKES_AT_LARGE = 0.985
+"""So much where no kind alone does: a change of everything takes much of any misfit."""
 
 USUAL = 0.75
 """At the median moment it must take away less than this share of that: what goes on throughout a

@@ -20,38 +20,61 @@ from softid.errors import Issue
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-LEAST_SAMPLES, LEAST_CYCLES = 256, 6.0
+LEAST_SAMPLES = 256
+"""Fewer have too few bins to hold a line against."""
+
+LEAST_CYCLES = 6.0
+"""A line goes round so often in a log at least; what is slower may be a wander."""
+
 NEIGHBOURS = 25
 """A line is held against so many bins of the spectrum on either side, where noise is as loud."""
 
 ODDS_OF_CHANCE = 1e-4
 """Noise as loud as those bins gives such a line in one of so many logs."""
 
-OF_THE_INPUT, ABOVE_BESIDE = 0.02, 12.0
-"""The input has a line of its own where a bin holds so much of the power of its strongest one and
-so many times the power of the bins beside it: then the motion brings it, and up to the third
-harmonic a law that is not straight makes of it as well."""
+OF_THE_INPUT = 0.02
+"""The input has a line of its own where a bin holds so much of the power of its strongest one: then
+the motion brings it, and up to the third harmonic a law that is not straight makes of it as
+well."""
 
-QUARTERS, AS_STRONG = 4, 0.5
-"""The line must have half of its amplitude in all but one of four quarters of the log."""
+ABOVE_BESIDE = 12.0
+"""And where it holds so many times the power of the bins beside it."""
+
+QUARTERS = 4
+"""Parts of a log, in all but one of which a line must be as strong as on the whole."""
+
+AS_STRONG = 0.5
+"""As strong is half of its amplitude."""
 
 LEAST_SHARE = 0.02
 """Share of the rest's power that a line holds at least."""
 
-QUIET_TIMES, QUIET_MOVE = 5.0, 0.02
-"""An event does not follow from a move of the input by 2 % of its range in the last five time
-constants of the motion."""
+QUIET_TIMES = 5.0
+"""An event does not follow from a move of the input in so many of the last time constants."""
+
+QUIET_MOVE = 0.02
+"""A move is so large, as a share of the range of the input."""
 
 BETWEEN_BINS = np.linspace(-1.0, 1.0, 41)
 """Places about the best bin, in bins, among which the line has its largest amplitude."""
 
 WINDOW_SAMPLES = 5
-LOUD, MOST_EVENTS, EVENTS_SHARE = 16.0, 0.05, 0.2
-"""Windows count as events when their power is so many times the median one; not when more than one
-in twenty is so loud, nor when all together hold less than a fifth of the rest's power at rest."""
+"""Samples of a window in which an event is looked for: a few, for a bump or a spike is short."""
+
+LOUD = 16.0
+"""Windows count as events when their power is so many times the median one."""
+
+MOST_EVENTS = 0.05
+"""Not when a larger share of them is so loud: then that is how the rest is."""
+
+EVENTS_SHARE = 0.2
+"""Nor when all together hold less than this share of the rest's power at rest."""
 
 MOST_TOLD = 3
+"""Moments that are told; of more their number is."""
+
 CODES = ("spectral-line", "short-events", CODE)
+"""Codes of the remarks on a line, on events and on a slow wander."""
 
 
 @dataclass(frozen=True)

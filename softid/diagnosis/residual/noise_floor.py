@@ -27,9 +27,15 @@ LOOK_S = 0.5
 """Length of the pieces in which the input is looked at."""
 
 
-PIECE_S, FEWEST_PIECES, EVENTFUL = 4.0, 4, 10.0
-"""In one of at least so many pieces of a rest something happened that is no noise, when it holds so
-many times the power of the usual one, which varies far less from piece to piece in slow noise."""
+PIECE_S = 4.0
+"""Length of the pieces of a rest that are held against each other."""
+
+FEWEST_PIECES = 4
+"""Fewer do not say what the usual one is."""
+
+EVENTFUL = 10.0
+"""In a piece something happened that is no noise when it holds so many times the power of the usual
+one, which varies far less from piece to piece in slow noise."""
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,7 @@ NOTABLE_VARIATION = 0.005
 while it is less than this share of what the cause takes away."""
 
 VARIABLES = ("t", "x", "v", "p")
+"""What a size may vary with: time, position, speed and input."""
 
 
 def variations(

@@ -24,10 +24,13 @@ from softid.errors import Issue
 Array = npt.NDArray[np.float64]
 
 CODE = "slow-wander"
+"""Code of the remark on a slow wander."""
 
-LIMIT_S, LIMIT_TIMES = 2.0, 2.0
-"""Noise with a correlation time up to this, or up to so many time constants of the motion, is
-colour; blocks are so long."""
+LIMIT_S = 2.0
+"""Noise with a correlation time up to this is colour; blocks are so long."""
+
+LIMIT_TIMES = 2.0
+"""The same in time constants of the motion, where that is longer."""
 
 SLOWER = 3.0
 """A wander is so many times slower than the limit at least: 6 s or more."""
@@ -38,8 +41,11 @@ SOUGHT = 10.0
 ODDS_OF_CHANCE = 0.01
 """Noise at the limit is taken for a wander in one of so many logs; faster noise hardly ever."""
 
-TIMES, COLOUR_SHARES = 16, (0.0, 0.03, 0.1, 0.3, 0.6)
-"""Grid on which the time of the wander and the share of colour beside it are the likeliest."""
+TIMES = 16
+"""Times of the wander among which the likeliest is taken."""
+
+COLOUR_SHARES = (0.0, 0.03, 0.1, 0.3, 0.6)
+"""Shares of colour beside the wander among which the likeliest is taken."""
 
 FEWEST_FREE = 5
 """Blocks that remain when slopes and relaxations are taken out."""
@@ -48,14 +54,24 @@ RELAXATIONS_APART = 4.0
 """Relaxations are taken out on a grid of times, each so many times longer than the one before:
 what lies between two of them is made of both to a hundredth."""
 
-LEAST_SHARE, LEAST_IRREGULAR = 0.1, 0.05
-"""Share of the power of what is left that is slow, and share of that which no slope and no
-relaxation takes away: less is not worth a word, or is a relaxation with some other law."""
+LEAST_SHARE = 0.1
+"""Share of the power of what is left that is slow: less is not worth a word."""
 
-EXCURSION, BRIEF = 0.75, 0.25
-"""One excursion: a quarter of the blocks, in a row, holds so much of the slow power."""
+LEAST_IRREGULAR = 0.05
+"""Share of the slow power that no slope and no relaxation takes away: less is a relaxation with
+some other law."""
 
-TENS_S, MINUTES_S = 15.0, 90.0
+EXCURSION = 0.75
+"""One excursion holds so much of the slow power."""
+
+BRIEF = 0.25
+"""And takes this share of the blocks, in a row."""
+
+TENS_S = 15.0
+"""From here on a time is called tens of seconds."""
+
+MINUTES_S = 90.0
+"""From here on it is called minutes."""
 
 LEAST_SEEN = 0.5
 """A block counts when so much of it was measured."""

@@ -25,9 +25,12 @@ BLOCKS = 12
 SHIFTS = 199
 """Circular shifts of the residual that make up the null distribution."""
 
-LEVEL, WANDERING_LEVEL = 0.95, 0.99
-"""What shifted residuals reach in so many cases is chance. Where nothing pulls the motion back more
-is left to it: a residual that adds up disturbances resembles every slow variable."""
+LEVEL = 0.95
+"""What shifted residuals reach in so many cases is chance."""
+
+WANDERING_LEVEL = 0.99
+"""The same where nothing pulls the motion back: a residual that adds up disturbances resembles
+every slow variable."""
 
 KNOTS = 7
 """Knots of the smooth function of one variable."""

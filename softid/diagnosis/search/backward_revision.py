@@ -27,6 +27,8 @@ from softid.diagnosis.search.screening import Signature, screen, with_effect
 from softid.effects.base import Effect, Scale
 
 WITHOUT_ROUND = 25
+"""Evaluations that bring a chain without one of its links to its optimum."""
+
 BEYOND = 3.0
 """A link is not asked again when every rival was behind by more than so many times what the later
 links took away."""

@@ -37,10 +37,13 @@ class Acceptance:
 
 
 FIRST = Acceptance(predicted_fall=6.0, bic=18.0, share=0.0)
+"""Of a first cause."""
+
 FURTHER = Acceptance(predicted_fall=15.0, bic=30.0, share=0.01)
+"""Of a further one: small errors of the first one's law would else be taken for a cause."""
+
 BEHIND_NOISE = Acceptance(predicted_fall=60.0, bic=60.0, share=0.02)
-"""Of a first cause, of a further one, and of one where what is left already looks like noise: small
-errors of the first one's law would else be taken for a cause."""
+"""Of a further one where what is left already looks like noise."""
 
 INDISTINCT = 12.0
 """Candidates within this BIC of the best explain the logs as well. Eight would do if the noise were
@@ -56,9 +59,11 @@ MAX_LINKS = 3
 MOST_TRIED = 3
 """When what is held out refuses the best contender, so many are tried in all."""
 
-CONVERGING, CONVERGING_ROUNDS = 40, 3
-"""Evaluations that bring a model to its optimum, and how often they are granted while it is more
-than a standard error away."""
+CONVERGING = 40
+"""Evaluations that bring a model to its optimum."""
+
+CONVERGING_ROUNDS = 3
+"""How often they are granted while it is more than a standard error away."""
 
 STILL_FALLS = 0.999
 """It is granted them again only if its sum of squares fell below this share."""

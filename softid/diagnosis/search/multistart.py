@@ -29,8 +29,11 @@ PLACES = 3
 STARTS = 2
 """And so many of those are led on."""
 
-ENOUGH, OVER_ALL = 3000, 5
-"""Samples that lead the candidates, and the evaluations over all that follow."""
+ENOUGH = 3000
+"""Samples that lead the candidates."""
+
+OVER_ALL = 5
+"""Evaluations over all samples that follow."""
 
 VANISHED = 1e-3
 """A term has vanished when a factor of e in it changes the output by less than this share of the

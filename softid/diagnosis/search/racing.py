@@ -36,25 +36,45 @@ SECOND_START = 0.3
 """A further start of an effect runs when it promises this share of the best one's drop."""
 
 MAX_STARTS = 2
-BY_ITSELF, OF_THE_BEST = 3.0, 0.3
-"""A richer form of a law runs by itself when it promises so many times what the plain one does, and
-this share of what the best effect promises: the base may do all that the plain one can."""
+"""Starts of one effect that run at most."""
 
-FIRST_ROUND, SECOND_ROUND, EXCHANGE_ROUND = 4, 8, 24
+BY_ITSELF = 3.0
+"""A richer form of a law runs by itself when it promises so many times what the plain one does: the
+base may do all that the plain one can."""
+
+OF_THE_BEST = 0.3
+"""And this share of what the best effect promises."""
+
+FIRST_ROUND = 4
+"""Evaluations of the first round, which all starts run."""
+
+SECOND_ROUND = 8
+"""Evaluations of the second one."""
+
+EXCHANGE_ROUND = 24
+"""Evaluations for two poles that were exchanged, which begin far off."""
+
 LAST_ROUNDS = (5, 10, 25)
-"""Evaluations of each round; two poles that were exchanged begin far off. Who cannot catch up any
-more drops out within the last ones."""
+"""Evaluations of the last rounds, within which who cannot catch up any more drops out."""
 
 RACING_TOLERANCE = 0.2
 """A candidate in the race rests within a fifth of a standard error of its optimum."""
 
-SECOND_SURVIVORS, LAST_SURVIVORS, FORM_SURVIVORS = 7, 4, 2
-"""Candidates that stay in the race for the second and the last round, and those among them that
-also start with the base's terms in another form; all of them with the times of inertia and lag
+SECOND_SURVIVORS = 7
+"""Candidates that stay in the race for the second round."""
+
+LAST_SURVIVORS = 4
+"""Those that stay for the last one. All of them also start with the times of inertia and lag
 exchanged, for which of two poles is whose has nothing to do with who leads."""
 
-MULTISTART_ROUNDS, MULTISTART_SURVIVORS = (8, 8, 16), 8
-"""Evaluations of the rounds of those that begin elsewhere, and how many of them join the race."""
+FORM_SURVIVORS = 2
+"""Those that also start with the base's terms in another form."""
+
+MULTISTART_ROUNDS = (8, 8, 16)
+"""Evaluations of the rounds of those that begin elsewhere."""
+
+MULTISTART_SURVIVORS = 8
+"""How many of those join the race."""
 
 PROMISING_SIGNATURES = 5
 """Effects of the best signatures stay for the second round however far the first one brought them:
@@ -63,16 +83,22 @@ a motion that integrates its force answers violently to a start that is a little
 FAR = 5.0
 """So do those that are still so many standard errors away."""
 
-UNCONVERGED, EXTRA_ROUNDS = 1.0, 2
-"""Those that are more than a standard error away from their optimum after the second round run it
-again, up to so many times, before anyone drops out: some begin worse than the base."""
+UNCONVERGED = 1.0
+"""Those that are more standard errors away from their optimum after the second round run it again
+before anyone drops out: some begin worse than the base."""
+
+EXTRA_ROUNDS = 2
+"""So many times at most."""
 
 FAVOURITES = 2
 """The effects of so many best signatures that are still not settled run the last round too."""
 
-CLEAR_LEAD, UNCONVERGED_LEAD = 0.2, 0.5
-"""One whose sum of squares above the leader's is more than the first share of the base's misfit
-above the leader's drops out before the last round; for one that is not settled it is the second."""
+CLEAR_LEAD = 0.2
+"""One whose sum of squares above the leader's is more than this share of the base's misfit above
+the leader's drops out before the last round."""
+
+UNCONVERGED_LEAD = 0.5
+"""The same for one that is not settled."""
 
 
 def race(

@@ -40,8 +40,11 @@ KEPT = 0.5
 INERTIA_SHARES = (1.0, 0.1, 0.01)
 """Shares of the base's inertia with which an effect that takes time begins."""
 
-SMALLEST_AMPLITUDE, LARGEST_AMPLITUDE = 0.05, 5.0
-"""A start's amplitude is scaled by what the residual asks for, within these factors."""
+SMALLEST_AMPLITUDE = 0.05
+"""Smallest factor by which a start's amplitude is scaled to what the residual asks for."""
+
+LARGEST_AMPLITUDE = 5.0
+"""Largest of these factors: a signature is a straight line, and says little so far out."""
 
 LOST = 1e6
 """A response so many times the output's own scale away is lost. Beyond 1e16 the sensor's zero would

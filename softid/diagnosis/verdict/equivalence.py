@@ -69,6 +69,7 @@ PRESLIDING = EquivalenceClass(
 """One law, and the distance alone speaks for a guide that rubs or for a material that does."""
 
 _FASTER = "the sensor beside a faster one, or the pressure at the actuator itself"
+"""What splits a filter before the actuator from one behind it."""
 
 LINEAR_FILTERS: tuple[EquivalenceClass, ...] = (
     EquivalenceClass(
@@ -87,14 +88,13 @@ LINEAR_FILTERS: tuple[EquivalenceClass, ...] = (
 )
 """Linear operations may change places. A stiffness that goes with the pressure tells them apart."""
 
-SINE, STAIRCASE, STEPS, HOLD, CHIRP = (
-    "a sine of 0.5 Hz",
-    "a slow staircase up and down",
-    "fast steps",
-    "a hold of 20 s followed by a rest of 20 s",
-    "a chirp from slow to fast",
-)
+SINE = "a sine of 0.5 Hz"
+STAIRCASE = "a slow staircase up and down"
+STEPS = "fast steps"
+HOLD = "a hold of 20 s followed by a rest of 20 s"
+CHIRP = "a chirp from slow to fast"
 EXPERIMENTS = (SINE, STAIRCASE, STEPS, HOLD, CHIRP)
+"""What may be recorded to split two causes, in the order of `SEPARATIONS`."""
 
 HOPELESS = 0.2
 """Two causes that differ by less than this, in units of the noise of 0.5 %, are not told apart."""
@@ -120,6 +120,7 @@ either was refitted to the other's data: for each of `EXPERIMENTS` on simulated 
 `tests/benchmarks/separation_of_causes.py --draws 2` prints it."""
 
 SEPARATIONS = {frozenset(pair): values for pair, values in _SEPARATIONS.items()}
+"""The same whichever cause is named first."""
 
 
 @dataclass(frozen=True)

@@ -18,26 +18,36 @@ from softid.results import FitResult, ParameterEstimate
 EXPLAINED = 0.93
 """Share of the misfit that the causes must explain when something is left."""
 
-MOSTLY, DOMINANT, HALF = 0.6, 0.3, 0.5
+MOSTLY = 0.6
 """Measured logs hold small disturbances that no law takes away, which a drive without a spring even
 adds up. Where the rest follows from nothing that moves, causes may be named from this explained
-share on: each that takes away at least the second share of the misfit by itself, if together they
-take away the third share of the error on what is held out."""
+share on."""
+
+DOMINANT = 0.3
+"""Each of them must then take away at least this share of the misfit by itself."""
+
+HALF = 0.5
+"""And all together this share of the error on what is held out."""
 
 LEAST_GAIN = 0.01
 """Share of the held-out error that a cause takes away at least, and a chain of them, too."""
 
-SLIGHT_GAIN, UNKNOWN_SIZE = 0.1, 30.0
-"""A cause that takes away less than the first share of the held-out error is not named when its
-size may be so many times larger or smaller: the last corner of a law that another one fits."""
+SLIGHT_GAIN = 0.1
+"""A cause that takes away less than this share of the held-out error gains slightly."""
+
+UNKNOWN_SIZE = 30.0
+"""One of slight gain is not named when its size may be so many times larger or smaller: it is the
+last corner of a law that another one fits."""
 
 NO_EFFECT = 0.05
 """Zero sizes that are no less likely than this are no effect."""
 
-VARIES, VARIES_BESIDE = 0.03, 0.1
+VARIES = 0.03
 """Where letting its size vary takes away so much beside what a cause takes away, it is another one:
-its own size has settled between what the log asks for here and there. The second share holds where
-something else is left, whose law the size may follow a little."""
+its own size has settled between what the log asks for here and there."""
+
+VARIES_BESIDE = 0.1
+"""The same where something else is left, whose law the size may follow a little."""
 
 ROUNDING = 1e-14
 """Variances below this share of the largest are not told from it by the covariance's digits."""
