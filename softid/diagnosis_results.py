@@ -125,15 +125,23 @@ def cause_before(cause: Cause, others: Sequence[Cause]) -> Cause | None:
     """The link of the chain that a cause was added to; None for the first one.
 
     Causes and descriptions form one chain, in which the error after one is that before the next.
+    Links that change nothing have the same error as the one before them: of several it is the last
+    that ``others`` has before the cause, or the last one where none is before it.
 
     Parameters
     ----------
     cause
         A cause or a description.
     others
-        The causes and descriptions of the same diagnosis.
+        The causes and descriptions of the same diagnosis, each in the order of the chain.
     """
-    return next((c for c in others if c.holdout_rmse_after == cause.holdout_rmse_before), None)
+    place = next((k for k, other in enumerate(others) if other is cause), len(others))
+    found = [
+        other
+        for other in (*others[place + 1 :], *others[:place])
+        if other.holdout_rmse_after == cause.holdout_rmse_before
+    ]
+    return found[-1] if found else None
 
 
 @dataclass(frozen=True)
