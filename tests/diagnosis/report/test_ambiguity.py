@@ -1,0 +1,112 @@
+"""Why causes are tied and what to record next, for ties and remainders made by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from handmade_diagnosis import remainder
+
+from softid.diagnosis.report.ambiguity import law_that_ties, what_next, why_tied
+from softid.diagnosis.search.forward_selection import INDISTINCT
+from softid.diagnosis.verdict.equivalence import CHIRP, LINEAR_FILTERS, PRESLIDING
+from softid.diagnosis_results import Alternative, Remainder, Verdict
+
+NOISE = remainder(structured=False, explained=1.0)
+FAR = INDISTINCT + 1.0
+
+
+def tie(*keys: str, behind: float = 3.0) -> Alternative:
+    """Causes of which each explains the logs so much worse than the one before."""
+    names = tuple(key.split(".")[0] for key in keys)
+    return Alternative(names, {name: k * behind for k, name in enumerate(names)}, "", keys)
+
+
+def left(**by: float) -> Remainder:
+    """A remainder of which variables predict these shares."""
+    return replace(remainder(structured=True, explained=0.6), by=by)
+
+
+@pytest.mark.parametrize("linear", [True, False])
+def test_one_law_under_two_names_is_tied_however_far_apart(linear: bool) -> None:
+    """Friction that gives way is a hysteresis: of that class when the fit does tell them apart."""
+    apart = tie("coulomb_friction", "hysteresis", behind=FAR)
+    assert law_that_ties(apart, linear=linear) is PRESLIDING
+    assert why_tied(apart, linear=linear).startswith(PRESLIDING.why)
+    assert law_that_ties(tie("coulomb_friction", "hysteresis"), linear=linear) is None
+    assert law_that_ties(tie("hysteresis", "creep", behind=FAR), linear=linear) is None
+
+
+@pytest.mark.parametrize("known", LINEAR_FILTERS, ids=lambda known: known.effects[0])
+def test_filters_change_places_in_a_linear_model_alone(known) -> None:
+    """A muscle's stiffness goes with the pressure, so there the logs might split them."""
+    pair = tie(*known.effects)
+    assert law_that_ties(pair, linear=True) is known
+    assert law_that_ties(tie(*known.effects, "delay"), linear=True) is known
+    assert law_that_ties(tie(known.effects[0], "delay"), linear=True) is None
+    assert law_that_ties(pair, linear=False) is None
+    assert why_tied(pair, linear=True) == f"{known.why}. What splits them: {known.splits}."
+    asked = what_next(Verdict.AMBIGUOUS, alternatives=[pair], remainder=NOISE, linear=True)
+    assert asked == f"record {known.splits}"
+
+
+def test_a_tie_says_whether_its_causes_explain_alike() -> None:
+    """Up to the limit of the search they do; beyond it they differ by less than what all leave."""
+    alike = why_tied(tie("delay", "pneumatic_lag", behind=INDISTINCT - 0.1), linear=False)
+    apart = why_tied(tie("delay", "pneumatic_lag", behind=INDISTINCT), linear=False)
+    assert "equally well" in alike
+    assert "equally well" not in apart
+    assert "outweighs" in apart
+
+
+def test_the_experiment_splits_the_first_from_the_others() -> None:
+    """A chirp sets a delay and a lag 4.9 units of noise apart, the most of all (the table)."""
+    ties = [tie("delay", "pneumatic_lag"), tie("creep", "sensor_warmup")]
+    asked = what_next(Verdict.AMBIGUOUS, alternatives=ties, remainder=NOISE)
+    assert asked == f"record {CHIRP}, to tell delay of the input from lag of the pneumatics"
+    three = tie("delay", "pneumatic_lag", "sensor_lag")
+    asked = what_next(Verdict.AMBIGUOUS, alternatives=[three], remainder=NOISE)
+    assert asked is not None
+    assert asked.endswith("from lag of the pneumatics or lag of the sensor")
+
+
+def test_of_an_unknown_remainder_ties_do_not_matter() -> None:
+    """What none of them explains comes first."""
+    lag = tie("delay", "pneumatic_lag")
+    asked = what_next(Verdict.UNKNOWN, alternatives=[lag], remainder=left(x=0.3))
+    assert asked == "repeat these logs with more positions over the whole range"
+
+
+@pytest.mark.parametrize(
+    ("by", "asked"),
+    [
+        ({"t": 0.3}, "record the same for longer, to see how it goes on"),
+        ({"t": 0.3, "p": 0.2}, "repeat these logs with more levels of the input"),
+        ({"v": 0.1, "x": 0.3, "p": 0.05}, "repeat these logs with more positions over the whole "
+         "range and slower and faster moves"),
+        ({"x": 0.01}, "record the same path once slowly and once fast"),
+    ],
+)  # fmt: skip
+def test_what_predicts_the_rest_is_varied(by: dict[str, float], asked: str) -> None:
+    """The two variables that predict most of it, each above 2 %; a rest is asked for if none was
+    there."""
+    for verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
+        found = left(**by)
+        assert what_next(verdict, alternatives=(), remainder=found) == asked
+        blind = replace(found, noise_from_rest=False)
+        rest = ", and with a rest of 30 s that shows the noise"
+        assert what_next(verdict, alternatives=(), remainder=blind) == asked + rest
+
+
+def test_a_description_of_noise_alone_asks_for_more() -> None:
+    """Nothing is left that follows from the motion, yet nothing may be named."""
+    asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=NOISE)
+    assert asked is not None
+    assert "how sure the description is" in asked
+
+
+@pytest.mark.parametrize("verdict", [Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS])
+def test_nothing_more_is_asked_for(verdict: Verdict) -> None:
+    """Where all is explained, or one cause stands where two were looked for."""
+    assert what_next(verdict, alternatives=(), remainder=left(x=0.3)) is None
+    assert what_next(verdict, alternatives=[tie("delay")], remainder=NOISE) is None
