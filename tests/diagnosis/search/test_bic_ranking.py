@@ -41,7 +41,8 @@ def test_bic_by_hand() -> None:
 def test_the_noise_model_is_that_of_the_best() -> None:
     """What the worse candidate leaves is no noise: all are whitened by what the best one leaves.
 
-    The base leaves a parabola of 0.05 m on noise of 0.01; the noise that is used is the latter.
+    The base leaves a parabola of 0.05 rad on noise of 0.01; the noise that is used is the latter,
+    which is white, while an autoregression to the former nearly adds it up.
     """
     base, scale = parabolic()
     best = race(base, [Bow()], scale, SIGMA)[0]
@@ -52,6 +53,7 @@ def test_the_noise_model_is_that_of_the_best() -> None:
     assert whitener is second.candidate.whitener
     assert whitener is not None
     assert whitener.sigma[0, "angle"] == pytest.approx(0.01, rel=0.1)
+    assert float(np.sum(whitener.phi[0, "angle"])) < 0.2
 
 
 def test_a_term_that_explains_noise_ranks_behind() -> None:
