@@ -69,7 +69,7 @@ def _static_curve(at: Instant, p: Values) -> Parts:
 
 
 def _contact(at: Instant, p: Values) -> Parts:
-    width = 0.01 * at.scale.x_span
+    width = 0.01 * at.scale.x_span / (1.0 + p["kw"] * at.scale.x_span / at.scale.force)
     return Parts(force=p["kw"] * width * float(np.logaddexp(0.0, (at.x - p["xw"]) / width)))
 
 

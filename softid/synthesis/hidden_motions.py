@@ -84,7 +84,8 @@ def _stiffening(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
 
 def _contact(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     del occasion
-    kw, xw, width = values["kw"], values["xw"], CORNER * sizes.x_span
+    kw, xw = values["kw"], values["xw"]
+    width = CORNER * sizes.x_span / (1.0 + kw * sizes.x_span / sizes.force)
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
         depth = x - xw

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from textbook_effects import settled
+import pytest
+from textbook_effects import round_scale, settled
 
 from softid.effects.contact import Contact
 
@@ -20,9 +21,26 @@ def test_two_straight_branches_at_rest() -> None:
 
 
 def test_force_at_the_corner() -> None:
-    """At x = xw the softplus is w ln 2, with w = 1 % of the range 0.5."""
-    u = np.array([2.0 * 0.3 + 6.0 * 0.005 * np.log(2.0)])
+    """At x = xw the softplus is w ln 2, with w = 1 % of the range 0.5 over 1 + kw/Q."""
+    scale = round_scale()
+    width = 0.005 / (1.0 + 6.0 * scale.x_span / scale.force)
+    u = np.array([2.0 * 0.3 + 6.0 * width * np.log(2.0)])
     np.testing.assert_allclose(settled(Contact(), VALUES, u, 2.0), 0.3, atol=1e-10)
+
+
+def test_a_wall_is_felt_at_the_wall() -> None:
+    """By hand, for a wall at 0.3 a hundred times as stiff as the actuator, and a drive to 0.29.
+
+    It lies 200 widths ahead, so nothing is felt; a corner of 1 % of the range, two widths ahead,
+    would push back with 200·0.005·ln(1 + e⁻²) = 0.13, a fifth of the drive. A drive to 0.45 ends
+    at (u + kw xw)/(Q + kw), without a trace of the corner.
+    """
+    scale = round_scale()
+    stiff = 100.0 * scale.force / scale.x_span
+    u = np.array([2.0 * 0.29, 2.0 * 0.45])
+    before, behind = settled(Contact(), {"kw": stiff, "xw": 0.3}, u, 2.0)
+    assert before == pytest.approx(0.29, abs=1e-3 * scale.x_span)
+    assert behind == pytest.approx((u[1] + stiff * 0.3) / (stiff + 2.0), abs=1e-6)
 
 
 def test_nothing_overflows_far_from_the_obstacle() -> None:
