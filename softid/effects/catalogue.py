@@ -6,7 +6,7 @@ from softid.effects.base import Effect
 from softid.effects.clock_rate import ClockRate
 from softid.effects.contact import Contact
 from softid.effects.coulomb_friction import CoulombFriction, StribeckFriction
-from softid.effects.creep import Creep
+from softid.effects.creep import Creep, SeriesCreep
 from softid.effects.dead_zone import DeadZone
 from softid.effects.delay import Delay
 from softid.effects.hysteresis import Hysteresis
@@ -58,6 +58,7 @@ STATE: tuple[type[Effect], ...] = (
     PressureMass,
 )
 OUTPUT: tuple[type[Effect], ...] = (
+    SeriesCreep,
     SensorDrift,
     SensorGainDrift,
     SensorWarmup,

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from softid.effects.base import LEAST_AMPLITUDE, Scale, StateEffect
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import LEAST_AMPLITUDE, OutputEffect, Scale, StateEffect
 from softid.effects.time_constants import SETTLING_PERIODS, start_times, time_bounds
+from softid.kernels.filters import lag
 from softid.kernels.terms import FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
 
 SHARE = 0.2
 """Start of the stiffness that relaxes, in those of the actuator."""
@@ -23,6 +29,13 @@ LONGEST_SHARE = 1.0
 
 TIMES = (0.03, 0.1, 0.3)
 """Starts of the time, as shares of the log."""
+
+SERIES_SHARE = 0.1
+"""Start of the share by which a reading creeps on."""
+
+SERIES_SHARES = (1e-4, 3.0)
+"""Bounds of that share: less is lost in any noise, and what creeps three times as far as it jumped
+did not settle at all."""
 
 
 @dataclass(frozen=True)
@@ -95,3 +108,67 @@ class Creep(StateEffect):
         """Force k (x − z), and ż = (x − z)/τ."""
         out[FORCE] += eta[0] * (x - z)
         out[RATE] += (x - z) / eta[1]
+
+
+@dataclass(frozen=True)
+class SeriesCreep(OutputEffect):
+    r"""Creep by the same share of every deflection, y = x + c z with τ ż + z = x.
+
+    A spring and a damper side by side stand in series with the actuator (Kelvin and Voigt), or a
+    strain sensor creeps. In an actuator whose stiffness does not depend on the pressure it is
+    nearly the creep of a standard linear solid; in others that one creeps less where they are
+    stiff.
+
+    Source: Kelvin–Voigt element of Burgers' model; Christensen, *Theory of Viscoelasticity*, §1.
+    """
+
+    name: ClassVar[str] = "creep"
+    variant: ClassVar[str] = "series"
+    title: ClassVar[str] = "Creep in proportion to the deflection"
+    law: ClassVar[str] = "y = x + c z,  tau z' + z = x"
+    meaning: ClassVar[str] = (
+        "After a change the reading settles quickly to most of its new value and then creeps on "
+        "for seconds or minutes by a share of the change that is the same at every pressure, "
+        "because the body, or a strain sensor on it, goes on giving way."
+    )
+    signature: ClassVar[str] = (
+        "The residual grows exponentially after every change of level, in proportion to the change "
+        "of the deflection, with the same time and share at every level and in both directions."
+    )
+    neighbours: ClassVar[tuple[str, ...]] = Creep.neighbours
+    remedy: ClassVar[str] = (
+        "precondition the actuator, use a less viscoelastic elastomer, or a sensor that does not "
+        "creep"
+    )
+    shown_by: ClassVar[str] = "a hold of 20 s followed by a rest of 20 s, at two levels"
+    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (Kelvin-Voigt element)"
+    amplitude: ClassVar[str] = "c"
+    essential: ClassVar[tuple[str, ...]] = ("tau",)
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Share c by which the reading creeps on, and the time τ in which it does."""
+        (_, tau) = Creep().parameters(scale).values()
+        share = Parameter(
+            "c",
+            SERIES_SHARE,
+            "1",
+            *SERIES_SHARES,
+            "log",
+            meaning="share of a change by which the reading creeps on",
+            source=self.source,
+        )
+        return ParameterSet((share, replace(tau, meaning="time in which it creeps on")))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Times from a thirtieth to a third of the log."""
+        declared = self.parameters(scale)
+        times = start_times(declared["tau"], scale, TIMES)
+        return tuple({"c": SERIES_SHARE, "tau": tau} for tau in times)
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """The reading with what creeps on, settled at the first sample."""
+        del scale
+        late = np.array(y, np.float64)
+        lag(np.diff(time_s), late, float(eta[1]), float(eta[1]))
+        crept: Array = y + float(eta[0]) * late
+        return crept

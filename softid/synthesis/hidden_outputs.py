@@ -52,6 +52,24 @@ def _lag(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     return OutputLaw(follow=follow, start=lambda y: (y,))
 
 
+def _series_creep(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    share, tau = values["c"], values["tau"]
+
+    def read(times: Array, y: Array) -> Array:
+        """With what a lag of straight pieces leaves of every sample at the next one."""
+        h = np.diff(times)
+        kept = np.exp(-h / tau)
+        mean = (1.0 - kept) * tau / h  # share of the piece's own begin and end that has arrived
+        arrived = y[1:] * (1.0 - mean) + y[:-1] * (mean - kept)
+        crept = [y[0]]
+        for left, new in zip(kept.tolist(), arrived.tolist(), strict=True):
+            crept.append(left * crept[-1] + new)
+        return y + share * np.array(crept)
+
+    return OutputLaw(read=read)
+
+
 def _second_order(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     del sizes, occasion
     omega, zeta = 2.0 * pi / values["period"], values["zeta"]
@@ -210,6 +228,12 @@ OUTPUTS: tuple[Hidden, ...] = (
             "size": either(rng) * about(rng, 0.12 * size * s.x_span),
             "time": rng.uniform(0.1, 0.3) * s.duration_s,
         }, _warmup,
+    ),
+    entry(
+        "creep.series", "output", "y = x + c z, tau z' + z = x", "c 1, tau s",
+        lambda s, rng, size: {
+            "c": about(rng, 0.12 * size), "tau": between(rng, 0.04, 0.15) * s.duration_s,
+        }, _series_creep,
     ),
     entry(
         "sensor_lag", "output", "tau y' + y = x", "tau s",
