@@ -17,13 +17,15 @@ from softid.errors import Issue
 from softid.excitation.noise import noise_std
 from softid.log import Log
 from softid.models.base import Model
+from softid.quality.sampling import describe_sampling
 from softid.simulation import simulate
 
 Array = npt.NDArray[np.float64]
 Places = npt.NDArray[np.intp]
 
-GAP_PERIODS = 1.5
-"""An interval of so many sampling periods has lost a sample."""
+GAP_PERIODS, GAP_SPREADS = 1.5, 3.0
+"""An interval has lost a sample when it is so many sampling periods long, and so many of the usual
+spreads longer than one: where a clock trembles, long intervals are as usual as short ones."""
 
 MATTERS = 0.5
 """Share of the output's noise that the course of the input in the gaps may change."""
@@ -73,9 +75,9 @@ def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> L
 
 def _gaps(log: Log) -> Places:
     """Last samples before an interval that has lost others, and is none between two segments."""
-    interval_s = np.diff(log.time_s)
-    lost = (interval_s > GAP_PERIODS * log.period_s) & (interval_s <= log.stall_s)
-    found: Places = np.flatnonzero(lost)
+    interval_s, jitter = np.diff(log.time_s), describe_sampling(log).jitter
+    longest_s = max(GAP_PERIODS, 1.0 + GAP_SPREADS * jitter) * log.period_s
+    found: Places = np.flatnonzero((interval_s > longest_s) & (interval_s <= log.stall_s))
     return found
 
 

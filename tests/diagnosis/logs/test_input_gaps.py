@@ -78,6 +78,15 @@ def test_a_log_without_gaps_is_itself() -> None:
     assert without_lost_input(whole, MODEL, VALUES) is whole
 
 
+def test_a_clock_that_trembles_has_lost_nothing() -> None:
+    """Intervals of 20 ms ± 40 %, up to 1.8 periods: none is beyond three of their spreads."""
+    log = recorded(jump(), lost=())
+    inner = 0.4 * log.period_s * np.random.default_rng(3).uniform(-1.0, 1.0, len(log))
+    trembling = replace(log, time_s=np.arange(len(log)) * log.period_s + inner - inner[0])
+    assert np.diff(trembling.time_s).max() > 1.6 * log.period_s
+    assert without_lost_input(trembling, MODEL, VALUES) is trembling
+
+
 def test_a_jump_in_a_gap_takes_the_memory_of_the_motion() -> None:
     """Closed form: masked is where the course of the input matters more than half of the noise.
 
