@@ -45,18 +45,23 @@ def _print_causes(heading: str, causes: Sequence[Cause], diagnosis: Diagnosis) -
 
 def _row(cause: Cause, unit: str, factor: float, earlier: Cause | None) -> tuple[str, ...]:
     """One cause, and the one of the other table that it was added to."""
-    before, after = (v * factor for v in (cause.holdout_rmse_before, cause.holdout_rmse_after))
+    before, after = cause.holdout_rmse_before, cause.holdout_rmse_after
     error = ""
-    if math.isfinite(before) and math.isfinite(after):
-        error = f"{before:.3g} → {after:.3g} {unit}".rstrip()
+    if math.isfinite(before) or math.isfinite(after):
+        error = f"{_error(before, factor)} → {_error(after, factor, unit)}"
         error += f"\nafter {earlier.key}" if earlier else ""
     if cause.gain_ci95 is not None:
         low, high = (100.0 * end for end in cause.gain_ci95)
         error += f"\ngain {low:z.0f} to {high:z.0f} %"
     if cause.holdout_rmse_without is not None:
-        error += f"\nwithout it {cause.holdout_rmse_without * factor:.3g} {unit}".rstrip()
+        error += f"\nwithout it {_error(cause.holdout_rmse_without, factor, unit)}"
     values = "\n".join(_value(cause.key, p) for p in cause.parameters)
     return cause.key, values, f"{cause.delta_bic:.0f}", error
+
+
+def _error(value: float, factor: float, unit: str = "") -> str:
+    """An error in its unit; a model whose response runs away has none."""
+    return f"{value * factor:.3g} {unit}".rstrip() if math.isfinite(value) else "no response"
 
 
 def _value(key: str, p: ParameterEstimate) -> str:

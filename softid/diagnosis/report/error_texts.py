@@ -48,7 +48,9 @@ class ErrorTexts:
         self.held_out = bool(held)
 
     def size(self, value: float) -> str:
-        """An error with its unit."""
+        """An error with its unit; a model whose response runs away has none."""
+        if not math.isfinite(value):
+            return "no finite response"
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{value * self.factor:.3g}{unit}"
 

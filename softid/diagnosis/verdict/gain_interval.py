@@ -24,7 +24,8 @@ def gain_interval(
 ) -> tuple[float, float] | None:
     """95 % interval of 1 − rms(after)/rms(before) by a block bootstrap over the same blocks.
 
-    Stretched by Student's t for the number of blocks; None for fewer than eight samples a block.
+    Stretched by Student's t for the number of blocks; None for fewer than eight samples a block,
+    and where one of the models has no finite response.
 
     Parameters
     ----------
@@ -38,6 +39,8 @@ def gain_interval(
         return None
     n = size * BOOTSTRAP_BLOCKS
     squares = np.stack((before[:n], after[:n])) ** 2
+    if not np.isfinite(squares).all():
+        return None
     sums = squares.reshape(2, BOOTSTRAP_BLOCKS, size).sum(axis=2)
     drawn = sums[:, rng.integers(0, BOOTSTRAP_BLOCKS, (DRAWS, BOOTSTRAP_BLOCKS))].sum(axis=2)
     gains = 1.0 - np.sqrt(drawn[1] / np.maximum(drawn[0], 1e-300))

@@ -35,6 +35,15 @@ def test_no_interval_of_few_samples() -> None:
     assert gain_interval(np.empty(0), np.empty(0), rng) is None
 
 
+def test_no_interval_of_a_response_that_ran_away() -> None:
+    """Before or after: a model without an error has no gain either."""
+    rng = np.random.default_rng(0)
+    values = rng.standard_normal(480)
+    lost = np.full(480, np.nan)
+    assert gain_interval(values, lost, rng) is None
+    assert gain_interval(lost, values, rng) is None
+
+
 def test_no_gain_and_a_loss() -> None:
     """Closed form: the same error gains nothing, a doubled one loses its whole size."""
     rng = np.random.default_rng(0)
