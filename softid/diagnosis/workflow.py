@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request, require_enough
 from softid.diagnosis.base.intersample_selection import (
@@ -51,7 +52,14 @@ from softid.diagnosis.verdict.cause_results import (
     whole_gain_of,
 )
 from softid.diagnosis.verdict.chain_consistency import consistent_names, with_presliding
-from softid.diagnosis.verdict.naming import gains_by, may_be_named, most_variation, verdict_of
+from softid.diagnosis.verdict.gain_interval import gain_interval
+from softid.diagnosis.verdict.naming import (
+    gains_by,
+    may_be_named,
+    may_gain_nothing,
+    most_variation,
+    verdict_of,
+)
 from softid.diagnosis_results import Cause, Diagnosis, Verdict
 from softid.effects import effects_of
 from softid.errors import Issue
@@ -68,6 +76,8 @@ from softid.results import FitResult, FitStatus
 
 if TYPE_CHECKING:
     import lmfit
+
+Array = npt.NDArray[np.float64]
 
 
 def diagnose(
@@ -236,7 +246,8 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     after = _fit_of(chain.final, base.identified, seed) if extends else None
     models = prefix_models(chain, base.candidate, base.scale, base.sigma)
     errors = [held_out.first_errors(model) for model in models]
-    causes = _with_errors_without(causes_of(chain, errors, after, rng), chain, base)
+    causes = causes_of(chain, errors, after, rng)
+    causes = _with_errors_without(causes, chain, base, errors[-1], rng)
     causes = _with_variations(causes, chain, base)
     is_named = _names_that_stay(found, causes, after, held_out)
     links = [
@@ -302,13 +313,20 @@ def _issues_of_rest(base: BaseFit, chain: Chain, fit: FitResult) -> tuple[Issue,
     )
 
 
-def _with_errors_without(causes: Sequence[Cause], chain: Chain, base: BaseFit) -> tuple[Cause, ...]:
-    """The causes; those that gain nothing in their place with the error of leaving them out."""
+def _with_errors_without(
+    causes: Sequence[Cause], chain: Chain, base: BaseFit, whole: Array, rng: np.random.Generator
+) -> tuple[Cause, ...]:
+    """The causes; those that may gain nothing in their place with the error of leaving them out.
+
+    It is only told where the other causes surely do worse without this one than the ``whole`` does.
+    """
     found = []
     for position, cause in enumerate(causes):
-        if len(causes) > 1 and not gains_by(cause, np.inf):
+        if len(causes) > 1 and (not gains_by(cause, np.inf) or may_gain_nothing(cause)):
             model = refit_without(chain, position, base.candidate, base.scale, base.sigma)
-            cause = replace(cause, holdout_rmse_without=base.held_out.rms(model))
+            gained = gain_interval(base.held_out.first_errors(model), whole, rng)
+            if gained is None or gained[0] > 0.0:
+                cause = replace(cause, holdout_rmse_without=base.held_out.rms(model))
         found.append(cause)
     return tuple(found)
 

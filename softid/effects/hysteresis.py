@@ -62,6 +62,7 @@ class Hysteresis(StateEffect):
     shown_by: ClassVar[str] = "the same path at two speeds, and small loops within large ones"
     source: ClassVar[str] = "Dahl 1968; Ikhouane & Rodellar, Systems with Hysteresis"
     amplitude: ClassVar[str] = "alpha"
+    ceilings: ClassVar[tuple[str, ...]] = ("zs",)
     has_state: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -14,6 +14,9 @@ from softid.results import FitResult, FitStatistics, ParameterEstimate
 RANGE_MARGIN = 0.02
 """Share of the fitted range by which a log may pass it before that counts as extrapolation."""
 
+A_FEW = 0.005
+"""Share of the samples that would round to 0 %."""
+
 POOR_FIT_PERCENT = 70.0
 
 LEAST_R2, CHANCE = 0.02, 3.0
@@ -76,11 +79,12 @@ def extrapolation(
     if not outside.any():
         return None
     unit = log.channels[channel].unit
+    share = f"{100 * outside.mean():.0f} %" if outside.mean() >= A_FEW else "a few"
     worst = float(values.max()) if values.max() > high + margin else float(values.min())
     return Issue(
         "extrapolation",
         "warning",
-        f"{log.name}: {channel} reaches {worst:.4g} {unit} and {100 * outside.mean():.0f} % of the "
+        f"{log.name}: {channel} reaches {worst:.4g} {unit} and {share} of the "
         f"samples lie outside the fitted {low:.4g} to {high:.4g} {unit}: this is extrapolation",
         f"fit a log that covers {worst:.4g} {unit}",
     )

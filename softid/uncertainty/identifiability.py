@@ -173,8 +173,8 @@ def judge(
 
     Examples
     --------
-    >>> judge(2.0, "log", 0.5, partner=("b2", -0.98))
-    ('weakly identified', 'known to ±50 %, since b2 can make up for it (correlation -0.98)')
+    >>> judge(2.0, "log", 0.5)
+    ('weakly identified', 'its standard error is 50 % of it')
     """
     if at_bound:
         bound = _which_bound(value, lower, upper)
@@ -190,7 +190,7 @@ def judge(
     if partner is not None and abs(partner[1]) > STRONG_CORRELATION:
         why = f", since {partner[0]} can make up for it (correlation {partner[1]:.2f})"
     if size < WEAK_BELOW:
-        return "weakly identified", f"known to ±{100.0 * size:.0f} %{why}"
+        return "weakly identified", f"its standard error is {100.0 * size:.0f} % of it{why}"
     if scale == "log":
         return "not identified", f"its order of magnitude is not known{why}"
     return "not identified", f"its standard error is as large as the value{why}"

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from softid.diagnosis.verdict.equivalence import classes_of
-from softid.diagnosis.verdict.naming import explains_enough
+from softid.diagnosis.verdict.naming import EXPLAINED, explains_enough
 from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Evidence, Remainder
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
@@ -31,6 +31,9 @@ VARIATIONS = {
     "x and v": "every position passed at several speeds",
 }
 """What would show a dependence on each of them better."""
+
+PREDICTORS = "the motion, the input and the time"
+"""What a residual is predicted from."""
 
 LITTLE = 0.01
 """A variation is told with its size from this share on."""
@@ -164,16 +167,17 @@ def taken_by(remainder: Remainder) -> str:
         held = percent(held_out)
         return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
     if not remainder.carries_over or not explains_enough(remainder):
-        return f"{taken}, which is too little for a cause"
+        least = percent(EXPLAINED)
+        return f"{taken}, which is too little for a cause: beside a rest, more than {least} must go"
     return f"{taken}, but not surely enough for a name"
 
 
 def structure_of_rest(remainder: Remainder) -> str:
-    """How much of what is left follows from the motion, beside what chance reaches."""
+    """How much of what is left is predicted, beside what chance reaches."""
     share, limit = percent(remainder.structure_share), percent(max(remainder.structure_limit, 0.0))
     if remainder.structure_share <= max(remainder.structure_limit, 0.0):
-        return "no more of it follows from the motion than chance would make of noise"
-    return f"{share} of its power follows from the motion, where chance reaches {limit}"
+        return f"no more of it follows from {PREDICTORS} than chance would make of noise"
+    return f"{share} of its power follows from {PREDICTORS}, where chance reaches {limit}"
 
 
 def round_of(cause: Cause, evidence: Sequence[Evidence], number: int) -> int:

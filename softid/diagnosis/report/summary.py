@@ -10,6 +10,7 @@ from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_nex
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.issues import CHANGE_POINT, NEGLIGIBLE_MISFIT, REFUSED
 from softid.diagnosis.report.phrases import (
+    PREDICTORS,
     VARIABLES,
     at_bounds,
     described,
@@ -214,15 +215,16 @@ def _left(teller: ErrorTexts, remainder: Remainder) -> str:
     elif remainder.structure_share > NOTABLE:
         share = percent(remainder.structure_share)
         told += (
-            f"is larger than the noise; {share} of it follows from the motion, but so much of slow "
-            "noise would by chance"
+            f"is larger than the noise; {share} of it follows from {PREDICTORS}, but so much of "
+            "slow noise would by chance"
         )
     elif remainder.noise_from_rest:
         told += "is larger than the noise, but follows from no variable that was looked at"
     else:
         told += (
-            "is more than white noise, for it moves slowly, too. It follows from no variable that "
-            "was looked at, so it may be slow noise; no long rest shows how large that is"
+            "is more than the noise between neighbouring samples, and follows from no variable "
+            "that was looked at: a law with a memory, a disturbance or slow noise, for no long "
+            "rest shows how large that noise is"
         )
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
 

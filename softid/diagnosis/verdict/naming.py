@@ -110,6 +110,18 @@ def gains_by(cause: Cause, whole: float) -> bool:
     return without is not None and whole <= most * without
 
 
+def may_gain_nothing(cause: Cause) -> bool:
+    """Whether the interval of the gain holds zero, and no other cause is known to need this one.
+
+    Parameters
+    ----------
+    cause
+        The cause with its held-out errors.
+    """
+    interval = cause.gain_ci95
+    return interval is not None and interval[0] <= 0.0 and cause.holdout_rmse_without is None
+
+
 def most_variation(remainder: Remainder) -> float:
     """How much letting its size vary may take away beside what a cause takes away.
 
@@ -126,11 +138,11 @@ def may_be_named(
 ) -> bool:
     """Whether the numbers of a cause allow its name.
 
-    It must take away a hundredth of the held-out error at least, with a size that is the same
-    throughout. Where its size may have either sign, an interval over zero is no effect, and a size
-    at its bound stands for something else; so does a time of a relaxation: at its shortest it is a
-    damper, at its longest a drift; and so does a speed at which friction has come up when it is as
-    large as the motion's own.
+    It must take away a hundredth of the held-out error at least, and surely something where it is
+    judged by that alone, with a size that is the same throughout. Where its size may have either
+    sign, an interval over zero is no effect, and a size at its bound stands for something else; so
+    does a time of a relaxation: at its shortest it is a damper, at its longest a drift; and so does
+    a speed at which friction has come up when it is as large as the motion's own.
     Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
     unknown beside the base's own parameters, or run into its bound with their common slope, and
     their shape well known.
@@ -148,7 +160,7 @@ def may_be_named(
     varies
         From `most_variation`.
     """
-    if not gains_by(cause, whole):
+    if not gains_by(cause, whole) or may_gain_nothing(cause):
         return False
     if cause.variation is not None and cause.variation.share > varies:
         return False

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from handmade_diagnosis import cause, diagnosis, estimate, remainder
 
-from softid.diagnosis.report.phrases import taken_by, unsteady, values_of
+from softid.diagnosis.report.phrases import PREDICTORS, taken_by, unsteady, values_of
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.verdict.naming import nameable
 from softid.diagnosis_results import Diagnosis, Variation, Verdict
@@ -93,18 +93,20 @@ def test_structure_that_chance_would_make_of_slow_noise_is_told() -> None:
     found = diagnosis(Verdict.UNKNOWN)
     left = replace(found.remainder, structured=True, structure_share=0.33, structure_limit=0.41)
     text = told(replace(found, remainder=left))
-    assert "33 % of it follows from the motion, but so much of slow noise would by chance" in text
+    assert (
+        f"33 % of it follows from {PREDICTORS}, but so much of slow noise would by chance" in text
+    )
     assert "follows from no variable" not in text
 
 
 @pytest.mark.parametrize(
     ("structured", "explained", "held", "why"),
     [
-        (True, 0.92, 0.92, "too little for a cause"),
+        (True, 0.92, 0.92, "too little for a cause: beside a rest, more than 93 % must go"),
         (True, 0.94, 0.78, "not surely enough for a name"),
         (False, 0.8, 0.75, "not surely enough for a name"),
         (True, 0.95, 0.69, "but 69 % on those held out: it does not carry over"),
-        (True, 0.5, 0.45, "too little for a cause"),
+        (True, 0.5, 0.45, "too little for a cause: beside a rest, more than 93 % must go"),
         (True, 0.6, 0.37, "but 37 % on those held out: it does not carry over"),
     ],
 )

@@ -10,6 +10,7 @@ from handmade_diagnosis import DELAY, FRICTION, TIE, cause, diagnosis, estimate,
 
 from softid.diagnosis.report.ambiguity import is_linear, what_next
 from softid.diagnosis.report.issues import restriction_issues
+from softid.diagnosis.report.phrases import PREDICTORS
 from softid.diagnosis.report.summary import summarise, write_summary
 from softid.diagnosis_results import Alternative, Diagnosis, Evidence, Verdict
 from softid.effects import EFFECTS
@@ -48,7 +49,7 @@ def test_adequate_claims_no_cause() -> None:
     """Nothing to name, and the chance that it is compared with is told."""
     text = told(diagnosis(Verdict.ADEQUATE))
     assert "None of the effects tried" in text
-    assert "no more of it follows from the motion than chance" in text
+    assert "no more of it follows from the motion, the input and the time than chance" in text
     assert "cause" not in text
     assert "nothing to mend" in text
 
@@ -94,7 +95,7 @@ def test_partial_names_the_rest() -> None:
     """Speed (31 %) and earlier input (22 %) are told, position (1 %) is not."""
     text = told(diagnosis(Verdict.PARTIAL))
     assert "That is 95 % of the misfit above the noise." in text
-    assert "37 % of its power follows from the motion, where chance reaches 3 %" in text
+    assert f"37 % of its power follows from {PREDICTORS}, where chance reaches 3 %" in text
     assert "most of it from the speed and the input a while before." in text
     assert "the position" not in text
 

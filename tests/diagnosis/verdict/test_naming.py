@@ -169,6 +169,15 @@ def test_a_friction_that_comes_up_slowly_is_damping(
     assert may_be_named(told, effect_of("asymmetric_damping"), fit_result(), WHOLE) is named
 
 
+def test_a_loop_that_never_closes_is_not_named() -> None:
+    """Over the longest distance the branch has not arrived, and the law is nearly a spring."""
+    for value, named in ((0.6, False), (0.01, True)):
+        distance = replace(estimate("hysteresis_zs", value, "rad"), at_bound=True)
+        distance = replace(distance, lower=0.01, upper=0.6)
+        told = cause("hysteresis", [distance], before=2.0, after=1.0)
+        assert may_be_named(told, effect_of("hysteresis"), fit_result(), WHOLE) is named
+
+
 @pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
 def test_a_ring_at_the_sampling_limit_is_not_named(at_bound: bool, named: bool) -> None:
     """At its shortest period it is what the input does between two samples."""
@@ -215,6 +224,24 @@ def test_a_cause_that_the_others_need(without: float | None, named: bool) -> Non
     """By itself it doubles the error of 1; the others leave so much without it, and 1 with it."""
     told = cause("sensor_drift", [RATE], before=1.0, after=2.0)
     told = replace(told, holdout_rmse_without=without)
+    assert may_be_named(told, DRIFT, fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize(
+    ("interval", "without", "named"),
+    [
+        ((0.01, 0.05), None, True),
+        ((-0.01, 0.05), None, False),
+        ((-0.01, 0.05), 2.0, True),
+        (None, None, True),
+    ],
+)
+def test_a_cause_that_may_gain_nothing_is_none(
+    interval: tuple[float, float] | None, without: float | None, named: bool
+) -> None:
+    """Unless leaving it out says that the others need it, or nothing says how sure its gain is."""
+    told = cause("sensor_drift", [RATE], before=2.0, after=1.9)
+    told = replace(told, gain_ci95=interval, holdout_rmse_without=without)
     assert may_be_named(told, DRIFT, fit_result(), WHOLE) is named
 
 
