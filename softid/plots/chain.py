@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -26,13 +26,23 @@ from softid.plots.evidence import spoken
 _BOTTOM = 0.13
 _HEADROOM = 1.25
 
+NO_RESPONSE = "no response"
+"""In place of the error of a model whose response runs away on what is held out."""
+
 
 def draw_chain(
-    causes: Sequence[Cause], *, output: Display, base: str = "base model", title: str = "The chain"
+    causes: Sequence[Cause],
+    *,
+    output: Display,
+    base: str = "base model",
+    title: str = "The chain",
+    tied: Mapping[str, Sequence[str]] | None = None,
+    step: str = "cause",
 ) -> Figure:
     """Draw the held-out error of the base and after each cause, with the interval of its gain.
 
-    The bar of a link spans before · (1 − g) for g in the 95 % interval of its gain.
+    The bar of a link spans before · (1 − g) for g in the 95 % interval of its gain. A model whose
+    response runs away has no point.
 
     Parameters
     ----------
@@ -44,6 +54,10 @@ def draw_chain(
         Name of what was extended.
     title
         Heading.
+    tied
+        Effect of a link → all effects of which it may be either.
+    step
+        What is added at each step.
 
     Returns
     -------
@@ -53,21 +67,25 @@ def draw_chain(
     axes = add_panel(
         figure,
         (LEFT, _BOTTOM, RIGHT, TOP),
-        x_label="model, one cause more at each step",
+        x_label=f"model, one {step} more at each step",
         y_label=output.named("held-out rmse"),
         y_ticks=7,
     )
     rmse = np.array([causes[0].holdout_rmse_before, *(c.holdout_rmse_after for c in causes)])
     rmse *= output.factor
-    highest = float(rmse.max())
+    highest = float(np.max(rmse, where=np.isfinite(rmse), initial=0.0))
     (line,) = axes.plot(
         rmse, color=SIMULATED, lw=1.6, marker="o", ms=9, zorder=3, label="held-out rmse"
     )
     handles = [line]
     unit = "" if output.unit in ("", "1") else f" {output.unit}"
-    notes = [f"{rmse[0]:.3g}{unit}"]
-    tops = [float(rmse[0])]
+    notes = [f"{rmse[0]:.3g}{unit}" if np.isfinite(rmse[0]) else NO_RESPONSE]
+    tops = [float(rmse[0]) if np.isfinite(rmse[0]) else 0.0]
     for k, cause in enumerate(causes, start=1):
+        if not np.isfinite(rmse[k]):
+            notes.append(NO_RESPONSE)
+            tops.append(0.0)
+            continue
         top = float(rmse[k])
         before = cause.holdout_rmse_before * output.factor
         if cause.gain_ci95 is not None:
@@ -102,7 +120,9 @@ def draw_chain(
         )
     axes.set_ylim(0.0, _HEADROOM * max(highest, *tops))
     axes.set_xlim(-0.5, len(causes) + 0.5)
-    names = [base, *(f"+ {spoken(c.key)}" for c in causes)]
+    either = {effect: keys for effect, keys in (tied or {}).items() if len(keys) > 1}
+    told = [" or ".join(spoken(k) for k in either.get(c.effect, (c.key,))) for c in causes]
+    names = [base, *(f"+ {name}" for name in told)]
     axes.set_xticks(range(len(names)), [_folded(n) for n in names])
     axes.tick_params(axis="x", labelsize=LABEL_SIZE - 1, length=0)
     axes.xaxis.set_label_coords(0.5, -0.105)
@@ -111,7 +131,7 @@ def draw_chain(
 
 
 def _gain(cause: Cause) -> str:
-    if cause.holdout_rmse_before == 0.0:
+    if cause.holdout_rmse_before == 0.0 or not np.isfinite(cause.holdout_rmse_before):
         return ""
     gain = 100.0 * (1.0 - cause.holdout_rmse_after / cause.holdout_rmse_before)
     text = f"{-gain:+.0f} %".replace("-", "−")

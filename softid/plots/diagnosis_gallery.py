@@ -219,6 +219,8 @@ def chain_figure(diagnosis: Diagnosis) -> Figure | None:
         output=shown_output(diagnosis.base),
         base=f"{diagnosis.base.model.name} model{without}",
         title=f"Held-out error along the chain of {what}",
+        tied={effect: tie.keys for tie in diagnosis.alternatives for effect in tie.effects},
+        step="cause" if diagnosis.causes else "law",
     )
 
 

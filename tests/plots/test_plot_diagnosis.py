@@ -127,6 +127,31 @@ def test_interval_of_the_chain() -> None:
     np.testing.assert_allclose(ends, [2.0 * 2.0 * 0.45, 2.0 * 2.0 * 0.58], rtol=1e-12)
 
 
+def test_a_step_of_the_chain_names_all_that_it_may_be() -> None:
+    """A tie is told where its link is, and descriptions are laws, not causes."""
+    figure = draw_chain(
+        [cause("creep", 2.0, 1.0), cause("delay", 1.0, 0.5)],
+        output=Display("angle", "x", 1.0),
+        tied={"creep": ("creep", "contact")},
+        step="law",
+    )
+    (axes,) = figure.axes
+    names = [" ".join(tick.get_text().split()) for tick in axes.get_xticklabels()]
+    assert names == ["base model", "+ creep or contact", "+ delay"]
+    assert axes.get_xlabel() == "model, one law more at each step"
+
+
+def test_a_chain_goes_past_a_model_without_a_response() -> None:
+    """The point is left out, its step says why, and the axis ends above the others."""
+    lost = replace(cause("creep", 2.0, np.nan), gain_ci95=None)
+    after = replace(cause("delay", np.nan, 0.5), gain_ci95=None)
+    figure = draw_chain([lost, after], output=Display("angle", "x", 1.0))
+    (axes,) = figure.axes
+    assert [text.get_text() for text in axes.texts][1] == "no response"
+    assert 2.0 < axes.get_ylim()[1] < 4.0
+    assert png_bytes(figure)[:4] == b"\x89PNG"
+
+
 @pytest.mark.parametrize("phase", [0.0, 0.3, -0.3])
 def test_width_of_an_ellipse(phase: float) -> None:
     """∮ u dy of two sines is π sin φ, their span 2; the polygon errs by (2π/n)²/6, 2e-6."""
