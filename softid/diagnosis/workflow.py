@@ -38,7 +38,7 @@ from softid.diagnosis.report.issues import (
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis.residual.disturbances import disturbance_issues
-from softid.diagnosis.residual.motion import has_spring, residual_context
+from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
 from softid.diagnosis.search.forward_selection import Chain
@@ -165,7 +165,7 @@ def diagnose(
         moments = change_issues(candidate, excess_of(candidate, search.base.scale))
         issues = (*moments, *issues)
         answer = replace(answer, next_experiment=moments[0].remedy if moments else None)
-    if has_spring(candidate):
+    if candidate.has_spring:
         issues = (*issues, *permanent_set_issues(recordings.logs))
     return write_summary(replace(answer, issues=(*answer.issues, *issues)))
 

@@ -94,6 +94,15 @@ class Candidate:
         return 2.0 * max(cost, 0.0)
 
     @property
+    def has_spring(self) -> bool:
+        """Whether anything pulls the motion back to a rest."""
+        law = self.problem.model.motion_law(self.problem.theta(self.minimum.point))
+        if law is None:
+            return True
+        u = np.concatenate([segment.input for segment in self.problem.segments])
+        return bool(np.any(law.coefficients(u)[1] > 0.0))
+
+    @property
     def parameters(self) -> dict[str, float]:
         """Parameter → value where it stands."""
         theta = self.problem.theta(self.minimum.point)
@@ -280,10 +289,12 @@ def advance(
 
 
 def _tempered(candidate: Candidate) -> Candidate:
-    """The prior in proportion to the variance of the residual as it is now."""
+    """The prior in proportion to the variance of the residual as it is now, if that is finite."""
     prior = candidate.prior
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     variance = 1.0 if candidate.whitener is not None else candidate.squares / n
+    if not np.isfinite(variance):
+        return candidate
     variance = max(variance, float(np.finfo(float).tiny))
     factor = variance / prior.variance
     return replace(candidate, prior=replace(prior, weight=prior.weight * factor, variance=variance))

@@ -1,7 +1,9 @@
 """A fit over averages of a few samples, for early rounds that only choose who goes on.
 
 Who leads after a few evaluations is seen on a fraction of the samples as well as on all of them,
-and every evaluation costs that fraction only. What is chosen there is refitted to all samples.
+and every evaluation costs that fraction only. What is chosen there is refitted to all samples. A
+motion without a spring is left as it is: it adds up what a force is off for the whole log, so its
+candidates part after a few evaluations where averages differ in the last digits.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ SAMPLES_PER_MOTION = 5.0
 def rough_copy(
     whole: Candidate, scale: Scale, sigma: Mapping[str, float]
 ) -> tuple[Candidate, Mapping[str, float]]:
-    """A fit over averages, where it stands; itself where there is nothing to average.
+    """A fit over averages, where it stands; itself where averages do not do.
 
     Parameters
     ----------
@@ -45,7 +47,7 @@ def rough_copy(
         for the k samples in it, and a sum of squares that falls falls as much as over all samples.
     """
     logs = whole.problem.logs
-    if any(log.intersample in HELD for log in logs):
+    if not whole.has_spring or any(log.intersample in HELD for log in logs):
         return whole, sigma
     count = samples_to_average(logs, scale.motion_s, enough=ENOUGH, per_motion=SAMPLES_PER_MOTION)
     if count == 1:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.motion import has_spring, residual_context
+from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
 from softid.diagnosis_results import Remainder
@@ -52,7 +52,7 @@ def assess(
     """
     before, after = residual_context(base), residual_context(final)
     floor = _floor_of(after, scale)
-    structure = structure_of(after, scale.motion_s, rng=rng, wanders=not has_spring(final))
+    structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
     least = _least_noise(floor, before)
     excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
     explained = 1.0

@@ -8,22 +8,6 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.structure import ResidualContext
 
 
-def has_spring(candidate: Candidate) -> bool:
-    """Whether anything pulls the motion back to a rest.
-
-    Parameters
-    ----------
-    candidate
-        A fit.
-    """
-    problem = candidate.problem
-    law = problem.model.motion_law(problem.theta(candidate.minimum.point))
-    if law is None:
-        return True
-    u = np.concatenate([segment.input for segment in problem.segments])
-    return bool(np.any(law.coefficients(u)[1] > 0.0))
-
-
 def residual_context(candidate: Candidate) -> list[ResidualContext]:
     """Residual of the first output and the motion around it, for every segment."""
     problem, z = candidate.problem, candidate.minimum.point

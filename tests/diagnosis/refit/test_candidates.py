@@ -236,6 +236,16 @@ def test_inertia_and_lag_change_places() -> None:
     assert forms(0.1) == []
 
 
+def test_a_lost_candidate_keeps_its_prior() -> None:
+    """Where the response ran away there is no variance; zero times that would be no number."""
+    problem, _ = base_problem()
+    candidate = standing(problem, problem.unknowns(TRUTH))
+    prior = prior_about(problem, candidate.minimum.point, problem.free, 1.0)
+    lost = replace(candidate.minimum, normal=replace(candidate.minimum.normal, cost=np.inf))
+    kept = advance(replace(candidate, prior=prior, minimum=lost), SIGMA, 1).prior
+    np.testing.assert_array_equal(kept.weight, prior.weight)
+
+
 def test_a_candidate_that_is_moved_is_as_good_as_before() -> None:
     """Its sum of squares stays, although the prior asks another price of the new place.
 

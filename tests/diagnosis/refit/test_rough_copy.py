@@ -22,7 +22,9 @@ from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.racing import race
 from softid.effects import effect_of
+from softid.fitters.problem import Problem
 from softid.log import Log
+from softid.models.oscillator import Oscillator
 
 SAMPLES = 3000
 DRIFT = effect_of("sensor_drift")
@@ -72,6 +74,17 @@ def test_what_is_not_averaged_is_handed_back(log: Log) -> None:
     rough, weights = rough_copy(whole, scale_of(problem, z), SIGMA)
     assert rough is whole
     assert weights is SIGMA
+
+
+def test_a_motion_without_a_spring_is_left_as_it_is() -> None:
+    """It adds up whatever a force is off, in averages as well, until no two races are alike."""
+    model = Oscillator(x_unit="rad", u_unit="kPa", spring="none")
+    declared = model.parameters().with_values({"M": 0.4, "N": 10.0})
+    problem = Problem(model, declared, [linear_log(samples=SAMPLES)])
+    z = problem.unknowns(declared.values_dict())
+    whole = standing(problem, z)
+    assert not whole.has_spring
+    assert rough_copy(whole, scale_of(problem, z), SIGMA)[0] is whole
 
 
 def test_there_and_back_is_the_same_candidate() -> None:
