@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 
 from softid.diagnosis_results import Cause
@@ -87,24 +89,12 @@ def draw_chain(
             tops.append(0.0)
             continue
         top = float(rmse[k])
-        before = cause.holdout_rmse_before * output.factor
         if cause.gain_ci95 is not None:
-            low, high = (before * (1.0 - gain) for gain in reversed(cause.gain_ci95))
-            bar = axes.errorbar(
-                k,
-                0.5 * (low + high),
-                yerr=0.5 * abs(high - low),
-                fmt="none",
-                ecolor=INK,
-                elinewidth=1.6,
-                capsize=9,
-                capthick=1.6,
-                zorder=2,
-                label="95 % interval of the step",
-            )
+            before = cause.holdout_rmse_before * output.factor
+            bar, ends = _interval_bar(axes, k, before, cause.gain_ci95)
             if len(handles) == 1:
                 handles.append(bar)  # type: ignore[arg-type]
-            top = max(top, low, high)
+            top = max(top, *ends)
         tops.append(top)
         notes.append(f"{rmse[k]:.3g}{unit}\n{_gain(cause)}")
     for k, (top, note) in enumerate(zip(tops, notes, strict=True)):
@@ -128,6 +118,26 @@ def draw_chain(
     axes.xaxis.set_label_coords(0.5, -0.105)
     finish(figure, title, handles)
     return figure
+
+
+def _interval_bar(
+    axes: Axes, k: int, before: float, gains: tuple[float, float]
+) -> tuple[ErrorbarContainer, tuple[float, float]]:
+    """The bar of a step, and the errors at its ends."""
+    low, high = (before * (1.0 - gain) for gain in reversed(gains))
+    bar = axes.errorbar(
+        k,
+        0.5 * (low + high),
+        yerr=0.5 * abs(high - low),
+        fmt="none",
+        ecolor=INK,
+        elinewidth=1.6,
+        capsize=9,
+        capthick=1.6,
+        zorder=2,
+        label="95 % interval of the step",
+    )
+    return bar, (low, high)
 
 
 def _gain(cause: Cause) -> str:
