@@ -137,6 +137,8 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
 def events_in(parts: Sequence[ResidualContext], motion_s: float) -> tuple[float, ...]:
     """Times of short and large deviations while the input rests.
 
+    One that is there when a rest begins is what the motion before it left.
+
     Parameters
     ----------
     parts
@@ -149,7 +151,7 @@ def events_in(parts: Sequence[ResidualContext], motion_s: float) -> tuple[float,
     tuple of float
         In order, each the begin of a run of loud windows; empty where there are none.
     """
-    times, loud, power = [], [], []
+    times, follows, power = [], [], []
     span = max(float(np.ptp(np.concatenate([p.u for p in parts]))), np.finfo(float).tiny)
     for part in parts:
         quiet = _at_rest(part, QUIET_TIMES * motion_s, QUIET_MOVE * span)
@@ -159,10 +161,12 @@ def events_in(parts: Sequence[ResidualContext], motion_s: float) -> tuple[float,
         squares = part.residual[: count * WINDOW_SAMPLES].reshape(count, WINDOW_SAMPLES) ** 2
         times.append(part.time_s[: count * WINDOW_SAMPLES : WINDOW_SAMPLES][whole])
         power.append(squares.mean(axis=1)[whole])
+        follows.append(np.diff(np.flatnonzero(whole), prepend=-1) == 1)
     joined = np.concatenate(power)
     if joined.size < WINDOW_SAMPLES / MOST_EVENTS:
         return ()
-    loud = [p > LOUD * float(np.median(joined)) for p in power]
+    limit = LOUD * float(np.median(joined))
+    loud = [_begun_within(p > limit, f) for p, f in zip(power, follows, strict=True)]
     marked = np.concatenate(loud)
     few = 0 < int(marked.sum()) <= MOST_EVENTS * marked.size
     if not few or float(joined[marked].sum()) < EVENTS_SHARE * float(joined.sum()):
@@ -213,6 +217,16 @@ def disturbance_issues(
         )
     slow = slow_noise_issues(parts, motion_s, channel=channel, unit=unit, factor=factor)
     return (*found, *slow)
+
+
+def _begun_within(loud: BoolArray, follows: BoolArray) -> BoolArray:
+    """Loud windows without those that have been so since the first window of their rest."""
+    kept = loud.copy()
+    carried = False
+    for k in range(loud.size):
+        carried = loud[k] and (carried or not follows[k])
+        kept[k] = loud[k] and not carried
+    return kept
 
 
 def _regular(part: ResidualContext) -> tuple[Array, Array, Array]:

@@ -68,6 +68,15 @@ def test_events_at_rest_are_found_and_those_after_a_step_are_not() -> None:
     assert events_in(left(transient), 0.2) == ()
 
 
+def test_what_a_slow_settling_leaves_is_no_event() -> None:
+    """A tail of 3 s behind the step, ten times its usual length, and a knock at 17 s beside it."""
+    tail = 30.0 * np.exp(-np.maximum(TIME_S - 10.0, 0.0) / 0.6) * (TIME_S > 10.0)
+    assert events_in(left(noise(1) + tail), 0.2) == ()
+    knocked = noise(1) + tail
+    knocked[(TIME_S >= 17.0) & (TIME_S < 17.1)] += 20.0
+    assert events_in(left(knocked), 0.2) == pytest.approx((17.0,), abs=0.051)
+
+
 def test_marks_are_told_in_the_units_of_the_log() -> None:
     """Frequency, height and times, one sentence each."""
     both = 0.01 * (noise(2) + np.sin(2.0 * np.pi * 5.0 * TIME_S))
