@@ -134,16 +134,19 @@ class SeparatePneumaticLag(PneumaticLag):
 class LevelPneumaticLag(PneumaticLag):
     r"""First-order lag whose time constant depends on the pressure in the actuator.
 
-        τ(pa) ṗa + pa = p,   τ(pa) = τ ρ^((pa − p_l)/(p_h − p_l))
+        τ(pa) ṗa + pa = p,   τ(pa) = τ ρ^((pa − p_m)/(p_h − p_l))
 
-    with p_l and p_h the lowest and the highest recorded pressure, where the time constant is τ and
-    ρ τ. A chamber or a tube that swells takes longer the fuller it is, air in a line that is driven
-    by a liquid shorter, for it is compressed.
+    with p_l and p_h the lowest and the highest recorded pressure and p_m half way between them,
+    where the time constant is τ: so τ is that of the plain lag, whatever the ratio ρ. A chamber or
+    a tube that swells takes longer the fuller it is, air in a line that is driven by a liquid
+    shorter, for it is compressed.
     """
 
     variant: ClassVar[str] = "level"
     title: ClassVar[str] = "Lag of the pneumatics that differs by level"
-    law: ClassVar[str] = "tau ratio^((pa - pl)/(ph - pl)) pa' + pa = p, pl lowest, ph highest p"
+    law: ClassVar[str] = (
+        "tau ratio^((pa - pm)/(ph - pl)) pa' + pa = p, pl lowest, ph highest, pm middle of p"
+    )
     meaning: ClassVar[str] = (
         "The actuator fills and vents in another time when it is full than when it is empty, "
         "because its chamber and its tube swell, or because what fills it is compressed."
@@ -157,7 +160,7 @@ class LevelPneumaticLag(PneumaticLag):
     plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The time constant at the lowest pressure, and that at the highest as a multiple of it."""
+        """The time constant in the middle, and that at the highest over that at the lowest."""
         (tau,) = super().parameters(scale).values()
         ratio = Parameter(
             "ratio",
@@ -168,16 +171,18 @@ class LevelPneumaticLag(PneumaticLag):
             meaning="time constant at the highest pressure over that at the lowest",
             source=self.source,
         )
-        return ParameterSet((replace(tau, meaning="time constant at the lowest pressure"), ratio))
+        middle = replace(tau, meaning="time constant half way between the pressures' ends")
+        return ParameterSet((middle, ratio))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Two times in the middle of the range, growing and shrinking with the pressure."""
+        """Two times, growing and shrinking with the pressure."""
         times = lag_times(scale)[1:]
-        return tuple({"tau": t / np.sqrt(r), "ratio": r} for t in times for r in RATIOS)
+        return tuple({"tau": tau, "ratio": ratio} for tau in times for ratio in RATIOS)
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The input lagged by the time constant of its level."""
         arriving = np.array(u, np.float64)
         growth = float(np.log(eta[1])) / scale.u_span
-        lag_by_level(np.diff(time_s), arriving, float(eta[0]), growth, scale.u_low)
+        middle = 0.5 * (scale.u_low + scale.u_high)
+        lag_by_level(np.diff(time_s), arriving, float(eta[0]), growth, middle)
         return arriving

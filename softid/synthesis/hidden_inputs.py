@@ -131,9 +131,10 @@ def _pressure_lag(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
 def _level_lag(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
     del occasion
     tau, growth = values["tau"], log(values["ratio"]) / sizes.p_span
+    middle = 0.5 * (sizes.p_low + sizes.p_high)
 
     def act(t: float, p: float, z: States) -> tuple[float, Rates]:
-        return z[0], ((p - z[0]) / (tau * exp(growth * (z[0] - sizes.p_low))),)
+        return z[0], ((p - z[0]) / (tau * exp(growth * (z[0] - middle))),)
 
     return InputLaw(act, _same)
 
@@ -223,9 +224,10 @@ INPUTS: tuple[Hidden, ...] = (
     ),
     entry(
         "pneumatic_lag.level", "input",
-        "tau ratio^((pa - pl)/(ph - pl)) pa' + pa = p, pl lowest, ph highest p", "tau s, ratio 1",
+        "tau ratio^((pa - pm)/(ph - pl)) pa' + pa = p, pl lowest, ph highest, pm middle of p",
+        "tau s, ratio 1",
         lambda s, rng, size: {
-            "tau": about(rng, 0.3 * size * s.motion_s), "ratio": about(rng, 3.0) ** either(rng),
+            "tau": about(rng, 0.5 * size * s.motion_s), "ratio": about(rng, 3.0) ** either(rng),
         }, _level_lag,
     ),
     entry(

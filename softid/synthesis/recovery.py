@@ -81,7 +81,8 @@ def true_values(cause: Cause, pair: HiddenPair, extended: FitResult) -> Mapping[
     if key == "pneumatic_lag.level":
         per_kpa = np.log(values["ratio"]) / sizes.p_span
         low, high = float(scale["u_low"]), float(scale["u_high"])
-        values["tau"] *= float(np.exp(per_kpa * (low - sizes.p_low)))
+        moved_kpa = 0.5 * (low + high) - 0.5 * (sizes.p_low + sizes.p_high)
+        values["tau"] *= float(np.exp(per_kpa * moved_kpa))
         values["ratio"] = float(np.exp(per_kpa * (high - low)))
     return values
 

@@ -57,16 +57,17 @@ def test_a_step_into_a_chamber_that_swells(ratio: float, size: float) -> None:
     """Behind a step to U a pressure p is reached at ∫ τ e^{gq}/(U − q) dq from 0 to p.
 
     It is τ e^{gU} [E(g (U − p)) − E(gU)] with g = ln ρ/(p_h − p_l) and E the exponential integral,
-    E1(z) or −Ei(−z) for a negative z. To 10 µs at times 1 ms apart, by an integrator of order 2.
+    E1(z) or −Ei(−z) for a negative z; τ = 0.3 s holds at no pressure, √ρ times that in the middle.
+    To 10 µs at times 1 ms apart, by an integrator of order 2.
     """
-    tau, growth = 0.3, np.log(ratio) / SCALE.u_span
+    middle, growth = 0.3 * np.sqrt(ratio), np.log(ratio) / SCALE.u_span
     time_s = np.arange(0.0, 1.5, 1e-3)
     u = np.full(time_s.size, size)
     u[0] = 0.0
-    found = LevelPneumaticLag().apply(np.array([tau, ratio]), time_s, u, SCALE)
+    found = LevelPneumaticLag().apply(np.array([middle, ratio]), time_s, u, SCALE)
     rising = (time_s > 0.0) & (found < 0.99 * size)
     to_go = exp_integral(growth * (size - found[rising]))
-    reached_s = tau * np.exp(growth * size) * to_go
+    reached_s = 0.3 * np.exp(growth * size) * to_go
     passed_s = time_s[rising]
     np.testing.assert_allclose(reached_s - reached_s[0], passed_s - passed_s[0], atol=1e-5)
 
