@@ -22,9 +22,17 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 BLOCK = 1024
+"""Steps whose coefficients are held at once, which stay in the processor's cache."""
+
 DIFFERENCE = 1e-7
+"""Relative step by which parameters and states are moved to differentiate the terms within a step:
+their values are exact to rounding, so a smaller one does than for whole responses."""
+
 REST_ITERATIONS = 50
+"""Newton's steps to a rest at most."""
+
 REST_TOLERANCE = 1e-12
+"""The rest is found when a step is so small, in the scale of the states."""
 
 
 @dataclass(frozen=True, eq=False)

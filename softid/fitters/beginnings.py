@@ -92,5 +92,5 @@ def _led(
         most = DRAFT_EVALUATIONS if part is way[-1] else SCOUT_EVALUATIONS
         ended = search.solve(part.unknowns(values), most)
         evaluations += search.evaluations
-        values = dict(zip(part.parameters.names, part.theta(ended.point).tolist(), strict=True))
+        values = part.values(ended.point)
     return ended, evaluations

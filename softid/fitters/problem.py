@@ -263,6 +263,14 @@ class Problem:
         values[self._free_index] = free
         return values if self._tied is None else self._tied(values)
 
+    def values(self, z: Array) -> dict[str, float]:
+        """Parameter → value at the unknowns."""
+        return dict(zip(self.parameters.names, self.theta(z).tolist(), strict=True))
+
+    def free_by_name(self, z: Array) -> dict[str, float]:
+        """Free parameter → unknown, which is a logarithm where the scale is one."""
+        return dict(zip(self.free, z[: len(self.free)].tolist(), strict=True))
+
     def chain(self, z: Array, theta: Array | None = None) -> Array:
         """∂θ/∂(free unknowns), shape (K, F); ``theta`` is θ at ``z`` where it is known already."""
         theta = self.theta(z) if theta is None else theta

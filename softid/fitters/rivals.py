@@ -91,9 +91,8 @@ def best_rival(
     if not thorough and not has_structure(problem, best.point):
         return best.point, 0
     search = Objective(problem, sigma)
-    names = problem.parameters.names
     found = search(best.point)
-    values = dict(zip(names, problem.theta(found.point).tolist(), strict=True))
+    values = problem.values(found.point)
     point, cost = best.point, BETTER * found.cost
     for other in problem.model.alternatives(values):
         ended = search.solve(problem.unknowns(other.values_dict()), SCOUT_EVALUATIONS)
@@ -135,8 +134,7 @@ class _Ladder:
         rings = problem.model.ringing(problem.plain_segments, problem.outputs[0])
         if not rings:
             return point
-        names = problem.parameters.names
-        incumbent = dict(zip(names, problem.theta(point).tolist(), strict=True))
+        incumbent = problem.values(point)
         cut, *longer = (PiecewiseProblem(problem, count) for count in PIECES)
         own = self._led(cut, incumbent, SCOUT_EVALUATIONS)
         others = [self._led(cut, start.values_dict(), SORTING_EVALUATIONS) for start in rings]
@@ -179,8 +177,7 @@ class _Ladder:
         at_first_samples = Objective(pieces, self.sigma)(pieces.started(values))
         self.evaluations += 1
         ended = self._solved(pieces, pieces.with_best_states(at_first_samples), evaluations)
-        theta = pieces.theta(ended.point).tolist()
-        return ended.normal.cost, dict(zip(pieces.parameters.names, theta, strict=True))
+        return ended.normal.cost, pieces.values(ended.point)
 
     def _solved(self, problem: Problem, z: Array, evaluations: int) -> Minimum:
         search = Objective(problem, self.sigma)
@@ -218,7 +215,7 @@ def _rings(problem: Problem, z: Array) -> bool:
 
     A motion that rings may ring at a wrong frequency, and its residual need not swing for that.
     """
-    values = dict(zip(problem.parameters.names, problem.theta(z).tolist(), strict=True))
+    values = problem.values(z)
     low = min(float(s.input.min()) for s in problem.segments)
     high = max(float(s.input.max()) for s in problem.segments)
     for level in np.linspace(low, high, LEVELS).tolist():

@@ -136,7 +136,7 @@ def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
     (low, high), (lowest, highest) = ranges
     if high - low < COVERED * (highest - lowest):
         return False
-    values = dict(zip(whole.parameters.names, whole.theta(z).tolist(), strict=True))
+    values = whole.values(z)
     shortest_s = min(float(s.time_s[-1] - s.time_s[0]) for s in windows.segments)
     times_s = [
         value
@@ -170,9 +170,9 @@ def led(
         goes on; None where it begins anew.
     """
     whole, rough = objective.problem, Objective(problem, objective.sigma)
-    begin, names = start, whole.parameters.names
+    begin = start
     if isinstance(problem, WindowedProblem):
-        values = dict(zip(names, whole.theta(start).tolist(), strict=True))
+        values = whole.values(start)
         look = rough(problem.free_unknowns(values))
         if not (isinstance(look, Linearised) and look.affine):
             look = rough(problem.started(values))
@@ -186,7 +186,7 @@ def led(
         damping *= whole.n_samples / max(problem.n_samples, 1)
     if not isinstance(problem, WindowedProblem):
         return found.point, damping
-    values = dict(zip(names, problem.theta(found.point).tolist(), strict=True))
+    values = problem.values(found.point)
     return whole.unknowns(values, with_zeros=False), damping
 
 

@@ -88,6 +88,16 @@ def test_unknowns_and_theta_are_inverse() -> None:
     )
 
 
+def test_names_belong_to_values_and_to_unknowns() -> None:
+    """A value that is fixed has no unknown, and one on a logarithmic scale has its logarithm."""
+    problem = arc(Muscle().parameters().with_values(TRUTH).with_fixed({"b1": TRUTH["b1"]}))
+    z = problem.unknowns(TRUTH)
+    assert problem.values(z) == pytest.approx(TRUTH)
+    by_name = problem.free_by_name(z)
+    assert set(by_name) == set(TRUTH) - {"b1"}
+    assert by_name["a1"] == pytest.approx(np.log(TRUTH["a1"]))
+
+
 def test_truth_has_no_residual_and_zeros_come_from_the_data() -> None:
     """The zeros' optimum is the mean residual: 0.4 in every channel, and then nothing is left."""
     problem = arc(None, log(zero=0.4))

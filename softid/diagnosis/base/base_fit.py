@@ -269,7 +269,7 @@ def _whole_values(identified: Identification, problem: Problem) -> dict[str, flo
     """Fitted values, with a restored term as large as it may be without being seen."""
     fitted = identified.found.problem
     theta = fitted.theta(identified.found.optimum.unknowns)
-    values = dict(zip(fitted.parameters.names, theta.tolist(), strict=True))
+    values = fitted.values(identified.found.optimum.unknowns)
     law = fitted.model.motion_law(theta)
     if law is None:
         return values

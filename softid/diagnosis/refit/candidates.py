@@ -105,8 +105,7 @@ class Candidate:
     @property
     def parameters(self) -> dict[str, float]:
         """Parameter → value where it stands."""
-        theta = self.problem.theta(self.minimum.point)
-        return dict(zip(self.problem.parameters.names, theta.tolist(), strict=True))
+        return self.problem.values(self.minimum.point)
 
 
 class WhitenedObjective(Objective):
@@ -176,7 +175,7 @@ def start_unknowns(
 ) -> Array:
     """Unknowns of an extended problem from those of the base and values of the added parameters."""
     z = np.zeros(problem.size)
-    known = dict(zip(base.free, unknowns.tolist(), strict=False))
+    known = base.free_by_name(unknowns)
     for k, name in enumerate(problem.free):
         if name in known:
             z[k] = known[name]

@@ -174,7 +174,7 @@ def _without(
 ) -> Candidate:
     """The model with the other effects alone, refitted."""
     problem = extend(base.problem, others, scale) if others else base.problem
-    known = dict(zip(now.problem.free, now.minimum.point.tolist(), strict=False))
+    known = now.problem.free_by_name(now.minimum.point)
     z = np.array([known[name] for name in problem.free])
     z = np.concatenate((z, now.minimum.point[len(now.problem.free) :]))
     n = max(problem.n_samples - problem.size, 1)

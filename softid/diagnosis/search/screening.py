@@ -34,6 +34,10 @@ unknowns would have to go so far along them that no linear model holds."""
 FRACTIONS = (1.0, 0.4, 0.1)
 """Fractions of a proposed start that are tried, with and without the base moved along."""
 
+ALIKE = 1e-9
+"""Of two starts whose sums of squares differ by less the first is taken, and rounding picks none:
+the shift may move the sensor's zero alone, which is at its best in both."""
+
 KEPT = 0.5
 """No smaller fraction is tried of a start that keeps half of what its signature promises."""
 
@@ -222,7 +226,7 @@ def candidate_from(
             inside = np.clip(moved, lower, upper)
             start = start_unknowns(problem, fitted.problem, inside, named)
             squares = _squares(problem, start, sigma)
-            if best is None or squares < least:
+            if best is None or squares < (1.0 - ALIKE) * least:
                 best, least = start, squares
         if fitted.squares - least > KEPT * signature.drop:
             break
@@ -370,7 +374,7 @@ def _placed(
     The prior holds what was known where that was fitted.
     """
     centre = best.copy()
-    known = dict(zip(fitted.problem.free, fitted.minimum.point.tolist(), strict=False))
+    known = fitted.problem.free_by_name(fitted.minimum.point)
     for k, name in enumerate(problem.free):
         centre[k] = known.get(name, centre[k])
     prior = prior_about(problem, centre, fitted.problem.free, variance)
