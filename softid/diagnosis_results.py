@@ -100,8 +100,9 @@ class Cause:
         Interval of the relative gain 1 − after/before, by a block bootstrap; None when the
         held-out samples are too few.
     holdout_rmse_without
-        Where the cause gains nothing beside the ones before it alone: the held-out error of the
-        model with all other causes, to be held against that of the whole.
+        Where the cause may gain nothing beside the ones before it alone, and the others surely do
+        worse without it: the held-out error of the model with all others, to be held against that
+        of the whole.
     variation
         How its size varies; None where nothing shows that it does.
     """

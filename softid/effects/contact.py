@@ -46,7 +46,7 @@ class Contact(StateEffect):
 
     name: ClassVar[str] = "contact"
     title: ClassVar[str] = "Contact with an obstacle"
-    law: ClassVar[str] = "+ kw max(x - xw, 0), corner rounded over 1 % of the range"
+    law: ClassVar[str] = "+ kw max(x - xw, 0), corner rounded over 1 % of the range or less"
     meaning: ClassVar[str] = (
         "Beyond a certain position the actuator presses against something, or against itself, and "
         "needs more force to go on."

@@ -240,7 +240,7 @@ MOTIONS: tuple[Hidden, ...] = (
     ),
     entry("stiffening", "state", "+ k3 x^3", "k3 {f}/{x}³", _draw_stiffening, _stiffening),
     entry(
-        "contact", "state", "+ kw max(x - xw, 0), corner rounded over 1 % of the range",
+        "contact", "state", "+ kw max(x - xw, 0), corner rounded over 1 % of the range or less",
         "kw {f}/{x}, xw {x}",
         lambda s, rng, size: {
             "kw": about(rng, size * s.force / s.x_span),

@@ -23,7 +23,7 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 ENOUGH = 6000
-"""No samples are averaged away below this number in all logs together."""
+"""Up to so many samples in all logs together nothing is averaged."""
 
 SAMPLES_PER_MOTION = 30.0
 """Samples that stay in a time constant of the motion at least: delays and lags of a few hundredths
@@ -52,7 +52,8 @@ def samples_to_average(
     motion_s
         Time constant of the motion.
     enough
-        So many averages are left at least, in all logs together.
+        Up to so many samples in all logs together nothing is averaged; of more, about so many
+        averages are left, and of a few more half as many.
     per_motion
         So many averages are left in a time constant of the motion at least.
     """

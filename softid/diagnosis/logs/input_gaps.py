@@ -23,9 +23,12 @@ from softid.simulation import simulate
 Array = npt.NDArray[np.float64]
 Places = npt.NDArray[np.intp]
 
-GAP_PERIODS, GAP_SPREADS = 1.5, 3.0
-"""An interval has lost a sample when it is so many sampling periods long, and so many of the usual
-spreads longer than one: where a clock trembles, long intervals are as usual as short ones."""
+GAP_PERIODS = 1.5
+"""An interval has lost a sample when it is so many sampling periods long."""
+
+GAP_SPREADS = 3.0
+"""And so many of the usual spreads longer than one: where a clock trembles, long intervals are as
+usual as short ones."""
 
 MATTERS = 0.5
 """Share of the output's noise that the course of the input in the gaps may change."""

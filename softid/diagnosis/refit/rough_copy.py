@@ -20,7 +20,7 @@ from softid.fitters.problem import Problem
 from softid.intersample import HELD
 
 ENOUGH = 1200
-"""Averages that are left at least."""
+"""Up to so many samples nothing is averaged, and of many more about so many averages are left."""
 
 SAMPLES_PER_MOTION = 5.0
 """Averages in a time constant of the motion at least."""

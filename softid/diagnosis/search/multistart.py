@@ -30,7 +30,7 @@ STARTS = 2
 """And so many of those are led on."""
 
 ENOUGH = 3000
-"""Samples that lead the candidates."""
+"""Samples that lead the candidates where a log cannot be averaged."""
 
 OVER_ALL = 5
 """Evaluations over all samples that follow."""
