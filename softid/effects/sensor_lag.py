@@ -74,7 +74,7 @@ class SensorLag(OutputEffect):
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """The lagged reading, settled at the first sample."""
         del scale
-        between_s, motion = finer_motion(time_s, np.asarray(y, np.float64))
-        lag(np.diff(between_s), motion, float(eta[0]), float(eta[0]))
+        piece_s, motion = finer_motion(time_s, y)
+        lag(piece_s, motion, float(eta[0]), float(eta[0]))
         recorded: Array = motion[::PIECES].copy()
         return recorded

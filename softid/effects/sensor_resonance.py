@@ -66,7 +66,7 @@ class SensorResonance(OutputEffect):
         del scale
         if eta[0] <= 0.0:
             return np.array(y, np.float64)
-        between_s, motion = finer_motion(time_s, np.asarray(y, np.float64))
-        resonance(np.diff(between_s), motion, 2.0 * np.pi / float(eta[0]), float(eta[1]))
+        piece_s, motion = finer_motion(time_s, y)
+        resonance(piece_s, motion, 2.0 * np.pi / float(eta[0]), float(eta[1]))
         recorded: Array = motion[::PIECES].copy()
         return recorded

@@ -182,6 +182,47 @@ def resonance(step_s: Array, values: Array, omega: float, zeta: float) -> None:
 
 
 @kernel
+def hermite(step_s: Array, y: Array, finer_s: Array, finer: Array) -> None:
+    """Cut every interval into equal pieces, at whose ends the cubic with slopes at the samples is.
+
+    The slope at a sample is that of the parabola through it and its neighbours, at either end that
+    of the outermost three, as `numpy.gradient` with edges of order 2 has it.
+
+    Parameters
+    ----------
+    step_s
+        Intervals, shape (n − 1,) with n ≥ 3.
+    y
+        Samples, shape (n,).
+    finer_s
+        Receives the lengths of the pieces, shape ((n − 1) P,) with any P ≥ 1.
+    finer
+        Receives the values at their ends, the first sample foremost, shape ((n − 1) P + 1,).
+    """
+    n = y.size
+    pieces = finer_s.size // step_s.size
+    last, here = (y[1] - y[0]) / step_s[0], (y[2] - y[1]) / step_s[1]
+    slope = last + (last - here) * step_s[0] / (step_s[0] + step_s[1])
+    for k in range(n - 1):
+        h, begin, rise = step_s[k], y[k], y[k + 1] - y[k]
+        here = rise / h
+        if k < n - 2:
+            ahead_s = step_s[k + 1]
+            ahead = (y[k + 2] - y[k + 1]) / ahead_s
+            next_slope = (ahead_s * here + h * ahead) / (h + ahead_s)
+        else:
+            next_slope = here + (here - last) * h / (h + step_s[k - 1])
+        first, second = h * slope, h * next_slope
+        for j in range(pieces):
+            s = j / pieces
+            curve = (first + second - 2.0 * rise) * s + (3.0 * rise - 2.0 * first - second)
+            finer_s[k * pieces + j] = h / pieces
+            finer[k * pieces + j] = begin + first * s + curve * s * s
+        last, slope = here, next_slope
+    finer[finer.size - 1] = y[n - 1]
+
+
+@kernel
 def cubic(time_s: Array, values: Array, at_s: Array, found: Array) -> None:
     """Interpolate by the cubic through the two samples on either side (Lagrange).
 

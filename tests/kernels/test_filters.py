@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import expm
 
-from softid.kernels.filters import cubic, lag, resonance
+from softid.kernels.filters import cubic, hermite, lag, resonance
 
 IRREGULAR_S = np.concatenate(([0.0], np.cumsum(np.random.default_rng(1).uniform(1e-3, 0.3, 60))))
 
@@ -100,3 +101,16 @@ def test_cubic_at_100_hz() -> None:
     inside = (at_s > 0.01) & (at_s < time_s[-2])
     assert np.max(off[inside]) < 1.01 * (0.06 * np.pi) ** 4 * 9.0 / 384.0 / 2.0
     assert np.max(off) < 1e-4
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.4])
+def test_hermite_is_that_of_scipy_with_slopes_of_numpy(jitter: float) -> None:
+    rng = np.random.default_rng(5)
+    time_s = np.cumsum(0.01 * (1.0 + jitter * rng.uniform(-1.0, 1.0, 60)))
+    y = np.cumsum(rng.standard_normal(60))
+    finer_s, finer = np.empty(59 * 3), np.empty(59 * 3 + 1)
+    hermite(np.diff(time_s), y, finer_s, finer)
+    between_s = time_s[0] + np.concatenate([[0.0], np.cumsum(finer_s)])
+    expected = CubicHermiteSpline(time_s, y, np.gradient(y, time_s, edge_order=2))(between_s)
+    assert between_s[::3] == pytest.approx(time_s, abs=1e-12)
+    assert finer == pytest.approx(expected, abs=1e-9)
