@@ -90,42 +90,42 @@ class ParameterSet(Mapping[str, Parameter]):
     (('M',), [2.0, 3.0])
     """
 
-    items_: tuple[Parameter, ...]
+    parameters: tuple[Parameter, ...]
 
     def __post_init__(self) -> None:
-        names = [p.name for p in self.items_]
+        names = [p.name for p in self.parameters]
         if len(set(names)) != len(names):
             raise UsageError("a parameter is declared twice", value=names)
 
     def __getitem__(self, name: str) -> Parameter:
-        for parameter in self.items_:
+        for parameter in self.parameters:
             if parameter.name == name:
                 return parameter
         raise KeyError(name)
 
     def __iter__(self) -> Iterator[str]:
-        return (p.name for p in self.items_)
+        return (p.name for p in self.parameters)
 
     def __len__(self) -> int:
-        return len(self.items_)
+        return len(self.parameters)
 
     @property
     def names(self) -> tuple[str, ...]:
         """All names, in order."""
-        return tuple(p.name for p in self.items_)
+        return tuple(p.name for p in self.parameters)
 
     @property
     def free(self) -> tuple[str, ...]:
         """Names of the parameters that a fit varies."""
-        return tuple(p.name for p in self.items_ if not p.fixed and p.tie is None)
+        return tuple(p.name for p in self.parameters if not p.fixed and p.tie is None)
 
     def values_vector(self) -> Array:
         """All values in order, shape (K,)."""
-        return np.array([p.value for p in self.items_], dtype=np.float64)
+        return np.array([p.value for p in self.parameters], dtype=np.float64)
 
     def values_dict(self) -> dict[str, float]:
         """Name → value."""
-        return {p.name: p.value for p in self.items_}
+        return {p.name: p.value for p in self.parameters}
 
     def with_values(self, values: Mapping[str, float]) -> ParameterSet:
         """The same parameters at other values, clipped to their bounds.
@@ -139,7 +139,7 @@ class ParameterSet(Mapping[str, Parameter]):
         return ParameterSet(
             tuple(
                 replace(p, value=float(min(max(values.get(p.name, p.value), p.lower), p.upper)))
-                for p in self.items_
+                for p in self.parameters
             )
         )
 
@@ -155,13 +155,13 @@ class ParameterSet(Mapping[str, Parameter]):
                 p, value=v, fixed=True, lower=min(p.lower, v), upper=max(p.upper, v), tie=None
             )
 
-        return ParameterSet(tuple(hold(p) for p in self.items_))
+        return ParameterSet(tuple(hold(p) for p in self.parameters))
 
     def replacing(self, parameter: Parameter) -> ParameterSet:
         """The same set with one parameter exchanged for another of the same name."""
         self._known({parameter.name: 0.0})
         return ParameterSet(
-            tuple(parameter if p.name == parameter.name else p for p in self.items_)
+            tuple(parameter if p.name == parameter.name else p for p in self.parameters)
         )
 
     def _known(self, names: Mapping[str, float]) -> None:
@@ -177,12 +177,12 @@ class ParameterSet(Mapping[str, Parameter]):
         import lmfit  # about a second to import, and only users of lmfit and ties need it
 
         out = lmfit.Parameters()
-        for p in self.items_:
+        for p in self.parameters:
             if p.lower == p.upper:  # lmfit refuses bounds without width
                 out.add(p.name, value=p.value, vary=False)
             else:
                 out.add(p.name, value=p.value, vary=not p.fixed, min=p.lower, max=p.upper)
-        for p in self.items_:
+        for p in self.parameters:
             if p.tie is not None:
                 _tie(out, p.name, p.tie)
         return out
@@ -197,7 +197,7 @@ class ParameterSet(Mapping[str, Parameter]):
         """
         self._known(dict.fromkeys(parameters, 0.0))
         taken = []
-        for p in self.items_:
+        for p in self.parameters:
             if p.name not in parameters:
                 taken.append(p)
                 continue
