@@ -6,12 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, Scale, StateEffect
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 
 SHARE = 0.1
 """Resistance at the largest speed with which a search begins, as a share of the base's force."""
+
+LARGEST = 100.0
+"""Bound of the resistance at the largest speed, in elastic forces. Little more than one of them
+drives the motion; but the speed is that of a base without the resistance, and one that is ten times
+too large makes a hundred of it."""
 
 POWERS = (1.2, 6.0)
 """Bounds of the exponent: nearer to 1 it is damping in proportion to the speed, which the models
@@ -64,8 +69,8 @@ class QuadraticDamping(StateEffect):
                     "d2",
                     SHARE * size,
                     f"{scale.force_unit}·s²/{scale.x_unit}²",
-                    1e-6 * size,
-                    100.0 * size,
+                    LEAST_AMPLITUDE * size,
+                    LARGEST * size,
                     "log",
                     meaning="resistance per square of the speed",
                     source=self.source,
