@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -11,8 +14,81 @@ from softid_cli.console import progress, say
 from softid_cli.hiding import HideRequest, hide_effects, split_names
 from softid_cli.model_options import model_option
 from softid_cli.options import FILE, json_option, out_options, quiet_option
+from softid_cli.requests import takes
 
 DEFAULT_OUT = Path("softid-out") / "synthetic"
+
+
+@dataclass(frozen=True)
+class SynthesizeRequest:
+    """What the user asked of `softid synthesize`; the fields are its options."""
+
+    recipes: tuple[Path, ...] = ()
+    seed: int | None = None
+    hide: str | None = None
+    size: float | None = None
+    protocol: str | None = None
+    model: str | None = None
+    noise: float | None = None
+    coloured: float | None = None
+    rate: float | None = None
+    rest: float | None = None
+    unit: str | None = None
+    check: bool = False
+    out: Path | None = None
+    force: bool = False
+    as_json: bool = False
+    quiet: bool = False
+
+    @property
+    def asked(self) -> Mapping[str, Any]:
+        """Options of `hidden_pair` that were given."""
+        return _given({"size": self.size, "protocol": self.protocol, "model": self.model})
+
+    @property
+    def recorded(self) -> Mapping[str, Any]:
+        """Fields of the rig of hidden effects that were given."""
+        return _given(
+            {
+                "noise": self.noise,
+                "coloured_share": self.coloured,
+                "rate_hz": self.rate,
+                "rest_s": self.rest,
+                "unit": self.unit,
+            }
+        )
+
+    def require_consistency(self) -> None:
+        """Refuse options of which one has no meaning beside another.
+
+        Raises
+        ------
+        UsageError
+            An option belongs to hidden effects, to recipes or to neither of them.
+        """
+        if self.hide is not None:
+            if self.check or self.recipes:
+                raise UsageError(
+                    "effects are hidden in new logs, not in recipes or checks",
+                    where="--hide",
+                    remedy="leave out the recipes and --check",
+                )
+        elif self.asked or self.recorded:
+            raise UsageError(
+                "--size, --protocol, --model, --noise, --coloured, --rate, --rest and --unit "
+                "belong to --hide; a recipe says all this itself",
+                remedy="add --hide NAME, or --hide none",
+            )
+        elif self.check and (self.seed is not None or self.force):
+            raise UsageError(
+                "a check takes the seeds from the manifest and writes nothing",
+                where="--check",
+                remedy="leave out --seed and --force",
+            )
+
+
+def _given(options: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in options.items() if value is not None}
 
 
 @click.command()
@@ -41,26 +117,8 @@ DEFAULT_OUT = Path("softid-out") / "synthetic"
 @out_options
 @json_option
 @quiet_option
-@click.pass_context
-def synthesize(
-    ctx: click.Context,
-    recipes: tuple[Path, ...],
-    seed: int | None,
-    hide: str | None,
-    size: float | None,
-    protocol: str | None,
-    model: str | None,
-    noise: float | None,
-    coloured: float | None,
-    rate: float | None,
-    rest: float | None,
-    unit: str | None,
-    check: bool,
-    out: Path | None,
-    force: bool,
-    as_json: bool,
-    quiet: bool,
-) -> None:
+@takes(SynthesizeRequest)
+def synthesize(request: SynthesizeRequest) -> None:
     """Make a synthetic log, its truth known, from each RECIPE (TOML).
 
     Without recipes all bundled logs are made again, byte for byte. DIR gets the folders recipes and
@@ -70,82 +128,39 @@ def synthesize(
     With --hide, DIR gets train.csv, hold_out.csv and truth.json instead; without --out that is
     softid-out/hidden. A name that is unknown gets the list of all.
     """
-    asked = {"size": size, "protocol": protocol, "model": model}
-    recorded = {
-        "noise": noise,
-        "coloured_share": coloured,
-        "rate_hz": rate,
-        "rest_s": rest,
-        "unit": unit,
-    }
-    given = any(value is not None for value in (*asked.values(), *recorded.values()))
-    if hide is not None:
-        if check or recipes:
-            raise UsageError(
-                "effects are hidden in new logs, not in recipes or checks",
-                where="--hide",
-                remedy="leave out the recipes and --check",
-            )
+    request.require_consistency()
+    if request.hide is not None:
         hide_effects(
             HideRequest(
-                names=split_names(hide),
-                seed=seed or 0,
-                asked={k: v for k, v in asked.items() if v is not None},
-                recorded={k: v for k, v in recorded.items() if v is not None},
-                out=out,
-                force=force,
-                as_json=as_json,
-                quiet=quiet,
+                names=split_names(request.hide),
+                seed=request.seed or 0,
+                asked=request.asked,
+                recorded=request.recorded,
+                out=request.out,
+                force=request.force,
+                as_json=request.as_json,
+                quiet=request.quiet,
             )
         )
-        return
-    if given:
-        raise UsageError(
-            "--size, --protocol, --model, --noise, --coloured, --rate, --rest and --unit belong to "
-            "--hide; a recipe says all this itself",
-            remedy="add --hide NAME, or --hide none",
-        )
-    if check and (seed is not None or force):
-        raise UsageError(
-            "a check takes the seeds from the manifest and writes nothing",
-            where="--check",
-            remedy="leave out --seed and --force",
-        )
-    if check:
-        passed = compare(recipes, out=out, as_json=as_json, quiet=quiet)
-        if not passed:
-            ctx.exit(1)
-    else:
-        make(
-            recipes,
-            out=out or DEFAULT_OUT,
-            seed=seed,
-            force=force,
-            as_json=as_json,
-            quiet=quiet,
-        )
+    elif not request.check:
+        make(request)
+    elif not compare(request):
+        click.get_current_context().exit(1)
 
 
-def make(
-    recipes: tuple[Path, ...],
-    *,
-    out: Path,
-    seed: int | None,
-    force: bool,
-    as_json: bool,
-    quiet: bool,
-) -> None:
+def make(request: SynthesizeRequest) -> None:
     """Make logs and write them."""
     from softid.records import dump_json
     from softid.synthesis import bundled_recipes, make_dataset, write_dataset
     from softid_cli.tables import print_rows
 
-    with progress(quiet=quiet) as report:
-        dataset = make_dataset(recipes or bundled_recipes(), seed=seed, progress=report)
-    write_dataset(dataset, out, overwrite=force)
-    if not quiet:
+    recipes, out = request.recipes or bundled_recipes(), request.out or DEFAULT_OUT
+    with progress(quiet=request.quiet) as report:
+        dataset = make_dataset(recipes, seed=request.seed, progress=report)
+    write_dataset(dataset, out, overwrite=request.force)
+    if not request.quiet:
         say(f"written to {out}")
-    if as_json:
+    if request.as_json:
         click.echo(dump_json({"out": str(out), "logs": list(dataset.entries)}), nl=False)
         return
     print_rows(
@@ -157,15 +172,15 @@ def make(
     )
 
 
-def compare(recipes: tuple[Path, ...], *, out: Path | None, as_json: bool, quiet: bool) -> bool:
+def compare(request: SynthesizeRequest) -> bool:
     """Make logs again and compare; returns whether all are equal."""
     from softid.records import dump_json
     from softid.synthesis import bundled_datasets, check_dataset
 
-    folder = out or bundled_datasets()
-    with progress(quiet=quiet) as report:
-        differences = check_dataset(folder, recipes=recipes, progress=report)
-    if as_json:
+    folder = request.out or bundled_datasets()
+    with progress(quiet=request.quiet) as report:
+        differences = check_dataset(folder, recipes=request.recipes, progress=report)
+    if request.as_json:
         found = {"folder": str(folder), "equal": not differences, "differences": differences}
         click.echo(dump_json(found), nl=False)
     else:
