@@ -91,6 +91,9 @@ class Cause:
         Words of the catalogue.
     parameters
         Its fitted parameters with errors.
+    added_to
+        Keys of the causes and descriptions before it in the chain, in their order: with them the
+        model has the error ``holdout_rmse_before``. Empty for the first link.
     delta_bic
         By how much the noise-whitened BIC falls when it is added.
     holdout_rmse_before, holdout_rmse_after
@@ -114,6 +117,7 @@ class Cause:
     meaning: str
     remedy: str
     parameters: tuple[ParameterEstimate, ...]
+    added_to: tuple[str, ...]
     delta_bic: float
     holdout_rmse_before: float
     holdout_rmse_after: float
@@ -121,28 +125,23 @@ class Cause:
     holdout_rmse_without: float | None = None
     variation: Variation | None = None
 
+    @property
+    def round(self) -> int:
+        """Its number in the chain: the `Evidence.round` in which it won."""
+        return len(self.added_to) + 1
+
 
 def cause_before(cause: Cause, others: Sequence[Cause]) -> Cause | None:
-    """The link of the chain that a cause was added to; None for the first one.
-
-    Causes and descriptions form one chain, in which the error after one is that before the next.
-    Links that change nothing have the same error as the one before them: of several it is the last
-    that ``others`` has before the cause, or the last one where none is before it.
+    """The link of the chain that a cause was added to; None where it is not among the others.
 
     Parameters
     ----------
     cause
         A cause or a description.
     others
-        The causes and descriptions of the same diagnosis, each in the order of the chain.
+        Causes and descriptions of the same diagnosis, in any order.
     """
-    place = next((k for k, other in enumerate(others) if other is cause), len(others))
-    found = [
-        other
-        for other in (*others[place + 1 :], *others[:place])
-        if other.holdout_rmse_after == cause.holdout_rmse_before
-    ]
-    return found[-1] if found else None
+    return next((other for other in others if cause.added_to[-1:] == (other.key,)), None)
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,12 @@ def estimate(name: str, value: float, unit: str) -> ParameterEstimate:
 
 
 def cause(
-    key: str, parameters: Sequence[ParameterEstimate], *, before: float, after: float
+    key: str,
+    parameters: Sequence[ParameterEstimate],
+    *,
+    before: float,
+    after: float,
+    added_to: Sequence[str] = (),
 ) -> Cause:
     effect = EFFECTS[key]()
     return Cause(
@@ -52,6 +57,7 @@ def cause(
         meaning=effect.meaning,
         remedy=effect.remedy,
         parameters=tuple(parameters),
+        added_to=tuple(added_to),
         delta_bic=412.0,
         holdout_rmse_before=before * DEGREE,
         holdout_rmse_after=after * DEGREE,

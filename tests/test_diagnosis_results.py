@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from math import nan
 
 import pytest
 from handmade_diagnosis import FRICTION, diagnosis
@@ -13,36 +14,39 @@ from softid.diagnosis_results import Cause, Verdict, cause_before, dropped_from
 
 def chain(*errors: float) -> tuple[Cause, ...]:
     """Links between which the held-out error takes these values."""
+    names = [f"link{k}" for k in range(len(errors) - 1)]
     return tuple(
-        replace(FRICTION, key=f"link{k}", holdout_rmse_before=before, holdout_rmse_after=after)
+        replace(
+            FRICTION,
+            key=names[k],
+            added_to=tuple(names[:k]),
+            holdout_rmse_before=before,
+            holdout_rmse_after=after,
+        )
         for k, (before, after) in enumerate(pairwise(errors))
     )
 
 
 @pytest.mark.parametrize(
-    "errors", [(4.0, 3.0, 2.0, 1.0), (4.0, 3.0, 3.0, 2.0), (2.0, 2.0, 2.0, 2.0)]
+    "errors",
+    [(4.0, 3.0, 2.0, 1.0), (4.0, 3.0, 3.0, 2.0), (2.0, 2.0, 2.0, 2.0), (4.0, nan, nan, 2.0)],
 )
 def test_the_link_before_is_the_one_before(errors: tuple[float, ...]) -> None:
-    """In a whole chain, whether a link changes the error or not; none is before itself."""
+    """Whether a link changes the error or not, or has none, and in whatever order they are kept."""
     first, second, third = links = chain(*errors)
-    assert cause_before(second, links) is first
-    assert cause_before(third, links) is second
+    assert [link.round for link in links] == [1, 2, 3]
+    for others in (links, links[::-1]):
+        assert cause_before(first, others) is None
+        assert cause_before(second, others) is first
+        assert cause_before(third, others) is second
 
 
-def test_nothing_is_before_the_first_link() -> None:
-    """Nor before one that no other ends at; an error that cannot be told ends nowhere."""
-    first, second = links = chain(4.0, 3.0, 2.0)
-    assert cause_before(first, links) is None
-    assert cause_before(second, (second,)) is None
-    unknown = chain(float("nan"), float("nan"), 2.0)
-    assert cause_before(unknown[1], unknown) is None
-
-
-def test_a_description_may_be_before_a_cause() -> None:
-    """The other table is looked through where the cause's own has no link that ends there."""
+def test_a_link_of_another_table_is_not_before() -> None:
+    """Of causes and descriptions apart, each may lack what the other's link was added to."""
     first, second, third = chain(4.0, 3.0, 3.0, 2.0)
     assert cause_before(third, (first, second)) is second
-    assert cause_before(second, (second, first)) is first
+    assert cause_before(third, (first, third)) is None
+    assert cause_before(second, (second, third)) is None
 
 
 def test_what_the_extended_model_does_without() -> None:

@@ -180,8 +180,9 @@ def test_the_tables_tell_what_a_cause_was_added_to(softid: Cli, bench: Desk) -> 
     """2 → 1.5 → 1 → 0.5 with a description in the middle: each of the tables has a gap in it."""
     size = [estimate("delay_tau", 0.05, "s")]
     first = cause("coulomb_friction", FRICTION.parameters, before=2.0, after=1.5)
-    between = cause("creep", [estimate("creep_k", 0.1, "1")], before=1.5, after=1.0)
-    second = cause("delay", size, before=1.0, after=0.5)
+    creep = [estimate("creep_k", 0.1, "1")]
+    between = cause("creep", creep, before=1.5, after=1.0, added_to=[first.key])
+    second = cause("delay", size, before=1.0, after=0.5, added_to=[first.key, between.key])
     made = diagnosis(Verdict.PARTIAL)
     bench.answer = replace(made, causes=(first, second), descriptive=(between,))
     flat = " ".join(softid("diagnose", "a.csv").out.split())

@@ -105,6 +105,7 @@ def cause(key: str, before: float, after: float, *, interval: bool = True) -> Ca
         meaning=effect.meaning,
         remedy=effect.remedy,
         parameters=(),
+        added_to=(),
         delta_bic=900.0,
         holdout_rmse_before=before,
         holdout_rmse_after=after,

@@ -74,6 +74,32 @@ def test_causes_have_their_numbers(tmp_path: Path) -> None:
     assert extended.issues == ()
 
 
+def test_the_chain_can_be_read_from_the_record(tmp_path: Path) -> None:
+    """Causes and descriptions stand in tables of their own; each names all that was before it."""
+    found = diagnosis(Verdict.NAMED)
+    (first,) = found.causes
+    second = replace(first, key="creep", added_to=(first.key,))
+    third = replace(first, key="delay", added_to=(first.key, "creep"))
+    save_diagnosis(replace(found, causes=(first, third), descriptive=(second,)), tmp_path)
+    document = strict(tmp_path / "diagnosis.json")
+    links = [*document["causes"], *document["descriptive"]]
+    chain = sorted(links, key=lambda link: len(link["added_to"]))
+    assert [link["key"] for link in chain] == ["coulomb_friction", "creep", "delay"]
+    assert [link["added_to"] for link in chain] == [
+        [],
+        ["coulomb_friction"],
+        ["coulomb_friction", "creep"],
+    ]
+
+
+def test_a_record_without_what_a_cause_was_added_to_is_valid(tmp_path: Path) -> None:
+    """As those are that were written before it was told."""
+    save_diagnosis(diagnosis(Verdict.NAMED), tmp_path)
+    document = strict(tmp_path / "diagnosis.json")
+    del document["causes"][0]["added_to"]
+    Draft202012Validator(load_schema(document["schema"])).validate(document)
+
+
 def test_a_size_that_varies_is_written(tmp_path: Path) -> None:
     """With the variable, how much, what that takes away, and the odds of chance."""
     found = diagnosis(Verdict.NAMED)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis.verdict.naming import EXPLAINED, explains_enough
-from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Evidence, Remainder
+from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Remainder
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
 
@@ -178,12 +178,6 @@ def structure_of_rest(remainder: Remainder) -> str:
     if remainder.structure_share <= max(remainder.structure_limit, 0.0):
         return f"no more of it follows from {PREDICTORS} than chance would make of noise"
     return f"{share} of its power follows from {PREDICTORS}, where chance reaches {limit}"
-
-
-def round_of(cause: Cause, evidence: Sequence[Evidence], number: int) -> int:
-    """The round in which a cause was found: descriptions have rounds of their own."""
-    mine = (e.round for e in evidence if (e.effect, e.delta_bic) == (cause.key, cause.delta_bic))
-    return next(mine, number)
 
 
 def given_up(dropped: Sequence[str]) -> str:

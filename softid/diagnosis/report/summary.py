@@ -21,7 +21,6 @@ from softid.diagnosis.report.phrases import (
     neighbours_of,
     noise_like,
     percent,
-    round_of,
     sentence,
     structure_of_rest,
     taken_by,
@@ -262,14 +261,13 @@ def _explained(
         ]
         alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
         errors = "" if alone else _errors(teller, cause, descriptive)
-        told += [_evidence(teller, cause, number, tie, evidence, errors), unsteady(cause)]
+        told += [_evidence(teller, cause, tie, evidence, errors), unsteady(cause)]
     return told
 
 
 def _evidence(
     teller: ErrorTexts,
     cause: Cause,
-    number: int,
     tie: Alternative | None,
     evidence: Sequence[Evidence],
     errors: str,
@@ -278,11 +276,7 @@ def _evidence(
     if cause.holdout_rmse_without is not None:
         told += f"; without it the others leave {teller.size(cause.holdout_rmse_without)}"
     tied = {cause.effect, *(tie.effects if tie else ())}
-    raced = [
-        e
-        for e in evidence
-        if e.round == round_of(cause, evidence, number) and e.effect.split(".")[0] not in tied
-    ]
+    raced = [e for e in evidence if e.round == cause.round and e.effect.split(".")[0] not in tied]
     rivals = [(e.delta_bic, e.effect) for e in raced if e.delta_bic is not None]
     ahead = sorted({key for delta, key in rivals if delta > cause.delta_bic})
     if ahead:

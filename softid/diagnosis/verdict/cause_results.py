@@ -41,7 +41,7 @@ def causes_of(
     rng
         Draws the bootstrap.
     """
-    found = []
+    found: list[Cause] = []
     for link, (before_rows, after_rows) in zip(chain.links, pairwise(errors), strict=True):
         effect = link.added
         own = [p for p in after.parameters if belongs_to(effect, p.name)] if after else []
@@ -55,6 +55,7 @@ def causes_of(
                 meaning=told.meaning,
                 remedy=told.remedy,
                 parameters=tuple(own),
+                added_to=tuple(earlier.key for earlier in found),
                 delta_bic=link.delta_bic,
                 holdout_rmse_before=_rms(before_rows),
                 holdout_rmse_after=_rms(after_rows),

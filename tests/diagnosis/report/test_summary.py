@@ -150,7 +150,7 @@ def test_more_is_left_on_what_is_held_out() -> None:
 
 def test_every_named_cause_has_its_remedy() -> None:
     """Those of two causes are both told."""
-    second = replace(DELAY, remedy="move the valve to the actuator")
+    second = replace(DELAY, added_to=(FRICTION.key,), remedy="move the valve to the actuator")
     found = replace(diagnosis(Verdict.NAMED), causes=(replace(FRICTION, remedy="oil it"), second))
     assert "In hardware: oil it; move the valve to the actuator." in told(found)
 
@@ -187,7 +187,12 @@ def test_a_base_that_gave_something_up_is_told() -> None:
 
 def test_a_chain_tells_each_link() -> None:
     """Two causes in their order, each with its own error before and after."""
-    second = replace(DELAY, holdout_rmse_before=FRICTION.holdout_rmse_after, delta_bic=60.0)
+    second = replace(
+        DELAY,
+        added_to=(FRICTION.key,),
+        holdout_rmse_before=FRICTION.holdout_rmse_after,
+        delta_bic=60.0,
+    )
     text = told(replace(diagnosis(Verdict.NAMED), causes=(FRICTION, second)))
     assert text.index("Cause 1: dry friction") < text.index("Cause 2: a delay")
     assert "the held-out error goes from 2 deg to 0.5 deg" in text
@@ -290,8 +295,11 @@ def test_a_description_between_two_causes_is_told() -> None:
     """2 → 1.5 by the first cause, 1.5 → 1 by what only describes, 1 → 0.5 by the second: without a
     word the second would begin at an error that the first does not end with."""
     first = cause("coulomb_friction", FRICTION.parameters, before=2.0, after=1.5)
-    between = cause("creep", [estimate("creep_k", 0.1, "1")], before=1.5, after=1.0)
-    second = replace(cause("delay", DELAY.parameters, before=1.0, after=0.5), delta_bic=60.0)
+    slow = [estimate("creep_k", 0.1, "1")]
+    between = cause("creep", slow, before=1.5, after=1.0, added_to=[first.key])
+    links = first.key, between.key
+    second = cause("delay", DELAY.parameters, before=1.0, after=0.5, added_to=links)
+    second = replace(second, delta_bic=60.0)
     made = replace(diagnosis(Verdict.PARTIAL), causes=(first, second), descriptive=(between,))
     creep = EFFECTS["creep"].title[:1].lower() + EFFECTS["creep"].title[1:]
     assert "error goes from 2 deg to 1.5 deg" in told(made)
@@ -302,7 +310,7 @@ def test_a_description_between_two_causes_is_told() -> None:
 
 def test_evidence_is_that_of_the_round_in_which_a_cause_was_found() -> None:
     """The delay came third, behind a description: its rivals are those of the third round."""
-    second = replace(DELAY, delta_bic=60.0)
+    second = replace(DELAY, added_to=(FRICTION.key, "creep"), delta_bic=60.0)
     evidence = (
         Evidence(1, "coulomb_friction", 412.0, 0.9),
         Evidence(2, "creep", 200.0, 0.5),

@@ -1,15 +1,17 @@
-"""From a chain of refits to plain results: which form of an effect is told."""
+"""From a chain of refits to plain results: which form of an effect is told, and in what order."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
+import numpy as np
 import pytest
 from handmade_diagnosis import estimate
-from handmade_rounds import ranked
+from handmade_rounds import candidate, ranked
 
-from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis.verdict.cause_results import alternatives_of, told_as
+from softid.diagnosis.search.forward_selection import Chain, Link
+from softid.diagnosis.verdict.cause_results import alternatives_of, causes_of, told_as
 from softid.effects import effect_of
 
 
@@ -63,3 +65,17 @@ def test_two_times_that_may_be_one(key: str, ci95: tuple[float, float] | None, t
     tau = replace(estimate("pneumatic_lag_tau", 1.0, "s"), ci95=(0.9, 1.1))
     ratio = replace(estimate("pneumatic_lag_ratio", 1.0, "1"), ci95=ci95)
     assert told_as(effect_of(key), [tau, ratio]).key == told
+
+
+def test_every_cause_names_those_before_it() -> None:
+    """By the keys of the fitted forms, in the order of the chain, whatever the errors are."""
+    keys = ("delay", "pneumatic_lag.separate", "creep")
+    rows = [ranked(keys[:k], -100.0 * k) for k in range(4)]
+    links = tuple(
+        Link(before, (after, before), after, (after.candidate.effects[-1].name,), (), 100.0)
+        for before, after in pairwise(rows)
+    )
+    chain = Chain(links, None, candidate(keys))
+    found = causes_of(chain, [np.ones(5)] * 4, None, np.random.default_rng(0))
+    assert [cause.added_to for cause in found] == [(), keys[:1], keys[:2]]
+    assert [cause.round for cause in found] == [1, 2, 3]
