@@ -9,7 +9,15 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from softid.kernels import affine_blocks, affine_steps, exponential
+from softid.kernels import (
+    affine_blocks,
+    affine_coefficients,
+    affine_derivatives,
+    affine_motion,
+    affine_products,
+    affine_steps,
+    exponential,
+)
 from softid.kernels.affine_blocks import (
     BY,
     GIVEN,
@@ -29,18 +37,15 @@ from softid.kernels.affine_blocks import (
     STEPS,
     V,
     X,
-    add_gram,
+)
+from softid.kernels.affine_coefficients import fill_coefficients, fill_from_stages
+from softid.kernels.affine_derivatives import (
     differentiate_radau,
     differentiate_rk4,
-    fill_coefficients,
-    fill_from_stages,
     join_derivatives,
-    join_states,
-    reset,
-    run_radau,
-    run_rk4,
-    select_ends,
 )
+from softid.kernels.affine_motion import join_states, reset, run_radau, run_rk4
+from softid.kernels.affine_products import add_gram, select_ends
 from softid.kernels.cache_invalidation import follow_sources
 from softid.kernels.decorators import kernel
 
@@ -348,5 +353,16 @@ def move_through(
             _store(w, ends, by)
 
 
+SOURCES = (
+    affine_blocks,
+    affine_coefficients,
+    affine_derivatives,
+    affine_motion,
+    affine_products,
+    affine_steps,
+    exponential,
+)
+"""All that the kernels are compiled from, beside this file."""
+
 for _kernel in (move, move_with_derivatives, sum_products, move_through):
-    follow_sources(_kernel, (affine_blocks, affine_steps, exponential))
+    follow_sources(_kernel, SOURCES)

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
+
+from softid.kernels import affine_simulation
+
+NOT_COMPILED = {"softid.kernels.decorators", "softid.kernels.cache_invalidation"}
+"""What kernels import but are not made from."""
 
 ENTRY = """
 from numba import njit
@@ -41,3 +48,19 @@ def test_a_changed_callee_is_compiled_anew(tmp_path: Path) -> None:
             ).stdout.split()
         )
     assert answers == [["1", "0"], ["1", "1"], ["22", "0"]]
+
+
+def imported(name: str) -> set[str]:
+    """Modules of kernels that one is made from, those that they are made from included."""
+    source = Path(str(import_module(name).__file__)).read_text(encoding="utf-8")
+    nodes = ast.walk(ast.parse(source))
+    named = {str(node.module) for node in nodes if isinstance(node, ast.ImportFrom)}
+    own = {module for module in named if module.startswith("softid.kernels.")} - NOT_COMPILED
+    return own.union(*map(imported, own))
+
+
+def test_the_affine_kernels_follow_all_that_they_are_made_from() -> None:
+    """A source that is left out would go on with its old code where an installation is edited."""
+    followed = {module.__name__ for module in affine_simulation.SOURCES}
+    assert followed == imported(affine_simulation.__name__)
+    assert len(followed) == len(affine_simulation.SOURCES) == 7
