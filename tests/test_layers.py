@@ -31,6 +31,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
         "models",
         "effects",
         "residuals",
+        "scores",
         "records",
         "plots",
     ),

@@ -12,7 +12,6 @@ from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.parameter_covariance import Errors
 from softid.log import Log
 from softid.parameters import ParameterScale
-from softid.residuals import fit_statistics
 from softid.results import (
     FitStatistics,
     LogNuisance,
@@ -21,6 +20,7 @@ from softid.results import (
     Simulation,
     Verdict,
 )
+from softid.scores import fit_statistics
 from softid.uncertainty import CI_METHOD, confidence_interval, standard_error
 from softid.uncertainty.identifiability import judge
 

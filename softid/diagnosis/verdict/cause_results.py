@@ -16,8 +16,8 @@ from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis_results import Alternative, Cause, Evidence, Gain
 from softid.effects import EFFECTS, belongs_to, effect_of, extended_name
 from softid.effects.base import Effect
-from softid.residuals import fit_percent
 from softid.results import FitResult, ParameterEstimate
+from softid.scores import fit_percent
 
 Array = npt.NDArray[np.float64]
 

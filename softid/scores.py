@@ -1,0 +1,115 @@
+"""How well a simulated output follows a measured one.
+
+Plain arrays in; a NaN on either side is a sample that does not count.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.errors import InputError
+from softid.results import FitStatistics
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+def rmse(measured: Array, simulated: Array) -> float:
+    """Root mean square of the difference, √mean (y − ŷ)², over samples that are finite in both."""
+    y, s = _pairs(measured, simulated)
+    return float(np.sqrt(np.mean((y - s) ** 2)))
+
+
+def nrmse(measured: Array, simulated: Array) -> float:
+    """Normalised error ‖y − ŷ‖/‖y − mean y‖; NaN for a constant measurement."""
+    y, s = _pairs(measured, simulated)
+    spread = float(np.linalg.norm(y - y.mean())) if np.ptp(y) > 0.0 else 0.0
+    return float(np.linalg.norm(y - s)) / spread if spread > 0.0 else float("nan")
+
+
+def fit_percent(measured: Array, simulated: Array) -> float:
+    """Fit 100 (1 − nrmse), as MATLAB's ``compare``; NaN for a constant measurement."""
+    return 100.0 * (1.0 - nrmse(measured, simulated))
+
+
+def r2(measured: Array, simulated: Array) -> float:
+    """Coefficient of determination 1 − nrmse²; NaN for a constant measurement."""
+    return 1.0 - nrmse(measured, simulated) ** 2
+
+
+def vaf(measured: Array, simulated: Array) -> float:
+    """Variance accounted for, 100 (1 − var(y − ŷ)/var y); NaN for a constant measurement."""
+    y, s = _pairs(measured, simulated)
+    variance = float(np.var(y)) if np.ptp(y) > 0.0 else 0.0
+    return 100.0 * (1.0 - float(np.var(y - s)) / variance) if variance > 0.0 else float("nan")
+
+
+def fit_statistics(
+    measured: Array,
+    simulated: Array,
+    *,
+    log: str,
+    channel: str,
+    unit: str,
+    in_sample: bool,
+    used: BoolArray | None = None,
+    display_unit: str | None = None,
+    display_factor: float = 1.0,
+) -> FitStatistics:
+    """Score a simulated output against a measured one.
+
+    Parameters
+    ----------
+    measured, simulated
+        Samples, shape (n,), in ``unit``.
+    log, channel, unit
+        What is compared.
+    in_sample
+        Whether the parameters were fitted to this log.
+    used
+        Samples to compare, shape (n,); by default those that are finite in both.
+    display_unit, display_factor
+        Unit of the file and the factor to it; by default ``unit``.
+
+    Returns
+    -------
+    FitStatistics
+        The relative scores are NaN when the measurement is constant.
+
+    Raises
+    ------
+    InputError
+        No sample can be compared.
+
+    Examples
+    --------
+    >>> y = np.array([0.0, 1.0, 2.0])
+    >>> s = fit_statistics(y, y, log="a", channel="angle", unit="rad", in_sample=True)
+    >>> s.n, s.fit_percent
+    (3, 100.0)
+    """
+    y = measured if used is None else np.where(used, measured, np.nan)
+    both, _ = _pairs(y, simulated, where=f"{log}, {channel}")
+    return FitStatistics(
+        log=log,
+        channel=channel,
+        unit=unit,
+        in_sample=in_sample,
+        kind="simulated",
+        n=both.size,
+        rmse=rmse(y, simulated),
+        nrmse=nrmse(y, simulated),
+        fit_percent=fit_percent(y, simulated),
+        r2=r2(y, simulated),
+        vaf=vaf(y, simulated),
+        display_unit=unit if display_unit is None else display_unit,
+        display_factor=display_factor,
+    )
+
+
+def _pairs(measured: Array, simulated: Array, where: str | None = None) -> tuple[Array, Array]:
+    there = np.isfinite(measured) & np.isfinite(simulated)
+    if not there.any():
+        raise InputError("there is no sample to compare", where=where, remedy="mask fewer samples")
+    return measured[there], simulated[there]
