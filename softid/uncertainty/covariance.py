@@ -28,13 +28,8 @@ from softid.uncertainty.linearisation import (
     projection,
     reachable,
 )
-from softid.uncertainty.restricted import (
-    Moments,
-    RestrictedFit,
-    evaluate,
-    gather_moments,
-    restricted_ar,
-)
+from softid.uncertainty.moments import Moments, gather_moments
+from softid.uncertainty.restricted import RestrictedFit, evaluate, restricted_ar
 from softid.uncertainty.simultaneous import add_shared_noise
 from softid.uncertainty.student import student_quantile
 

@@ -11,7 +11,8 @@ import numpy.typing as npt
 from softid.uncertainty.autoregression import autocovariance, fit_ar
 from softid.uncertainty.lag_form import LagForm
 from softid.uncertainty.linearisation import ResidualBlock, reachable
-from softid.uncertainty.restricted import gather_moments, restricted_ar
+from softid.uncertainty.moments import gather_moments
+from softid.uncertainty.restricted import restricted_ar
 
 Array = npt.NDArray[np.float64]
 

@@ -9,13 +9,8 @@ from scipy.signal import lfilter
 
 from softid.errors import IdentificationError
 from softid.uncertainty.autoregression import AutoRegression, autocovariance, fit_ar, to_phi
-from softid.uncertainty.restricted import (
-    differences,
-    draw_in,
-    evaluate,
-    gather_moments,
-    restricted_ar,
-)
+from softid.uncertainty.moments import gather_moments
+from softid.uncertainty.restricted import differences, draw_in, evaluate, restricted_ar
 
 
 def dense_objective(parts: list[tuple[np.ndarray, np.ndarray]], reflection: np.ndarray) -> float:
@@ -123,21 +118,3 @@ def test_nothing_left_to_learn_from_is_an_error() -> None:
     moments = gather_moments([rng.normal(size=4)], [np.eye(4)], 2)
     with pytest.raises(IdentificationError, match="follow all"):
         restricted_ar(moments, fit_ar([rng.normal(size=4)], max_order=0))
-
-
-@pytest.mark.parametrize("order", [0, 2])
-def test_moments_of_columns_with_what_makes_them_a_basis(order: int) -> None:
-    """The same moments as of the basis itself, to rounding, with a gap; order 0 from products."""
-    rng = np.random.default_rng(5)
-    design, residual = rng.normal(size=(90, 3)), rng.normal(size=90)
-    residual[30:33] = np.nan
-    used = np.isfinite(residual)
-    rows = np.where(used[:, None], design, 0.0)
-    project = np.linalg.inv(np.linalg.cholesky(rows.T @ rows)).T
-    plain = gather_moments([residual], [rows @ project], order)
-    known = (rows.T @ rows, rows[used].T @ residual[used]) if order == 0 else None
-    reach = [] if known is not None else [rows]
-    made = gather_moments([residual], reach, order, project=project, known=known)
-    np.testing.assert_allclose(made.products, plain.products, atol=1e-12)
-    np.testing.assert_array_equal(made.counts, plain.counts)
-    assert made.longest == plain.longest == 57
