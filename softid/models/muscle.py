@@ -10,22 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import UsageError
-from softid.kernels.affine_blocks import MUSCLE
-from softid.kernels.muscle import coefficient_derivatives, coefficients, pack
-from softid.kernels.small_matrix import LANES
 from softid.models.base import Model, Response, require_choice
-from softid.models.division import Division, divide, held
+from softid.models.division import Division, divide
 from softid.models.geometry import ArcGeometry
+from softid.models.muscle_law import KPA_PER_BAR, NAMES, MuscleLaw
 from softid.models.products import Products
 from softid.models.ringing import ringing_starts
-from softid.models.second_order import (
-    ORDERS,
-    AffineForm,
-    Law,
-    Order,
-    simulate_law,
-    sum_law,
-)
+from softid.models.second_order import ORDERS, Order, simulate_law, sum_law
 from softid.models.starts import as_values, damping_shapes, hammerstein_starts
 from softid.models.time_scales import faded, speeds
 from softid.parameters import Parameter, ParameterSet
@@ -33,49 +24,7 @@ from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
-NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
-_KPA_PER_BAR = 100.0
-_PER_KPA = np.array([1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0, 1.0, 1.0 / _KPA_PER_BAR, 1.0])
-_BY_THETA = np.diag(_PER_KPA)
-_BY_MASS = np.eye(len(NAMES))[0]
 _RU = "Ru et al. 2019"
-
-
-class MuscleLaw(Law):
-    """Coefficients of Ru's law at fixed parameters; the input is pressure in kPa."""
-
-    def __init__(self, theta: Array) -> None:
-        self._theta = theta
-        self.mass = float(theta[0])
-        self.mass_by = _BY_MASS
-
-    def coefficients(self, u: Array) -> tuple[Array, Array, Array]:
-        """N, Q and P at pressures of shape (L,)."""
-        found: tuple[Array, Array, Array] = coefficients(held(u), self._theta)
-        return found
-
-    def derivatives(self, u: Array) -> tuple[Array, Array, Array]:
-        """Derivatives of N, Q and P by the seven parameters, each of shape (L, 7)."""
-        found: tuple[Array, Array, Array] = coefficient_derivatives(u / _KPA_PER_BAR, self._theta)
-        return found
-
-    def packed(self, u: Array, *, derivatives: bool) -> tuple[Array, Array]:
-        """All coefficients in one compiled pass; see `Law.packed`."""
-        packed = np.empty((len(u), 3, 4))
-        by = np.empty((len(u) if derivatives else 0, 3, 4, LANES))
-        pack(np.ascontiguousarray(u), self._theta, packed, by)
-        return packed, by[..., None, :]
-
-    def affine(self) -> AffineForm:
-        """The same law with exponents per kPa."""
-        theta = np.ones(self._theta.size + 1)
-        np.multiply(self._theta, _PER_KPA, out=theta[:-1])
-        return AffineForm(MUSCLE, theta, _BY_THETA)
-
-    def exponent_rate(self) -> float:
-        """The larger of b1 and b2, per kPa."""
-        return float(max(abs(self._theta[2]), abs(self._theta[5]))) / _KPA_PER_BAR
-
 
 GROWING = 0.1
 """Share that grows with the pressure of a damping that comes back: small, but enough to fit."""
@@ -373,7 +322,7 @@ class Muscle(Model):
         found = {
             "x_max": (1.0 / a1, self.x_unit),
             "x_at_zero_pressure": (1.0 / (a1 + c1), self.x_unit),
-            "midpoint_pressure": (float(np.log(c1 / a1) / b1) * _KPA_PER_BAR, "kPa"),
+            "midpoint_pressure": (float(np.log(c1 / a1) / b1) * KPA_PER_BAR, "kPa"),
         }
         law = MuscleLaw(np.array([values[name] for name in NAMES]))
         return found | speeds(law, 0.5 * (input_range[0] + input_range[1]), "kPa")

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from softid.models.division import divide
-from softid.models.muscle import MuscleLaw
+from softid.models.muscle_law import MuscleLaw
 from softid.models.second_order import simulate_law
 
 NOMINAL = np.array([2e-3, 1 / 70, 2.8, 1.0, 0.02, 1.6, 0.25])

@@ -68,7 +68,7 @@ def log_of(n: int, *, exact: bool = True) -> Log:
 
 def quick_response(time_s: np.ndarray, pressure_bar: np.ndarray) -> np.ndarray:
     """x by softid's own kernels, for logs whose length alone matters."""
-    from softid.models.muscle import MuscleLaw
+    from softid.models.muscle_law import MuscleLaw
     from softid.models.second_order import simulate_law
 
     return simulate_law(MuscleLaw(TRUTH), time_s, 100.0 * pressure_bar, None, derivatives=False).x

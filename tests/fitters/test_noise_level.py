@@ -8,7 +8,8 @@ from softid.fitters.noise_level import at_noise_level
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
 from softid.log import Log
-from softid.models.muscle import Muscle, MuscleLaw
+from softid.models.muscle import Muscle
+from softid.models.muscle_law import MuscleLaw
 from softid.models.second_order import simulate_law
 
 NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")

@@ -17,7 +17,8 @@ from softid.fitters.output_error import Optimum, output_error, refit_nuisance
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.base import Model
-from softid.models.muscle import NAMES, Muscle
+from softid.models.muscle import Muscle
+from softid.models.muscle_law import NAMES
 from softid.models.oscillator import Oscillator
 from softid.parameters import ParameterSet
 from softid.results import FitStatus

@@ -22,7 +22,8 @@ from softid.fitters.thinned import (
     thinning,
 )
 from softid.log import Log
-from softid.models.muscle import NAMES, Muscle
+from softid.models.muscle import Muscle
+from softid.models.muscle_law import NAMES
 from softid.synthesis import muscle_log, random_muscle_truth
 from softid.synthesis.waveforms import Steps
 

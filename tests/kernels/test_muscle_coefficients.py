@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from softid.models.muscle import NAMES, MuscleLaw
+from softid.models.muscle_law import NAMES, MuscleLaw
 from softid.models.second_order import Law
 
 THETA = np.array([2e-3, 1 / 70, 2.8, 1.0, 0.02, 1.6, 0.25])

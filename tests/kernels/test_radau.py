@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from softid.kernels.radau import STAGES, propagate, propagate_with_sensitivities
-from softid.models.muscle import MuscleLaw
+from softid.models.muscle_law import MuscleLaw
 from softid.models.second_order import _BLOCK, simulate_law
 
 Array = npt.NDArray[np.float64]

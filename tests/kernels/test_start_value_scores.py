@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from softid.models.muscle import MuscleLaw
+from softid.models.muscle_law import MuscleLaw
 from softid.models.second_order import simulate_law
 from softid.models.starts import Stretch, scores
 

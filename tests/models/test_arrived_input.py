@@ -7,7 +7,7 @@ import pytest
 
 from softid.models.arrived_input import simulate_law_through
 from softid.models.division import Division, held
-from softid.models.muscle import MuscleLaw
+from softid.models.muscle_law import MuscleLaw
 from softid.models.oscillator import OscillatorLaw
 from softid.models.second_order import Law, simulate_law
 

@@ -7,7 +7,8 @@ import pytest
 
 from softid.errors import UsageError
 from softid.log import Log
-from softid.models.muscle import NAMES, Muscle
+from softid.models.muscle import Muscle
+from softid.models.muscle_law import NAMES
 from softid.segment import Segment
 
 TRUTH = {"M": 2e-3, "a1": 1 / 70, "b1": 2.8, "c1": 1.0, "a2": 0.02, "b2": 1.6, "c2": 0.25}

@@ -12,7 +12,8 @@ from softid.kernels.step_counts import MAX_SUBSTEPS
 from softid.log import Log
 from softid.models.base import Model
 from softid.models.division import divide
-from softid.models.muscle import Muscle, MuscleLaw
+from softid.models.muscle import Muscle
+from softid.models.muscle_law import MuscleLaw
 from softid.models.oscillator import Oscillator, OscillatorLaw
 from softid.models.second_order import simulate_law
 from softid.models.time_scales import faded, speeds
