@@ -1,6 +1,7 @@
 """How an input excites: stretches of one kind each, and the windows in which it stands still."""
 
-from softid.excitation.holds import SettledWindow, distinct_levels, median_of_five
+from softid.excitation.holds import SettledWindow, distinct_levels
+from softid.excitation.motion import median_of_five
 from softid.excitation.noise import UNRESOLVED_STEPS, noise_std
 from softid.excitation.segmentation import (
     Kind,

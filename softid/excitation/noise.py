@@ -13,11 +13,31 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 ONE_SIGMA = 0.6826894921370859
+"""Share of a normal law within one standard deviation; a few jumps hardly move this quantile."""
+
 UNRESOLVED_STEPS = 0.4
+"""Noise, in steps of the grid, whose variance is that of quantisation and dither together, step²/6:
+less is lost in the difference of the two."""
+
 GOLDEN = 0.6180339887498949
+"""The golden ratio's fraction; its multiples, taken modulo one, fill the step most evenly."""
+
 MIN_NOISE_SAMPLES = 20
+"""Fewer differences tell their spread to no better than a fifth or so."""
+
+NEIGHBOURS = (3, 4, 5, 6, 7)
+"""Samples in a difference. Fewer do not remove a bend; more remove faster motion but span so long a
+window that jumps are in nearly all of them."""
+
+LONGEST_WINDOW = 4.0
+"""A window that lasts so many times what it should spans a gap."""
+
 ROUNDING = 1e-9
+"""Noise as a share of the range that is no more than the rounding of the file …"""
+
 TINY = 1e-12
+"""… or, as a share of the values, of their arithmetic."""
+
 EVEN = 1e-6
 """Relative spread of the sampling intervals up to which all windows share one set of weights."""
 
@@ -63,7 +83,7 @@ def noise_std(
     quantum = step or 0.0
     dither = quantum * ((np.arange(fresh.size) * GOLDEN) % 1.0 - 0.5)
     spreads = []
-    for neighbours in (3, 4, 5, 6, 7):
+    for neighbours in NEIGHBOURS:
         differences = _divided_differences(times, picked + dither, allowed, neighbours)
         if differences.size >= MIN_NOISE_SAMPLES:
             spreads.append(float(np.quantile(np.abs(differences), ONE_SIGMA)))
@@ -85,7 +105,7 @@ def _divided_differences(
     if allowed.all() and intervals.size and np.ptp(intervals) <= EVEN * intervals.min():
         return _even_differences(values, neighbours)
     windows = np.lib.stride_tricks.sliding_window_view
-    longest = 4.0 * neighbours * float(np.median(intervals))
+    longest = LONGEST_WINDOW * neighbours * float(np.median(intervals))
     usable = windows(allowed, neighbours).all(axis=1)
     usable &= time_s[neighbours - 1 :] - time_s[: 1 - neighbours] <= longest
     local = windows(time_s, neighbours)[usable]

@@ -9,14 +9,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from softid.excitation.holds import (
-    Motion,
-    SettledWindow,
-    bounds_of,
-    describe_motion,
-    distinct_levels,
-    windows_of,
-)
+from softid.excitation.holds import SettledWindow, bounds_of, distinct_levels, windows_of
+from softid.excitation.motion import Motion, describe_motion
 from softid.excitation.shapes import Piece, Shape, recognise_shapes
 from softid.excitation.waves import holds_between_waves
 
@@ -31,9 +25,21 @@ KIND_OF_SHAPE: dict[Shape, Kind] = {
     "free": "free",
 }
 SLOW_TRANSITION = 0.5
+"""A change of level that takes longer than this share of the shorter hold beside it is a step only
+if it has no shape of its own, as a ramp or a wave has."""
+
 LONGEST_TRANSITION = 1.5
+"""A change that takes longer than so many times the longer hold beside it is no step."""
+
+LONGEST_CUT_TRANSITION = 1.0
+"""The same where the log begins or ends in the change, of which a part is missing."""
+
 SAME_LEVEL = 2.0
+"""Tolerances up to which two levels are one: each may be one tolerance off."""
+
 BRIEF_LEVEL = 0.2
+"""A level at which the input is held in all for less than this share of a usual hold is none of a
+staircase's, but a place where it halted on its way."""
 
 
 @dataclass(frozen=True)
@@ -269,7 +275,7 @@ class _Assembly:
             turns = self.motion.turns
             if np.any((turns > since) & (turns < until)):
                 return False
-            most = 1.0
+            most = LONGEST_CUT_TRANSITION
         if lasting > most * max(held):
             return False
         slow = lasting > SLOW_TRANSITION * min(held)

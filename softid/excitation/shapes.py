@@ -14,22 +14,80 @@ IntArray = npt.NDArray[np.intp]
 Shape = Literal["sine", "triangle", "ramp", "chirp", "free"]
 
 CYCLE_SPREAD = 0.2
+"""Difference of a cycle from the usual one, as a share of it, up to which they are equally long:
+the time of a crossing is blurred by noise and by a few samples a cycle."""
+
 HEIGHT_SPREAD = 0.25
+"""The same of their heights, of which the first and the last are often smaller."""
+
 TREND = 0.15
+"""Change of the length of the cycles, over all of them and as a share, up to which they are equally
+long and no slow chirp."""
+
 CHIRP_RATIO = 1.4
+"""Ratio of the longest to the shortest cycle from which a drift is meant."""
+
 CHIRP_STEP = 0.08
+"""Share of a cycle by which the next may go against the drift: blurred crossings."""
+
+CHIRP_SAMPLES = 2.5
+"""Samples by which it may, too: either crossing of a short cycle may be one sample off."""
+
 CHIRP_HEIGHT = 1.8
+"""Largest ratio of the heights of neighbouring half cycles of a chirp; a valve follows its fast end
+less and less, but not by halves from one to the next."""
+
 CHIRP_JUMP = 1.8
+"""Largest ratio of neighbouring cycles of a chirp: an octave at once is another motion."""
+
 MIN_CHIRP_CYCLES = 8
+"""Fewer cycles grow or shrink one after the other by chance."""
+
 MIN_SAMPLES_PER_CYCLE = 5.0
+"""Cycles of fewer samples have lengths that are known to no better than `CYCLE_SPREAD`."""
+
 STEADY_CYCLES = 4
+"""Twice as many even cycles are a sine though they seem to go on in a drift; fewer are the slow
+beginning of a chirp."""
+
 SINE_R2 = 0.95
+"""Share of the variance that a sine explains at least; it is 0.985 of a triangle, which must then
+fit worse itself."""
+
 TRIANGLE_R2 = 0.97
+"""The same of straight lines between the turning points; it is 0.95 of a sine."""
+
 RAMP_R2 = 0.985
+"""The same of one line; it is 0.96 of a quarter of a cosine, which bends one way; half of one, with
+0.9855, is a ramp with rounded ends."""
+
 SHORT_SINE_R2 = 0.98
+"""The same of a sine through less than two cycles, which has three unknowns for few bends."""
+
+SHORT_TRIANGLE_R2 = 0.98
+"""The same of straight lines through as little."""
+
+MIN_TURNS = 4
+"""Turning points from which there is a whole cycle between two crossings."""
+
+MIN_SAMPLES = 8
+"""Fewer samples have no shape: a sine through them has half as many unknowns."""
+
 LEAST_OF_A_CYCLE = 0.75
+"""A sine of which less is there is any smooth bend."""
+
+SHORT_SPREAD = 0.4
+"""Share by which the frequency of a short sine may differ from that of its turning points …"""
+
+LONG_SPREAD = 0.05
+"""… and of a long one from that of its crossings, whose mean is better known."""
+
 MOST_FITTED = 1000
+"""Samples that a sine is fitted to: more cost time and tell its shape no better."""
+
 FREQUENCY_GRID = 25
+"""Frequencies tried on either grid; the second one spans two intervals of the first to
+either side."""
 
 
 @dataclass(frozen=True)
@@ -73,14 +131,14 @@ def recognise_shapes(time_s: Array, values: Array, turns: IntArray) -> tuple[Pie
     turns
         Positions of its turning points, shape (m,), ends not included.
     """
-    if turns.size < 4:
+    if turns.size < MIN_TURNS:
         return (_short_piece(time_s, values, turns),)
     pieces: list[Piece] = []
     first = 0
     crossing_s = _crossings(time_s, values, turns)
     heights = np.abs(np.diff(values[turns]))
     period_s = float(np.median(np.diff(time_s)))
-    while first < turns.size - 3:
+    while first <= turns.size - MIN_TURNS:
         steady, last = _steady_cycles(crossing_s[first:], heights[first:], period_s)
         last += first
         if not steady and last == first:
@@ -94,23 +152,23 @@ def recognise_shapes(time_s: Array, values: Array, turns: IntArray) -> tuple[Pie
 def _short_piece(time_s: Array, values: Array, turns: IntArray) -> Piece:
     """A range with too few turning points to speak of cycles."""
     n = values.size
-    if n >= 8 and turns.size == 0:
+    if n >= MIN_SAMPLES and turns.size == 0:
         slope, r2 = _line(time_s, values)
         if r2 >= RAMP_R2:
             span = 0.5 * float(values.max() - values.min())
             middle = 0.5 * float(values.max() + values.min())
             return Piece("ramp", 0, n, amplitude=span, offset=middle, rate=abs(slope))
         return Piece("free", 0, n)
-    if n < 8:
+    if n < MIN_SAMPLES:
         return Piece("free", 0, n)
     corners = np.concatenate([[0], turns, [n - 1]])
     r2_triangle = _r2(values, np.interp(time_s, time_s[corners], values[corners]))
     guess_hz = _half_cycles_hz(time_s, turns)
-    fit = _fit_sine(time_s, values, guess_hz, spread=0.4)
+    fit = _fit_sine(time_s, values, guess_hz, spread=SHORT_SPREAD)
     enough = fit.frequency_hz * float(time_s[-1] - time_s[0]) >= LEAST_OF_A_CYCLE
     if fit.r2 >= SHORT_SINE_R2 and fit.r2 >= r2_triangle and enough:
         return _sine_piece(fit, time_s, (0, n))
-    if r2_triangle >= TRIANGLE_R2 + 0.01:
+    if r2_triangle >= SHORT_TRIANGLE_R2:
         return _triangle_piece(time_s, values, corners, (0, n))
     return Piece("free", 0, n)
 
@@ -181,7 +239,8 @@ def _count_drifting(cycle_s: Array, heights: Array, period_s: float) -> int:
         growth = sign * np.diff(cycle_s)
         uneven = np.maximum(heights[3:] / heights[2:-1], heights[2:-1] / heights[3:])
         jump = np.maximum(cycle_s[1:] / cycle_s[:-1], cycle_s[:-1] / cycle_s[1:])
-        steady = (growth >= -CHIRP_STEP * cycle_s[:-1] - 2.5 * period_s) & (jump <= CHIRP_JUMP)
+        steady = growth >= -CHIRP_STEP * cycle_s[:-1] - CHIRP_SAMPLES * period_s
+        steady &= jump <= CHIRP_JUMP
         steady &= uneven <= CHIRP_HEIGHT
         stops = np.flatnonzero(~steady)
         count = int(stops[0]) + 1 if stops.size else cycle_s.size
@@ -223,7 +282,7 @@ def _cycling_piece(
             offset=0.5 * float(tops.max() + tops.min()),
             cycles=0.5 * (corners.size - 1),
         )
-    fit = _fit_sine(t, v, 1.0 / float(cycle_s.mean()), spread=0.05)
+    fit = _fit_sine(t, v, 1.0 / float(cycle_s.mean()), spread=LONG_SPREAD)
     r2_triangle = _r2(v, np.interp(t, time_s[corners], values[corners]))
     if fit.r2 >= SINE_R2 and fit.r2 >= r2_triangle:
         return _sine_piece(fit, time_s, whole)

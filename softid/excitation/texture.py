@@ -16,28 +16,101 @@ IntArray = npt.NDArray[np.intp]
 BoolArray = npt.NDArray[np.bool_]
 
 MIN_LEVELS = 4
+"""Fewer distinct values say nothing of a grid: any three lie on one in nine of ten cases."""
+
 LATTICE_TOLERANCE = 0.15
+"""Distance from the grid, in steps, that rounding in the file may make of a value on it. Values
+without a grid lie within it by chance in 30 % of cases."""
+
 LATTICE_SHARE = 0.95
+"""Share of the values that must: the others are sentinels and means of two samples."""
+
+ROUNDING = 1e-7
+"""Values that differ by less than this share of the largest are one, printed twice."""
+
+NEAR_SMALLEST = 1.2
+"""Increments up to so many times the smallest are the same one: rounding may make a tenth of it,
+and the next on a grid is twice as large."""
+
+COMMON_BIN = 1.1
+"""Ratio of the increments that are counted as one to find the commonest: again rounding's tenth."""
+
 GRID_REFINEMENTS = (3.5, 10.5, np.inf)
+"""Largest increments, in steps, that refine the step in turn: an error of a tenth miscounts those
+of five steps and more, so that the short ones must make it smaller before the long ones count."""
+
 MANY_LEVELS = 5
+"""Fewer distinct values are switched between, and repeat without any hold."""
+
 MIN_JUMPS = 12
+"""Fewer jumps tell no share of repetitions: a quarter of them is three."""
+
 JUMP_STEPS = 2.5
+"""Steps of the grid from which a move is a jump: noise on a coarse grid moves by one or two."""
+
 FINE_STEPS = 20.0
-LONGEST_SINGLE_HOLD = 3.0
-PART_OF_HOLD = 0.25
-MOST_REGULAR_HOLD = 20
-SAME_PHASE = 0.97
-REGULAR_CHANGES = 30
-REVERSALS = 0.25
-LEAPS = 0.2
+"""Usual jump, in steps of the grid, from which the grid is too fine for values to repeat by chance
+more often than once in twenty times."""
+
 LEAST_REPEATED = 0.25
+"""Share of the jumps that a repetition follows in a held channel on a coarse grid …"""
+
 LEAST_REPEATED_FINE = 0.12
+"""… and on a fine one, where chance makes less of them."""
+
 REPEATED_OVER_ONE_STEP = 3.0
+"""Repetitions on a coarse grid per move by one step up, or down: chance makes about as many of
+each."""
+
+LONGEST_SINGLE_HOLD = 3.0
+"""Runs longer than so many times the usual one are several holds of a value that came again."""
+
+PART_OF_HOLD = 0.25
+"""What a run may lack of a whole number of holds: runs of a sensor that does not beat with the log
+are one sample shorter or longer, and no longer run may count as one hold fewer."""
+
+MOST_REGULAR_HOLD = 20
+"""Longest hold in samples that is sought by its beat; longer ones show in their runs."""
+
+SAME_PHASE = 0.97
+"""Share of the changes on the beat of a regular hold; a few samples may be lost."""
+
+REGULAR_CHANGES = 30
+"""Fewer changes are on a beat of two or three by chance, or in a staircase with equal holds."""
+
+REVERSALS = 0.25
+"""Share of the changes that turn round from which a channel is noisy: those of white noise do in
+two of three cases, those of a slow ramp never."""
+
+LEAP = 1.5
+"""Steps from which a change goes past the next grid point, which a slow ramp never does."""
+
+LEAPS = 0.2
+"""Share of such changes from which the channel is no slow ramp on a coarse grid."""
+
 EVEN_JUMPS = 0.35
+"""Interquartile range of log jumps up to which they are alike; that of a sine sampled at even times
+is 0.9."""
+
 UNEVEN_DURATIONS = 4.0
+"""Interquartile range of log durations, over that of the jumps, from which the jumps decide when
+the channel moves and not a clock."""
+
 DEAD_BAND_STEPS = 5.0
+"""Jumps of fewer steps are those of the grid, seen in a slow motion."""
+
 LONGEST_HOLD_SAMPLES = 50
+"""A sensor is not read so much faster than it delivers; such holds are levels that somebody set."""
+
 LONGEST_HOLD_SHARE = 0.015
+"""Neither is a log so short that a hold is this share of it: one of seventy values."""
+
+DELIBERATE_SAMPLES = 10.0
+"""Holds of more samples are levels that somebody set …"""
+
+DELIBERATE_JUMP = 0.1
+"""… where the usual jump between them is this share of the range: no sensor is so slow that what it
+measures goes through its range in ten of its samples."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +188,7 @@ def find_quantisation(values: Array) -> Quantisation | None:
     distinct = np.unique(values[np.isfinite(values)])
     if distinct.size < MIN_LEVELS:
         return None
-    rounding = 1e-7 * float(np.abs(distinct).max())
+    rounding = ROUNDING * float(np.abs(distinct).max())
     distinct = distinct[np.concatenate([[True], np.diff(distinct) > rounding])]
     if distinct.size < MIN_LEVELS:
         return None
@@ -131,8 +204,8 @@ def find_quantisation(values: Array) -> Quantisation | None:
 def _candidate_steps(increments: Array) -> list[float]:
     """The commonest increment and the smallest one, larger first."""
     smallest = float(increments.min())
-    near_smallest = float(np.median(increments[increments <= 1.2 * smallest]))
-    octave = np.round(np.log(increments / smallest) / np.log(1.1)).astype(np.intp)
+    near_smallest = float(np.median(increments[increments <= NEAR_SMALLEST * smallest]))
+    octave = np.round(np.log(increments / smallest) / np.log(COMMON_BIN)).astype(np.intp)
     common = float(np.median(increments[octave == np.bincount(octave).argmax()]))
     return sorted({near_smallest, common}, reverse=True)
 
@@ -193,7 +266,7 @@ def _sensor_hold(time_s: Array, values: Array, factor: float, hold_s: float) -> 
     """A hold, unless it is so long that somebody must have wanted it."""
     moves = np.abs(np.diff(values))
     jump = float(np.median(moves[moves > 0.0]))
-    deliberate = factor > 10.0 and jump > 0.1 * float(np.ptp(values))
+    deliberate = factor > DELIBERATE_SAMPLES and jump > DELIBERATE_JUMP * float(np.ptp(values))
     too_long = hold_s > LONGEST_HOLD_SHARE * float(time_s[-1] - time_s[0])
     if deliberate or too_long or factor > LONGEST_HOLD_SAMPLES:
         return None
@@ -210,7 +283,7 @@ def _regular_hold(values: Array, step: float | None) -> int | None:
         return None
     moves = values[changes] - values[changes - 1]
     turning = float(np.mean((moves[1:] > 0) != (moves[:-1] > 0)))
-    leaping = float(np.mean(np.abs(moves) >= 1.5 * (step or 0.0)))
+    leaping = float(np.mean(np.abs(moves) >= LEAP * (step or 0.0)))
     if turning < REVERSALS and leaping < LEAPS:
         return None
     usual = float(np.median(np.diff(changes)))

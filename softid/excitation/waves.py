@@ -4,13 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from softid.excitation.holds import Motion, find_holds
+from softid.excitation.holds import find_holds
+from softid.excitation.motion import Motion
 from softid.excitation.shapes import recognise_shapes
 
 LONG_WAVE_CYCLES = 3
+"""Cycles from which a motion is a wave: as few steps up and down may well be alike."""
+
 MOST_HELD_OF_WAVE = 0.5
+"""Share of a wave that may be held, strictly, at its extremes: of more it is steps between levels,
+with slow edges."""
+
 LONGEST_EXTREME = 0.8
+"""Longest extreme of a wave, in its half cycles: one that lasts as long as a half cycle is a hold
+before or after the wave."""
+
 WAVE_MARGIN = 0.7
+"""Cycles by which a wave reaches beyond its first and last turning point: the extremes next to them
+are half a cycle away and have a width."""
+
+MOSTLY = 0.5
+"""Share of a hold inside a wave from which it belongs to it."""
 
 
 def holds_between_waves(motion: Motion) -> list[tuple[int, int]]:
@@ -53,7 +67,7 @@ def long_waves(motion: Motion) -> list[tuple[int, int]]:
 def _is_extreme(motion: Motion, span: tuple[int, int], wave: tuple[int, int]) -> bool:
     """Whether a hold lies for the most part inside a wave and is shorter than its half cycles."""
     overlap = min(span[1], wave[1]) - max(span[0], wave[0])
-    if overlap <= 0.5 * (span[1] - span[0]):
+    if overlap <= MOSTLY * (span[1] - span[0]):
         return False
     times, turns = motion.time_s, motion.turns
     nearest = np.sort(np.abs(turns - span[0]).argsort()[:5])

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from softid.excitation.holds import turning_points
+from softid.excitation.motion import turning_points
 from softid.plots.canvas import (
     ACCENT,
     BOTTOM,

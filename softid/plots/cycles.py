@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from softid.excitation.holds import turning_points
+from softid.excitation.motion import turning_points
 from softid.plots.traces import segment_spans
 
 Array = npt.NDArray[np.float64]

@@ -9,7 +9,8 @@ import pytest
 from drawn_logs import follow, quantised
 
 from softid.excitation import distinct_levels, segment_excitation, settled_windows
-from softid.excitation.holds import describe_motion, median_of_five, turning_points, windows_of
+from softid.excitation.holds import windows_of
+from softid.excitation.motion import describe_motion, median_of_five, turning_points
 
 RUNGS = (0.0, 20.0, 40.0, 60.0, 40.0, 20.0, 0.0)
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.residual.noise_floor import LOOK_S, SETTLED, STILL, rest_spans
 from softid.diagnosis.residual.structure import ResidualContext
-from softid.excitation.holds import turning_points
+from softid.excitation.motion import turning_points
 
 Array = npt.NDArray[np.float64]
 
