@@ -23,21 +23,15 @@ from softid.excitation import (
 )
 from softid.log import Log
 from softid.quality.abilities import LEVEL_SPACING, Evidence, judge_abilities
-from softid.quality.faults import (
-    Runs,
-    Trace,
-    find_dropouts,
-    find_frozen,
-    find_saturation,
-    may_be_stuck,
-    may_drop_out,
-)
+from softid.quality.dropouts import find_dropouts, may_drop_out
 from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role
 from softid.quality.holding import describe_holds, other_inputs
 from softid.quality.hum import find_hum
 from softid.quality.issues import list_issues, list_stuck
 from softid.quality.relations import check_sign, command_lag, step_response
 from softid.quality.sampling import describe_sampling
+from softid.quality.stuck import find_frozen, find_saturation, may_be_stuck
+from softid.quality.trace import Runs, Trace
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

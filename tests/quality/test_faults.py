@@ -10,7 +10,7 @@ from drawn_logs import draw, staircase_log, with_fault
 
 from softid.log import Log
 from softid.quality import dropout_mask, inspect
-from softid.quality.faults import may_drop_out
+from softid.quality.dropouts import may_drop_out
 
 SEEDS = range(8)
 

@@ -1,0 +1,161 @@
+"""Stretches on which a channel is stuck: frozen at some value, or saturated at an extreme one."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.quality.findings import Frozen, Saturation
+from softid.quality.trace import MIN_DISTINCT, Runs, Trace, weighted_median
+
+Array = npt.NDArray[np.float64]
+
+FROZEN_SAMPLES = 30
+"""Samples, or holds, of one value from which a channel may be frozen …"""
+
+FROZEN_S = 1.0
+"""… and the time: of a fast log thirty samples are no time at all."""
+
+FROZEN_OVER_USUAL = 20.0
+"""The same in usual runs of a noisy channel, which on a coarse grid are long."""
+
+FROZEN_INPUT_MOVE = 0.15
+"""Share of the input's range by which it is elsewhere for most of a stretch on which an output
+cannot well stand still: creep, friction and a dead zone explain less."""
+
+FLAT_SAMPLES = 5
+"""Samples, or holds, of the extreme value from which it may be a limit; a smooth extreme on a grid
+has as many where the grid is coarse, hence the next …"""
+
+FLAT_OVER_USUAL = 10.0
+"""… so many times as long as a usual run of other values."""
+
+ARRIVING = 6
+"""Moves by which a channel without noise runs into a limit: enough for a usual one."""
+
+CUT_SHORT = 2
+"""Last moves of which one must be quick: the very last is cut short by the limit."""
+
+ARRIVAL_SPEED = 0.7
+"""Share of the usual move that it must have: a motion that comes to rest by itself slows down over
+all of them."""
+
+ARRIVAL_STEPS = 2.0
+"""Usual move, in steps of the grid, from which its speed is known at all."""
+
+
+def may_be_stuck(values: Array) -> bool:
+    """Whether `find_saturation` or `find_frozen` can find anything, without what takes long.
+
+    Parameters
+    ----------
+    values
+        All samples of the log, shape (n,); may hold NaN.
+    """
+    runs = Runs.of(values)
+    return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= FLAT_SAMPLES
+
+
+def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
+    """Find stretches on which a channel that is alive elsewhere repeats one value exactly.
+
+    Parameters
+    ----------
+    trace
+        The channel.
+    input_values
+        What drives it, shape (n,); None for the input itself and for commands.
+    """
+    runs = Runs.of(trace.values)
+    if runs.start.size < MIN_DISTINCT:
+        return ()
+    held_s = trace.time_s[runs.stop - 1] - trace.time_s[runs.start]
+    found = []
+    usual = weighted_median(runs.length[runs.length < FROZEN_SAMPLES * trace.repeats])
+    least = max(FROZEN_SAMPLES * trace.repeats, FROZEN_OVER_USUAL * usual)
+    extremes = (float(runs.value.min()), float(runs.value.max()))
+    for k in np.flatnonzero((runs.length >= FROZEN_SAMPLES) & (held_s >= FROZEN_S)):
+        span = slice(int(runs.start[k]), int(runs.stop[k]))
+        value = float(runs.value[k])
+        reason: Literal["noise vanishes", "input moves"]
+        if trace.noisy and runs.length[k] >= least and value not in extremes:
+            reason = "noise vanishes"
+        elif input_values is not None and value not in extremes and _moves(input_values, span):
+            reason = "input moves"
+        else:
+            continue
+        found.append(
+            Frozen(
+                span.start,
+                span.stop,
+                float(trace.time_s[span.start]),
+                float(held_s[k]),
+                value,
+                reason,
+            )
+        )
+    return tuple(found)
+
+
+def _moves(input_values: Array, span: slice) -> bool:
+    """Whether the input spends most of a range far from where it was at its start."""
+    travel = np.abs(input_values[span] - input_values[span.start])
+    return float(np.median(travel)) >= FROZEN_INPUT_MOVE * float(np.ptp(input_values))
+
+
+def find_saturation(trace: Trace) -> tuple[Saturation, ...]:
+    """Find flat tops and bottoms at an exact extreme value.
+
+    Noise cannot repeat an extreme value many times in a row. An output without visible noise is
+    saturated when it runs into the extreme at full speed and stops there at once; an input may do
+    that on purpose.
+
+    Parameters
+    ----------
+    trace
+        The channel.
+    """
+    runs = Runs.of(trace.values)
+    if runs.start.size < MIN_DISTINCT:
+        return ()
+    found = []
+    for side, value in (("low", runs.value.min()), ("high", runs.value.max())):
+        flat = np.flatnonzero(runs.value == value)
+        long = flat[runs.length[flat] >= FLAT_SAMPLES * trace.repeats]
+        usual = weighted_median(runs.length[runs.value != value])
+        caught = long[runs.length[long] >= FLAT_OVER_USUAL * usual]
+        if not trace.noisy:
+            stops = [
+                k for k in caught if trace.kind == "output" and _stops_dead(trace, runs, int(k))
+            ]
+            caught = np.array(stops, dtype=np.intp)
+        if not caught.size:
+            continue
+        held_s = trace.time_s[runs.stop[caught] - 1] - trace.time_s[runs.start[caught]]
+        found.append(
+            Saturation(
+                side,  # type: ignore[arg-type]
+                float(value),
+                int(caught.size),
+                float(runs.length[flat].sum() / runs.length.sum()),
+                float(trace.time_s[runs.start[caught[0]]]),
+                float(held_s.max()),
+            )
+        )
+    return tuple(found)
+
+
+def _stops_dead(trace: Trace, runs: Runs, k: int) -> bool:
+    """Whether the channel runs into a flat as quickly as it moved a little before.
+
+    The very last move is cut short by the limit, so the one before it may speak.
+    """
+    moves = np.diff(runs.value[max(k - ARRIVING, 0) : k + 1])
+    if moves.size < ARRIVING or not (np.all(moves > 0) or np.all(moves < 0)):
+        return False
+    sizes = np.abs(moves)
+    usual = float(np.median(sizes[:-CUT_SHORT]))
+    quick = sizes[-CUT_SHORT:].max() >= ARRIVAL_SPEED * usual
+    return bool(quick and usual > ARRIVAL_STEPS * trace.step)
