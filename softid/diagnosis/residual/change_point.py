@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from softid.chi_square import chi_square_tail
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
 
@@ -36,6 +37,9 @@ TAKES_AT_LARGE = 0.985
 USUAL = 0.75
 """At the median moment it must take away less than this share of that: what goes on throughout a
 log, such as a drift, is made up for by a change at any moment."""
+
+CHANCE = 0.01
+"""Odds at which a change somewhere in a log takes so much of noise: it is none then."""
 
 ALONE = 0.93
 """A change of one kind is told when it takes away so much of what a change of everything does."""
@@ -79,10 +83,10 @@ def change_point(base: Candidate, excess: float) -> ChangePoint | None:
     if not excess > 0.0:
         return None
     look = _ScoreTest(base)
-    misfit = look.power * excess / (1.0 + excess)
+    noise = look.power / (1.0 + excess)
     best: ChangePoint | None = None
     for log in sorted({row.log for row in look.rows}):
-        found = look.best_of(log, misfit)
+        found = look.best_of(log, noise)
         if found is not None and (best is None or found.share > best.share):
             best = found
     return best
@@ -105,8 +109,9 @@ class _ScoreTest:
         self.power = float(residual @ residual)
         self.columns = basis_of(np.column_stack((jacobian, self.rate)))
 
-    def best_of(self, log: int, misfit: float) -> ChangePoint | None:
-        """The moment of one log at which a change takes most of a misfit."""
+    def best_of(self, log: int, noise: float) -> ChangePoint | None:
+        """The moment of one log at which a change takes most of what is more than noise."""
+        misfit = self.power - noise
         mine = self.time_s[self.log == log]
         begin, length = float(mine[0]), float(np.ptp(mine))
         step = (1.0 - 2.0 * EDGE) * length / (MOMENTS - 1)
@@ -114,6 +119,9 @@ class _ScoreTest:
         taken = np.array([self.taken(self.columns, log, t) for t in moments.tolist()])
         most = float(taken.max())
         if most < TAKES * misfit or float(np.median(taken)) > USUAL * most:
+            return None
+        variance = noise / self.left.size
+        if MOMENTS * chi_square_tail(most / variance, 1 + self.columns.shape[1]) > CHANCE:
             return None
         near = float(moments[int(taken.argmax())]) + np.linspace(-step, step, 2 * FINER + 1)
         finer = [self.taken(self.columns, log, t) for t in near.tolist()]

@@ -140,3 +140,22 @@ def test_gaps_are_not_differences() -> None:
     residual += np.where(np.cumsum(np.isnan(residual)) % 2 == 0, 0.0, 50.0)
     floor = noise_floor([residual], [u], [time_s], MOTION_S)
     assert floor.variance == pytest.approx(0.01, rel=0.2)
+
+
+@pytest.mark.parametrize("rested", [False, True])
+def test_noise_that_grows_with_the_reading(rested: bool) -> None:
+    """Its mean square over the whole log, not that of its usual or its resting part.
+
+    Noise at rest has a tenth of its size at the largest reading. A tenth is allowed where all of
+    5,000 samples move: their mean square is off by 3 %, the floor by 3 %, and its quantile by
+    another 3 %, for the size changes within its blocks, too; twice that where a fifth of them do.
+    """
+    time_s, u = with_rests()
+    if not rested:
+        u = 50.0 * np.sin(time_s)
+    size = 0.1 + np.abs(u) / 50.0
+    for seed in SEEDS:
+        noise = size * np.random.default_rng(seed).standard_normal(time_s.size)
+        floor = noise_floor([noise], [u], [time_s], MOTION_S)
+        assert floor.from_rest == rested
+        assert floor.variance == pytest.approx(float(np.mean(noise**2)), rel=0.2 if rested else 0.1)
