@@ -25,6 +25,9 @@ from softid.kernels.exponential import NO_REORDERING
 Array = npt.NDArray[np.float64]
 
 SUMMING = {"contract", "arcp", "nsz", "reassoc"}
+"""What summing may rearrange. It is part of its caller always: a function that is also compiled by
+itself sums in another order there, and a run that compiles would differ from later ones in the last
+digits."""
 
 
 @njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
@@ -37,7 +40,7 @@ def select_ends(w: Array, gain: float, level: float) -> None:
             w[BY + p * POINTS + i] *= w[ONE + i]
 
 
-@njit(nogil=True, error_model="numpy", fastmath=SUMMING)
+@njit(nogil=True, error_model="numpy", fastmath=SUMMING, forceinline=True)
 def add_gram(w: Array, gram: Array) -> None:
     """Add all products of two columns, shape (12, 12), blocks on and below the diagonal."""
     for a in range(0, N_PADDED, 2):

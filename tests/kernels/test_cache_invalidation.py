@@ -9,6 +9,8 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
+import pytest
+
 from softid.kernels import affine_simulation
 
 NOT_COMPILED = {"softid.kernels.decorators", "softid.kernels.cache_invalidation"}
@@ -64,3 +66,39 @@ def test_the_affine_kernels_follow_all_that_they_are_made_from() -> None:
     followed = {module.__name__ for module in affine_simulation.SOURCES}
     assert followed == imported(affine_simulation.__name__)
     assert len(followed) == len(affine_simulation.SOURCES) == 7
+
+
+PRODUCTS = """
+import numpy as np
+from softid.kernels.affine_simulation import sum_products
+
+time_s, u = 0.01 * np.arange(999.0), 1.0 + np.sin(0.1 * np.arange(999.0))
+theta = np.array([3e-3, 0.0143, 3.0, 0.95, 1.5e-3, 2.0, 0.28, 1.0])
+gram, kept = np.empty((12, 12)), np.empty((11, 0))
+given = time_s, u, np.ones(998, np.int16), np.cos(u), np.ones(999, np.bool_)
+for values in given:
+    values.flags.writeable = False
+sum_products(0, 1, theta, *given, 1.0, 0.0, np.array([3.0, 0.0]), np.eye(2, 9), kept, gram)
+print(gram.tobytes().hex(), sum(sum_products.stats.cache_hits.values()))
+"""
+
+
+@pytest.mark.slow
+def test_the_run_that_compiles_gives_what_later_ones_do(tmp_path: Path) -> None:
+    """To the last digit: a diagnosis near a limit would else answer otherwise the second time."""
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", PRODUCTS],
+            env={
+                **os.environ,
+                "PYTHONPATH": os.pathsep.join(sys.path),
+                "NUMBA_CACHE_DIR": str(tmp_path),
+            },
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.split()
+        for _ in range(2)
+    ]
+    assert [hits for _, hits in runs] == ["0", "1"]
+    assert runs[0][0] == runs[1][0]
