@@ -195,6 +195,9 @@ class Remainder:
     held_out_share
         Share of the misfit above the noise that the chain explains on what was held out; 1 when
         nothing but noise is left there.
+    open_jumps
+        Jumps of the input between two samples whose moments were left open, for what is left is
+        noise then; 0 where it is more, or where it is noise without that.
     """
 
     rms: float
@@ -206,6 +209,7 @@ class Remainder:
     noise_from_rest: bool
     structured: bool
     held_out_share: float = 1.0
+    open_jumps: int = 0
 
     @property
     def carries_over(self) -> bool:

@@ -30,6 +30,7 @@ from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.report.issues import (
     averaging_issues,
     change_issues,
+    jump_issues,
     negligible_issues,
     refusal_issues,
     restriction_issues,
@@ -60,7 +61,7 @@ from softid.diagnosis.verdict.naming import (
     most_variation,
     verdict_of,
 )
-from softid.diagnosis_results import Cause, Diagnosis, Verdict
+from softid.diagnosis_results import Cause, Diagnosis, Remainder, Verdict
 from softid.effects import effects_of
 from softid.errors import Issue
 from softid.fitters.output_error import Optimum
@@ -159,6 +160,7 @@ def diagnose(
         *restriction_issues(effects),
         *averaging_issues(count),
         *rounded,
+        *jump_issues(answer.remainder, search.base.candidate.problem),
     )
     candidate = search.base.candidate
     if answer.verdict is Verdict.UNKNOWN:
@@ -248,7 +250,7 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     errors = [held_out.first_errors(model) for model in models]
     causes = causes_of(chain, errors, after, rng)
     causes = _with_errors_without(causes, chain, base, errors[-1], rng)
-    causes = _with_variations(causes, chain, base)
+    causes = _with_variations(causes, chain, base, found.remainder)
     is_named = _names_that_stay(found, causes, after, held_out)
     links = [
         with_presliding(link, cause, base.scale)
@@ -331,11 +333,15 @@ def _with_errors_without(
     return tuple(found)
 
 
-def _with_variations(causes: Sequence[Cause], chain: Chain, base: BaseFit) -> tuple[Cause, ...]:
+def _with_variations(
+    causes: Sequence[Cause], chain: Chain, base: BaseFit, remainder: Remainder
+) -> tuple[Cause, ...]:
     """The causes with how their sizes vary throughout the logs."""
     if not causes:
         return ()
-    varied = variations(chain.final, [link.added for link in chain.links], base.sigma)
+    added = [link.added for link in chain.links]
+    is_open = remainder.open_jumps > 0
+    varied = variations(chain.final, added, base.sigma, with_open_jumps=is_open)
     return tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
 
 

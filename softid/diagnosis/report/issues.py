@@ -9,11 +9,14 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.report.phrases import listed, lowered, percent
 from softid.diagnosis.residual.change_point import change_point
+from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
 from softid.diagnosis.verdict.naming import LEAST_GAIN
+from softid.diagnosis_results import Remainder
 from softid.effects import EFFECTS
 from softid.errors import Issue
 from softid.excitation import find_quantisation
+from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.results import FitResult
 
@@ -190,3 +193,32 @@ def rounding_issues(logs: Iterable[Log], base: FitResult, rms: float) -> tuple[I
                 )
             )
     return tuple(found)
+
+
+def jump_issues(remainder: Remainder, problem: Problem) -> tuple[Issue, ...]:
+    """That the moments of jumps of the input were left open, with the first one.
+
+    Parameters
+    ----------
+    remainder
+        What the last model leaves.
+    problem
+        The logs.
+    """
+    if remainder.open_jumps == 0:
+        return ()
+    found = ((segment, untimed_jumps(segment)) for segment in problem.segments)
+    segment, places = next((s, places) for s, places in found if places.size)
+    count = remainder.open_jumps
+    others = f", the first of {count} such jumps in all logs" if count > 1 else ""
+    begin_s, end_s = segment.time_s[places[0] : places[0] + 2].tolist()
+    return (
+        Issue(
+            "untimed-jumps",
+            "info",
+            f"{segment.log_name}: the input jumps between the samples at {begin_s:.6g} and "
+            f"{end_s:.6g} s{others}; when exactly is not recorded, and what that changes in the "
+            "motion is counted as no misfit",
+            "sample faster than the input moves, or record when the valve switches",
+        ),
+    )

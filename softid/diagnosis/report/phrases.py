@@ -265,7 +265,24 @@ def noise_like(remainder: Remainder) -> str:
     remainder
         What is left.
     """
+    told = f"looks like noise{with_open_moments(remainder)}"
     if remainder.excess <= LOUDER:
-        return "looks like noise"
+        return told
     what = "the noise of the rests" if remainder.noise_from_rest else "noise in its fastest part"
-    return f"looks like noise, though its power is {percent(remainder.excess)} above that of {what}"
+    return f"{told}, though its power is {percent(remainder.excess)} above that of {what}"
+
+
+def with_open_moments(remainder: Remainder) -> str:
+    """That it does so with the moments of jumps left open; empty where none were.
+
+    Parameters
+    ----------
+    remainder
+        What is left.
+    """
+    count = remainder.open_jumps
+    if count == 0:
+        return ""
+    if count == 1:
+        return ", once the moment of a jump of the input between two samples is left open"
+    return f", once the moments of {count} jumps of the input between two samples are left open"

@@ -29,6 +29,7 @@ from softid.diagnosis.report.phrases import (
     unsteady,
     values_of,
     variables_left,
+    with_open_moments,
 )
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.verdict.equivalence import classes_of
@@ -165,7 +166,8 @@ def _adequate(teller: ErrorTexts, remainder: Remainder) -> list[str]:
     why = "it is no larger" if remainder.predictable else structure_of_rest(remainder)
     told = [
         "None of the effects tried explains more of it than chance would.",
-        f"What is left, {left} rms on the fitted samples, looks like {noise}: {why}.",
+        f"What is left, {left} rms on the fitted samples, looks like {noise}"
+        f"{with_open_moments(remainder)}: {why}.",
     ]
     if not remainder.noise_from_rest:
         told.append("No long rest shows the noise alone, so a slow misfit could hide in it.")

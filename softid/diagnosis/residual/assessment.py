@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.residual.jump_timing import with_open_jumps
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
@@ -41,6 +43,9 @@ def assess(
 ) -> Remainder:
     """Look at what the last model leaves.
 
+    Where that is more than noise, and is not once the moments of jumps of the input that fall
+    between two samples are left open, they are.
+
     Parameters
     ----------
     base, final
@@ -51,16 +56,34 @@ def assess(
         Draws the shifts of the null.
     """
     before, after = residual_context(base), residual_context(final)
+    found = _look(before, after, scale, rng=rng, wanders=not final.has_spring)
+    if not found.structured:
+        return found
+    jumps = with_open_jumps(final, after, _least_noise(_floor_of(after, scale), before))
+    if jumps is None:
+        return found
+    timed = _look(before, jumps.parts, scale, rng=rng, wanders=not final.has_spring)
+    return found if timed.structured else replace(timed, rms=found.rms, open_jumps=jumps.count)
+
+
+def _look(
+    before: Sequence[ResidualContext],
+    after: Sequence[ResidualContext],
+    scale: Scale,
+    *,
+    rng: np.random.Generator,
+    wanders: bool,
+) -> Remainder:
+    """Look at a residual and at the one that it was before causes were added."""
     floor = _floor_of(after, scale)
-    structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
+    structure = structure_of(after, scale.motion_s, rng=rng, wanders=wanders)
     least = _least_noise(floor, before)
     excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
     explained = 1.0
     if excess_before > _largest_excess(floor):
         explained = float(np.clip(1.0 - max(excess, 0.0) / excess_before, 0.0, 1.0))
-    residual = np.concatenate([p.residual for p in after])
     return Remainder(
-        rms=float(np.sqrt(np.nanmean(residual**2))),
+        rms=float(np.sqrt(_power(after))),
         explained_share=explained,
         structure_share=structure.share,
         structure_limit=structure.limit,

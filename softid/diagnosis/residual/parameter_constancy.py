@@ -17,6 +17,7 @@ import numpy.typing as npt
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.whitening import whitener_of
+from softid.diagnosis.residual.jump_timing import part_of_jumps
 from softid.diagnosis.residual.projection import (
     DISTINCT,
     Rows,
@@ -47,7 +48,11 @@ VARIABLES = ("t", "x", "v", "p")
 
 
 def variations(
-    final: Candidate, effects: Sequence[Effect], sigma: Mapping[str, float]
+    final: Candidate,
+    effects: Sequence[Effect],
+    sigma: Mapping[str, float],
+    *,
+    with_open_jumps: bool = False,
 ) -> tuple[Variation | None, ...]:
     """How the size of each effect varies, in the variable in which chance explains it least.
 
@@ -66,6 +71,8 @@ def variations(
         The causes that are asked about.
     sigma
         Output channel → scale that its residual is divided by, which floors the noise.
+    with_open_jumps
+        Whether the moments of jumps of the input are left open, as unknowns beside the model's.
 
     Returns
     -------
@@ -73,20 +80,25 @@ def variations(
         One for each effect; None where nothing shows that its size varies, or that it varies more
         than any material's.
     """
-    look = _ScoreTest(final, sigma)
+    look = _ScoreTest(final, sigma, with_open_jumps=with_open_jumps)
     return tuple(look.variation_of(effect) for effect in effects)
 
 
 class _ScoreTest:
     """What the model with all causes leaves and how it bends, made white."""
 
-    def __init__(self, final: Candidate, sigma: Mapping[str, float]) -> None:
+    def __init__(
+        self, final: Candidate, sigma: Mapping[str, float], *, with_open_jumps: bool
+    ) -> None:
         self.final = final
         self.rows = rows_of(final)
         self.whitener = whitener_of(final.problem, final.minimum.point, sigma)
         self.jacobian = np.concatenate([row.jacobian for row in self.rows])
         self.white_jacobian = self.white(self.jacobian)
-        self.basis = basis_of(self.white_jacobian)
+        unknown = [self.white_jacobian]
+        if with_open_jumps:
+            unknown.append(self.white(_of_jumps(final, self.rows)))
+        self.basis = basis_of(np.column_stack(unknown))
         residual = np.concatenate([row.residual for row in self.rows])
         self.left = project_out(self.basis, self.white(residual[:, None])[:, 0])
 
@@ -133,6 +145,21 @@ def _judged(name: str, asked: Array, left: Array, weight: float, taken: float) -
     if chance > CHANCE or beyond < NOTABLE_VARIATION * taken:
         return None
     return Variation(name, (beyond / weight) ** 0.5, beyond / taken, chance)
+
+
+def _of_jumps(final: Candidate, rows: Sequence[Rows]) -> Array:
+    """What the moments of all jumps do at the used samples of all rows, shape (m, J)."""
+    first = final.problem.outputs[0]
+    parts = [part_of_jumps(final, k) for k in range(len(final.problem.segments))]
+    whole = np.zeros((sum(row.residual.size for row in rows), sum(p.shape[1] for p in parts)))
+    at, along = 0, 0
+    for row in rows:
+        if row.channel == first:
+            part, parts = parts[0], parts[1:]
+            whole[at : at + row.residual.size, along : along + part.shape[1]] = part[row.used]
+            along += part.shape[1]
+        at += row.residual.size
+    return whole
 
 
 def _direction(final: Candidate, effect: Effect) -> Array:

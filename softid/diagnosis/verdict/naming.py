@@ -130,7 +130,8 @@ def most_variation(remainder: Remainder) -> float:
     remainder
         What all causes leave.
     """
-    return VARIES_BESIDE if remainder.structured else VARIES
+    something_else = remainder.structured or remainder.open_jumps > 0
+    return VARIES_BESIDE if something_else else VARIES
 
 
 def may_be_named(

@@ -1,0 +1,163 @@
+"""Jumps of the input that fall between two samples: nobody knows when exactly.
+
+Between two samples the input is drawn straight, as if a jump took the whole interval from one to
+the next. A valve switches at once, somewhere within it. What the actuator does until it has settled
+is then off by up to its speed times half an interval, after every such jump by another amount: for
+a slow converter and a quick actuator many times the noise, and nothing that a law explains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.residual.structure import ResidualContext
+from softid.segment import Segment
+
+Array = npt.NDArray[np.float64]
+Places = npt.NDArray[np.intp]
+
+LEAST_JUMP = 0.05
+"""Share of the input's span that a jump has at least."""
+
+WITHIN = 0.6
+"""Share of the change over three intervals that is in the middle one: a change that takes several
+samples is drawn as it was."""
+
+MOST_JUMPS = 200
+"""A segment with more is one whose input is noise, or a train of pulses: they are left as drawn."""
+
+TRIED = 0.25
+"""Share of a jump by which the input at both of its ends is moved to see what its moment does."""
+
+
+@dataclass(frozen=True, eq=False)
+class OpenJumps:
+    """A residual from which the moments of jumps were taken out.
+
+    Attributes
+    ----------
+    parts
+        Every segment, with what is left of its residual.
+    places
+        Last sample before every jump, for every segment.
+    """
+
+    parts: tuple[ResidualContext, ...]
+    places: tuple[Places, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of jumps."""
+        return sum(place.size for place in self.places)
+
+
+def untimed_jumps(segment: Segment) -> Places:
+    """Last samples before intervals in which the input jumps.
+
+    Parameters
+    ----------
+    segment
+        A segment whose input is straight between the samples; of another one no moment is open.
+    """
+    nowhere: Places = np.zeros(0, np.intp)
+    if segment.is_sample is not None or segment.input.size < 4:
+        return nowhere
+    change = np.abs(np.diff(segment.input))
+    beside = np.convolve(change, np.ones(3), "same")
+    found: Places = np.flatnonzero(
+        (change > LEAST_JUMP * np.ptp(segment.input)) & (change > WITHIN * beside)
+    )
+    return found if found.size <= MOST_JUMPS else nowhere
+
+
+def with_open_jumps(
+    model: Candidate, parts: Sequence[ResidualContext], variance: float
+) -> OpenJumps | None:
+    """Estimate the moments of all jumps from what a model leaves, and take out what they do.
+
+    A jump of height Δu that is equally likely anywhere in an interval T changes the integral of the
+    input over it by a ± Δu T/√12. With G the response to a unit of that, the likeliest a minimise
+    |r − G a|²/σ² + Σ 12 a²/(Δu T)². What is left is divided by √(1 − ν/n), for so many of the n
+    samples, ν = tr G (GᵀG/σ² + …)⁻¹ Gᵀ/σ², were used up.
+
+    Parameters
+    ----------
+    model
+        The model where it stands.
+    parts
+        What it leaves.
+    variance
+        Variance σ² of the noise, positive.
+
+    Returns
+    -------
+    OpenJumps or None
+        None where no input jumps.
+    """
+    places = tuple(untimed_jumps(segment) for segment in model.problem.segments)
+    if not any(place.size for place in places):
+        return None
+    left = []
+    for k, (part, found) in enumerate(zip(parts, places, strict=True)):
+        seen = np.isfinite(part.residual)
+        if not found.size or not seen.any():
+            left.append(part)
+            continue
+        whole = part_of_jumps(model, k)
+        used = whole[seen]
+        gram = used.T @ used / variance
+        inverse = np.linalg.inv(gram + np.eye(found.size))
+        residual = part.residual - whole @ (inverse @ (used.T @ part.residual[seen]) / variance)
+        spent = min(float(np.trace(inverse @ gram)) / used.shape[0], 0.5)
+        left.append(replace(part, residual=residual / np.sqrt(1.0 - spent)))
+    return OpenJumps(tuple(left), places)
+
+
+def part_of_jumps(model: Candidate, k: int) -> Array:
+    """What the moments of the jumps of one segment do to the first output.
+
+    Parameters
+    ----------
+    model
+        The model where it stands.
+    k
+        Index of the segment.
+
+    Returns
+    -------
+    array
+        Change of the output at every sample with each moment, per standard deviation of it, shape
+        (n, J).
+    """
+    problem, z = model.problem, model.minimum.point
+    segment, first = problem.segments[k], problem.outputs[0]
+    interval_s = np.diff(segment.time_s)
+    around_s = np.convolve(interval_s, (0.5, 1.0, 0.5), "same")
+
+    def output(u: Array) -> Array:
+        response = problem.model.response(
+            problem.theta(z),
+            replace(segment, input=u),
+            problem.outputs,
+            start=problem.start(z, k),
+            derivatives=False,
+            relative=problem.has_equilibrium,
+        )
+        return response.outputs[first]
+
+    places = untimed_jumps(segment)
+    columns = np.zeros((segment.time_s.size, places.size))
+    for column, place in zip(columns.T, places.tolist(), strict=True):
+        height = segment.input[place + 1] - segment.input[place]
+        moved = np.zeros(segment.input.size)
+        moved[place : place + 2] = TRIED * height
+        apart = output(segment.input + moved) - output(segment.input - moved)
+        integral = 2.0 * TRIED * height * around_s[place]
+        column[:] = apart / integral * height * interval_s[place] / np.sqrt(12.0)
+    found: Array = segment.samples_of(columns)
+    return found

@@ -1,0 +1,98 @@
+"""Jumps of the input between two samples, against a motion that is known in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import softid
+from softid.diagnosis.residual.jump_timing import untimed_jumps
+from softid.diagnosis_results import Diagnosis, Verdict
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+
+TAU_S = 0.3
+PERIOD_S = 0.02
+NOISE = 0.003
+DURATION_S = 40.0
+
+
+def switched(seed: int, *, rises_s: float = 0.0, delay_s: float = 0.0) -> Log:
+    """τ ẏ + y = u sampled at 50 Hz, while a valve switches u between levels when it likes to.
+
+    With ``rises_s`` the valve takes so long for it, and what it does is on record.
+    """
+    rng = np.random.default_rng(seed)
+    moments = np.cumsum(rng.uniform(1.0, 3.0, 40))
+    heights = np.diff(rng.uniform(0.0, 100.0, 41))
+    time_s = np.arange(0.0, DURATION_S, PERIOD_S)
+
+    def response(since_s: Array) -> Array:
+        """To a step, or to a ramp of ``rises_s``, in closed form."""
+        after = np.maximum(since_s, 0.0)
+        if rises_s == 0.0:
+            return np.where(since_s > 0.0, 1.0 - np.exp(-after / TAU_S), 0.0)
+        end = np.maximum(since_s - rises_s, 0.0)
+        ramp = after - end - TAU_S * (np.exp(-end / TAU_S) - np.exp(-after / TAU_S))
+        return ramp / rises_s
+
+    def course(since_s: Array) -> Array:
+        if rises_s == 0.0:
+            return (since_s > 0.0).astype(np.float64)
+        return np.clip(since_s / rises_s, 0.0, 1.0)
+
+    jumps = list(zip(moments.tolist(), heights.tolist(), strict=True))
+    u = 50.0 + np.sum([h * course(time_s - at) for at, h in jumps], axis=0)
+    y = 5.0 + 0.1 * np.sum([h * response(time_s - delay_s - at) for at, h in jumps], axis=0)
+    y += NOISE * np.ptp(y) * rng.standard_normal(time_s.size)
+    channels = {"pressure": u, "angle": y}
+    return Log.from_arrays(time_s, channels, outputs=("angle",), name=f"switched-{seed}")
+
+
+def diagnosed(**options: float) -> Diagnosis:
+    return softid.diagnose(
+        switched(1, **options), hold_out=[switched(2, **options)], model="oscillator"
+    )
+
+
+def test_jumps_within_an_interval_are_found() -> None:
+    """All 20 that the valve makes in 40 s, but those of a twentieth of the span."""
+    log = switched(1)
+    (segment,) = log.segments()
+    found = untimed_jumps(segment)
+    heights = np.abs(np.diff(segment.input))
+    assert found.tolist() == np.flatnonzero(heights > 0.05 * np.ptp(segment.input)).tolist()
+    assert found.size > 12
+
+
+def test_what_takes_several_samples_is_no_jump() -> None:
+    (segment,) = switched(1, rises_s=0.3).segments()
+    assert untimed_jumps(segment).size == 0
+
+
+def test_an_open_moment_is_no_misfit() -> None:
+    """The answer is that nothing is wrong, and why; the jumps are counted and the first is told."""
+    found = diagnosed()
+    assert found.verdict is Verdict.ADEQUATE
+    assert found.remainder.open_jumps > 12
+    assert "jumps of the input between two samples are left open" in found.summary
+    (remark,) = (issue for issue in found.issues if issue.code == "untimed-jumps")
+    assert "jumps between the samples at" in remark.message
+
+
+def test_nothing_is_left_open_where_the_course_is_on_record() -> None:
+    found = diagnosed(rises_s=0.3)
+    assert found.verdict is Verdict.ADEQUATE
+    assert found.remainder.open_jumps == 0
+
+
+@pytest.mark.parametrize("delay_s", [0.05, 0.12])
+def test_a_delay_is_found_beside_open_moments(delay_s: float) -> None:
+    """One of two intervals and a half, in every jump alike, is no matter of their moments."""
+    found = diagnosed(delay_s=delay_s)
+    assert found.verdict is not Verdict.ADEQUATE
+    named = {cause.effect for cause in found.causes}
+    tied = {effect for tie in found.alternatives for effect in tie.effects}
+    assert "delay" in named | tied
