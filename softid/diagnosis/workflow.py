@@ -68,6 +68,7 @@ from softid.fitters.output_error import Optimum
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.preparation import as_log_set, without_dropouts
+from softid.identification.repeated_input import without_repeats
 from softid.identification.workflow import Identification
 from softid.intersample import Intersample
 from softid.log import Log, LogSet
@@ -347,7 +348,7 @@ def _with_variations(
 
 def _cleaned(log: Log) -> Log:
     """The log as it is fitted, averaged and judged by: a drop-out must be in none of the three."""
-    return without_dropouts(without_input_noise(log))
+    return without_dropouts(without_input_noise(without_repeats(log)))
 
 
 def _fit_of(final: Candidate, identified: Identification, seed: int) -> FitResult:

@@ -17,6 +17,7 @@ from softid.excitation.texture import (
     find_dead_band,
     find_hold,
     find_quantisation,
+    fresh_samples,
 )
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "find_dead_band",
     "find_hold",
     "find_quantisation",
+    "fresh_samples",
     "median_of_five",
     "noise_std",
     "segment_excitation",

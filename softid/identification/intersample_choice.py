@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +34,7 @@ TRUSTED = 3.0
 """They may promise too little; three times their promise is taken for possible."""
 
 
-def held_readings(logs: LogSet) -> tuple[Intersample, ...]:
+def held_readings(logs: Iterable[Log]) -> tuple[Intersample, ...]:
     """In which ways the input may have been held; none where that is settled or no matter.
 
     At its jumps, if it has any, and a command or an input that jumps at every sample.

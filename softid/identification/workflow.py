@@ -30,6 +30,7 @@ from softid.identification.preparation import (
     with_faults_told,
     without_dropouts,
 )
+from softid.identification.repeated_input import without_repeats
 from softid.identification.response_sign import falls_with_input, opposed
 from softid.log import Log, LogSet
 from softid.models.base import Model
@@ -171,8 +172,10 @@ def identify(
     InputError, UsageError, IdentificationError
         As `fit`.
     """
-    log_set = LogSet(tuple(with_faults_told(without_dropouts(log)) for log in as_log_set(logs)))
-    held = tuple(without_dropouts(log) for log in as_logs(hold_out))
+    recorded = tuple(with_faults_told(without_dropouts(log)) for log in as_log_set(logs))
+    recorded_held = tuple(without_dropouts(log) for log in as_logs(hold_out))
+    log_set = LogSet(tuple(without_repeats(log) for log in recorded))
+    held = tuple(without_repeats(log) for log in recorded_held)
     require_outputs(held)
     _require_new(log_set, held)
     if model is None and parameters is not None:
@@ -199,15 +202,15 @@ def identify(
         require_channels(named, log_set)
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
     found = _identify(adapted, log_set, constraints, starts, rng, report, thorough=thorough)
-    read = straight = log_set
-    for reading in held_readings(straight) if np.isfinite(found.optimum.cost) else ():
-        other = LogSet(as_held(straight.logs, reading))
+    read = log_set
+    for reading in held_readings(recorded) if np.isfinite(found.optimum.cost) else ():
+        other = LogSet(as_held(recorded, reading))
         known = found.optimum.linearised
         if explains_better(found.problem, found.optimum.unknowns, other, known=known):
             read = other
             found = _identify(adapted, read, constraints, starts, rng, report, thorough=thorough)
-    if read is not straight:
-        held = tuple(log.with_intersample(read.logs[0].intersample) for log in held)
+    if read is not log_set:
+        held = tuple(log.with_intersample(read.logs[0].intersample) for log in recorded_held)
     return Identification(found, read, held, choice)
 
 

@@ -11,6 +11,7 @@ from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.issues import extrapolation
 from softid.identification.preparation import as_log_set, without_dropouts
+from softid.identification.repeated_input import without_repeats
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.records import SavedModel
@@ -66,7 +67,8 @@ def validate(
     """
     scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
     cleaned = (without_dropouts(log) for log in as_log_set(logs))
-    log_set = LogSet(tuple(log.with_intersample(scored.intersample) for log in cleaned))
+    read = (without_repeats(log.with_intersample(scored.intersample)) for log in cleaned)
+    log_set = LogSet(tuple(read))
     for log in log_set:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
             raise UsageError(
