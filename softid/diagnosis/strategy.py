@@ -230,6 +230,16 @@ class CauseSearch:
                     return found
         return None
 
+    def without_causes(self) -> SearchResult | None:
+        """The base alone, if it leaves noise once the moments of jumps of the input are left open.
+
+        What explains a part of that, and may not be named, is no more than chance then.
+        """
+        left = self.remainder_of(self.base.candidate)
+        if left.structured or left.open_jumps == 0:
+            return None
+        return SearchResult(self._nothing, left, ())
+
     @property
     def _nothing(self) -> Chain:
         return Chain((), None, self.base.candidate)

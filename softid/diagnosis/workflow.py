@@ -152,6 +152,9 @@ def diagnose(
         found, search = search_causes(recordings, request, search, None)
     report("computing errors", 0.9)
     answer = _answer(search.base, found, seed)
+    if answer.verdict is Verdict.UNKNOWN:
+        alone = search.without_causes()
+        answer = _answer(search.base, alone, seed) if alone else answer
     if answer.verdict is Verdict.UNKNOWN and not found.remainder.structured:
         other = search.search_from_multistart(found)
         answer = _answer(search.base, other, seed) if other else answer

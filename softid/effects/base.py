@@ -95,6 +95,15 @@ class Scale:
 
 
 @dataclass(frozen=True)
+class Wording:
+    """What an effect is called, what happens, and what to do in hardware."""
+
+    title: str
+    meaning: str
+    remedy: str
+
+
+@dataclass(frozen=True)
 class Effect(ABC):
     """A physical effect; a subclass of one of the three stages is one file and one table line.
 
@@ -173,6 +182,17 @@ class Effect(ABC):
         """
         del values
         return None
+
+    def wording(self, values: Mapping[str, float]) -> Wording:
+        """In plain words what the law is at some values.
+
+        Parameters
+        ----------
+        values
+            Parameter → value.
+        """
+        del values
+        return Wording(self.title, self.meaning, self.remedy)
 
     def takes_time(self, scale: Scale) -> bool:
         """Whether it makes the response late, as an inertia does, outside the motion itself."""

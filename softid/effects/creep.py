@@ -144,6 +144,7 @@ class SeriesCreep(OutputEffect):
     source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (Kelvin-Voigt element)"
     amplitude: ClassVar[str] = "c"
     essential: ClassVar[tuple[str, ...]] = ("tau",)
+    ceilings: ClassVar[tuple[str, ...]] = ("c",)
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """Share c by which the reading creeps on, and the time τ in which it does."""

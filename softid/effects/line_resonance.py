@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import InputEffect, Scale
-from softid.effects.second_order import as_lag, ringing_parameters, ringing_starts
+from softid.effects.base import InputEffect, Scale, Wording
+from softid.effects.second_order import WELL_DAMPED, as_lag, ringing_parameters, ringing_starts
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 
@@ -57,6 +57,18 @@ class LineResonance(InputEffect):
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Lightly damped, from six samples to twice the motion's own time."""
         return ringing_starts(scale)
+
+    def wording(self, values: Mapping[str, float]) -> Wording:
+        """Well damped it does not ring, and is a lag of second order."""
+        if values.get("zeta", 0.0) < WELL_DAMPED:
+            return super().wording(values)
+        return Wording(
+            "Lag of second order of the supply line",
+            "The actuator's pressure follows the recorded one late without ringing, but not with "
+            "one time constant: the air passes several restrictions and volumes one after the "
+            "other, or a long tube.",
+            "shorten or widen the tube, or record the pressure at the actuator",
+        )
 
     def simpler(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]] | None:
         """Overdamped it is a first-order lag."""

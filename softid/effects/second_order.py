@@ -23,6 +23,9 @@ ZETA = (0.02, 3.0)
 in a tube and soft mounts are damped more. At the upper one the two time constants are as 34 to 1,
 and the law is the lag of the larger."""
 
+WELL_DAMPED = 0.7
+"""From this damping ratio on a step overshoots by less than a twentieth: nobody sees it ring."""
+
 START_ZETA = 0.2
 """A step overshoots by half."""
 

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import OutputEffect, Scale
+from softid.effects.base import OutputEffect, Scale, Wording
 from softid.effects.finer_motion import PIECES, finer_motion
-from softid.effects.second_order import as_lag, ringing_parameters, ringing_starts
+from softid.effects.second_order import WELL_DAMPED, as_lag, ringing_parameters, ringing_starts
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 
@@ -55,6 +55,17 @@ class SensorResonance(OutputEffect):
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Lightly damped, from six samples to twice the motion's own time."""
         return ringing_starts(scale)
+
+    def wording(self, values: Mapping[str, float]) -> Wording:
+        """Well damped it does not ring, and is a smoothing filter."""
+        if values.get("zeta", 0.0) < WELL_DAMPED:
+            return super().wording(values)
+        return Wording(
+            "Lag of second order of the sensor",
+            "The reading follows the motion late without ringing, but not with one time constant: "
+            "a smoothing filter, or a mean over the last samples.",
+            "switch off or shorten the sensor's smoothing filter, or correct the reading for it",
+        )
 
     def simpler(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]] | None:
         """Overdamped it is a first-order lag."""

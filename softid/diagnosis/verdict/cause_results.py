@@ -14,7 +14,7 @@ from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis_results import Alternative, Cause, Evidence, Gain
-from softid.effects import EFFECTS, belongs_to, effect_of, extended_name
+from softid.effects import EFFECTS, belongs_to, effect_of, extended_name, own_values
 from softid.effects.base import Effect
 from softid.results import FitResult, ParameterEstimate
 from softid.scores import fit_percent
@@ -45,7 +45,8 @@ def causes_of(
     for link, (before_rows, after_rows) in zip(chain.links, pairwise(errors), strict=True):
         effect = link.added
         own = [p for p in after.parameters if belongs_to(effect, p.name)] if after else []
-        told = told_as(effect, own)
+        values = own_values(effect, {p.name: p.value for p in own})
+        told = told_as(effect, own).wording(values)
         found.append(
             Cause(
                 effect=effect.name,

@@ -142,8 +142,9 @@ def may_be_named(
     It must take away a hundredth of the held-out error at least, and surely something where it is
     judged by that alone, with a size that is the same throughout. Where its size may have either
     sign, an interval over zero is no effect, and a size at its bound stands for something else; so
-    does a time of a relaxation: at its shortest it is a damper, at its longest a drift; and so does
-    a speed at which friction has come up when it is as large as the motion's own.
+    does a time of a relaxation: at its shortest it is a damper, and a drift at its longest, or if
+    its interval reaches that; and so does a speed at which friction has come up when it is as large
+    as the motion's own.
     Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
     unknown beside the base's own parameters, or run into its bound with their common slope, and
     their shape well known.
@@ -176,6 +177,8 @@ def may_be_named(
     held = [p for p in cause.parameters if p.name in essential]
     if any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held))):
         return False
+    if any(p.unit == "s" and _reaches_upper(p) for p in held):
+        return False
     if len(sizes) == 1:
         return not _covers_zero(sizes[0])
     return not sizes or not _cover_zero_together(sizes, extended)
@@ -198,6 +201,12 @@ def _is_at_ceiling(parameter: ParameterEstimate) -> bool:
     """Whether a value lies on its upper bound."""
     value, upper = parameter.value, parameter.upper
     return parameter.at_bound and upper is not None and bool(np.isclose(value, upper, rtol=1e-3))
+
+
+def _reaches_upper(parameter: ParameterEstimate) -> bool:
+    """Whether the interval of a value holds its upper bound."""
+    interval, upper = parameter.ci95, parameter.upper
+    return interval is not None and upper is not None and interval[1] >= upper
 
 
 def _covers_zero(parameter: ParameterEstimate) -> bool:
