@@ -113,12 +113,12 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
     places = np.flatnonzero(usable)
     if places.size < 2 * NEIGHBOURS:
         return None
-    floor = np.array(
-        [np.median(power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1]) for k in places]
-    )
-    height = power[places] / np.maximum(floor / log(2.0), np.finfo(float).tiny)
+    chance = log(places.size) - log(ODDS_OF_CHANCE)
+    in_input = _height(driven, places) > chance
+    in_input |= np.append(in_input[1:], False) | np.append(False, in_input[:-1])
+    height = np.where(in_input, 0.0, _height(power, places))
     best = int(np.argmax(height))
-    if height[best] <= log(places.size) - log(ODDS_OF_CHANCE):
+    if height[best] <= chance:
         return None
     near_hz = float(frequency[places[best]]) + frequency[1] * BETWEEN_BINS
     line_hz = float(max(near_hz, key=lambda hz: _amplitude(time_s, residual, hz)))
@@ -132,6 +132,13 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
     steady = sorted(quarters)[1] >= AS_STRONG * whole
     loud = 0.5 * whole**2 >= LEAST_SHARE * float(np.mean(residual**2))
     return Line(line_hz, whole) if steady and loud else None
+
+
+def _height(power: Array, places: npt.NDArray[np.intp]) -> Array:
+    """Power at some places of a spectrum over the mean of noise as loud as their neighbours."""
+    medians = [np.median(power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1]) for k in places]
+    found: Array = power[places] / np.maximum(np.array(medians) / log(2.0), np.finfo(float).tiny)
+    return found
 
 
 def events_in(parts: Sequence[ResidualContext], motion_s: float) -> tuple[float, ...]:

@@ -58,6 +58,13 @@ def test_a_line_of_the_input_is_its_motion() -> None:
     assert line_in(left(noise(0) + 4.0 * line * (TIME_S < 10.0))) is None
 
 
+def test_a_weak_ripple_of_the_input_is_its_motion() -> None:
+    """A hundredth of its steps high, far above them at 11.3 Hz: pulses of a valve."""
+    ripple = np.sin(2.0 * np.pi * 11.3 * TIME_S)
+    assert line_in(left(noise(0) + ripple)) is not None
+    assert line_in(left(noise(0) + ripple, STEPS + 0.01 * np.ptp(STEPS) * ripple)) is None
+
+
 def test_events_at_rest_are_found_and_those_after_a_step_are_not() -> None:
     """Knocks of 0.1 s and ten times the noise at 6 and 17 s; the step of the input is at 10 s."""
     knocked = noise(1)
