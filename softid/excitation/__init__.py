@@ -18,6 +18,7 @@ from softid.excitation.texture import (
     find_hold,
     find_quantisation,
     fresh_samples,
+    run_starts,
 )
 
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
     "fresh_samples",
     "median_of_five",
     "noise_std",
+    "run_starts",
     "segment_excitation",
     "settled_windows",
 ]

@@ -10,12 +10,28 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.errors import Issue
-from softid.excitation import find_hold, find_quantisation, fresh_samples
+from softid.excitation import (
+    SampleHold,
+    find_hold,
+    find_quantisation,
+    fresh_samples,
+    run_starts,
+)
 from softid.identification.intersample_choice import COMMAND
 from softid.intersample import HELD
 from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+
+REGULAR = 1.1
+"""First sights of regular readings are late by up to one sampling interval of the log, and a little
+for the rounding of its times."""
+
+ROUNDING = 1e-6
+"""Share of a period by which a sum of periods may be off."""
 
 REPEATED_INPUT = "repeated-input"
 """Code of the remark that repeats of the input were bridged."""
@@ -43,8 +59,8 @@ def without_repeats(log: Log) -> Log:
     for segment in log.segments():
         span = slice(segment.start, segment.stop)
         time_s = log.time_s[span]
-        fresh = fresh_samples(time_s, values[span], hold)
-        values[span] = np.interp(time_s, time_s[fresh], values[span][fresh])
+        read_s, read = _readings(time_s, values[span], hold)
+        values[span] = np.interp(time_s, read_s, read)
     issue = Issue(
         REPEATED_INPUT,
         "info",
@@ -55,3 +71,25 @@ def without_repeats(log: Log) -> Log:
     )
     channels = dict(log.channels) | {log.input: replace(channel, values=values)}
     return replace(log, channels=channels, issues=(*log.issues, issue))
+
+
+def _readings(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Array]:
+    """When the sensor was read, and what it said.
+
+    A value that is first seen in one sample was read since the one before. Where all first sights
+    allow readings at regular times, these are the latest such times; else it was read when it is
+    first seen.
+    """
+    seen_s = time_s[run_starts(values)[1:]]
+    if seen_s.size > 1:
+        number = np.concatenate(([0.0], np.cumsum(np.round(np.diff(seen_s) / hold.hold_s))))
+        period_s = float(np.polyfit(number, seen_s, 1)[0])
+        late_s = seen_s - period_s * number
+        if np.ptp(late_s) <= REGULAR * float(np.median(np.diff(time_s))):
+            first_s = float(late_s.min())
+            before = np.floor((first_s - time_s[0]) / period_s)
+            read_s = np.arange(first_s - before * period_s, time_s[-1], period_s)
+            at = np.searchsorted(time_s, read_s - ROUNDING * period_s)
+            return read_s, values[at]
+    fresh = fresh_samples(time_s, values, hold)
+    return time_s[fresh], values[fresh]
