@@ -40,7 +40,10 @@ class SensorGainDrift(OutputEffect):
         "the time constants stay what they were."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("ageing", "sensor_drift", "softening")
-    remedy: ClassVar[str] = "calibrate the sensor before and after the log, or feed it steadily"
+    remedy: ClassVar[str] = (
+        "calibrate the sensor before and after the log, and that of the pressure, whose gain may "
+        "drift instead; or feed them steadily"
+    )
     shown_by: ClassVar[str] = "the same fast steps at the beginning and at the end of a long log"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     amplitude: ClassVar[str] = "g"

@@ -20,7 +20,7 @@ _WORDS: dict[str, tuple[str, ...]] = {
     "pressure": ("pressure", "p", "press", "druck"),
     "angle": ("angle", "theta", "phi", "bend", "bending", "winkel", "θ", "φ", "ϕ"),
     "contraction": ("contraction",),
-    "length": ("length",),
+    "length": ("length", "len"),
     "distance": ("distance", "dist"),
     "position": ("position", "pos", "displacement", "stroke"),
     "torque": ("torque", "moment"),
