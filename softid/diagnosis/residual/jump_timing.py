@@ -32,7 +32,14 @@ MOST_JUMPS = 200
 """A segment with more is one whose input is noise, or a train of pulses: they are left as drawn."""
 
 TRIED = 0.25
-"""Share of a jump by which the input at both of its ends is moved to see what its moment does."""
+"""Share of a jump by which the input is moved within its interval to see what its moment does."""
+
+KNOTS = np.array([0.25, 0.75])
+"""Places within the interval at which it is moved, and goes straight between."""
+
+PULSES = ((1.0, 1.0, 0.75, 12.0**-0.5), (-1.0, 1.0, 0.125, 720.0**-0.5))
+"""Moves at the two places, the integral or first moment of such a pulse, and the standard deviation
+of that of a jump's: an even pulse, and an odd one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,10 +87,12 @@ def with_open_jumps(
 ) -> OpenJumps | None:
     """Estimate the moments of all jumps from what a model leaves, and take out what they do.
 
-    A jump of height Δu that is equally likely anywhere in an interval T changes the integral of the
-    input over it by a ± Δu T/√12. With G the response to a unit of that, the likeliest a minimise
-    |r − G a|²/σ² + Σ 12 a²/(Δu T)². What is left is divided by √(1 − ν/n), for so many of the n
-    samples, ν = tr G (GᵀG/σ² + …)⁻¹ Gᵀ/σ², were used up.
+    A jump of height Δu at a share f of an interval T, equally likely anywhere in it, changes the
+    integral of the input over it by Δu T (½ − f), with a standard deviation of Δu T/√12, and the
+    first moment of the input about its middle by Δu T² (f(1 − f)/2 − 1/12), with one of
+    Δu T²/√720. With G the responses to both, per standard deviation, the likeliest a minimise
+    |r − G a|²/σ² + |a|². What is left is divided by √(1 − ν/n), for so many of the n samples,
+    ν = tr G (GᵀG + σ²)⁻¹ Gᵀ, were used up.
 
     Parameters
     ----------
@@ -111,7 +120,7 @@ def with_open_jumps(
         whole = part_of_jumps(model, k)
         used = whole[seen]
         gram = used.T @ used / variance
-        inverse = np.linalg.inv(gram + np.eye(found.size))
+        inverse = np.linalg.inv(gram + np.eye(whole.shape[1]))
         residual = part.residual - whole @ (inverse @ (used.T @ part.residual[seen]) / variance)
         spent = min(float(np.trace(inverse @ gram)) / used.shape[0], 0.5)
         left.append(replace(part, residual=residual / np.sqrt(1.0 - spent)))
@@ -131,33 +140,46 @@ def part_of_jumps(model: Candidate, k: int) -> Array:
     Returns
     -------
     array
-        Change of the output at every sample with each moment, per standard deviation of it, shape
-        (n, J).
+        Change of the output at every sample with the integral and the first moment of each, per
+        standard deviation, shape (n, 2 J).
     """
     problem, z = model.problem, model.minimum.point
     segment, first = problem.segments[k], problem.outputs[0]
-    interval_s = np.diff(segment.time_s)
-    around_s = np.convolve(interval_s, (0.5, 1.0, 0.5), "same")
-
-    def output(u: Array) -> Array:
-        response = problem.model.response(
-            problem.theta(z),
-            replace(segment, input=u),
-            problem.outputs,
-            start=problem.start(z, k),
-            derivatives=False,
-            relative=problem.has_equilibrium,
-        )
-        return response.outputs[first]
-
     places = untimed_jumps(segment)
-    columns = np.zeros((segment.time_s.size, places.size))
-    for column, place in zip(columns.T, places.tolist(), strict=True):
-        height = segment.input[place + 1] - segment.input[place]
-        moved = np.zeros(segment.input.size)
-        moved[place : place + 2] = TRIED * height
-        apart = output(segment.input + moved) - output(segment.input - moved)
-        integral = 2.0 * TRIED * height * around_s[place]
-        column[:] = apart / integral * height * interval_s[place] / np.sqrt(12.0)
-    found: Array = segment.samples_of(columns)
+    columns = np.zeros((segment.time_s.size, 2, places.size))
+    for number, place in enumerate(places.tolist()):
+        for kind, (first_knot, second_knot, moment, deviation) in enumerate(PULSES):
+            height = TRIED * (segment.input[place + 1] - segment.input[place])
+            there, back = (
+                problem.model.response(
+                    problem.theta(z),
+                    _with_pulse(segment, place, side * first_knot, side * second_knot),
+                    problem.outputs,
+                    start=problem.start(z, k),
+                    derivatives=False,
+                    relative=problem.has_equilibrium,
+                ).outputs[first]
+                for side in (height, -height)
+            )
+            apart = np.delete(there - back, (place + 1, place + 2))
+            columns[:, kind, number] = apart / (2.0 * TRIED * moment) * deviation
+    found: Array = columns.reshape(segment.time_s.size, -1)
     return found
+
+
+def _with_pulse(segment: Segment, place: int, first: float, second: float) -> Segment:
+    """A segment with an input that is so much higher at two knots within one interval."""
+    at = (place + 1, place + 1)
+    begin, end = slice(place, place + 1), slice(place + 1, place + 2)
+
+    def between(values: Array) -> Array:
+        return (1.0 - KNOTS) * values[begin] + KNOTS * values[end]
+
+    return replace(
+        segment,
+        time_s=np.insert(segment.time_s, at, between(segment.time_s)),
+        input=np.insert(segment.input, at, between(segment.input) + np.array((first, second))),
+        outputs={name: np.insert(y, at, np.nan) for name, y in segment.outputs.items()},
+        used={name: np.insert(used, at, False) for name, used in segment.used.items()},
+        is_sample=np.insert(np.ones(segment.time_s.size, np.bool_), at, False),
+    )
