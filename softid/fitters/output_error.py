@@ -109,6 +109,7 @@ def output_error(
     rng: np.random.Generator,
     rounds: int = MAX_ROUNDS,
     thorough: bool = True,
+    far: bool = True,
     progress: Progress | None = None,
 ) -> Optimum:
     """Fit a problem from several starts.
@@ -126,6 +127,8 @@ def output_error(
         evaluations, no search for a better one.
     thorough
         As in `best_rival`.
+    far
+        Whether the starts may be far off, so that fewer samples lead the way to the optimum.
     progress
         Called with a sentence and the fraction done.
 
@@ -137,7 +140,7 @@ def output_error(
     report = progress or (lambda message, fraction: None)
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
     report("searching from several starts", 0.1)
-    scouted, alone = _search(objective, starts, alone_if_white=rounds > 0)
+    scouted, alone = _search(objective, starts, alone_if_white=rounds > 0, far=far)
     if not scouted:
         return _nothing(objective, [problem.unknowns(start) for start in starts[:1]])
     report("refining the best starts", 0.3)
@@ -184,13 +187,16 @@ def _span(problem: Problem, name: str) -> float:
 
 
 def _search(
-    objective: Objective, starts: Sequence[Mapping[str, float]], *, alone_if_white: bool
+    objective: Objective,
+    starts: Sequence[Mapping[str, float]],
+    *,
+    alone_if_white: bool,
+    far: bool,
 ) -> tuple[list[tuple[Minimum, Array]], bool]:
     """Scouts from the starts in turn, best first, and whether one has ended at the noise level."""
     rough: Problem | None = None
-    first = SCOUTS
-    if alone_if_white and starts:
-        first = 1
+    first = 1 if alone_if_white else SCOUTS
+    if starts and far:
         rough = rough_problem(objective.problem, objective.problem.free_unknowns(starts[0]))
     scouted: list[tuple[Minimum, Array]] = []
     edges = [0, *range(first, len(starts), SCOUTS), len(starts)]

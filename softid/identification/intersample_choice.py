@@ -98,7 +98,8 @@ def explains_better(
         if np.isfinite(there.cost) and _promised(there) > wanted:
             return False
     values = dict(zip(problem.parameters.names, problem.theta(unknowns).tolist(), strict=True))
-    draft = output_error(changed, [values], rng=np.random.default_rng(0), rounds=0)
+    rng = np.random.default_rng(0)
+    draft = output_error(changed, [values], rng=rng, rounds=0, far=False)
     if not np.isfinite(draft.cost):
         return False
     return _misfit(changed, draft.unknowns, draft.linearised) < wanted

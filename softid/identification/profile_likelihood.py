@@ -67,7 +67,7 @@ def profile_parameter(
         )
     problem = Problem(model, parameters, log_set.logs)
     rng = np.random.default_rng(seed)
-    optimum = output_error(problem, [result.values], rng=rng, rounds=0)
+    optimum = output_error(problem, [result.values], rng=rng, rounds=0, far=False)
     covariance = errors_of(problem, optimum).covariance
     row = covariance.names.index(name) if covariance and name in covariance.names else None
     if covariance is None or row is None or covariance.sd[row] is None:
