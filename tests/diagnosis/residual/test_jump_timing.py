@@ -8,6 +8,7 @@ import pytest
 
 import softid
 from softid.diagnosis.residual.jump_timing import untimed_jumps
+from softid.diagnosis.strategy import CauseSearch
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log
 
@@ -19,7 +20,14 @@ NOISE = 0.003
 DURATION_S = 40.0
 
 
-def switched(seed: int, *, rises_s: float = 0.0, delay_s: float = 0.0) -> Log:
+def switched(
+    seed: int,
+    *,
+    rises_s: float = 0.0,
+    delay_s: float = 0.0,
+    period_s: float = PERIOD_S,
+    noise: float = NOISE,
+) -> Log:
     """τ ẏ + y = u sampled at 50 Hz, while a valve switches u between levels when it likes to.
 
     With ``rises_s`` the valve takes so long for it, and what it does is on record.
@@ -27,7 +35,7 @@ def switched(seed: int, *, rises_s: float = 0.0, delay_s: float = 0.0) -> Log:
     rng = np.random.default_rng(seed)
     moments = np.cumsum(rng.uniform(1.0, 3.0, 40))
     heights = np.diff(rng.uniform(0.0, 100.0, 41))
-    time_s = np.arange(0.0, DURATION_S, PERIOD_S)
+    time_s = np.arange(0.0, DURATION_S, period_s)
 
     def response(since_s: Array) -> Array:
         """To a step, or to a ramp of ``rises_s``, in closed form."""
@@ -46,7 +54,7 @@ def switched(seed: int, *, rises_s: float = 0.0, delay_s: float = 0.0) -> Log:
     jumps = list(zip(moments.tolist(), heights.tolist(), strict=True))
     u = 50.0 + np.sum([h * course(time_s - at) for at, h in jumps], axis=0)
     y = 5.0 + 0.1 * np.sum([h * response(time_s - delay_s - at) for at, h in jumps], axis=0)
-    y += NOISE * np.ptp(y) * rng.standard_normal(time_s.size)
+    y += noise * np.ptp(y) * rng.standard_normal(time_s.size)
     channels = {"pressure": u, "angle": y}
     return Log.from_arrays(time_s, channels, outputs=("angle",), name=f"switched-{seed}")
 
@@ -96,3 +104,14 @@ def test_a_delay_is_found_beside_open_moments(delay_s: float) -> None:
     named = {cause.effect for cause in found.causes}
     tied = {effect for tie in found.alternatives for effect in tie.effects}
     assert "delay" in named | tied
+
+
+def test_what_explains_a_part_of_open_moments_is_chance(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At 20 Hz a law was found that helps and may not be named; the base alone leaves noise."""
+    fitted, judge = (switched(seed, period_s=0.05, noise=0.002) for seed in (3, 53))
+    found = softid.diagnose(fitted, hold_out=[judge], model="oscillator")
+    assert found.verdict is Verdict.ADEQUATE
+    assert found.remainder.open_jumps > 12
+    monkeypatch.setattr(CauseSearch, "without_causes", lambda search: None)
+    found = softid.diagnose(fitted, hold_out=[judge], model="oscillator")
+    assert found.verdict is Verdict.UNKNOWN
