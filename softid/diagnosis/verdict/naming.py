@@ -35,6 +35,9 @@ LEAST_GAIN = 0.01
 SLIGHT_GAIN = 0.1
 """A cause that takes away less than this share of the held-out error gains slightly."""
 
+BARELY = 0.1
+"""Share of a gain to which the ends of its interval are known: a log of steps makes few blocks."""
+
 UNKNOWN_SIZE = 30.0
 """One of slight gain is not named when its size may be so many times larger or smaller: it is the
 last corner of a law that another one fits."""
@@ -113,13 +116,17 @@ def gains_by(cause: Cause, whole: float) -> bool:
 def may_gain_nothing(cause: Cause) -> bool:
     """Whether the interval of the gain holds zero, and no other cause is known to need this one.
 
+    That of a gain that is not slight must hold it by more than such an interval is known to.
+
     Parameters
     ----------
     cause
         The cause with its held-out errors.
     """
-    interval = cause.gain_ci95
-    return interval is not None and interval[0] <= 0.0 and cause.holdout_rmse_without is None
+    if cause.gain_ci95 is None or cause.holdout_rmse_without is not None:
+        return False
+    gain = 1.0 - cause.holdout_rmse_after / cause.holdout_rmse_before
+    return cause.gain_ci95[0] <= (-BARELY * gain if gain > SLIGHT_GAIN else 0.0)
 
 
 def most_variation(remainder: Remainder) -> float:

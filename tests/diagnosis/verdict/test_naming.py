@@ -245,6 +245,14 @@ def test_a_cause_that_may_gain_nothing_is_none(
     assert may_be_named(told, DRIFT, fit_result(), WHOLE) is named
 
 
+@pytest.mark.parametrize(("lowest", "named"), [(-0.029, True), (-0.031, False)])
+def test_a_large_gain_may_barely_be_none(lowest: float, named: bool) -> None:
+    """Of a gain of 30 % the interval may end up to 3 % below zero, as that of few blocks does."""
+    told = cause("sensor_drift", [RATE], before=2.0, after=1.4)
+    told = replace(told, gain_ci95=(lowest, 0.5), holdout_rmse_without=None)
+    assert may_be_named(told, DRIFT, fit_result(), 1.4) is named
+
+
 @pytest.mark.parametrize(("share", "named"), [(None, True), (0.029, True), (0.031, False)])
 def test_a_cause_whose_size_varies_is_another(share: float | None, named: bool) -> None:
     """What letting it vary takes away may be a thirtieth of what the cause does, not more."""
