@@ -313,6 +313,9 @@ def search_causes(
     found = search.search(first)
     if not found.came_to_nothing:
         return found, search
+    alone = search.without_causes()
+    if alone is not None:
+        return alone, search
     again = request.fit_base(recordings.logs, recordings.hold_out, thorough=True)
     if again.candidate.squares < BETTER_BASE * search.base.candidate.squares:
         search = replace(search, base=again)  # the base was a false optimum

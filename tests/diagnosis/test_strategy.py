@@ -173,37 +173,42 @@ def searched_as(answers: dict[str, SearchResult], *, by: list[str]) -> Callable[
 
 NAMED = SearchResult(chain_of("delay"), NOISE, (True,))
 NOTHING = SearchResult(chain_of("creep"), STRUCTURE, (False,))
+ALONE = SearchResult(chain_of(), replace(NOISE, open_jumps=9), ())
 
 
 @pytest.mark.parametrize(
-    ("first", "again", "other", "found", "base"),
+    ("first", "alone", "again", "other", "found", "base"),
     [
-        (NAMED, 10.0, NAMED, "first", 100.0),
-        (NOTHING, 10.0, None, "again", 10.0),
-        (NOTHING, 100.0 * BETTER_BASE, NAMED, "other", 100.0),
-        (NOTHING, 100.0 * BETTER_BASE, None, "first", 100.0),
+        (NAMED, ALONE, 10.0, NAMED, "first", 100.0),
+        (NOTHING, ALONE, 10.0, NAMED, "alone", 100.0),
+        (NOTHING, None, 10.0, None, "again", 10.0),
+        (NOTHING, None, 100.0 * BETTER_BASE, NAMED, "other", 100.0),
+        (NOTHING, None, 100.0 * BETTER_BASE, None, "first", 100.0),
     ],
 )
 def test_other_searches_follow_one_that_came_to_nothing(
     first: SearchResult,
+    alone: SearchResult | None,
     again: float,
     other: SearchResult | None,
     found: str,
     base: float,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """First another optimum of the base, if it leaves 2 % less; then a multistart; then what there
-    was."""
+    """First the base alone with open moments of jumps, if that leaves noise; another optimum of the
+    base, if it leaves 2 % less; then a multistart; then what there was."""
     better = SearchResult(chain_of("ageing"), NOISE, (True,))
     by: list[str] = []
     answers = {"base 100": first, f"base {again:g}": better}
     monkeypatch.setattr(CauseSearch, "search", searched_as(answers, by=by))
+    monkeypatch.setattr(CauseSearch, "without_causes", lambda self: alone)
     monkeypatch.setattr(CauseSearch, "search_from_multistart", lambda self, known: other)
     monkeypatch.setattr(CauseSearch, "search_from_other_causes", lambda self, known: None)
     request: Any = SimpleNamespace(fit_base=lambda *args, thorough: base_fit(again))
     recordings: Any = SimpleNamespace(logs=(), hold_out=())
     answer, search = search_causes(recordings, request, search_over(), None)
-    assert answer is {"first": first, "again": better, "other": other}[found]
+    answers_by_name = {"first": first, "alone": alone, "again": better, "other": other}
+    assert answer is answers_by_name[found]
     assert search.base.candidate.squares == base
     assert by == ["base 100", *(["base 10"] if found == "again" else [])]
 
