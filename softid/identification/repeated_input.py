@@ -21,10 +21,16 @@ from softid.excitation import (
     run_starts,
 )
 from softid.identification.intersample_choice import COMMAND
-from softid.intersample import HELD
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
+
+LEAST_FACTOR = 1.5
+"""Samples for which a value is repeated at least: steps that somebody wanted, beside a course that
+brings news at every sample, repeat as many values, but not each."""
+
+MUCH_LONGER = 4.0
+"""Runs of equal values so many times as long as the usual one say nothing of how long that is."""
 
 REGULAR = 1.1
 """First sights of regular readings are late by up to one sampling interval of the log, and a little
@@ -40,20 +46,20 @@ REPEATED_INPUT = "repeated-input"
 def without_repeats(log: Log) -> Log:
     """The log with a measured input that is straight between the samples that brought news.
 
-    A command, and an input of which it is declared that it is held, stay as they are: it is they
-    that hold their values.
+    A command holds its values itself, and stays as it is; so does an input of which it is declared
+    what it does between its samples.
 
     Parameters
     ----------
     log
         A log; its outputs are not touched.
     """
-    if log.input == COMMAND or log.intersample in HELD:
-        return log
     channel = log.channels[log.input]
+    if log.input == COMMAND or log.intersample is not None or not _repeats(channel.values):
+        return log
     grid = find_quantisation(channel.values)
     hold = find_hold(log.time_s, channel.values, grid.step if grid else None)
-    if hold is None:
+    if hold is None or hold.factor < LEAST_FACTOR:
         return log
     values = channel.values.copy()
     for segment in log.segments():
@@ -71,6 +77,13 @@ def without_repeats(log: Log) -> Log:
     )
     channels = dict(log.channels) | {log.input: replace(channel, values=values)}
     return replace(log, channels=channels, issues=(*log.issues, issue))
+
+
+def _repeats(values: Array) -> bool:
+    """Whether runs of equal values are so long that a slower sensor may make them; soon told."""
+    lengths = np.diff(run_starts(values))
+    usual = lengths[lengths <= MUCH_LONGER * np.median(lengths)] if lengths.size else lengths
+    return usual.size > 0 and float(usual.mean()) >= LEAST_FACTOR
 
 
 def _readings(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from softid.identification.estimates import scores
 from softid.identification.issues import extrapolation
 from softid.identification.preparation import as_log_set, without_dropouts
 from softid.identification.repeated_input import without_repeats
+from softid.intersample import HELD
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.records import SavedModel
@@ -67,8 +68,9 @@ def validate(
     """
     scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
     cleaned = (without_dropouts(log) for log in as_log_set(logs))
-    read = (without_repeats(log.with_intersample(scored.intersample)) for log in cleaned)
-    log_set = LogSet(tuple(read))
+    is_held = scored.intersample in HELD
+    bridged = (log if is_held else without_repeats(log) for log in cleaned)
+    log_set = LogSet(tuple(log.with_intersample(scored.intersample) for log in bridged))
     for log in log_set:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
             raise UsageError(

@@ -68,10 +68,23 @@ def test_what_brings_news_at_every_sample_is_left_alone() -> None:
 
 @pytest.mark.parametrize(
     "log",
-    [recorded(channel="pressure_command"), replace(recorded(), intersample="zoh")],
-    ids=["command", "declared"],
+    [
+        recorded(channel="pressure_command"),
+        replace(recorded(), intersample="zoh"),
+        replace(recorded(), intersample="straight"),
+    ],
+    ids=["command", "declared held", "declared straight"],
 )
 def test_what_holds_its_values_itself_is_left_alone(log: Log) -> None:
+    assert without_repeats(log) is log
+
+
+def test_steps_that_somebody_wanted_are_no_repeats() -> None:
+    """Levels of half a second behind a sine, sampled at 20 Hz: half of the samples are repeats."""
+    time_s = np.arange(0.0, 120.0, 0.05)
+    levels = np.repeat(np.random.default_rng(1).uniform(0.0, 240.0, time_s.size // 10), 10)
+    u = np.where(time_s < 55.0, 120.0 - 120.0 * np.cos(np.pi * time_s), levels)
+    log = Log.from_arrays(time_s, {"pressure": u, "angle": u}, outputs=("angle",))
     assert without_repeats(log) is log
 
 
