@@ -30,7 +30,7 @@ LEAST_FACTOR = 1.5
 brings news at every sample, repeat as many values, but not each."""
 
 MUCH_LONGER = 4.0
-"""Runs of equal values so many times as long as the usual one say nothing of how long that is."""
+"""Runs of equal values so many times as long as the commonest are holds that somebody wanted."""
 
 REGULAR = 1.1
 """First sights of regular readings are late by up to one sampling interval of the log, and a little
@@ -82,8 +82,10 @@ def without_repeats(log: Log) -> Log:
 def _repeats(values: Array) -> bool:
     """Whether runs of equal values are so long that a slower sensor may make them; soon told."""
     lengths = np.diff(run_starts(values))
-    usual = lengths[lengths <= MUCH_LONGER * np.median(lengths)] if lengths.size else lengths
-    return usual.size > 0 and float(usual.mean()) >= LEAST_FACTOR
+    if lengths.size == 0:
+        return False
+    usual = int(np.argmax(np.bincount(lengths)))
+    return float(np.mean(lengths[lengths <= MUCH_LONGER * usual])) >= LEAST_FACTOR
 
 
 def _readings(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Array]:
