@@ -230,12 +230,16 @@ class CauseSearch:
                     return found
         return None
 
+    @cached_property
+    def _left_by_base(self) -> Remainder:
+        return self.remainder_of(self.base.candidate)
+
     def without_causes(self) -> SearchResult | None:
         """The base alone, if it leaves noise once the moments of jumps of the input are left open.
 
         What explains a part of that, and may not be named, is no more than chance then.
         """
-        left = self.remainder_of(self.base.candidate)
+        left = self._left_by_base
         if left.structured or left.open_jumps == 0:
             return None
         return SearchResult(self._nothing, left, ())

@@ -151,7 +151,7 @@ def test_pairs_are_found(names: list[str]) -> None:
 
 
 LIKE_A_LAG = pytest.mark.xfail(
-    reason="filling at a limited rate leaves what a lag of the pneumatics leaves, to the noise"
+    reason="filling at a limited rate is often taken for a lag of the pneumatics, which it is like"
 )
 OUTSIDE = [
     pytest.param(name, marks=LIKE_A_LAG if name == "rate_limit" else ())

@@ -55,3 +55,13 @@ def test_nothing_rings_faster_than_four_samples(samples: int) -> None:
     assert period.lower == pytest.approx(4.0 * SCALE.period_s)
     for start in LineResonance().starts(scale):
         assert period.lower <= start["period"] <= period.upper
+
+
+def test_what_is_well_damped_is_not_told_to_ring() -> None:
+    """From a damping ratio of 0.7 on it is a lag, with another remedy."""
+    lightly, well = (LineResonance().wording({"period": 0.5, "zeta": z}) for z in (0.69, 0.71))
+    assert "overshoots and rings" in lightly.meaning
+    assert lightly.title == LineResonance.title
+    assert "without ringing" in well.meaning
+    assert well.title.startswith("Lag of second order")
+    assert well.remedy != lightly.remedy

@@ -59,3 +59,12 @@ def test_sensor_resonance_of_zero_is_none() -> None:
 def test_sensor_resonance_derivatives(sampling: str) -> None:
     """The model's derivatives against central differences, within 1e-4 of each column's largest."""
     assert jacobian_error(*extended("sensor_resonance"), segment(sampling)) < 1e-4
+
+
+def test_what_is_well_damped_is_not_told_to_ring() -> None:
+    """From a damping ratio of 0.7 on it is a lag."""
+    lightly, well = (SensorResonance().wording({"period": 0.5, "zeta": z}) for z in (0.69, 0.71))
+    assert "swings on its mount" in lightly.meaning
+    assert lightly.title == SensorResonance.title
+    assert "without ringing" in well.meaning
+    assert well.title.startswith("Lag of second order")

@@ -54,7 +54,7 @@ def test_the_course_between_the_readings_is_straight() -> None:
 
 
 def test_a_sensor_without_a_clock_is_read_when_its_value_is_first_seen() -> None:
-    """The rms error is a quarter of that of the repeats, for a sample's delay is left."""
+    """The rms error is less than a third of that of the repeats; a sample's delay is left."""
     log = recorded(jitter_s=0.015)
     true = recorded(repeated=False).channels["pressure"].values
     bridged, repeats = (x.channels["pressure"].values - true for x in (without_repeats(log), log))

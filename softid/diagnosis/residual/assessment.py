@@ -56,26 +56,28 @@ def assess(
         Draws the shifts of the null.
     """
     before, after = residual_context(base), residual_context(final)
-    found = _look(before, after, scale, rng=rng, wanders=not final.has_spring)
+    floor = _floor_of(after, scale)
+    found = _look(before, after, floor, scale, rng=rng, wanders=not final.has_spring)
     if not found.structured:
         return found
-    jumps = with_open_jumps(final, after, _least_noise(_floor_of(after, scale), before))
+    jumps = with_open_jumps(final, after, _least_noise(floor, before))
     if jumps is None:
         return found
-    timed = _look(before, jumps.parts, scale, rng=rng, wanders=not final.has_spring)
+    floor = _floor_of(jumps.parts, scale)
+    timed = _look(before, jumps.parts, floor, scale, rng=rng, wanders=not final.has_spring)
     return found if timed.structured else replace(timed, rms=found.rms, open_jumps=jumps.count)
 
 
 def _look(
     before: Sequence[ResidualContext],
     after: Sequence[ResidualContext],
+    floor: NoiseFloor,
     scale: Scale,
     *,
     rng: np.random.Generator,
     wanders: bool,
 ) -> Remainder:
     """Look at a residual and at the one that it was before causes were added."""
-    floor = _floor_of(after, scale)
     structure = structure_of(after, scale.motion_s, rng=rng, wanders=wanders)
     least = _least_noise(floor, before)
     excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0

@@ -31,6 +31,9 @@ samples is drawn as it was."""
 MOST_JUMPS = 200
 """A segment with more is one whose input is noise, or a train of pulses: they are left as drawn."""
 
+MOST_SPENT = 0.5
+"""Share of the samples that the moments use up at most in what scales the rest."""
+
 TRIED = 0.25
 """Share of a jump by which the input is moved within its interval to see what its moment does."""
 
@@ -50,21 +53,19 @@ class OpenJumps:
     ----------
     parts
         Every segment, with what is left of its residual.
-    places
-        Last sample before every jump, for every segment.
+    count
+        Number of jumps.
     """
 
     parts: tuple[ResidualContext, ...]
-    places: tuple[Places, ...]
-
-    @property
-    def count(self) -> int:
-        """Number of jumps."""
-        return sum(place.size for place in self.places)
+    count: int
 
 
 def untimed_jumps(segment: Segment) -> Places:
     """Last samples before intervals in which the input jumps.
+
+    `softid.intersample.jumps` asks for an input that is flat before and after, as a held one is;
+    here the rest of a jump may be seen in the samples beside it.
 
     Parameters
     ----------
@@ -108,23 +109,20 @@ def with_open_jumps(
     OpenJumps or None
         None where no input jumps.
     """
-    places = tuple(untimed_jumps(segment) for segment in model.problem.segments)
-    if not any(place.size for place in places):
-        return None
-    left = []
-    for k, (part, found) in enumerate(zip(parts, places, strict=True)):
-        seen = np.isfinite(part.residual)
-        if not found.size or not seen.any():
+    left, count = [], 0
+    for k, part in enumerate(parts):
+        seen, whole = np.isfinite(part.residual), part_of_jumps(model, k)
+        count += whole.shape[1] // len(PULSES)
+        if whole.shape[1] == 0 or not seen.any():
             left.append(part)
             continue
-        whole = part_of_jumps(model, k)
         used = whole[seen]
         gram = used.T @ used / variance
         inverse = np.linalg.inv(gram + np.eye(whole.shape[1]))
         residual = part.residual - whole @ (inverse @ (used.T @ part.residual[seen]) / variance)
-        spent = min(float(np.trace(inverse @ gram)) / used.shape[0], 0.5)
+        spent = min(float(np.trace(inverse @ gram)) / used.shape[0], MOST_SPENT)
         left.append(replace(part, residual=residual / np.sqrt(1.0 - spent)))
-    return OpenJumps(tuple(left), places)
+    return OpenJumps(tuple(left), count) if count else None
 
 
 def part_of_jumps(model: Candidate, k: int) -> Array:

@@ -245,6 +245,22 @@ def test_a_cause_that_may_gain_nothing_is_none(
     assert may_be_named(told, DRIFT, fit_result(), WHOLE) is named
 
 
+@pytest.mark.parametrize(("longest", "named"), [(40.0, True), (50.0, False)])
+def test_a_time_that_may_be_the_longest_is_no_creep(longest: float, named: bool) -> None:
+    """A log that tells times up to 45 s, and an interval that ends before or beyond that."""
+    tau = replace(estimate("creep_tau", 20.0, "s"), ci95=(5.0, longest), upper=45.0)
+    told = cause("creep", [estimate("creep_k", 1.0, "1"), tau], before=2.0, after=1.0)
+    assert may_be_named(told, effect_of("creep"), fit_result(), WHOLE) is named
+
+
+@pytest.mark.parametrize("at_bound", [False, True])
+def test_a_share_at_its_bound_is_no_creep(at_bound: bool) -> None:
+    """What creeps on by three times the change that it follows is the change itself."""
+    share = replace(estimate("creep_c", 3.0, "1"), upper=3.0, at_bound=at_bound)
+    told = cause("creep.series", [share, estimate("creep_tau", 2.0, "s")], before=2.0, after=1.0)
+    assert may_be_named(told, effect_of("creep.series"), fit_result(), WHOLE) is not at_bound
+
+
 @pytest.mark.parametrize(("lowest", "named"), [(-0.029, True), (-0.031, False)])
 def test_a_large_gain_may_barely_be_none(lowest: float, named: bool) -> None:
     """Of a gain of 30 % the interval may end up to 3 % below zero, as that of few blocks does."""
