@@ -198,6 +198,9 @@ class Remainder:
     open_jumps
         Jumps of the input between two samples whose moments were left open, for what is left is
         noise then; 0 where it is more, or where it is noise without that.
+    colour_s
+        Time in which what is left forgets itself, where it has all marks of slow noise and no rest
+        shows the noise alone; else None.
     """
 
     rms: float
@@ -210,6 +213,7 @@ class Remainder:
     structured: bool
     held_out_share: float = 1.0
     open_jumps: int = 0
+    colour_s: float | None = None
 
     @property
     def carries_over(self) -> bool:

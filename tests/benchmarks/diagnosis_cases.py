@@ -30,6 +30,7 @@ RIGS: dict[str, dict[str, Any]] = {
     "drop-outs": {"lost_fraction": 0.03, "blank_fraction": 0.03},
     "degrees": {"unit": "deg"},
     "coloured": {"coloured_share": 0.9, "rest_s": 30.0},
+    "coloured, no rest": {"coloured_share": 0.9},
 }
 
 PAIRED = (

@@ -167,6 +167,16 @@ def test_nothing_outside_the_catalogue_is_misnamed(name: str) -> None:
     assert sum(o.is_misnamed for o in drawn) <= 1
 
 
+@pytest.mark.parametrize(("names", "verdict"), [([], Verdict.ADEQUATE), (["creep"], Verdict.NAMED)])
+def test_slow_noise_needs_no_rest(names: list[str], verdict: Verdict) -> None:
+    """Noise that is coloured by 90 %, of which no rest shows anything, is told by its marks."""
+    pair = hidden_pair(names, seed=193001, rig=Rig(coloured_share=0.9))
+    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
+    assert found.verdict is verdict
+    assert [cause.effect for cause in found.causes] == names
+    assert found.remainder.colour_s is not None
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "rig", [Rig(), Rig(coloured_share=0.9, rest_s=30.0)], ids=["white", "slow"]

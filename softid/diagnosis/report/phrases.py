@@ -265,6 +265,13 @@ def noise_like(remainder: Remainder) -> str:
     remainder
         What is left.
     """
+    if remainder.colour_s is not None:
+        return (
+            f"is more than the noise between neighbouring samples but has the marks of slow noise, "
+            f"which forgets itself within {remainder.colour_s:.2g} s"
+            f"{with_open_moments(remainder)}: it is steady, normal and no larger where the motion "
+            "is quick. No long rest shows the noise alone, so a slow misfit could hide in it"
+        )
     told = f"looks like noise{with_open_moments(remainder)}"
     if remainder.excess <= LOUDER:
         return told

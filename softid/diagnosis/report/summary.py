@@ -162,10 +162,13 @@ def summarise(
 
 def _adequate(teller: ErrorTexts, remainder: Remainder) -> list[str]:
     left = teller.size(remainder.rms)
+    chance = "None of the effects tried explains more of it than chance would."
+    if remainder.colour_s is not None:
+        return [chance, f"What is left, {left} rms on the fitted samples, {noise_like(remainder)}."]
     noise = "the noise of the rests" if remainder.noise_from_rest else "noise"
     why = "it is no larger" if remainder.predictable else structure_of_rest(remainder)
     told = [
-        "None of the effects tried explains more of it than chance would.",
+        chance,
         f"What is left, {left} rms on the fitted samples, looks like {noise}"
         f"{with_open_moments(remainder)}: {why}.",
     ]

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.residual.coloured_noise import Colour, colour_of
 from softid.diagnosis.residual.jump_timing import with_open_jumps
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
@@ -77,8 +78,17 @@ def _look(
     rng: np.random.Generator,
     wanders: bool,
 ) -> Remainder:
-    """Look at a residual and at the one that it was before causes were added."""
+    """Look at a residual and at the one that it was before causes were added.
+
+    Without a rest, what is larger than the fastest part of the noise may be slow noise: if it shows
+    all marks of that, it is as large as what is left.
+    """
     structure = structure_of(after, scale.motion_s, rng=rng, wanders=wanders)
+    colour: Colour | None = None
+    is_louder = _power(after) / _least_noise(floor, before) - 1.0 > _largest_excess(floor)
+    if is_louder and not (floor.from_rest or structure.significant):
+        colour = colour_of(after, scale.motion_s, rng=rng)
+        floor = floor if colour is None else _floor_of_colour(colour, after)
     least = _least_noise(floor, before)
     excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
     explained = 1.0
@@ -93,6 +103,7 @@ def _look(
         excess=excess,
         noise_from_rest=floor.from_rest,
         structured=_is_structured(structure, excess, floor, explained),
+        colour_s=None if colour is None else colour.correlation_s,
     )
 
 
@@ -151,6 +162,13 @@ def _floor_of(parts: Sequence[ResidualContext], scale: Scale) -> NoiseFloor:
         [p.time_s for p in parts],
         scale.motion_s,
     )
+
+
+def _floor_of_colour(colour: Colour, parts: Sequence[ResidualContext]) -> NoiseFloor:
+    """All that is left as noise: its power counts as one number in every correlation time."""
+    length_s = sum(float(part.time_s[-1] - part.time_s[0]) for part in parts)
+    known = max(length_s / colour.correlation_s, 1.0)
+    return NoiseFloor(_power(parts), float(np.sqrt(2.0 / known)), from_rest=False)
 
 
 def _least_noise(floor: NoiseFloor, before: Sequence[ResidualContext]) -> float:

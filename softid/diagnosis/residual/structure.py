@@ -132,6 +132,33 @@ def structure_of(
     return Structure(max(share, 0.0), limit, by)
 
 
+def predicted_beyond_chance(
+    matrix: Array, rows: Array, times: Sequence[Array], *, rng: np.random.Generator
+) -> tuple[float, float]:
+    """Share of a series that columns predict on blocks of time they were not fitted to.
+
+    Parameters
+    ----------
+    matrix
+        Columns, shape (n, C), the same for all runs.
+    rows
+        The series, shape (n,), about its mean.
+    times
+        Times of each run, together n.
+    rng
+        Draws the shifts.
+
+    Returns
+    -------
+    share, limit
+        And what it reaches in 95 of 100 cases when the series is shifted in time.
+    """
+    smooth = _Smooth(_standardised(matrix), _folds(times))
+    shifted = np.column_stack([_shifted(rows, rng) for _ in range(SHIFTS)])
+    share = float(smooth.predicted_shares(rows[:, None])[0])
+    return share, float(np.quantile(smooth.predicted_shares(shifted), LEVEL))
+
+
 def _shifted(rows: Array, rng: np.random.Generator) -> Array:
     """The residual turned by a random amount, and perhaps reversed, in time."""
     n = rows.size

@@ -70,6 +70,18 @@ def test_without_a_rest_adequate_is_said_with_a_reserve() -> None:
     assert "could hide in it" not in told(found)
 
 
+@pytest.mark.parametrize("verdict", [Verdict.ADEQUATE, Verdict.NAMED])
+def test_slow_noise_that_no_rest_shows_is_told_with_its_time_and_a_reserve(
+    verdict: Verdict,
+) -> None:
+    """The verdict stands on the marks of noise alone, and says so."""
+    found = diagnosis(verdict)
+    left = replace(found.remainder, noise_from_rest=False, colour_s=0.84)
+    text = told(replace(found, remainder=left))
+    assert "slow noise, which forgets itself within 0.84 s" in text
+    assert "could hide in it" in text
+
+
 def test_named_says_what_how_much_why_and_what_to_do() -> None:
     """1 - 0.5/2 is 75 %; hysteresis is 412 - 300 behind; remedy and neighbours of the catalogue."""
     text = told(diagnosis(Verdict.NAMED))

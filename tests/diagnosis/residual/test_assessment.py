@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from handmade_diagnosis import remainder
 from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
+from scipy.signal import lfilter
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
@@ -95,6 +96,25 @@ def test_a_law_that_explains_little_needs_less_to_be_doubted(
     nothing = Structure(0.0, 0.1, {})
     floor = NoiseFloor(1.0, 0.2, from_rest=True)
     assert _is_structured(nothing, excess, floor, explained) is structured
+
+
+def test_slow_noise_without_a_rest_is_noise_by_its_marks() -> None:
+    """Known truth: 0.02 rad of noise with a correlation time of 0.5 s over white noise of 0.01.
+
+    It has five times the power that neighbouring samples show; all of what is left is the noise.
+    """
+    samples = 4000
+    kept = np.exp(-1.0 / (0.5 * RATE_HZ))
+    kicks = np.random.default_rng(1).standard_normal(samples) * np.sqrt(1.0 - kept**2)
+    slow = 0.02 * np.asarray(lfilter([1.0], [1.0, -kept], kicks))
+    problem = linear_problem([linear_log(noise=0.01, samples=samples, added=slow)])
+    model = standing(problem, problem.unknowns(TRUTH))
+    left = assess(
+        model, model, scale_of(problem, model.minimum.point), rng=np.random.default_rng(0)
+    )
+    assert left.structured is False
+    assert left.colour_s == pytest.approx(0.5, rel=0.5)
+    assert left.excess == 0.0
 
 
 def test_surroundings_show_where_nothing_was_used() -> None:

@@ -1,0 +1,222 @@
+"""Slow noise where no rest shows it: a residual that is as steady and as normal as noise.
+
+Between neighbouring samples only the fast part of the noise shows, and a residual that is larger
+may be a misfit or slow noise. A misfit comes and goes with the motion: it is large where the
+actuator is quick, follows one wave after another, and strays further than a normal number would.
+Noise does none of that. So what is left is taken for noise if, as means over short times, it is
+what white noise and one that forgets itself exponentially make together, with innovations that
+are white, normal, and no larger where the motion is quick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.chi_square import chi_square_tail
+from softid.diagnosis.residual.structure import ResidualContext, predicted_beyond_chance
+from softid.uncertainty.autoregression import run_slices
+
+Array = npt.NDArray[np.float64]
+
+WIDTH = 0.25
+"""The shortest means are over so many time constants of the motion: a misfit lasts longer."""
+
+WIDER = 2.0
+"""Each further width is so many times the one before: the wider, the less of the white noise."""
+
+FEWEST_MEANS = 200
+"""The widest means are so many. Fewer do not tell one kind of residual from the other."""
+
+ENOUGH = 0.8
+"""So much of them is enough, for lost samples and the ends of logs take some."""
+
+LONGEST_S, LONGEST_TIMES = 2.0, 2.0
+"""Noise that forgets itself within so long, or so many time constants of the motion, is colour.
+What is slower may be a drift or a creep as well."""
+
+LARGEST_MOVING = 2.0 - 3.0**0.5
+"""Largest coefficient of the moving average that means of exponentially correlated noise have."""
+
+LAGS = 20
+"""Innovations are looked at for correlations up to this lag."""
+
+LEVEL = 1e-3
+"""Noise fails the tests of whiteness and of normality once in so many times each."""
+
+FOLLOWS = 0.02
+"""The size of the innovations follows from the motion where that predicts so large a share of its
+logarithm's variance, and chance does not."""
+
+AT_REST = 0.01
+"""Speeds below this share of their mean are no more telling than it is."""
+
+SMALLEST = 1e-4
+"""The same for the squares of innovations."""
+
+STARTING = 3
+"""Innovations at the begin of a run know too little of what was before."""
+
+
+@dataclass(frozen=True)
+class Colour:
+    """Noise that forgets itself exponentially, perhaps with white noise beside it.
+
+    Attributes
+    ----------
+    correlation_s
+        The time in which it does.
+    """
+
+    correlation_s: float
+
+
+def colour_of(
+    parts: Sequence[ResidualContext], motion_s: float, *, rng: np.random.Generator
+) -> Colour | None:
+    """The colour of a residual that is noise by all that it shows; None where it may be a misfit.
+
+    Means over equal times of white noise and of one with the covariance s² e^{−|t|/τ} obey
+    r_k = φ r_{k−1} + e_k + θ e_{k−1} with φ = e^{−width/τ} and θ ≤ 2 − √3. The innovations e of the
+    best φ and θ are tested for whiteness by Ljung and Box, for normality by Jarque and Bera, and
+    for a size that follows from the speed or from the rate of the input. All must hold at every
+    width from a quarter of the motion's time constant to a two hundredth of the logs.
+
+    Parameters
+    ----------
+    parts
+        Residuals with their motion and input.
+    motion_s
+        Time constant of the motion.
+    rng
+        Draws the shifts that say what chance would make of the size.
+
+    Source: Ljung and Box, *Biometrika* 65 (1978), Eq (1.4); Jarque and Bera, *International
+    Statistical Review* 55 (1987), Eq (5).
+    """
+    length_s = sum(float(part.time_s[-1] - part.time_s[0]) for part in parts)
+    period_s = float(np.median(np.concatenate([np.diff(part.time_s) for part in parts])))
+    longest_s = max(LONGEST_S, LONGEST_TIMES * motion_s)
+    widest_s = length_s / FEWEST_MEANS
+    width_s = max(min(WIDTH * motion_s, widest_s), period_s)
+    first = _colour_at(parts, width_s, longest_s, rng)
+    while first is not None and WIDER * width_s <= widest_s:
+        width_s *= WIDER
+        if _colour_at(parts, width_s, longest_s, rng) is None:
+            return None
+    return first
+
+
+def _colour_at(
+    parts: Sequence[ResidualContext], width_s: float, longest_s: float, rng: np.random.Generator
+) -> Colour | None:
+    """The colour by means over one width."""
+    runs = [run for part in parts for run in _runs(part, width_s)]
+    if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
+        return None
+    mean = float(np.mean(np.concatenate([run.residual for run in runs])))
+    centred = [run.residual - mean for run in runs]
+    phi, theta = _fitted(centred)
+    time_s = float(-width_s / np.log(phi))
+    if time_s > longest_s:
+        return None
+    innovations = [_innovations(values, phi, theta) for values in centred]
+    if min(_odds_of_white(innovations), _odds_of_normal(np.concatenate(innovations))) < LEVEL:
+        return None
+    return None if _follow_motion(innovations, runs, rng) else Colour(time_s)
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """Neighbouring means of one segment: their times, residual, and logarithms of the speeds."""
+
+    time_s: Array
+    residual: Array
+    activity: Array
+
+
+def _runs(part: ResidualContext, width_s: float) -> list[_Run]:
+    """Means over equal times; where one holds no sample, a run ends."""
+    place = ((part.time_s - part.time_s[0]) / width_s + 1e-9).astype(np.intp)
+    count = int(place[-1])  # the last one is not full
+    known = np.isfinite(part.residual)
+
+    def mean(values: Array, of: npt.NDArray[np.bool_]) -> Array:
+        total = np.bincount(place[of], values[of], minlength=count + 1)
+        with np.errstate(invalid="ignore"):
+            found: Array = (total / np.bincount(place[of], minlength=count + 1))[:count]
+        return found
+
+    everywhere = np.ones(place.size, np.bool_)
+    speeds = [np.abs(part.v), np.abs(np.gradient(part.u, part.time_s))]
+    logs = [
+        np.log(mean(s, everywhere) + max(AT_REST * float(s.mean()), np.finfo(float).tiny))
+        for s in speeds
+    ]
+    residual, time_s = mean(part.residual, known), part.time_s[0] + width_s * np.arange(count)
+    activity = np.column_stack((*logs, *(log**2 for log in logs)))
+    return [
+        _Run(time_s[span], residual[span], activity[span])
+        for span in run_slices(np.isfinite(residual))
+        if span.stop - span.start > LAGS + STARTING
+    ]
+
+
+def _innovations(values: Array, phi: float, theta: float) -> Array:
+    """e_k = r_k − φ r_{k−1} − θ e_{k−1}, without the first few."""
+    from scipy.signal import lfilter
+
+    found: Array = lfilter((1.0, -phi), (1.0, theta), values)[STARTING:]
+    return found
+
+
+def _fitted(runs: Sequence[Array]) -> tuple[float, float]:
+    """φ and θ with the least squares of innovations."""
+    from scipy.optimize import least_squares
+
+    def innovations(point: Array) -> Array:
+        return np.concatenate([_innovations(run, *point.tolist()) for run in runs])
+
+    bounds = ((1e-6, -1.0 + 1e-6), (1.0 - 1e-6, LARGEST_MOVING))
+    fits = [
+        least_squares(innovations, start, bounds=bounds, x_scale=0.1)
+        for start in ((0.5, 0.0), (0.9, -0.5), (0.98, 0.1))
+    ]
+    phi, theta = min(fits, key=lambda fit: float(fit.cost)).x.tolist()
+    return float(phi), float(theta)
+
+
+def _odds_of_white(innovations: Sequence[Array]) -> float:
+    """Chance of such correlations: n (n + 2) Σ ρ_k²/(n − k) is χ² with two degrees less."""
+    n = sum(part.size for part in innovations)
+    power = sum(float(part @ part) for part in innovations)
+    statistic = 0.0
+    for lag in range(1, LAGS + 1):
+        product = sum(float(part[lag:] @ part[:-lag]) for part in innovations)
+        statistic += (product / power) ** 2 / (n - lag)
+    return chi_square_tail(n * (n + 2) * statistic, LAGS - 2)
+
+
+def _odds_of_normal(values: Array) -> float:
+    """Chance of such a skewness S and kurtosis K: n (S²/6 + (K − 3)²/24) is χ² with two degrees."""
+    scaled = (values - values.mean()) / max(float(values.std()), np.finfo(float).tiny)
+    skewness, kurtosis = float(np.mean(scaled**3)), float(np.mean(scaled**4))
+    return chi_square_tail(values.size * (skewness**2 / 6.0 + (kurtosis - 3.0) ** 2 / 24.0), 2)
+
+
+def _follow_motion(
+    innovations: Sequence[Array], runs: Sequence[_Run], rng: np.random.Generator
+) -> bool:
+    """Whether the size of the innovations follows from the motion."""
+    squares = np.concatenate(innovations) ** 2
+    sizes = np.log(squares + max(SMALLEST * float(squares.mean()), np.finfo(float).tiny))
+    share, limit = predicted_beyond_chance(
+        np.concatenate([run.activity[STARTING:] for run in runs]),
+        sizes - sizes.mean(),
+        [run.time_s[STARTING:] for run in runs],
+        rng=rng,
+    )
+    return share > max(limit, FOLLOWS)

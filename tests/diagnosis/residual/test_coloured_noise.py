@@ -1,0 +1,126 @@
+"""Slow noise where no rest shows it, and misfits that are none."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from scipy.signal import lfilter
+
+from softid.diagnosis.residual.coloured_noise import Colour, colour_of
+from softid.diagnosis.residual.structure import ResidualContext
+
+Array = npt.NDArray[np.float64]
+
+MOTION_S, RATE_HZ, LENGTH_S = 0.2, 100.0, 48.0
+DRAWS = 16
+TIME_S = np.arange(0.0, LENGTH_S, 1.0 / RATE_HZ)
+
+
+def coloured(rng: np.random.Generator, time_s: float) -> Array:
+    """Noise with a variance of 1 and a covariance e^{−|t|/τ}."""
+    kept = np.exp(-1.0 / (RATE_HZ * time_s))
+    kicks = rng.standard_normal(TIME_S.size) * np.sqrt(1.0 - kept**2)
+    kicks[0] = rng.standard_normal()
+    found: Array = lfilter([1.0], [1.0, -kept], kicks)
+    return found
+
+
+def steps(rng: np.random.Generator) -> Array:
+    """A level every two seconds."""
+    levels = rng.uniform(0.0, 100.0, round(LENGTH_S / 2.0))
+    return np.repeat(levels, TIME_S.size // levels.size)
+
+
+def lagging(u: Array, time_s: float) -> Array:
+    """The input behind a lag."""
+    kept = np.exp(-1.0 / (RATE_HZ * time_s))
+    found: Array = lfilter([1.0 - kept], [1.0, -kept], u - u[0]) + u[0]
+    return found
+
+
+def found_in(residual: Array, u: Array) -> Colour | None:
+    x = lagging(u, MOTION_S)
+    part = ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, residual)
+    return colour_of([part], MOTION_S, rng=np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("white", [0.1, 0.5])
+@pytest.mark.parametrize("time_s", [0.3, 1.0])
+def test_slow_noise_is_told(white: float, time_s: float) -> None:
+    """Known truth: three tests at a thousandth each on three widths refuse one draw in a hundred.
+
+    The correlation time is known to about √(2τ/T), a fifth for 1 s in 48 s, in the median.
+    """
+    told = []
+    for seed in range(DRAWS):
+        rng = np.random.default_rng(seed)
+        u = steps(rng)
+        noise = (1.0 - white) ** 0.5 * coloured(rng, time_s)
+        noise += white**0.5 * rng.standard_normal(TIME_S.size)
+        told.append(found_in(noise, u))
+    times = [colour.correlation_s for colour in told if colour is not None]
+    assert len(times) >= 0.9 * DRAWS
+    assert np.median(times) == pytest.approx(time_s, rel=0.3)
+
+
+MISFITS = {
+    "a lag that is not modelled": lambda u: lagging(u, 0.3) - lagging(u, 0.2),
+    "a creep that is not modelled": lambda u: lagging(u, 1.5) - u.mean(),
+    "a curve that is bent": lambda u: np.abs(lagging(u, 0.2) - 50.0),
+    "a sine on the output": lambda u: np.sin(2.0 * np.pi * 0.5 * TIME_S),
+}
+
+
+@pytest.mark.parametrize("slow", [0.0, 0.5])
+@pytest.mark.parametrize("kind", MISFITS)
+def test_a_misfit_is_no_slow_noise(kind: str, slow: float) -> None:
+    """Known truth: white noise of 1, and a misfit of 2 rms that the motion or a line brings.
+
+    Slow noise of half the misfit's power beside it hides none.
+    """
+    taken = 0
+    for seed in range(DRAWS):
+        rng = np.random.default_rng(seed)
+        u = steps(rng)
+        misfit = MISFITS[kind](u)
+        rows = 2.0 * (misfit - misfit.mean()) / misfit.std()
+        rows += rng.standard_normal(u.size) + slow**0.5 * 2.0 * coloured(rng, 1.0)
+        taken += found_in(rows, u) is not None
+    assert taken <= 1
+
+
+def test_what_is_slower_than_colour_is_left_to_others() -> None:
+    """A wander of 20 s is as good as a drift: not taken for noise in more than a few draws."""
+    taken = 0
+    for seed in range(DRAWS):
+        rng = np.random.default_rng(seed)
+        u = steps(rng)
+        rows = coloured(rng, 20.0) + 0.1 * rng.standard_normal(u.size)
+        taken += found_in(rows, u) is not None
+    assert taken <= 0.1 * DRAWS
+
+
+def test_too_few_samples_tell_nothing() -> None:
+    """Closed form: 150 samples make no 200 means."""
+    rng = np.random.default_rng(0)
+    time_s = TIME_S[:150]
+    rows = coloured(rng, 1.0)[:150]
+    part = ResidualContext(time_s, time_s, np.ones(150), time_s, rows)
+    assert colour_of([part], MOTION_S, rng=rng) is None
+
+
+def test_lost_samples_and_several_logs() -> None:
+    """Blanks end a run of means; noise of two logs is told as that of one."""
+    rng = np.random.default_rng(3)
+    parts = []
+    for _ in range(2):
+        rows = coloured(rng, 0.5) + 0.3 * rng.standard_normal(TIME_S.size)
+        rows[1000:1100] = np.nan
+        rows[rng.random(rows.size) < 0.05] = np.nan
+        u = steps(rng)
+        x = lagging(u, MOTION_S)
+        parts.append(ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, rows))
+    found = colour_of(parts, MOTION_S, rng=rng)
+    assert found is not None
+    assert found.correlation_s == pytest.approx(0.5, rel=0.5)
