@@ -6,15 +6,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.coloured_noise import Colour, colour_of
 from softid.diagnosis.residual.jump_timing import with_open_jumps
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
+from softid.diagnosis.residual.projection import rows_of
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
 from softid.diagnosis_results import Remainder
 from softid.effects.base import Scale
+
+Array = npt.NDArray[np.float64]
 
 LEAST_NOISE = 1e-9
 """Share of the base's misfit that the noise is at least: recordings that repeat their values show
@@ -58,14 +62,14 @@ def assess(
     """
     before, after = residual_context(base), residual_context(final)
     floor = _floor_of(after, scale)
-    found = _look(before, after, floor, scale, rng=rng, wanders=not final.has_spring)
+    found = _look(before, after, floor, scale, final, rng=rng)
     if not found.structured:
         return found
     jumps = with_open_jumps(final, after, _least_noise(floor, before))
     if jumps is None:
         return found
     floor = _floor_of(jumps.parts, scale)
-    timed = _look(before, jumps.parts, floor, scale, rng=rng, wanders=not final.has_spring)
+    timed = _look(before, jumps.parts, floor, scale, final, rng=rng)
     return found if timed.structured else replace(timed, rms=found.rms, open_jumps=jumps.count)
 
 
@@ -74,20 +78,20 @@ def _look(
     after: Sequence[ResidualContext],
     floor: NoiseFloor,
     scale: Scale,
+    final: Candidate,
     *,
     rng: np.random.Generator,
-    wanders: bool,
 ) -> Remainder:
     """Look at a residual and at the one that it was before causes were added.
 
     Without a rest, what is larger than the fastest part of the noise may be slow noise: if it shows
     all marks of that, it is as large as what is left.
     """
-    structure = structure_of(after, scale.motion_s, rng=rng, wanders=wanders)
+    structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
     colour: Colour | None = None
     is_louder = _power(after) / _least_noise(floor, before) - 1.0 > _largest_excess(floor)
     if is_louder and not (floor.from_rest or structure.significant):
-        colour = colour_of(after, scale.motion_s, rng=rng)
+        colour = colour_of(after, scale.motion_s, slopes=_slopes_of(final), rng=rng)
         floor = floor if colour is None else _floor_of_colour(colour, after)
     least = _least_noise(floor, before)
     excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
@@ -162,6 +166,12 @@ def _floor_of(parts: Sequence[ResidualContext], scale: Scale) -> NoiseFloor:
         [p.time_s for p in parts],
         scale.motion_s,
     )
+
+
+def _slopes_of(model: Candidate) -> list[Array]:
+    """Derivatives of the first output by the unknowns at the used samples of each segment."""
+    first = model.problem.outputs[0]
+    return [rows.jacobian for rows in rows_of(model) if rows.channel == first]
 
 
 def _floor_of_colour(colour: Colour, parts: Sequence[ResidualContext]) -> NoiseFloor:

@@ -44,10 +44,10 @@ LARGEST_MOVING = 2.0 - 3.0**0.5
 LAGS = 20
 """Innovations are looked at for correlations up to this lag."""
 
-LEVEL = 1e-3
-"""Noise fails the tests of whiteness and of normality once in so many times each."""
+LEVEL = 1e-4
+"""Noise fails the tests of whiteness and of normality about once in so many times each."""
 
-FOLLOWS = 0.02
+FOLLOWS = 0.04
 """The size of the innovations follows from the motion where that predicts so large a share of its
 logarithm's variance, and chance does not."""
 
@@ -56,6 +56,12 @@ AT_REST = 0.01
 
 SMALLEST = 1e-4
 """The same for the squares of innovations."""
+
+ROUNDS = 2
+"""The noise and the errors of the parameters are told from each other so many times in turn."""
+
+DISTINCT = 1e-8
+"""Directions of the slopes that are weaker than this share of the strongest are rounding."""
 
 STARTING = 3
 """Innovations at the begin of a run know too little of what was before."""
@@ -75,7 +81,11 @@ class Colour:
 
 
 def colour_of(
-    parts: Sequence[ResidualContext], motion_s: float, *, rng: np.random.Generator
+    parts: Sequence[ResidualContext],
+    motion_s: float,
+    *,
+    slopes: Sequence[Array] = (),
+    rng: np.random.Generator,
 ) -> Colour | None:
     """The colour of a residual that is noise by all that it shows; None where it may be a misfit.
 
@@ -85,12 +95,18 @@ def colour_of(
     for a size that follows from the speed or from the rate of the input. All must hold at every
     width from a quarter of the motion's time constant to a two hundredth of the logs.
 
+    The parameters were found as if the noise were white, which is not the best under colour. Their
+    errors are seen in the innovations, and what the slopes span is taken out of them.
+
     Parameters
     ----------
     parts
         Residuals with their motion and input.
     motion_s
         Time constant of the motion.
+    slopes
+        For each of them ∂(simulated)/∂(unknowns) at the samples whose residual is finite, shape
+        (m, U); empty for what was not fitted.
     rng
         Draws the shifts that say what chance would make of the size.
 
@@ -99,81 +115,111 @@ def colour_of(
     """
     length_s = sum(float(part.time_s[-1] - part.time_s[0]) for part in parts)
     period_s = float(np.median(np.concatenate([np.diff(part.time_s) for part in parts])))
+    columns = slopes or [np.empty((int(np.isfinite(p.residual).sum()), 0)) for p in parts]
     longest_s = max(LONGEST_S, LONGEST_TIMES * motion_s)
     widest_s = length_s / FEWEST_MEANS
     width_s = max(min(WIDTH * motion_s, widest_s), period_s)
-    first = _colour_at(parts, width_s, longest_s, rng)
+
+    def found(width_s: float) -> Colour | None:
+        runs = [
+            run
+            for part, own in zip(parts, columns, strict=True)
+            for run in _runs(part, own, width_s)
+        ]
+        return _colour_in(runs, width_s, longest_s, rng)
+
+    first = found(width_s)
     while first is not None and WIDER * width_s <= widest_s:
         width_s *= WIDER
-        if _colour_at(parts, width_s, longest_s, rng) is None:
+        if found(width_s) is None:
             return None
     return first
 
 
-def _colour_at(
-    parts: Sequence[ResidualContext], width_s: float, longest_s: float, rng: np.random.Generator
-) -> Colour | None:
-    """The colour by means over one width."""
-    runs = [run for part in parts for run in _runs(part, width_s)]
-    if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
-        return None
-    mean = float(np.mean(np.concatenate([run.residual for run in runs])))
-    centred = [run.residual - mean for run in runs]
-    phi, theta = _fitted(centred)
-    time_s = float(-width_s / np.log(phi))
-    if time_s > longest_s:
-        return None
-    innovations = [_innovations(values, phi, theta) for values in centred]
-    if min(_odds_of_white(innovations), _odds_of_normal(np.concatenate(innovations))) < LEVEL:
-        return None
-    return None if _follow_motion(innovations, runs, rng) else Colour(time_s)
-
-
 @dataclass(frozen=True, eq=False)
 class _Run:
-    """Neighbouring means of one segment: their times, residual, and logarithms of the speeds."""
+    """Neighbouring means of one segment.
+
+    Attributes
+    ----------
+    time_s
+        When each begins, shape (k,).
+    residual, slopes
+        Means of the residual, shape (k,), and of the slopes and of one, shape (k, U + 1).
+    activity
+        Logarithms of the speeds and their squares, shape (k, 4).
+    """
 
     time_s: Array
     residual: Array
+    slopes: Array
     activity: Array
 
 
-def _runs(part: ResidualContext, width_s: float) -> list[_Run]:
+def _runs(part: ResidualContext, slopes: Array, width_s: float) -> list[_Run]:
     """Means over equal times; where one holds no sample, a run ends."""
     place = ((part.time_s - part.time_s[0]) / width_s + 1e-9).astype(np.intp)
     count = int(place[-1])  # the last one is not full
     known = np.isfinite(part.residual)
 
-    def mean(values: Array, of: npt.NDArray[np.bool_]) -> Array:
-        total = np.bincount(place[of], values[of], minlength=count + 1)
+    def mean(values: Array, at: npt.NDArray[np.intp]) -> Array:
+        total = np.bincount(at, values, minlength=count + 1)
         with np.errstate(invalid="ignore"):
-            found: Array = (total / np.bincount(place[of], minlength=count + 1))[:count]
+            found: Array = (total / np.bincount(at, minlength=count + 1))[:count]
         return found
 
-    everywhere = np.ones(place.size, np.bool_)
     speeds = [np.abs(part.v), np.abs(np.gradient(part.u, part.time_s))]
-    logs = [
-        np.log(mean(s, everywhere) + max(AT_REST * float(s.mean()), np.finfo(float).tiny))
-        for s in speeds
-    ]
-    residual, time_s = mean(part.residual, known), part.time_s[0] + width_s * np.arange(count)
+    tiny = np.finfo(float).tiny
+    logs = [np.log(mean(s, place) + max(AT_REST * float(s.mean()), tiny)) for s in speeds]
     activity = np.column_stack((*logs, *(log**2 for log in logs)))
+    residual = mean(part.residual[known], place[known])
+    columns = [mean(column, place[known]) for column in slopes.T]
+    averaged = np.column_stack((*columns, np.ones(count)))
+    time_s = part.time_s[0] + width_s * np.arange(count)
     return [
-        _Run(time_s[span], residual[span], activity[span])
+        _Run(time_s[span], residual[span], averaged[span], activity[span])
         for span in run_slices(np.isfinite(residual))
         if span.stop - span.start > LAGS + STARTING
     ]
+
+
+def _colour_in(
+    runs: Sequence[_Run], width_s: float, longest_s: float, rng: np.random.Generator
+) -> Colour | None:
+    """The colour by means over one width."""
+    if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
+        return None
+    phi, innovations = _fitted(runs)
+    time_s = float(-width_s / np.log(phi))
+    if time_s > longest_s:
+        return None
+    if min(_odds_of_white(innovations), _odds_of_normal(np.concatenate(innovations))) < LEVEL:
+        return None
+    return None if _follow_motion(innovations, runs, rng) else Colour(time_s)
+
+
+def _fitted(runs: Sequence[_Run]) -> tuple[float, list[Array]]:
+    """φ, and the innovations of each run without what the slopes span in them."""
+    left = [run.residual - run.residual.mean() for run in runs]
+    for _ in range(ROUNDS):
+        phi, theta = _likeliest(left)
+        rows = np.concatenate([_innovations(run.residual, phi, theta) for run in runs])
+        columns = np.concatenate([_innovations(run.slopes, phi, theta) for run in runs])
+        size = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
+        moves = np.linalg.lstsq(columns / size, rows, rcond=DISTINCT)[0] / size
+        left = [run.residual - run.slopes @ moves for run in runs]
+    return phi, [_innovations(values, phi, theta) for values in left]
 
 
 def _innovations(values: Array, phi: float, theta: float) -> Array:
     """e_k = r_k − φ r_{k−1} − θ e_{k−1}, without the first few."""
     from scipy.signal import lfilter
 
-    found: Array = lfilter((1.0, -phi), (1.0, theta), values)[STARTING:]
+    found: Array = lfilter((1.0, -phi), (1.0, theta), values, axis=0)[STARTING:]
     return found
 
 
-def _fitted(runs: Sequence[Array]) -> tuple[float, float]:
+def _likeliest(runs: Sequence[Array]) -> tuple[float, float]:
     """φ and θ with the least squares of innovations."""
     from scipy.optimize import least_squares
 
