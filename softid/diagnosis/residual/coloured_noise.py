@@ -238,7 +238,7 @@ def _likeliest(runs: Sequence[Array]) -> tuple[float, float]:
 def _odds_of_white(innovations: Sequence[Array]) -> float:
     """Chance of such correlations: n (n + 2) Σ ρ_k²/(n − k) is χ² with two degrees less."""
     n = sum(part.size for part in innovations)
-    power = sum(float(part @ part) for part in innovations)
+    power = max(sum(float(part @ part) for part in innovations), np.finfo(float).tiny)
     statistic = 0.0
     for lag in range(1, LAGS + 1):
         product = sum(float(part[lag:] @ part[:-lag]) for part in innovations)

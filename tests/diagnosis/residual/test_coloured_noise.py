@@ -39,10 +39,10 @@ def lagging(u: Array, time_s: float) -> Array:
     return found
 
 
-def found_in(residual: Array, u: Array) -> Colour | None:
+def found_in(residual: Array, u: Array, *slopes: Array) -> Colour | None:
     x = lagging(u, MOTION_S)
     part = ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, residual)
-    return colour_of([part], MOTION_S, rng=np.random.default_rng(0))
+    return colour_of([part], MOTION_S, slopes=slopes, rng=np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("white", [0.1, 0.5])
@@ -88,6 +88,17 @@ def test_a_misfit_is_no_slow_noise(kind: str, slow: float) -> None:
         rows += rng.standard_normal(u.size) + slow**0.5 * 2.0 * coloured(rng, 1.0)
         taken += found_in(rows, u) is not None
     assert taken <= 1
+
+
+def test_errors_of_the_parameters_are_no_misfit() -> None:
+    """Known truth: an error of one parameter is no noise by itself, and is one beside its slope."""
+    rng = np.random.default_rng(4)
+    u = steps(rng)
+    slope = lagging(u, 0.3) - lagging(u, 0.2)
+    noise = coloured(rng, 1.0) + 0.3 * rng.standard_normal(u.size)
+    rows = noise + slope / slope.std()
+    assert found_in(rows, u) is None
+    assert found_in(rows, u, slope[:, None]) is not None
 
 
 def test_what_is_slower_than_colour_is_left_to_others() -> None:
