@@ -2,10 +2,9 @@
 
 Between neighbouring samples only the fast part of the noise shows, and a residual that is larger
 may be a misfit or slow noise. A misfit comes and goes with the motion: it is large where the
-actuator is quick, follows one wave after another, and strays further than a normal number would.
-Noise does none of that. So what is left is taken for noise if, as means over short times, it is
-what white noise and one that forgets itself exponentially make together, with innovations that
-are white, normal, and no larger where the motion is quick.
+actuator is quick, and strays further than a normal number would. Noise does neither, whatever its
+spectrum. A misfit also follows one wave after another; so, as means over times that are long beside
+the motion, what is left must be what white noise and one that forgets itself exponentially make.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.residual.structure import ResidualContext, predicted_beyond_chance
-from softid.uncertainty.autoregression import run_slices
+from softid.uncertainty.autoregression import fit_ar, run_slices, whiten
 
 Array = npt.NDArray[np.float64]
 
@@ -33,6 +32,12 @@ FEWEST_MEANS = 200
 
 ENOUGH = 0.8
 """So much of them is enough, for lost samples and the ends of logs take some."""
+
+SPIKE = 6.0
+"""A sample so many deviations off both neighbours is a fault of the sensor, and is left out."""
+
+NORMAL_MEDIAN = 0.6745
+"""Median of the size of a normal number, in its deviations."""
 
 LONGEST_S, LONGEST_TIMES = 2.0, 2.0
 """Noise that forgets itself within so long, or so many time constants of the motion, is colour.
@@ -89,11 +94,14 @@ def colour_of(
 ) -> Colour | None:
     """The colour of a residual that is noise by all that it shows; None where it may be a misfit.
 
-    Means over equal times of white noise and of one with the covariance s² e^{−|t|/τ} obey
-    r_k = φ r_{k−1} + e_k + θ e_{k−1} with φ = e^{−width/τ} and θ ≤ 2 − √3. The innovations e of the
-    best φ and θ are tested for whiteness by Ljung and Box, for normality by Jarque and Bera, and
-    for a size that follows from the speed or from the rate of the input. All must hold at every
-    width from a quarter of the motion's time constant to a two hundredth of the logs.
+    Means over equal times, from a quarter of the motion's time constant to a two hundredth of the
+    logs, are made white by an autoregression. The innovations are tested for normality by Jarque
+    and Bera, and for a size that follows from the speed or from the rate of the input.
+
+    Means of white noise and of one with the covariance s² e^{−|t|/τ} obey
+    r_k = φ r_{k−1} + e_k + θ e_{k−1} with φ = e^{−width/τ} and θ ≤ 2 − √3. At the largest width the
+    innovations e of the best φ and θ are tested for whiteness by Ljung and Box; τ is that of the
+    shortest width at which they are white.
 
     The parameters were found as if the noise were white, which is not the best under colour. Their
     errors are seen in the innovations, and what the slopes span is taken out of them.
@@ -117,23 +125,27 @@ def colour_of(
     period_s = float(np.median(np.concatenate([np.diff(part.time_s) for part in parts])))
     columns = slopes or [np.empty((int(np.isfinite(p.residual).sum()), 0)) for p in parts]
     longest_s = max(LONGEST_S, LONGEST_TIMES * motion_s)
-    widest_s = length_s / FEWEST_MEANS
-    width_s = max(min(WIDTH * motion_s, widest_s), period_s)
-
-    def found(width_s: float) -> Colour | None:
-        runs = [
-            run
-            for part, own in zip(parts, columns, strict=True)
-            for run in _runs(part, own, width_s)
-        ]
-        return _colour_in(runs, width_s, longest_s, rng)
-
-    first = found(width_s)
-    while first is not None and WIDER * width_s <= widest_s:
-        width_s *= WIDER
-        if found(width_s) is None:
+    told: list[Colour | None] = [None]
+    for width_s in _widths_s(length_s / FEWEST_MEANS, WIDTH * motion_s, period_s):
+        both = zip(parts, columns, strict=True)
+        runs = [run for part, own in both for run in _runs(part, own, width_s)]
+        if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
             return None
-    return first
+        left, innovations = _separated(runs)
+        if _odds_of_normal(np.concatenate(innovations)) < LEVEL:
+            return None
+        if _follow_motion(innovations, runs, rng):
+            return None
+        told.append(_exponential(left, width_s, longest_s))
+    return next(colour for colour in told if colour is not None) if told[-1] else None
+
+
+def _widths_s(widest_s: float, short_s: float, period_s: float) -> list[float]:
+    """Widths from a short one to the widest, none below a sampling interval."""
+    widths_s = [max(widest_s, period_s)]
+    while widths_s[-1] > max(short_s, WIDER * period_s):
+        widths_s.append(widths_s[-1] / WIDER)
+    return widths_s[::-1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,6 +173,8 @@ def _runs(part: ResidualContext, slopes: Array, width_s: float) -> list[_Run]:
     place = ((part.time_s - part.time_s[0]) / width_s + 1e-9).astype(np.intp)
     count = int(place[-1])  # the last one is not full
     known = np.isfinite(part.residual)
+    steady = ~_are_spikes(part.residual[known])
+    slopes, known = slopes[steady], np.flatnonzero(known)[steady]
 
     def mean(values: Array, at: npt.NDArray[np.intp]) -> Array:
         total = np.bincount(at, values, minlength=count + 1)
@@ -179,43 +193,48 @@ def _runs(part: ResidualContext, slopes: Array, width_s: float) -> list[_Run]:
     return [
         _Run(time_s[span], residual[span], averaged[span], activity[span])
         for span in run_slices(np.isfinite(residual))
-        if span.stop - span.start > LAGS + STARTING
+        if span.stop - span.start > STARTING
     ]
 
 
-def _colour_in(
-    runs: Sequence[_Run], width_s: float, longest_s: float, rng: np.random.Generator
-) -> Colour | None:
-    """The colour by means over one width."""
-    if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
-        return None
-    phi, innovations = _fitted(runs)
-    time_s = float(-width_s / np.log(phi))
-    if time_s > longest_s:
-        return None
-    if min(_odds_of_white(innovations), _odds_of_normal(np.concatenate(innovations))) < LEVEL:
-        return None
-    return None if _follow_motion(innovations, runs, rng) else Colour(time_s)
+def _are_spikes(residual: Array) -> npt.NDArray[np.bool_]:
+    """Samples that are far off both of their neighbours."""
+    if residual.size < 3:
+        return np.zeros(residual.size, np.bool_)
+    beside = np.concatenate((residual[1:2], residual[:-1])), np.append(residual[1:], residual[-2])
+    off = residual - np.clip(residual, np.minimum(*beside), np.maximum(*beside))
+    usual = residual - 0.5 * (beside[0] + beside[1])
+    deviation = float(np.median(np.abs(usual))) / NORMAL_MEDIAN
+    found: npt.NDArray[np.bool_] = np.abs(off) > SPIKE * deviation
+    return found
 
 
-def _fitted(runs: Sequence[_Run]) -> tuple[float, list[Array]]:
-    """φ, and the innovations of each run without what the slopes span in them."""
+def _separated(runs: Sequence[_Run]) -> tuple[list[Array], list[Array]]:
+    """What is left of each run without errors of the parameters, and its innovations."""
     left = [run.residual - run.residual.mean() for run in runs]
     for _ in range(ROUNDS):
-        phi, theta = _likeliest(left)
-        rows = np.concatenate([_innovations(run.residual, phi, theta) for run in runs])
-        columns = np.concatenate([_innovations(run.slopes, phi, theta) for run in runs])
+        noise = fit_ar(left)
+        rows = np.concatenate([whiten(noise, run.residual) for run in runs])
+        columns = np.concatenate([whiten(noise, run.slopes) for run in runs])
         size = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
         moves = np.linalg.lstsq(columns / size, rows, rcond=DISTINCT)[0] / size
         left = [run.residual - run.slopes @ moves for run in runs]
-    return phi, [_innovations(values, phi, theta) for values in left]
+    return left, [whiten(noise, values) for values in left]
+
+
+def _exponential(left: Sequence[Array], width_s: float, longest_s: float) -> Colour | None:
+    """The colour if white noise and one that forgets itself exponentially explain a spectrum."""
+    phi, theta = _likeliest(left)
+    time_s = float(-width_s / np.log(phi))
+    white = _odds_of_white([_innovations(values, phi, theta) for values in left]) >= LEVEL
+    return Colour(time_s) if white and time_s <= longest_s else None
 
 
 def _innovations(values: Array, phi: float, theta: float) -> Array:
     """e_k = r_k − φ r_{k−1} − θ e_{k−1}, without the first few."""
     from scipy.signal import lfilter
 
-    found: Array = lfilter((1.0, -phi), (1.0, theta), values, axis=0)[STARTING:]
+    found: Array = lfilter((1.0, -phi), (1.0, theta), values)[STARTING:]
     return found
 
 
@@ -260,9 +279,9 @@ def _follow_motion(
     squares = np.concatenate(innovations) ** 2
     sizes = np.log(squares + max(SMALLEST * float(squares.mean()), np.finfo(float).tiny))
     share, limit = predicted_beyond_chance(
-        np.concatenate([run.activity[STARTING:] for run in runs]),
+        np.concatenate([run.activity for run in runs]),
         sizes - sizes.mean(),
-        [run.time_s[STARTING:] for run in runs],
+        [run.time_s for run in runs],
         rng=rng,
     )
     return share > max(limit, FOLLOWS)
