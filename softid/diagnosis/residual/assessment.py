@@ -35,6 +35,10 @@ noise leaves less."""
 EXCESS_SDS = 3.0
 """And by so many deviations of the estimate of the noise more."""
 
+LEAST_COLOUR = 0.5
+"""Slow noise is looked for where its power would be this share of the fast part's at least: beside
+a larger one a misfit has no marks, and nor has what a wrong law leaves of it."""
+
 LITTLE_EXPLAINED = 0.8
 """Causes that explain less than this share of a misfit explain little."""
 
@@ -89,8 +93,8 @@ def _look(
     """
     structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
     colour: Colour | None = None
-    is_louder = _power(after) / _least_noise(floor, before) - 1.0 > _largest_excess(floor)
-    if is_louder and not (floor.from_rest or structure.significant):
+    is_loud = _power(after) > (1.0 + LEAST_COLOUR) * _least_noise(floor, before)
+    if is_loud and not (floor.from_rest or structure.significant):
         colour = colour_of(after, scale.motion_s, slopes=_slopes_of(final), rng=rng)
         floor = floor if colour is None else _floor_of_colour(colour, after)
     least = _least_noise(floor, before)
