@@ -16,6 +16,7 @@ from softid.diagnosis.residual.assessment import _is_structured, assess, excess_
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.structure import Structure
+from softid.diagnosis_results import Remainder
 
 
 @pytest.mark.parametrize(
@@ -98,23 +99,32 @@ def test_a_law_that_explains_little_needs_less_to_be_doubted(
     assert _is_structured(nothing, excess, floor, explained) is structured
 
 
-def test_slow_noise_without_a_rest_is_noise_by_its_marks() -> None:
-    """Known truth: 0.02 rad of noise with a correlation time of 0.5 s over white noise of 0.01.
-
-    It has five times the power that neighbouring samples show; all of what is left is the noise.
-    """
+def left_under_slow_noise(slow: float) -> Remainder:
+    """The truth under white noise of 0.01 rad and slow noise with a correlation time of 0.5 s."""
     samples = 4000
     kept = np.exp(-1.0 / (0.5 * RATE_HZ))
     kicks = np.random.default_rng(1).standard_normal(samples) * np.sqrt(1.0 - kept**2)
-    slow = 0.02 * np.asarray(lfilter([1.0], [1.0, -kept], kicks))
-    problem = linear_problem([linear_log(noise=0.01, samples=samples, added=slow)])
+    added = slow * np.asarray(lfilter([1.0], [1.0, -kept], kicks))
+    problem = linear_problem([linear_log(noise=0.01, samples=samples, added=added)])
     model = standing(problem, problem.unknowns(TRUTH))
-    left = assess(
-        model, model, scale_of(problem, model.minimum.point), rng=np.random.default_rng(0)
-    )
+    scale = scale_of(problem, model.minimum.point)
+    return assess(model, model, scale, rng=np.random.default_rng(0))
+
+
+def test_slow_noise_without_a_rest_is_noise_by_its_marks() -> None:
+    """Known truth: five times the power that neighbouring samples show, and all of it noise."""
+    left = left_under_slow_noise(0.02)
     assert left.structured is False
     assert left.colour_s == pytest.approx(0.5, rel=0.5)
     assert left.excess == 0.0
+
+
+def test_a_little_slow_noise_is_not_told_from_a_misfit() -> None:
+    """Known truth: a third of the white noise's power is too little to have marks."""
+    left = left_under_slow_noise(0.006)
+    assert left.structured is True
+    assert left.colour_s is None
+    assert 0.2 < left.excess < 0.5
 
 
 def test_surroundings_show_where_nothing_was_used() -> None:
