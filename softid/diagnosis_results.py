@@ -26,6 +26,14 @@ class Verdict(Enum):
     UNKNOWN = "unknown"
 
 
+class NotNoise(Enum):
+    """What a misfit does and slow noise does not."""
+
+    GROWS_WITH_SPEED = "grows with speed"
+    STRAYS = "strays"
+    SPECTRUM = "spectrum"
+
+
 @dataclass(frozen=True)
 class Gain:
     """Error of one channel of one log before and after the extension.
@@ -201,6 +209,9 @@ class Remainder:
     colour_s
         Time in which what is left forgets itself, where it has all marks of slow noise and no rest
         shows the noise alone; else None.
+    against_noise
+        What slow noise, which no rest shows, would not do; None where nothing speaks against it, or
+        the question does not arise.
     """
 
     rms: float
@@ -214,6 +225,7 @@ class Remainder:
     held_out_share: float = 1.0
     open_jumps: int = 0
     colour_s: float | None = None
+    against_noise: NotNoise | None = None
 
     @property
     def carries_over(self) -> bool:

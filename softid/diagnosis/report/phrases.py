@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis.verdict.naming import EXPLAINED, explains_enough
-from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Remainder
+from softid.diagnosis_results import CARRIED, NOTABLE, Cause, NotNoise, Remainder
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
 
@@ -37,6 +37,13 @@ PREDICTORS = "the motion, the input and the time"
 
 LITTLE = 0.01
 """A variation is told with its size from this share on."""
+
+UNLIKE_NOISE = {
+    NotNoise.GROWS_WITH_SPEED: "be larger where the motion is quick",
+    NotNoise.STRAYS: "stray so far",
+    NotNoise.SPECTRUM: "come in such waves",
+}
+"""What speaks against noise, after "would not"."""
 
 LOUDER = 0.05
 """A rest is called noise with a reserve when its power is so much above that of the noise."""
@@ -277,6 +284,25 @@ def noise_like(remainder: Remainder) -> str:
         return told
     what = "the noise of the rests" if remainder.noise_from_rest else "noise in its fastest part"
     return f"{told}, though its power is {percent(remainder.excess)} above that of {what}"
+
+
+def what_it_may_be(remainder: Remainder) -> str:
+    """What a residual may be that is larger than the fast noise and follows from nothing.
+
+    Parameters
+    ----------
+    remainder
+        What is left, where no rest shows the noise.
+    """
+    if remainder.against_noise is None:
+        return (
+            "a law with a memory, a disturbance or slow noise, for no long rest shows how large "
+            "that noise is"
+        )
+    return (
+        "a law with a memory or a disturbance, for slow noise, which no long rest shows, would not "
+        f"{UNLIKE_NOISE[remainder.against_noise]}"
+    )
 
 
 def with_open_moments(remainder: Remainder) -> str:

@@ -29,6 +29,7 @@ from softid.diagnosis.report.phrases import (
     unsteady,
     values_of,
     variables_left,
+    what_it_may_be,
     with_open_moments,
 )
 from softid.diagnosis.residual.disturbances import CODES
@@ -227,8 +228,7 @@ def _left(teller: ErrorTexts, remainder: Remainder) -> str:
     else:
         told += (
             "is more than the noise between neighbouring samples, and follows from no variable "
-            "that was looked at: a law with a memory, a disturbance or slow noise, for no long "
-            "rest shows how large that noise is"
+            f"that was looked at: {what_it_may_be(remainder)}"
         )
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
 

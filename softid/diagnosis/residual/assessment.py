@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.coloured_noise import Colour, colour_of
+from softid.diagnosis.residual.coloured_noise import ColourTest, colour_test
 from softid.diagnosis.residual.jump_timing import with_open_jumps
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
@@ -92,11 +92,12 @@ def _look(
     all marks of that, it is as large as what is left.
     """
     structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
-    colour: Colour | None = None
+    colour = ColourTest()
     is_loud = _power(after) > (1.0 + LEAST_COLOUR) * _least_noise(floor, before)
     if is_loud and not (floor.from_rest or structure.significant):
-        colour = colour_of(after, scale.motion_s, slopes=_slopes_of(final), rng=rng)
-        floor = floor if colour is None else _floor_of_colour(colour, after)
+        colour = colour_test(after, scale.motion_s, slopes=_slopes_of(final), rng=rng)
+        if colour.correlation_s is not None:
+            floor = _floor_of_colour(colour.correlation_s, after)
     least = _least_noise(floor, before)
     excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
     explained = 1.0
@@ -111,7 +112,8 @@ def _look(
         excess=excess,
         noise_from_rest=floor.from_rest,
         structured=_is_structured(structure, excess, floor, explained),
-        colour_s=None if colour is None else colour.correlation_s,
+        colour_s=colour.correlation_s,
+        against_noise=colour.against,
     )
 
 
@@ -178,10 +180,10 @@ def _slopes_of(model: Candidate) -> list[Array]:
     return [rows.jacobian for rows in rows_of(model) if rows.channel == first]
 
 
-def _floor_of_colour(colour: Colour, parts: Sequence[ResidualContext]) -> NoiseFloor:
+def _floor_of_colour(time_s: float, parts: Sequence[ResidualContext]) -> NoiseFloor:
     """All that is left as noise: its power counts as one number in every correlation time."""
     length_s = sum(float(part.time_s[-1] - part.time_s[0]) for part in parts)
-    known = max(length_s / colour.correlation_s, 1.0)
+    known = max(length_s / time_s, 1.0)
     return NoiseFloor(_power(parts), float(np.sqrt(2.0 / known)), from_rest=False)
 
 

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.residual.structure import ResidualContext, predicted_beyond_chance
+from softid.diagnosis_results import NotNoise
 from softid.uncertainty.autoregression import fit_ar, run_slices, whiten
 
 Array = npt.NDArray[np.float64]
@@ -73,26 +74,29 @@ STARTING = 3
 
 
 @dataclass(frozen=True)
-class Colour:
-    """Noise that forgets itself exponentially, perhaps with white noise beside it.
+class ColourTest:
+    """Whether a residual may be slow noise.
 
     Attributes
     ----------
     correlation_s
-        The time in which it does.
+        Time in which it forgets itself, if it has all marks of noise; else None.
+    against
+        What it does that noise does not; None where nothing does, or too little is known to tell.
     """
 
-    correlation_s: float
+    correlation_s: float | None = None
+    against: NotNoise | None = None
 
 
-def colour_of(
+def colour_test(
     parts: Sequence[ResidualContext],
     motion_s: float,
     *,
     slopes: Sequence[Array] = (),
     rng: np.random.Generator,
-) -> Colour | None:
-    """The colour of a residual that is noise by all that it shows; None where it may be a misfit.
+) -> ColourTest:
+    """Whether a residual is noise by all that it shows, and how slow that is.
 
     Means over equal times, from a quarter of the motion's time constant to a two hundredth of the
     logs, are made white by an autoregression. The innovations are tested for normality by Jarque
@@ -125,19 +129,22 @@ def colour_of(
     period_s = float(np.median(np.concatenate([np.diff(part.time_s) for part in parts])))
     columns = slopes or [np.empty((int(np.isfinite(p.residual).sum()), 0)) for p in parts]
     longest_s = max(LONGEST_S, LONGEST_TIMES * motion_s)
-    told: list[Colour | None] = [None]
+    times_s: list[float] = []
     for width_s in _widths_s(length_s / FEWEST_MEANS, WIDTH * motion_s, period_s):
         both = zip(parts, columns, strict=True)
         runs = [run for part, own in both for run in _runs(part, own, width_s)]
         if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
-            return None
+            return ColourTest()
         left, innovations = _separated(runs)
-        if _odds_of_normal(np.concatenate(innovations)) < LEVEL:
-            return None
         if _follow_motion(innovations, runs, rng):
-            return None
-        told.append(_exponential(left, width_s, longest_s))
-    return next(colour for colour in told if colour is not None) if told[-1] else None
+            return ColourTest(against=NotNoise.GROWS_WITH_SPEED)
+        if _odds_of_normal(np.concatenate(innovations)) < LEVEL:
+            return ColourTest(against=NotNoise.STRAYS)
+        time_s, is_white = _exponential(left, width_s)
+        times_s += [time_s] if is_white else []
+    if not is_white:
+        return ColourTest(against=NotNoise.SPECTRUM)
+    return ColourTest(correlation_s=times_s[0]) if time_s <= longest_s else ColourTest()
 
 
 def _widths_s(widest_s: float, short_s: float, period_s: float) -> list[float]:
@@ -222,12 +229,11 @@ def _separated(runs: Sequence[_Run]) -> tuple[list[Array], list[Array]]:
     return left, [whiten(noise, values) for values in left]
 
 
-def _exponential(left: Sequence[Array], width_s: float, longest_s: float) -> Colour | None:
-    """The colour if white noise and one that forgets itself exponentially explain a spectrum."""
+def _exponential(left: Sequence[Array], width_s: float) -> tuple[float, bool]:
+    """τ of white noise and one that forgets itself exponentially, and whether these are all."""
     phi, theta = _likeliest(left)
-    time_s = float(-width_s / np.log(phi))
-    white = _odds_of_white([_innovations(values, phi, theta) for values in left]) >= LEVEL
-    return Colour(time_s) if white and time_s <= longest_s else None
+    odds = _odds_of_white([_innovations(values, phi, theta) for values in left])
+    return float(-width_s / np.log(phi)), odds >= LEVEL
 
 
 def _innovations(values: Array, phi: float, theta: float) -> Array:

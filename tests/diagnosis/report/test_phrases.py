@@ -8,10 +8,16 @@ from typing import Any
 import pytest
 from handmade_diagnosis import cause, diagnosis, estimate, remainder
 
-from softid.diagnosis.report.phrases import PREDICTORS, taken_by, unsteady, values_of
+from softid.diagnosis.report.phrases import (
+    PREDICTORS,
+    UNLIKE_NOISE,
+    taken_by,
+    unsteady,
+    values_of,
+)
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.verdict.naming import nameable
-from softid.diagnosis_results import Diagnosis, Variation, Verdict
+from softid.diagnosis_results import Diagnosis, NotNoise, Variation, Verdict
 from softid.errors import Issue
 
 
@@ -86,6 +92,19 @@ def test_noise_is_called_so_with_its_excess(excess: float, from_rest: bool, word
     found = diagnosis(Verdict.NAMED)
     left = replace(found.remainder, excess=excess, noise_from_rest=from_rest, structured=False)
     assert words in told(replace(found, remainder=left))
+
+
+@pytest.mark.parametrize("mark", NotNoise)
+def test_what_speaks_against_slow_noise_is_told(mark: NotNoise) -> None:
+    """Where nothing does, slow noise stays among what it may be."""
+    found = diagnosis(Verdict.UNKNOWN)
+    left = replace(
+        found.remainder, structured=True, structure_share=0.0, noise_from_rest=False, by={}
+    )
+    assert "a disturbance or slow noise" in told(replace(found, remainder=left))
+    text = told(replace(found, remainder=replace(left, against_noise=mark)))
+    assert "a disturbance or slow noise" not in text
+    assert f"would not {UNLIKE_NOISE[mark]}" in text
 
 
 def test_structure_that_chance_would_make_of_slow_noise_is_told() -> None:

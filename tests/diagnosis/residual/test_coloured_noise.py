@@ -7,8 +7,9 @@ import numpy.typing as npt
 import pytest
 from scipy.signal import lfilter
 
-from softid.diagnosis.residual.coloured_noise import Colour, colour_of
+from softid.diagnosis.residual.coloured_noise import ColourTest, colour_test
 from softid.diagnosis.residual.structure import ResidualContext
+from softid.diagnosis_results import NotNoise
 
 Array = npt.NDArray[np.float64]
 
@@ -39,10 +40,10 @@ def lagging(u: Array, time_s: float) -> Array:
     return found
 
 
-def found_in(residual: Array, u: Array, *slopes: Array) -> Colour | None:
+def found_in(residual: Array, u: Array, *slopes: Array) -> ColourTest:
     x = lagging(u, MOTION_S)
     part = ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, residual)
-    return colour_of([part], MOTION_S, slopes=slopes, rng=np.random.default_rng(0))
+    return colour_test([part], MOTION_S, slopes=slopes, rng=np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("white", [0.1, 0.5])
@@ -59,7 +60,7 @@ def test_slow_noise_is_told(white: float, time_s: float) -> None:
         noise = (1.0 - white) ** 0.5 * coloured(rng, time_s)
         noise += white**0.5 * rng.standard_normal(TIME_S.size)
         told.append(found_in(noise, u))
-    times = [colour.correlation_s for colour in told if colour is not None]
+    times = [found.correlation_s for found in told if found.correlation_s is not None]
     assert len(times) >= 0.9 * DRAWS
     assert np.median(times) == pytest.approx(time_s, rel=0.3)
 
@@ -86,8 +87,27 @@ def test_a_misfit_is_no_slow_noise(kind: str, slow: float) -> None:
         misfit = MISFITS[kind](u)
         rows = 2.0 * (misfit - misfit.mean()) / misfit.std()
         rows += rng.standard_normal(u.size) + slow**0.5 * 2.0 * coloured(rng, 1.0)
-        taken += found_in(rows, u) is not None
+        taken += found_in(rows, u).correlation_s is not None
     assert taken <= 1
+
+
+MARKS = {
+    NotNoise.GROWS_WITH_SPEED: lambda u, rng: (
+        (lagging(u, 0.3) - lagging(u, 0.2)) * np.sign(rng.standard_normal(u.size))
+    ),
+    NotNoise.STRAYS: lambda u, rng: 9.0 * (np.abs(TIME_S - 10.0) < 0.2),
+    NotNoise.SPECTRUM: lambda u, rng: np.sin(2.0 * np.pi * 0.5 * TIME_S),
+}
+
+
+@pytest.mark.parametrize("mark", MARKS)
+def test_what_speaks_against_noise_is_told(mark: NotNoise) -> None:
+    """Known truth: white noise that is loud where the motion is quick, one bump, one line."""
+    rng = np.random.default_rng(11)
+    u = steps(rng)
+    rows = MARKS[mark](u, rng)
+    rows = 2.0 * rows / rows.std() + 0.3 * rng.standard_normal(u.size)
+    assert found_in(rows, u) == ColourTest(against=mark)
 
 
 def test_errors_of_the_parameters_are_no_misfit() -> None:
@@ -97,8 +117,8 @@ def test_errors_of_the_parameters_are_no_misfit() -> None:
     slope = lagging(u, 0.3) - lagging(u, 0.2)
     noise = coloured(rng, 1.0) + 0.3 * rng.standard_normal(u.size)
     rows = noise + slope / slope.std()
-    assert found_in(rows, u) is None
-    assert found_in(rows, u, slope[:, None]) is not None
+    assert found_in(rows, u).against is not None
+    assert found_in(rows, u, slope[:, None]).correlation_s is not None
 
 
 def test_what_is_slower_than_colour_is_left_to_others() -> None:
@@ -108,7 +128,7 @@ def test_what_is_slower_than_colour_is_left_to_others() -> None:
         rng = np.random.default_rng(seed)
         u = steps(rng)
         rows = coloured(rng, 20.0) + 0.1 * rng.standard_normal(u.size)
-        taken += found_in(rows, u) is not None
+        taken += found_in(rows, u).correlation_s is not None
     assert taken <= 0.1 * DRAWS
 
 
@@ -118,7 +138,7 @@ def test_too_few_samples_tell_nothing() -> None:
     time_s = TIME_S[:150]
     rows = coloured(rng, 1.0)[:150]
     part = ResidualContext(time_s, time_s, np.ones(150), time_s, rows)
-    assert colour_of([part], MOTION_S, rng=rng) is None
+    assert colour_test([part], MOTION_S, rng=rng) == ColourTest()
 
 
 def test_lost_samples_and_several_logs() -> None:
@@ -132,6 +152,5 @@ def test_lost_samples_and_several_logs() -> None:
         u = steps(rng)
         x = lagging(u, MOTION_S)
         parts.append(ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, rows))
-    found = colour_of(parts, MOTION_S, rng=rng)
-    assert found is not None
+    found = colour_test(parts, MOTION_S, rng=rng)
     assert found.correlation_s == pytest.approx(0.5, rel=0.5)
