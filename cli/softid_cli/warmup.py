@@ -34,7 +34,7 @@ def warmup(quiet: bool) -> None:
     """Compile all kernels now and say where they are kept.
 
     Fits small made-up logs with every model that has kernels and simulates every effect. What is
-    compiled already is only loaded. Worth a line in the recipe of a container or a CI image. Where
+    compiled already is only loaded. Worth a line in the recipe of a container image. Where
     there are two processors, a second process compiles what effects in the motion and the
     equilibrium model need.
     """

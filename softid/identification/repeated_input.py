@@ -70,9 +70,8 @@ def without_repeats(log: Log) -> Log:
     issue = Issue(
         REPEATED_INPUT,
         "info",
-        f"{log.name}: {log.input} repeats each value for about {hold.factor:.2g} samples, until "
-        f"{hold.rate_hz:.3g} times a second a new one arrives; it is taken as straight between "
-        "the new ones",
+        f"{log.name}: {log.input} repeats each value for about {hold.factor:.2g} samples (new "
+        f"values at {hold.rate_hz:.3g} Hz); it is taken as straight between the new ones",
         "record all channels at one rate; if it is a command, map it as pressure_command",
     )
     channels = dict(log.channels) | {log.input: replace(channel, values=values)}
@@ -96,8 +95,8 @@ def _readings(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Ar
     first seen.
     """
     seen_s = time_s[run_starts(values)[1:]]
-    if seen_s.size > 1:
-        number = np.concatenate(([0.0], np.cumsum(np.round(np.diff(seen_s) / hold.hold_s))))
+    number = np.concatenate(([0.0], np.cumsum(np.round(np.diff(seen_s) / hold.hold_s))))
+    if seen_s.size > 1 and number[-1] > 0.0:
         period_s = float(np.polyfit(number, seen_s, 1)[0])
         late_s = seen_s - period_s * number
         if np.ptp(late_s) <= REGULAR * float(np.median(np.diff(time_s))):

@@ -37,8 +37,6 @@ TORQUE_COEFFICIENTS: Mapping[str, tuple[float, ...]] = MappingProxyType(
 The paper does not print the unit of torque. N·mm is this project's ASSUMPTION.
 """
 
-TORQUE_UNIT_ASSUMED = "N·mm"
-
 PRINTED_MAX_ERROR_RAD = 0.23
 PRINTED_MAX_ERROR_PERCENT = 7.99
 """Largest errors that the paper states (§5.1.2): 7.99 % is 0.23 rad over the endpoint, 2.88 rad."""

@@ -86,7 +86,7 @@ def draw_response(
     handles: list[Artist] = []
     handles += _draw_input(top, simulation, None if statistics.in_sample else fitted_range)
     handles[:0] = _draw_outputs(main, simulation, statistics, shown)
-    _draw_residual(below, simulation, statistics, shown)
+    _draw_residual(below, simulation, shown)
     handles += _mark_stalls((top, main, below), simulation)
     duration = simulation.time_s[-1] - simulation.time_s[0]
     top.set_xlim(simulation.time_s[0] - 0.01 * duration, simulation.time_s[-1] + 0.01 * duration)
@@ -169,9 +169,7 @@ def _limit_outputs(axes: Axes, measured: Array, simulated: Array) -> bool:
     return low > both[0] or high < both[1]
 
 
-def _draw_residual(
-    axes: Axes, simulation: Simulation, statistics: FitStatistics, shown: Display
-) -> None:
+def _draw_residual(axes: Axes, simulation: Simulation, shown: Display) -> None:
     residual = simulation.residual(shown.name) * shown.factor
     x, y = broken_trace(simulation.time_s, residual, simulation.segment_starts)
     axes.axhline(0.0, color=MEASURED, lw=1.0, zorder=1)

@@ -178,9 +178,7 @@ def test_slow_noise_needs_no_rest(names: list[str], verdict: Verdict) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "rig", [Rig(), Rig(coloured_share=0.9, rest_s=30.0)], ids=["white", "slow"]
-)
+@pytest.mark.parametrize("rig", [USUAL, SLOW_NOISE], ids=["white", "slow"])
 def test_clean_data_stay_adequate(rig: Rig) -> None:
     """Eight draws with noise that is white, and that is slow beside a rest that shows it."""
     assert not any(outcome_of([], seed, rig).told for seed in DRAWS)

@@ -221,11 +221,7 @@ def test_other_searches_follow_one_that_came_to_nothing(
         (False, NOTHING, False),
         (False, SearchResult(chain_of("delay"), STRUCTURE, (True,)), False),
         (False, SearchResult(chain_of("delay"), NOISE, (False,)), False),
-        (
-            False,
-            SearchResult(chain_of("delay"), replace(NOISE, explained_share=0.9), (True,)),
-            False,
-        ),
+        (False, SearchResult(chain_of("delay"), LITTLE, (True,)), False),
     ],
 )
 def test_only_a_whole_answer_from_a_multistart_counts(

@@ -9,7 +9,8 @@ import numpy.typing as npt
 import pytest
 
 import softid
-from softid.identification.repeated_input import without_repeats
+from softid.excitation.texture import SampleHold
+from softid.identification.repeated_input import _readings, without_repeats
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -50,7 +51,7 @@ def test_the_course_between_the_readings_is_straight() -> None:
     assert np.abs(recorded().channels["pressure"].values - true)[inside].max() > 0.05 * span
     (issue,) = told.issues
     assert issue.code == "repeated-input"
-    assert "repeats each value for about 4.8 samples, until 25 times a second" in issue.message
+    assert "repeats each value for about 4.8 samples (new values at 25 Hz)" in issue.message
 
 
 def test_a_sensor_without_a_clock_is_read_when_its_value_is_first_seen() -> None:
@@ -62,6 +63,7 @@ def test_a_sensor_without_a_clock_is_read_when_its_value_is_first_seen() -> None
 
 
 def test_what_brings_news_at_every_sample_is_left_alone() -> None:
+    """The pressure is read as often as the output."""
     log = recorded(repeated=False)
     assert without_repeats(log) is log
 
@@ -71,11 +73,13 @@ def test_what_brings_news_at_every_sample_is_left_alone() -> None:
     [
         recorded(channel="pressure_command"),
         replace(recorded(), intersample="zoh"),
+        replace(recorded(), intersample="held"),
         replace(recorded(), intersample="straight"),
     ],
-    ids=["command", "declared held", "declared straight"],
+    ids=["command", "zoh", "held", "straight"],
 )
-def test_what_holds_its_values_itself_is_left_alone(log: Log) -> None:
+def test_a_command_or_a_declared_input_is_left_alone(log: Log) -> None:
+    """Somebody has said what the input does between its samples."""
     assert without_repeats(log) is log
 
 
@@ -103,3 +107,13 @@ def test_a_score_reads_the_input_alike() -> None:
     (score,) = softid.validate(found, replace(recorded(), name="other")).statistics
     (fitted,) = found.statistics
     assert score.rmse == pytest.approx(fitted.rmse, rel=1e-3)
+
+
+def test_readings_closer_than_half_a_period_give_no_clock() -> None:
+    """A segment of twelve samples with two changes in it: each is read when it is first seen."""
+    time_s = np.arange(12) / RATE_HZ
+    values = np.repeat([1.0, 2.0, 3.0], [3, 2, 7])
+    hold = SampleHold(4.8, 4.8 / RATE_HZ, RATE_HZ / 4.8)
+    read_s, read = _readings(time_s, values, hold)
+    assert set(read_s) <= set(time_s)
+    assert read.tolist() == values[np.searchsorted(time_s, read_s)].tolist()

@@ -12,8 +12,6 @@ from softid.log import Log
 from softid.quality import Inspection, inspect
 from softid.readers import load
 
-STEPS_S = (0.0, 10.0, 50.0, 55.0)
-
 
 def held_log(extra_deg: np.ndarray | float = 0.0, **others: np.ndarray) -> Inspection:
     """0, 60 and 0 kPa, the middle level for 40 s, and an angle with a lag of 0.5 s."""

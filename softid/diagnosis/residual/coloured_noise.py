@@ -18,40 +18,47 @@ import numpy.typing as npt
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.residual.structure import ResidualContext, predicted_beyond_chance
 from softid.diagnosis_results import NotNoise
+from softid.residuals import ljung_box
 from softid.uncertainty.autoregression import fit_ar, run_slices, whiten
 
 Array = npt.NDArray[np.float64]
 
 WIDTH = 0.25
-"""The shortest means are over so many time constants of the motion: a misfit lasts longer."""
+"""The shortest means are over so many time constants of the motion, or just below twice as many: a
+misfit lasts longer."""
 
 WIDER = 2.0
-"""Each further width is so many times the one before: the wider, the less of the white noise."""
+"""Each width is at least so many times the one before: a mean of more samples holds less of the
+white noise."""
 
 FEWEST_MEANS = 200
 """The widest means are so many. Fewer do not tell one kind of residual from the other."""
 
 ENOUGH = 0.8
-"""So much of them is enough, for lost samples and the ends of logs take some."""
+"""This share of them is enough, for lost samples and the ends of logs take some."""
 
 SPIKE = 6.0
-"""A sample so many deviations off both neighbours is a fault of the sensor, and is left out."""
+"""A sample so many deviations of the fast noise off both neighbours is a fault of the sensor."""
 
 NORMAL_MEDIAN = 0.6745
 """Median of the size of a normal number, in its deviations."""
 
 LONGEST_S, LONGEST_TIMES = 2.0, 2.0
-"""Noise that forgets itself within so long, or so many time constants of the motion, is colour.
+"""Noise with a correlation time up to this, or so many time constants of the motion, is colour.
 What is slower may be a drift or a creep as well."""
 
-LARGEST_MOVING = 2.0 - 3.0**0.5
+LARGEST_THETA = 2.0 - 3.0**0.5
 """Largest coefficient of the moving average that means of exponentially correlated noise have."""
 
 LAGS = 20
 """Innovations are looked at for correlations up to this lag."""
 
-LEVEL = 1e-4
-"""Noise fails the tests of whiteness and of normality about once in so many times each."""
+NOT_WHITE = 1e-4
+"""Innovations of less likely correlations are those of a misfit."""
+
+NOT_NORMAL = 1e-6
+"""So are those of a less likely skewness and kurtosis. Their p-value is that of many samples: one
+draw in 1300 of two hundred normal numbers lies beyond this, one in 10,000 of eight hundred."""
 
 FOLLOWS = 0.04
 """The size of the innovations follows from the motion where that predicts so large a share of its
@@ -64,13 +71,13 @@ SMALLEST = 1e-4
 """The same for the squares of innovations."""
 
 ROUNDS = 2
-"""The noise and the errors of the parameters are told from each other so many times in turn."""
+"""The noise and the errors of the parameters are fitted in turn so many times."""
 
 DISTINCT = 1e-8
 """Directions of the slopes that are weaker than this share of the strongest are rounding."""
 
 STARTING = 3
-"""Innovations at the begin of a run know too little of what was before."""
+"""Innovations at the beginning of a run know too little of what was before."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +87,7 @@ class ColourTest:
     Attributes
     ----------
     correlation_s
-        Time in which it forgets itself, if it has all marks of noise; else None.
+        Its correlation time, if it has all marks of noise; else None.
     against
         What it does that noise does not; None where nothing does, or too little is known to tell.
     """
@@ -98,8 +105,8 @@ def colour_test(
 ) -> ColourTest:
     """Whether a residual is noise by all that it shows, and how slow that is.
 
-    Means over equal times, from a quarter of the motion's time constant to a two hundredth of the
-    logs, are made white by an autoregression. The innovations are tested for normality by Jarque
+    Means over equal times, from a quarter of the motion's time constant to 1/200 of the logs'
+    length, are made white by an autoregression. The innovations are tested for normality by Jarque
     and Bera, and for a size that follows from the speed or from the rate of the input.
 
     Means of white noise and of one with the covariance s² e^{−|t|/τ} obey
@@ -115,12 +122,18 @@ def colour_test(
     parts
         Residuals with their motion and input.
     motion_s
-        Time constant of the motion.
+        Time constant of the motion, in s.
     slopes
-        For each of them ∂(simulated)/∂(unknowns) at the samples whose residual is finite, shape
-        (m, U); empty for what was not fitted.
+        For each of them ∂(simulated)/∂(unknowns) at the m samples whose residual is finite, in the
+        residual's unit per unknown, shape (m, U); empty for what was not fitted.
     rng
         Draws the shifts that say what chance would make of the size.
+
+    Returns
+    -------
+    ColourTest
+        With neither a time nor a mark where there are too few samples, or where what is left is
+        slower than colour.
 
     Source: Ljung and Box, *Biometrika* 65 (1978), Eq (1.4); Jarque and Bera, *International
     Statistical Review* 55 (1987), Eq (5).
@@ -128,31 +141,47 @@ def colour_test(
     length_s = sum(float(part.time_s[-1] - part.time_s[0]) for part in parts)
     period_s = float(np.median(np.concatenate([np.diff(part.time_s) for part in parts])))
     columns = slopes or [np.empty((int(np.isfinite(p.residual).sum()), 0)) for p in parts]
-    longest_s = max(LONGEST_S, LONGEST_TIMES * motion_s)
+    activities = _activities(parts)
     times_s: list[float] = []
-    for width_s in _widths_s(length_s / FEWEST_MEANS, WIDTH * motion_s, period_s):
-        both = zip(parts, columns, strict=True)
-        runs = [run for part, own in both for run in _runs(part, own, width_s)]
+    is_white = False
+    for count in _samples_a_mean(length_s / FEWEST_MEANS / period_s, WIDTH * motion_s / period_s):
+        width_s = count * period_s
+        given = zip(parts, columns, activities, strict=True)
+        runs = [run for each in given for run in _runs(*each, width_s)]
         if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
             return ColourTest()
         left, innovations = _separated(runs)
         if _follow_motion(innovations, runs, rng):
             return ColourTest(against=NotNoise.GROWS_WITH_SPEED)
-        if _odds_of_normal(np.concatenate(innovations)) < LEVEL:
+        if _p_of_normal(np.concatenate(innovations)) < NOT_NORMAL:
             return ColourTest(against=NotNoise.STRAYS)
         time_s, is_white = _exponential(left, width_s)
         times_s += [time_s] if is_white else []
     if not is_white:
         return ColourTest(against=NotNoise.SPECTRUM)
-    return ColourTest(correlation_s=times_s[0]) if time_s <= longest_s else ColourTest()
+    is_slow = max(times_s[0], times_s[-1]) > max(LONGEST_S, LONGEST_TIMES * motion_s)
+    return ColourTest() if is_slow else ColourTest(correlation_s=times_s[0])
 
 
-def _widths_s(widest_s: float, short_s: float, period_s: float) -> list[float]:
-    """Widths from a short one to the widest, none below a sampling interval."""
-    widths_s = [max(widest_s, period_s)]
-    while widths_s[-1] > max(short_s, WIDER * period_s):
-        widths_s.append(widths_s[-1] / WIDER)
-    return widths_s[::-1]
+def _samples_a_mean(most: float, few: float) -> list[int]:
+    """Samples in each mean of every width, from few to the most.
+
+    They are whole, for means over unlike numbers of samples have unlike variances.
+    """
+    counts = [max(round(most), 1)]
+    while counts[-1] > max(few, 1.0):
+        counts.append(int(counts[-1] / WIDER))
+    return counts[::-1]
+
+
+def _activities(parts: Sequence[ResidualContext]) -> list[Array]:
+    """Speed and rate of the input at every sample, no smaller than a share of their mean."""
+    pairs = [
+        np.column_stack((np.abs(part.v), np.abs(np.gradient(part.u, part.time_s))))
+        for part in parts
+    ]
+    least = AT_REST * np.concatenate(pairs).mean(axis=0)
+    return [pair + np.maximum(least, np.finfo(float).tiny) for pair in pairs]
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +195,7 @@ class _Run:
     residual, slopes
         Means of the residual, shape (k,), and of the slopes and of one, shape (k, U + 1).
     activity
-        Logarithms of the speeds and their squares, shape (k, 4).
+        Logarithms of the speeds, and their squares, shape (k, 4).
     """
 
     time_s: Array
@@ -175,13 +204,13 @@ class _Run:
     activity: Array
 
 
-def _runs(part: ResidualContext, slopes: Array, width_s: float) -> list[_Run]:
+def _runs(part: ResidualContext, slopes: Array, activity: Array, width_s: float) -> list[_Run]:
     """Means over equal times; where one holds no sample, a run ends."""
-    place = ((part.time_s - part.time_s[0]) / width_s + 1e-9).astype(np.intp)
+    place = ((part.time_s - part.time_s[0]) / width_s + 1e-6).astype(np.intp)
     count = int(place[-1])  # the last one is not full
-    known = np.isfinite(part.residual)
+    known = np.flatnonzero(np.isfinite(part.residual))
     steady = ~_are_spikes(part.residual[known])
-    slopes, known = slopes[steady], np.flatnonzero(known)[steady]
+    slopes, known = slopes[steady], known[steady]
 
     def mean(values: Array, at: npt.NDArray[np.intp]) -> Array:
         total = np.bincount(at, values, minlength=count + 1)
@@ -189,16 +218,14 @@ def _runs(part: ResidualContext, slopes: Array, width_s: float) -> list[_Run]:
             found: Array = (total / np.bincount(at, minlength=count + 1))[:count]
         return found
 
-    speeds = [np.abs(part.v), np.abs(np.gradient(part.u, part.time_s))]
-    tiny = np.finfo(float).tiny
-    logs = [np.log(mean(s, place) + max(AT_REST * float(s.mean()), tiny)) for s in speeds]
-    activity = np.column_stack((*logs, *(log**2 for log in logs)))
     residual = mean(part.residual[known], place[known])
     columns = [mean(column, place[known]) for column in slopes.T]
     averaged = np.column_stack((*columns, np.ones(count)))
+    logs = [np.log(mean(column, place)) for column in activity.T]
+    powers = np.column_stack((*logs, *(log**2 for log in logs)))
     time_s = part.time_s[0] + width_s * np.arange(count)
     return [
-        _Run(time_s[span], residual[span], averaged[span], activity[span])
+        _Run(time_s[span], residual[span], averaged[span], powers[span])
         for span in run_slices(np.isfinite(residual))
         if span.stop - span.start > STARTING
     ]
@@ -211,8 +238,8 @@ def _are_spikes(residual: Array) -> npt.NDArray[np.bool_]:
     beside = np.concatenate((residual[1:2], residual[:-1])), np.append(residual[1:], residual[-2])
     off = residual - np.clip(residual, np.minimum(*beside), np.maximum(*beside))
     usual = residual - 0.5 * (beside[0] + beside[1])
-    deviation = float(np.median(np.abs(usual))) / NORMAL_MEDIAN
-    found: npt.NDArray[np.bool_] = np.abs(off) > SPIKE * deviation
+    deviation = float(np.median(np.abs(usual))) / (NORMAL_MEDIAN * 1.5**0.5)
+    found: npt.NDArray[np.bool_] = np.abs(off) > (SPIKE * deviation if deviation > 0.0 else np.inf)
     return found
 
 
@@ -232,8 +259,8 @@ def _separated(runs: Sequence[_Run]) -> tuple[list[Array], list[Array]]:
 def _exponential(left: Sequence[Array], width_s: float) -> tuple[float, bool]:
     """τ of white noise and one that forgets itself exponentially, and whether these are all."""
     phi, theta = _likeliest(left)
-    odds = _odds_of_white([_innovations(values, phi, theta) for values in left])
-    return float(-width_s / np.log(phi)), odds >= LEVEL
+    p = _p_of_white([_innovations(values, phi, theta) for values in left])
+    return float(-width_s / np.log(phi)), p >= NOT_WHITE
 
 
 def _innovations(values: Array, phi: float, theta: float) -> Array:
@@ -251,7 +278,7 @@ def _likeliest(runs: Sequence[Array]) -> tuple[float, float]:
     def innovations(point: Array) -> Array:
         return np.concatenate([_innovations(run, *point.tolist()) for run in runs])
 
-    bounds = ((1e-6, -1.0 + 1e-6), (1.0 - 1e-6, LARGEST_MOVING))
+    bounds = ((1e-6, -1.0 + 1e-6), (1.0 - 1e-6, LARGEST_THETA))
     fits = [
         least_squares(innovations, start, bounds=bounds, x_scale=0.1)
         for start in ((0.5, 0.0), (0.9, -0.5), (0.98, 0.1))
@@ -260,18 +287,14 @@ def _likeliest(runs: Sequence[Array]) -> tuple[float, float]:
     return float(phi), float(theta)
 
 
-def _odds_of_white(innovations: Sequence[Array]) -> float:
-    """Chance of such correlations: n (n + 2) Σ ρ_k²/(n − k) is χ² with two degrees less."""
-    n = sum(part.size for part in innovations)
-    power = max(sum(float(part @ part) for part in innovations), np.finfo(float).tiny)
-    statistic = 0.0
-    for lag in range(1, LAGS + 1):
-        product = sum(float(part[lag:] @ part[:-lag]) for part in innovations)
-        statistic += (product / power) ** 2 / (n - lag)
-    return chi_square_tail(n * (n + 2) * statistic, LAGS - 2)
+def _p_of_white(innovations: Sequence[Array]) -> float:
+    """Chance of such correlations within the runs; two coefficients were fitted."""
+    apart = np.full(LAGS, np.nan)
+    joined = np.concatenate([piece for part in innovations for piece in (part, apart)])
+    return ljung_box(joined, LAGS, fitted_parameters=2).p_value
 
 
-def _odds_of_normal(values: Array) -> float:
+def _p_of_normal(values: Array) -> float:
     """Chance of such a skewness S and kurtosis K: n (S²/6 + (K − 3)²/24) is χ² with two degrees."""
     scaled = (values - values.mean()) / max(float(values.std()), np.finfo(float).tiny)
     skewness, kurtosis = float(np.mean(scaled**3)), float(np.mean(scaled**4))

@@ -112,10 +112,10 @@ def with_open_jumps(
     left, count = [], 0
     for k, part in enumerate(parts):
         seen, whole = np.isfinite(part.residual), part_of_jumps(model, k)
-        count += whole.shape[1] // len(PULSES)
         if whole.shape[1] == 0 or not seen.any():
             left.append(part)
             continue
+        count += whole.shape[1] // len(PULSES)
         used = whole[seen]
         gram = used.T @ used / variance
         inverse = np.linalg.inv(gram + np.eye(whole.shape[1]))

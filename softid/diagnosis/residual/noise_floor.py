@@ -36,6 +36,16 @@ EVENTFUL = 10.0
 """In a piece something happened that is no noise when it holds so many times the power of the usual
 one, which varies far less from piece to piece in slow noise."""
 
+FEWEST_SAMPLES = 3
+"""Measured samples of a rest: fewer make no noise model."""
+
+SECOND_DIFFERENCE = 6.0
+"""Variance of a second difference of white noise in its own, 1² + 2² + 1²."""
+
+SQUARES_COST = 5.0
+"""Relative variance of the estimate, times the number of differences: 3.9 for their squares, which
+are correlated, and more for a quantile in place of the mean."""
+
 BLOCK = 32
 """Samples whose fastest part has one size. Noise that grows with the reading, and that of the
 pressure where the static curve is steep, has another one elsewhere."""
@@ -87,7 +97,9 @@ def noise_floor(
         _without_events(residual[span], time_s[span])
         for residual, u, time_s in zip(residuals, inputs, times, strict=True)
         for span in rest_spans(u, time_s, motion_s)
+        if np.isfinite(residual[span]).any()
     ]
+    rests = [rest for rest in rests if np.isfinite(rest).sum() >= FEWEST_SAMPLES]
     everywhere = _fastest_part([run for r in residuals for run in contiguous_runs(r)])
     if rests:
         runs = [run for rest in rests for run in contiguous_runs(rest)]
@@ -110,8 +122,8 @@ def _fastest_part(runs: Sequence[Array]) -> NoiseFloor:
     second = np.concatenate([np.diff(run, 2) for run in runs if run.size > 2] or [np.zeros(1)])
     blocks = np.array_split(second, max(second.size // BLOCK, 1))
     deviations = [float(np.quantile(np.abs(block), QUANTILE)) / AT_QUANTILE for block in blocks]
-    variance = float(np.mean(np.square(deviations))) / 6.0
-    return NoiseFloor(variance, float(np.sqrt(5.0 / second.size)), from_rest=False)
+    variance = float(np.mean(np.square(deviations))) / SECOND_DIFFERENCE
+    return NoiseFloor(variance, float(np.sqrt(SQUARES_COST / second.size)), from_rest=False)
 
 
 def _without_events(rest: Array, time_s: Array) -> Array:
@@ -121,11 +133,14 @@ def _without_events(rest: Array, time_s: Array) -> Array:
     if len(seen) < FEWEST_PIECES:
         return rest - float(np.nanmean(rest))
     level = float(np.median([np.nanmedian(piece) for piece in seen]))
-    power = [float(np.nanmean((piece - level) ** 2)) for piece in seen]
-    limit = EVENTFUL * float(np.median(power))
+    power = [
+        float(np.nanmean((piece - level) ** 2)) if np.isfinite(piece).any() else np.nan
+        for piece in pieces
+    ]
+    limit = EVENTFUL * float(np.nanmedian(power))
     kept = [
         piece if own <= limit else np.full(piece.size, np.nan)
-        for piece, own in zip(seen, power, strict=True)
+        for piece, own in zip(pieces, power, strict=True)
     ]
     quiet = np.concatenate(kept)
     return quiet - float(np.nanmean(quiet))

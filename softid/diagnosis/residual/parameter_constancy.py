@@ -101,6 +101,8 @@ class _ScoreTest:
         self.basis = basis_of(np.column_stack(unknown))
         residual = np.concatenate([row.residual for row in self.rows])
         self.left = project_out(self.basis, self.white(residual[:, None])[:, 0])
+        freedom = max(self.left.size - self.basis.shape[1], 1)
+        self.variance = float(self.left @ self.left) / freedom
 
     def white(self, columns: Array) -> Array:
         """Columns at the used samples of all rows, made white."""
@@ -125,12 +127,15 @@ class _ScoreTest:
         found = []
         for name in VARIABLES:
             columns = self.white(growth[:, None] * _piecewise_linear(name, self.rows, growth**2))
-            variation = _judged(name, added_basis(self.basis, columns), self.left, weight, taken)
+            asked = added_basis(self.basis, columns)
+            variation = _judged(name, asked, self.left, self.variance, weight, taken)
             found += [variation] if variation is not None else []
         return min(found, key=lambda variation: variation.chance, default=None)
 
 
-def _judged(name: str, asked: Array, left: Array, weight: float, taken: float) -> Variation | None:
+def _judged(
+    name: str, asked: Array, left: Array, variance: float, weight: float, taken: float
+) -> Variation | None:
     """The variation with a variable, if chance does not explain it and it is worth a word.
 
     ``weight`` is ‖W g‖², of which the model without the effect cannot do ``taken``.
@@ -138,7 +143,6 @@ def _judged(name: str, asked: Array, left: Array, weight: float, taken: float) -
     freedom = asked.shape[1]
     if freedom == 0:
         return None
-    variance = float(left @ left) / left.size
     further = float(np.sum((asked.T @ left) ** 2)) / variance
     chance = chi_square_tail(further, freedom)
     beyond = max(further - freedom, 0.0)
@@ -148,7 +152,7 @@ def _judged(name: str, asked: Array, left: Array, weight: float, taken: float) -
 
 
 def _of_jumps(final: Candidate, rows: Sequence[Rows]) -> Array:
-    """What the moments of all jumps do at the used samples of all rows, shape (m, J)."""
+    """What the moments of all jumps do at the used samples of all rows, shape (m, 2 J)."""
     first = final.problem.outputs[0]
     parts = [part_of_jumps(final, k) for k in range(len(final.problem.segments))]
     whole = np.zeros((sum(row.residual.size for row in rows), sum(p.shape[1] for p in parts)))

@@ -7,7 +7,12 @@ import numpy.typing as npt
 import pytest
 from scipy.signal import lfilter
 
-from softid.diagnosis.residual.coloured_noise import ColourTest, colour_test
+from softid.diagnosis.residual.coloured_noise import (
+    ColourTest,
+    _are_spikes,
+    _p_of_white,
+    colour_test,
+)
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.diagnosis_results import NotNoise
 
@@ -49,9 +54,10 @@ def found_in(residual: Array, u: Array, *slopes: Array) -> ColourTest:
 @pytest.mark.parametrize("white", [0.1, 0.5])
 @pytest.mark.parametrize("time_s", [0.3, 1.0])
 def test_slow_noise_is_told(white: float, time_s: float) -> None:
-    """Known truth: three tests at a thousandth each on three widths refuse one draw in a hundred.
+    """Known truth: whiteness is asked once at 1e-4, normality and size on four widths.
 
-    The correlation time is known to about √(2τ/T), a fifth for 1 s in 48 s, in the median.
+    A size must follow from the motion by 4 %, which chance does in less than one of a hundred. The
+    correlation time is known to about √(2τ/T), a fifth for 1 s in 48 s, in the median.
     """
     told = []
     for seed in range(DRAWS):
@@ -130,6 +136,37 @@ def test_what_is_slower_than_colour_is_left_to_others() -> None:
         rows = coloured(rng, 20.0) + 0.1 * rng.standard_normal(u.size)
         taken += found_in(rows, u).correlation_s is not None
     assert taken <= 0.1 * DRAWS
+
+
+def test_white_runs_are_white_however_short_they_are() -> None:
+    """Closed form: nothing was fitted, so that P(χ² of 20 > 28.87) = 9 % lie below 0.05; ± 1.4 %."""
+    rng = np.random.default_rng(0)
+    for count in (2, 20):
+        p = [_p_of_white(np.split(rng.standard_normal(400), count)) for _ in range(400)]
+        assert 0.05 < np.mean(np.array(p) < 0.05) < 0.13
+
+
+def test_a_coarse_residual_has_no_spikes() -> None:
+    """More than half of the samples equal their neighbours: nothing says what is usual."""
+    residual = np.round(0.35 * np.random.default_rng(0).standard_normal(2000))
+    assert not _are_spikes(residual).any()
+    fine = np.random.default_rng(1).standard_normal(2000)
+    fine[[500, 900]] = (12.0, -12.0)
+    assert np.flatnonzero(_are_spikes(fine)).tolist() == [500, 900]
+
+
+def test_quick_motion_and_a_log_at_rest_beside_it() -> None:
+    """Noise is told where means are of few samples, and where one log has a constant input."""
+    taken = 0
+    for seed in range(DRAWS):
+        rng = np.random.default_rng(seed)
+        parts = []
+        for u in (steps(rng), np.full(TIME_S.size, 50.0)):
+            x = lagging(u, 0.05)
+            rows = coloured(rng, 0.5) + 0.3 * rng.standard_normal(TIME_S.size)
+            parts.append(ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, rows))
+        taken += colour_test(parts, 0.05, rng=rng).correlation_s is not None
+    assert taken >= DRAWS - 2
 
 
 def test_too_few_samples_tell_nothing() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
+from softid.diagnosis.residual.noise_floor import NoiseFloor, _without_events, noise_floor
 
 Array = npt.NDArray[np.float64]
 
@@ -168,3 +168,26 @@ def test_white_noise_is_told_fairly() -> None:
     noise = np.random.default_rng(6).standard_normal(time_s.size)
     floor = noise_floor([noise], [u], [time_s], MOTION_S)
     assert floor.variance == pytest.approx(float(np.mean(noise**2)), rel=0.015)
+
+
+def test_a_rest_without_a_measured_sample_tells_nothing() -> None:
+    """Of two rests one is lost: the other one tells the noise; with both lost its fastest part."""
+    time_s, u = with_rests()
+    residual = coloured(np.random.default_rng(3), time_s.size, 0.8)
+    whole = noise_floor([residual], [u], [time_s], MOTION_S)
+    residual[time_s >= 60.0] = np.nan
+    one = noise_floor([residual], [u], [time_s], MOTION_S)
+    assert one.from_rest
+    assert one.relative_sd == pytest.approx(2.0**0.5 * whole.relative_sd, rel=0.2)
+    residual[time_s < 40.0] = np.nan
+    assert not noise_floor([residual], [u], [time_s], MOTION_S).from_rest
+
+
+def test_what_lies_on_both_sides_of_a_gap_is_not_joined() -> None:
+    """A piece of 4 s without a sample stays: two runs, and no neighbours across the gap."""
+    time_s = PERIOD_S * np.arange(2000)
+    residual = np.random.default_rng(0).standard_normal(time_s.size)
+    residual[(time_s > 16.0) & (time_s < 21.0)] = np.nan
+    rest = _without_events(residual, time_s)
+    assert rest.size == residual.size
+    assert np.array_equal(np.isnan(rest), np.isnan(residual))
