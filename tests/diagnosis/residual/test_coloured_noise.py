@@ -139,7 +139,7 @@ def test_what_is_slower_than_colour_is_left_to_others() -> None:
 
 
 def test_white_runs_are_white_however_short_they_are() -> None:
-    """Closed form: nothing was fitted, so that P(χ² of 20 > 28.87) = 9 % lie below 0.05; ± 1.4 %."""
+    """Closed form: nothing was fitted, so that P(χ² of 20 > 28.87) = 9 % lie below 0.05."""
     rng = np.random.default_rng(0)
     for count in (2, 20):
         p = [_p_of_white(np.split(rng.standard_normal(400), count)) for _ in range(400)]
