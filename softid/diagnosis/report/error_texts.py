@@ -87,10 +87,13 @@ class ErrorTexts:
             "for other moves, or something that the fitted ones hardly show."
         )
 
-    def nothing_to_mend(self) -> str:
+    def nothing_to_mend(self, remainder: Remainder) -> str:
         """The last word on an adequate model, and what it is worth."""
         if any(g.fit_percent_before <= 0.0 for g in self.rows):
             return "But a constant would do as well: the logs show too little to judge the model."
+        more = self.more_held_out(remainder)
+        if more:
+            return f"{more} Fit them together to tell which."
         return "There is nothing to mend for logs like these."
 
     def mended(self, causes: Sequence[Cause]) -> str:

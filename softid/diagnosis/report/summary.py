@@ -156,7 +156,7 @@ def summarise(
             told.append(teller.more_held_out(remainder))
     told += [sentence(mark) for mark in marks]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
-        told.append(teller.nothing_to_mend())
+        told.append(teller.nothing_to_mend(remainder))
     told += _next(verdict, causes, alternatives, next_experiment)
     return " ".join(sentence for sentence in told if sentence)
 

@@ -45,9 +45,16 @@ def test_every_paragraph_is_short_and_in_the_units_of_the_log(verdict: Verdict) 
     assert "nan" not in text
 
 
+def held_out_at(found: Diagnosis, factor: float) -> Diagnosis:
+    """With an error on what is held out of so many times what is left of the fitted samples."""
+    error = factor * found.remainder.rms
+    gains = tuple(replace(g, rmse_before=error, rmse_after=error) for g in found.gains)
+    return replace(found, gains=gains)
+
+
 def test_adequate_claims_no_cause() -> None:
     """Nothing to name, and the chance that it is compared with is told."""
-    text = told(diagnosis(Verdict.ADEQUATE))
+    text = told(held_out_at(diagnosis(Verdict.ADEQUATE), 1.1))
     assert "None of the effects tried" in text
     assert "no more of it follows from the motion, the input and the time than chance" in text
     assert "cause" not in text
@@ -80,6 +87,13 @@ def test_slow_noise_that_no_rest_shows_is_told_with_its_time_and_a_reserve(
     text = told(replace(found, remainder=left))
     assert "slow noise, which forgets itself within 0.84 s" in text
     assert "could hide in it" in text
+
+
+def test_an_adequate_model_that_misses_what_is_held_out_is_not_praised() -> None:
+    """The fitted samples leave noise of 0.2 degrees; held out are six times as much."""
+    text = told(held_out_at(diagnosis(Verdict.ADEQUATE), 6.0))
+    assert "The held-out samples keep more, 1.2 deg" in text
+    assert "nothing to mend" not in text
 
 
 def test_named_says_what_how_much_why_and_what_to_do() -> None:
