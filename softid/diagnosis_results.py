@@ -207,7 +207,7 @@ class Remainder:
         Jumps of the input between two samples whose moments were left open, for what is left is
         noise then; 0 where it is more, or where it is noise without that.
     colour_s
-        Time in which what is left forgets itself, where it has all marks of slow noise and no rest
+        Correlation time of what is left, in s, where it has all marks of slow noise and no rest
         shows the noise alone; else None.
     against_noise
         What slow noise, which no rest shows, would not do; None where nothing speaks against it, or

@@ -65,7 +65,7 @@ class SearchResult:
     def is_sure(self) -> bool:
         """Whether causes may be named that leave noise and next to nothing of the misfit.
 
-        So many more tries find something that explains most of any misfit.
+        Many tries find something that explains most of any misfit, so no less will do.
         """
         whole = self.remainder.explained_share > EXPLAINED
         return any(self.is_named) and whole and not self.remainder.structured

@@ -209,9 +209,9 @@ def _search_with_intersample(
 
 
 def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, BaseFit, int]:
-    """Logs without what depends on lost input or is needless, fitted; how many samples a mean.
+    """The cleaned and averaged logs, their base fit, and how many samples were averaged.
 
-    Both need a fit that knows how long the actuator remembers.
+    Cleaning and averaging need a fit that knows how long the actuator remembers.
     """
     base = request.fit_base(recordings.logs, recordings.hold_out, thorough=False)
     problem = base.candidate.problem
@@ -230,7 +230,7 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
 
 
 def _rising(progress: Progress | None) -> Progress:
-    """The callback with fractions that never fall: what is searched twice begins at its start."""
+    """The callback with fractions that never fall, though a second search begins anew."""
     most = 0.0
 
     def report(message: str, fraction: float) -> None:
@@ -246,8 +246,10 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
     chain, remainder, held_out = found.chain, found.remainder, base.held_out
     rng = np.random.default_rng(seed)
-    first = base.asked_for.identified
-    before = assemble(first.found, first.logs, first.hold_out, choice=first.choice, seed=seed)
+    asked_for = base.asked_for.identified
+    before = assemble(
+        asked_for.found, asked_for.logs, asked_for.hold_out, choice=asked_for.choice, seed=seed
+    )
     extends = bool(chain.links) or base.instead_of is not None
     after = _fit_of(chain.final, base.identified, seed) if extends else None
     models = prefix_models(chain, base.candidate, base.scale, base.sigma)
@@ -344,8 +346,7 @@ def _with_variations(
     if not causes:
         return ()
     added = [link.added for link in chain.links]
-    is_open = remainder.open_jumps > 0
-    varied = variations(chain.final, added, base.sigma, with_open_jumps=is_open)
+    varied = variations(chain.final, added, base.sigma, with_open_jumps=remainder.open_jumps > 0)
     return tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
 
 
@@ -357,18 +358,15 @@ def _cleaned(log: Log) -> Log:
 def _fit_of(final: Candidate, identified: Identification, seed: int) -> FitResult:
     """The extended model as a fit with errors and scores."""
     problem, z = final.problem, final.minimum.point
-    lower, upper = problem.bounds()
-    width = np.where(np.isfinite(upper - lower), upper - lower, np.inf)
-    near = np.where(np.isfinite(width), 1e-6 * width, 0.0)
     optimum = Optimum(
-        z,
-        0.5 * final.squares,
-        dict(identified.found.optimum.sigma),
-        FitStatus.CONVERGED,
-        final.minimum.reach,
-        final.minimum.evaluations,
-        (z - lower <= near) | (upper - z <= near),
-        final.prior.centre,
+        unknowns=z,
+        cost=0.5 * final.squares,
+        sigma=dict(identified.found.optimum.sigma),
+        status=FitStatus.CONVERGED,
+        offset=final.minimum.reach,
+        evaluations=final.minimum.evaluations,
+        at_bound=problem.at_bound(z),
+        start=final.prior.centre,
     )
     constraints = ParameterConstraints.of(problem.model.parameters(), None)
     found = OptimisedProblem(problem, optimum, identified.found.unseen, constraints)

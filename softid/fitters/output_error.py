@@ -316,9 +316,7 @@ def _judge(objective: Objective, best: Minimum, start: Array, *, stable: bool) -
     z, normal = best.point, best.normal
     lower, upper = objective.problem.bounds()
     reach = objective.problem.reach()
-    width = np.where(np.isfinite(upper - lower), upper - lower, np.inf)
-    near = np.where(np.isfinite(width), 1e-6 * width, 0.0)
-    at_bound = (z - lower <= near) | (upper - z <= near)
+    at_bound = objective.problem.at_bound(z)
     told = slice(len(objective.problem.free) or None)  # zeros move by themselves
     moving = movable(z, normal.gradient, lower, upper)
     offset = attainable_offset(normal, moving, reach, floor=RESIDUAL_FLOOR)

@@ -31,6 +31,9 @@ BOUNDED_REACH = 0.05
 """Share of the distance of its bounds that a value moves at most: a step that carries the place of
 a kink across the range says nothing of what happens in between."""
 
+AT_BOUND = 1e-6
+"""Share of the width of its bounds within which an unknown lies on one."""
+
 _LOG_FLOOR = 1e-300
 
 
@@ -144,6 +147,14 @@ class Problem:
                 lower[k] = np.log(max(p.lower, _LOG_FLOOR))
                 upper[k] = np.log(p.upper)
         return lower, upper
+
+    def at_bound(self, z: Array) -> npt.NDArray[np.bool_]:
+        """Which unknowns lie on a bound, to a millionth of what their bounds allow, shape (U,)."""
+        lower, upper = self.bounds()
+        width = upper - lower
+        near = np.where(np.isfinite(width), AT_BOUND * width, 0.0)
+        found: npt.NDArray[np.bool_] = (z - lower <= near) | (upper - z <= near)
+        return found
 
     def reach(self) -> Array:
         """How far each unknown may plausibly move from where it is, shape (U,).

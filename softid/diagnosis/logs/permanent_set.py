@@ -18,6 +18,10 @@ Array = npt.NDArray[np.float64]
 SAME_LEVEL = 0.05
 """Two inputs count as the same within this share of the input's span."""
 
+STEEPEST = 3.0
+"""A static curve is at most so many times as steep as it is on the average: so much of a set may
+come from the small difference of the two inputs."""
+
 AWAY = 0.5
 """A cycle leads at least so far from where it began, as a share of the span."""
 
@@ -92,22 +96,26 @@ def residual_set(log: Log, output: str) -> ResidualSet | None:
     start = slice(0, max(min(left, int(np.searchsorted(time_s, time_s[0] + LONGEST_START_S))), 1))
     cycle = int(np.argmax(away > AWAY * span))
     for window in settled_windows(time_s, u, tail=TAIL):
-        same = abs(window.level - float(np.median(u[start]))) <= SAME_LEVEL * span
-        if same and window.start > cycle > 0:
-            return _set_of(y, start, slice(window.start, window.stop), window.level)
+        apart = abs(window.level - float(np.median(u[start]))) / span
+        if apart <= SAME_LEVEL and window.start > cycle > 0:
+            return _set_of(y, start, slice(window.start, window.stop), window.level, apart)
     return None
 
 
-def _set_of(y: Array, start: slice, tail: slice, level: float) -> ResidualSet | None:
-    """The set between two stretches of the output; None while it still moves or is but noise."""
+def _set_of(y: Array, start: slice, tail: slice, level: float, apart: float) -> ResidualSet | None:
+    """The set between two stretches of the output; None while it still moves or is but noise.
+
+    ``apart`` is the difference of the two inputs as a share of the input's span.
+    """
     before, after = float(np.median(y[start])), float(np.median(y[tail]))
     middle = (tail.start + tail.stop) // 2
     going = abs(float(np.median(y[tail.start : middle]) - np.median(y[middle : tail.stop])))
     size = abs(after - before)
     noise = float(np.median(np.abs(np.diff(y, 2)))) if y.size > 2 else 0.0
-    if going > STILL_GOING * size or size <= NOISE_STEPS * noise:
+    span = float(np.ptp(y))
+    if going > STILL_GOING * size or size <= NOISE_STEPS * noise + STEEPEST * apart * span:
         return None
-    return ResidualSet(level, before, after, size / float(np.ptp(y)))
+    return ResidualSet(level, before, after, size / span)
 
 
 def permanent_set_issues(logs: Iterable[Log]) -> tuple[Issue, ...]:

@@ -274,8 +274,8 @@ def noise_like(remainder: Remainder) -> str:
     """
     if remainder.colour_s is not None:
         return (
-            f"is more than the noise between neighbouring samples but has the marks of slow noise, "
-            f"which forgets itself within {remainder.colour_s:.2g} s"
+            f"is more than the noise between neighbouring samples but has the marks of slow noise "
+            f"with a correlation time of {remainder.colour_s:.2g} s"
             f"{with_open_moments(remainder)}: it is steady, normal and no larger where the motion "
             "is quick. No long rest shows the noise alone, so a slow misfit could hide in it"
         )
@@ -284,6 +284,26 @@ def noise_like(remainder: Remainder) -> str:
         return told
     what = "the noise of the rests" if remainder.noise_from_rest else "noise in its fastest part"
     return f"{told}, though its power is {percent(remainder.excess)} above that of {what}"
+
+
+def what_is_unknown(remainder: Remainder) -> str:
+    """The first sentence where no cause is named: slow noise is possible where nothing excludes it.
+
+    Parameters
+    ----------
+    remainder
+        What is left.
+    """
+    may_be_noise = not (
+        remainder.noise_from_rest
+        or remainder.predictable
+        or remainder.against_noise
+        or remainder.explained_share > 0.0
+    )
+    opening = (
+        "Something is missing, or the noise is slow" if may_be_noise else "Something is missing"
+    )
+    return f"{opening}, and none of the effects tried can be named for it."
 
 
 def what_it_may_be(remainder: Remainder) -> str:

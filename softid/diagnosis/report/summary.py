@@ -29,6 +29,7 @@ from softid.diagnosis.report.phrases import (
     unsteady,
     values_of,
     variables_left,
+    what_is_unknown,
     what_it_may_be,
     with_open_moments,
 )
@@ -140,7 +141,7 @@ def summarise(
     if verdict is Verdict.ADEQUATE:
         told += [sentence(negligible)] if negligible else _adequate(teller, remainder)
     elif verdict is Verdict.UNKNOWN:
-        told.append("Something is missing, and none of the effects tried can be named for it.")
+        told.append(what_is_unknown(remainder))
         told += [sentence(moment) for moment in moments]
         told += _unknown(teller, descriptive or causes, alternatives, remainder)
     else:

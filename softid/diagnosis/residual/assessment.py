@@ -52,8 +52,8 @@ def assess(
 ) -> Remainder:
     """Look at what the last model leaves.
 
-    Where that is more than noise, and is not once the moments of jumps of the input that fall
-    between two samples are left open, they are.
+    Where that is more than noise, it is looked at again with the moments of jumps of the input
+    that fall between two samples as unknowns. If that leaves noise, they stay so.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def _floor_of_colour(time_s: float, parts: Sequence[ResidualContext]) -> NoiseFl
 
 
 def _least_noise(floor: NoiseFloor, before: Sequence[ResidualContext]) -> float:
-    """Variance of the noise, which no misfit is compared with as if it were none."""
+    """Variance of the noise, above zero so that a misfit can be held against it."""
     return max(floor.variance, LEAST_NOISE * _power(before), float(np.finfo(float).tiny))
 
 

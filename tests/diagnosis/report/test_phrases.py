@@ -102,9 +102,12 @@ def test_what_speaks_against_slow_noise_is_told(mark: NotNoise) -> None:
         found.remainder, structured=True, structure_share=0.0, noise_from_rest=False, by={}
     )
     assert "a disturbance or slow noise" in told(replace(found, remainder=left))
+    nothing = replace(found, remainder=replace(left, explained_share=0.0), descriptive=())
+    assert "Something is missing, or the noise is slow, and none" in told(nothing)
     text = told(replace(found, remainder=replace(left, against_noise=mark)))
     assert "a disturbance or slow noise" not in text
     assert f"would not {UNLIKE_NOISE[mark]}" in text
+    assert "the noise is slow" not in text
 
 
 def test_structure_that_chance_would_make_of_slow_noise_is_told() -> None:

@@ -78,14 +78,12 @@ def test_without_a_rest_adequate_is_said_with_a_reserve() -> None:
 
 
 @pytest.mark.parametrize("verdict", [Verdict.ADEQUATE, Verdict.NAMED])
-def test_slow_noise_that_no_rest_shows_is_told_with_its_time_and_a_reserve(
-    verdict: Verdict,
-) -> None:
+def test_slow_noise_without_a_rest_is_told_with_a_reserve(verdict: Verdict) -> None:
     """The verdict stands on the marks of noise alone, and says so."""
     found = diagnosis(verdict)
     left = replace(found.remainder, noise_from_rest=False, colour_s=0.84)
     text = told(replace(found, remainder=left))
-    assert "slow noise, which forgets itself within 0.84 s" in text
+    assert "slow noise with a correlation time of 0.84 s" in text
     assert "could hide in it" in text
 
 

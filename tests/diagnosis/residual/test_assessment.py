@@ -13,7 +13,6 @@ from scipy.signal import lfilter
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.residual.assessment import _is_structured, assess, excess_of, held_out_share
-from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.structure import Structure
 from softid.diagnosis_results import Remainder
@@ -125,17 +124,3 @@ def test_a_little_slow_noise_is_not_told_from_a_misfit() -> None:
     assert left.structured is True
     assert left.colour_s is None
     assert 0.2 < left.excess < 0.5
-
-
-def test_surroundings_show_where_nothing_was_used() -> None:
-    """Residual and motion at every sample; NaN where masked, noise-free zeros elsewhere."""
-    log = linear_log()
-    masked = np.zeros(len(log), bool)
-    masked[300:340] = True
-    problem = linear_problem([log.with_masked(masked)])
-    (part,) = residual_context(standing(problem, problem.unknowns(TRUTH)))
-    assert np.array_equal(np.isnan(part.residual), masked)
-    assert np.nanmax(np.abs(part.residual)) < 1e-6
-    assert part.x == pytest.approx(log.channels["angle"].values, abs=1e-6)
-    assert np.max(np.abs(np.gradient(part.x, part.time_s)[5:-5] - part.v[5:-5])) < 0.5
-    assert np.array_equal(part.u, log.pressure_kpa)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
+from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 import softid
-from softid.diagnosis.residual.jump_timing import untimed_jumps
+from softid.diagnosis.residual.jump_timing import part_of_jumps, untimed_jumps
 from softid.diagnosis.strategy import CauseSearch
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log
@@ -76,8 +77,36 @@ def test_jumps_within_an_interval_are_found() -> None:
 
 
 def test_what_takes_several_samples_is_no_jump() -> None:
+    """A valve that opens for 0.3 s is seen in fifteen samples."""
     (segment,) = switched(1, rises_s=0.3).segments()
     assert untimed_jumps(segment).size == 0
+
+
+@pytest.mark.parametrize("share", [0.105, 0.505, 0.805])
+def test_columns_are_what_a_jump_at_a_share_of_the_interval_does(share: float) -> None:
+    """Closed form: the motion with the jump where it is, less the one with a straight line.
+
+    That is (½ − f) √12 of the first column and (f (1 − f)/2 − 1/12) √720 of the second, but for
+    the next moment of the input, a hundredth of them for an interval of a tenth of N/Q.
+    """
+    problem = linear_problem([linear_log()])
+    (segment,) = problem.segments
+    place = int(untimed_jumps(segment)[0])
+    columns = part_of_jumps(standing(problem, problem.unknowns(TRUTH)), 0)[
+        :, :: untimed_jumps(segment).size
+    ]
+    fine_s = np.arange(100 * (segment.time_s.size - 1) + 1) / (100 * RATE_HZ)
+    straight = np.interp(fine_s, segment.time_s, segment.input)
+    inside = np.arange(100 * place, 100 * place + 101)
+    jumping = straight.copy()
+    before, after = segment.input[place], segment.input[place + 1]
+    jumping[inside] = np.where(inside - 100 * place <= 100 * share, before, after)
+    apart = (linear_angle(fine_s, jumping) - linear_angle(fine_s, straight))[::100]
+    first = (0.5 - share) * 12.0**0.5
+    second = (share * (1.0 - share) / 2.0 - 1.0 / 12.0) * 720.0**0.5
+    later = slice(place + 2, None)
+    expected = (columns @ (first, second))[later]
+    assert expected == pytest.approx(apart[later], abs=0.02 * np.abs(columns[later]).max())
 
 
 def test_an_open_moment_is_no_misfit() -> None:
@@ -91,6 +120,7 @@ def test_an_open_moment_is_no_misfit() -> None:
 
 
 def test_nothing_is_left_open_where_the_course_is_on_record() -> None:
+    """The same valve: what it did is known, and noise is left."""
     found = diagnosed(rises_s=0.3)
     assert found.verdict is Verdict.ADEQUATE
     assert found.remainder.open_jumps == 0
