@@ -200,9 +200,13 @@ class Remainder:
         Whether rest stretches told the noise; otherwise slow noise looks like a misfit.
     structured
         Whether there is more than chance.
+    noise_sd
+        Standard deviation of the noise's variance, as a share of it.
     held_out_share
         Share of the misfit above the noise that the chain explains on what was held out; 1 when
-        nothing but noise is left there.
+        nothing is left there but noise and what the errors of the parameters make.
+    misses_held_out
+        Whether the error there is larger than these two explain, whatever the fitted samples show.
     open_jumps
         Jumps of the input between two samples whose moments were left open, for what is left is
         noise then; 0 where it is more, or where it is noise without that.
@@ -222,7 +226,9 @@ class Remainder:
     excess: float
     noise_from_rest: bool
     structured: bool
+    noise_sd: float = 0.0
     held_out_share: float = 1.0
+    misses_held_out: bool = False
     open_jumps: int = 0
     colour_s: float | None = None
     against_noise: NotNoise | None = None
@@ -231,6 +237,11 @@ class Remainder:
     def carries_over(self) -> bool:
         """Whether the chain explains what was held out, too."""
         return self.held_out_share > CARRIED
+
+    @property
+    def leaves_something(self) -> bool:
+        """Whether more than noise is left, on the fitted samples or on those held out."""
+        return self.structured or self.misses_held_out
 
     @property
     def predictable(self) -> bool:

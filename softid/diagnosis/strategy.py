@@ -11,12 +11,13 @@ import numpy as np
 from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import BETTER, NO_WORSE
-from softid.diagnosis.residual.assessment import assess, held_out_share
+from softid.diagnosis.residual.assessment import assess
 from softid.diagnosis.search.alternative_first import alternative_first_links
 from softid.diagnosis.search.backward_revision import revised
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, select_forward
 from softid.diagnosis.search.indistinct import with_rivals_in_misfit
 from softid.diagnosis.search.multistart import has_vanished, multistart_candidates
+from softid.diagnosis.verdict.held_out_error import with_held_out
 from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, nameable
 from softid.diagnosis_results import Remainder
 from softid.effects.base import Effect
@@ -58,8 +59,9 @@ class SearchResult:
 
     @property
     def came_to_nothing(self) -> bool:
-        """Whether structure is left and no cause explains it."""
-        return self.remainder.structured and not any(self.is_named)
+        """Whether structure is left, there or on what is held out, and no cause explains it."""
+        missed = self.remainder.misses_held_out and bool(self.chain.links)
+        return (self.remainder.structured or missed) and not any(self.is_named)
 
     @property
     def is_sure(self) -> bool:
@@ -68,7 +70,7 @@ class SearchResult:
         Many tries find something that explains most of any misfit, so no less will do.
         """
         whole = self.remainder.explained_share > EXPLAINED
-        return any(self.is_named) and whole and not self.remainder.structured
+        return any(self.is_named) and whole and not self.remainder.leaves_something
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,6 +225,8 @@ class CauseSearch:
             name, base.candidate, self.effects, base.scale, base.sigma
         ):
             longer = self.grow(other, max_links=2)
+            if len(longer.links) == 1 and longer.final.squares >= known.final.squares:
+                continue  # it was raced with its own forms only
             left = self.remainder_of(longer.final)
             if not left.structured and left.explained_share > EXPLAINED:
                 found = self.search(longer)
@@ -282,7 +286,8 @@ class CauseSearch:
         links = chain.links
         if remainder.structured:
             links = tuple(with_rivals_in_misfit(link) for link in links)
-        remainder = replace(remainder, held_out_share=held_out_share(before, after, remainder))
+        first = self.base.candidate
+        remainder = with_held_out(remainder, first, chain.final, held_out, self.base.sigma)
         is_named = nameable(links, chain.final, remainder, gain=1.0 - after / before)
         pairs = sorted(zip(links, is_named, strict=True), key=lambda pair: -pair[0].squares_before)
         return SearchResult(

@@ -27,6 +27,7 @@ from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.report.issues import (
     averaging_issues,
     change_issues,
@@ -64,7 +65,6 @@ from softid.diagnosis.verdict.naming import (
 from softid.diagnosis_results import Cause, Diagnosis, Remainder, Verdict
 from softid.effects import effects_of
 from softid.errors import Issue
-from softid.fitters.output_error import Optimum
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.preparation import as_log_set, without_dropouts
@@ -74,7 +74,7 @@ from softid.intersample import Intersample
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parameters import ParameterSet
-from softid.results import FitResult, FitStatus
+from softid.results import FitResult
 
 if TYPE_CHECKING:
     import lmfit
@@ -357,17 +357,8 @@ def _cleaned(log: Log) -> Log:
 
 def _fit_of(final: Candidate, identified: Identification, seed: int) -> FitResult:
     """The extended model as a fit with errors and scores."""
-    problem, z = final.problem, final.minimum.point
-    optimum = Optimum(
-        unknowns=z,
-        cost=0.5 * final.squares,
-        sigma=dict(identified.found.optimum.sigma),
-        status=FitStatus.CONVERGED,
-        offset=final.minimum.reach,
-        evaluations=final.minimum.evaluations,
-        at_bound=problem.at_bound(z),
-        start=final.prior.centre,
-    )
+    problem = final.problem
+    optimum = optimum_of(final, identified.found.optimum.sigma)
     constraints = ParameterConstraints.of(problem.model.parameters(), None)
     found = OptimisedProblem(problem, optimum, identified.found.unseen, constraints)
     return assemble(

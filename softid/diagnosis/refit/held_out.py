@@ -88,6 +88,24 @@ class HeldOut(ABC):
         joined = _joined(self.judging(candidate), candidate)
         return float(np.sqrt(np.mean(joined**2))) if joined.size else float("nan")
 
+    def runs(self, candidate: Candidate) -> list[Array]:
+        """Residuals of the first output over what can judge, by log and segment."""
+        first = candidate.problem.outputs[0]
+        return [row.residual for row in self.judging(candidate) if row.channel == first]
+
+    @abstractmethod
+    def slopes(self, candidate: Candidate) -> Array:
+        """How what can judge follows the free parameters, shape (m, F).
+
+        Derivatives of the first output, F in the order and on the scales of ``problem.free``, as
+        far as sensor zeros and initial states of what is held out do not make up for them.
+
+        Parameters
+        ----------
+        candidate
+            A fit to the rest.
+        """
+
 
 @dataclass(frozen=True, eq=False)
 class HeldOutLogs(HeldOut):
@@ -112,18 +130,41 @@ class HeldOutLogs(HeldOut):
         """
         return self._within(_fitted_range(candidate), candidate) or self.errors(candidate)
 
-    def _within(self, limits: tuple[float, float], candidate: Candidate) -> list[HeldOutErrors]:
-        """At the samples whose input lies within limits; no row where there are none."""
+    def slopes(self, candidate: Candidate) -> Array:
+        """At the samples that judge; see `HeldOut.slopes`."""
+        fitted, (_, nuisance) = candidate.problem, self._at_its_zeros(candidate)
+        problem = Problem(fitted.model, fitted.parameters, self.logs)
+        free = len(fitted.free)
+        z = np.concatenate((candidate.minimum.point[:free], nuisance))
+        first, limits = fitted.outputs[0], _fitted_range(candidate)
+        rows, judges = [], []
+        for block in problem.blocks(z, derivatives=True):
+            if block.channel == first and block.jacobian is not None:
+                segment = problem.segments[block.segment]
+                rows.append(block.jacobian)
+                judges.append(_is_within(limits, segment.input[segment.used[first]]))
+        whole, judging = np.concatenate(rows), np.concatenate(judges)
+        by_nuisance, by_parameter = whole[:, free:], whole[:, :free]
+        made_up = np.linalg.lstsq(by_nuisance, by_parameter, rcond=None)[0]
+        left: Array = by_parameter - by_nuisance @ made_up
+        return left[judging] if judging.any() else left
+
+    def _at_its_zeros(self, candidate: Candidate) -> tuple[Problem, Array]:
+        """The logs under the candidate's parameters, with zeros and initial states of their own."""
         model = candidate.problem.model
         fixed = model.parameters().with_fixed(candidate.parameters)
         problem = Problem(model, fixed, self.logs)
-        optimum = refit_nuisance(problem)
+        return problem, refit_nuisance(problem).unknowns
+
+    def _within(self, limits: tuple[float, float], candidate: Candidate) -> list[HeldOutErrors]:
+        """At the samples whose input lies within limits; no row where there are none."""
+        problem, nuisance = self._at_its_zeros(candidate)
         found = []
-        for block in problem.blocks(optimum.unknowns, derivatives=False):
+        for block in problem.blocks(nuisance, derivatives=False):
             segment = problem.segments[block.segment]
             used = segment.used[block.channel]
             measured, u = segment.outputs[block.channel][used], segment.input[used]
-            judges = (u >= limits[0]) & (u <= limits[1])
+            judges = _is_within(limits, u)
             if judges.any():
                 row = (measured[judges], block.residual[judges])
                 found.append(HeldOutErrors(segment.log_name, block.channel, *row))
@@ -176,6 +217,16 @@ class HeldOutBlocks(HeldOut):
                 residual = measured - segment.samples_of(response.outputs[name])[held] - zero
                 found.append(HeldOutErrors(segment.log_name, name, measured, residual))
         return found
+
+    def slopes(self, candidate: Candidate) -> Array:
+        """None: the blocks lie between fitted samples, which hold them as well as themselves."""
+        held = self.first_errors(candidate).size
+        return np.zeros((held, len(candidate.problem.free)))
+
+
+def _is_within(limits: tuple[float, float], u: Array) -> BoolArray:
+    inside: BoolArray = (u >= limits[0]) & (u <= limits[1])
+    return inside
 
 
 def _joined(errors: Sequence[HeldOutErrors], candidate: Candidate) -> Array:

@@ -89,6 +89,8 @@ def what_next(
             first, *others = alternative.keys
             rest = titles_of(others, last=" or ")
             return f"record {split.experiment}, to tell {title_of(first)} from {rest}"
+    if remainder.misses_held_out and not remainder.structured:
+        return "fit what is held out together with the rest, for it shows what the rest hardly does"
     if verdict is Verdict.UNKNOWN and not remainder.structured:
         return "record more levels and more moves, which would show how sure the description is"
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:

@@ -77,9 +77,23 @@ class ErrorTexts:
         fit = self.percents(lambda g: g.fit_percent_before)
         return f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
 
-    def more_held_out(self, remainder: Remainder) -> str:
-        """That what is held out keeps more than what was fitted, where it does."""
+    def more_held_out(self, remainder: Remainder, *, is_tied: bool = False) -> str:
+        """That what is held out keeps more than what was fitted, where it does.
+
+        Parameters
+        ----------
+        remainder
+            What is left.
+        is_tied
+            Whether another cause of a tie may act in place of the one that was simulated.
+        """
         after = self.error(lambda g: g.rmse_after)
+        if self.held_out and remainder.misses_held_out:
+            another = "another cause of the tie, or " if is_tied else ""
+            return (
+                f"The held-out samples keep more, {self.size(after)}, than noise and the errors of "
+                f"the parameters make of them: {another}something that the fitted ones hardly show."
+            )
         if not (self.held_out and after > MORE * remainder.rms):
             return ""
         return (

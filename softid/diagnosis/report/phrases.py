@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from softid.diagnosis.verdict.equivalence import classes_of
-from softid.diagnosis.verdict.naming import EXPLAINED, explains_enough
+from softid.diagnosis.verdict.naming import EXPLAINED, carries_over_whole, explains_enough
 from softid.diagnosis_results import CARRIED, NOTABLE, Cause, NotNoise, Remainder
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
@@ -173,6 +173,12 @@ def taken_by(remainder: Remainder) -> str:
     if not remainder.carries_over and (fitted > CARRIED or held_out < CARRIED * fitted):
         held = percent(held_out)
         return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
+    if not carries_over_whole(remainder):
+        held, least = percent(held_out), percent(EXPLAINED)
+        return (
+            f"{taken} on the fitted samples but {held} on those held out, which is too little for "
+            f"a cause: beside a rest there, more than {least} must go"
+        )
     if not remainder.carries_over or not explains_enough(remainder):
         least = percent(EXPLAINED)
         return f"{taken}, which is too little for a cause: beside a rest, more than {least} must go"

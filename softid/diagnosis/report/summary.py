@@ -154,7 +154,7 @@ def summarise(
         else:
             looks = "does not follow from the motion" if marks else noise_like(remainder)
             told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
-            told.append(teller.more_held_out(remainder))
+            told.append(teller.more_held_out(remainder, is_tied=bool(alternatives)))
     told += [sentence(mark) for mark in marks]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend(remainder))
@@ -202,15 +202,19 @@ def _unknown(
     if not remainder.structured:
         left = teller.size(remainder.rms)
         looks = noise_like(remainder)
-        return [*told, f"What is left on the fitted samples, {left} rms, {looks}."]
+        told.append(f"What is left on the fitted samples, {left} rms, {looks}.")
+        return [*told, teller.more_held_out(remainder)]
     return [*told, _left(teller, remainder)]
 
 
 def _partial(teller: ErrorTexts, remainder: Remainder) -> list[str]:
-    return [
-        f"That is {percent(remainder.explained_share)} of the misfit above the noise.",
-        _left(teller, remainder),
-    ]
+    """The share that is explained, and what is left where that is more than noise."""
+    explained = f"That is {percent(remainder.explained_share)} of the misfit above the noise."
+    if remainder.structured:
+        return [explained, _left(teller, remainder)]
+    left = teller.size(remainder.rms)
+    looks = f"What is left on the fitted samples, {left} rms, {noise_like(remainder)}."
+    return [explained, looks, teller.more_held_out(remainder)]
 
 
 def _left(teller: ErrorTexts, remainder: Remainder) -> str:

@@ -111,6 +111,7 @@ def _look(
         by=structure.by,
         excess=excess,
         noise_from_rest=floor.from_rest,
+        noise_sd=floor.relative_sd,
         structured=_is_structured(structure, excess, floor, explained),
         colour_s=colour.correlation_s,
         against_noise=colour.against,
@@ -131,17 +132,16 @@ def excess_of(base: Candidate, scale: Scale) -> float:
     return _power(parts) / _least_noise(_floor_of(parts, scale), parts) - 1.0
 
 
-def held_out_share(before: float, after: float, remainder: Remainder) -> float:
+def held_out_share(before: float, after: float, noise: float) -> float:
     """Share of the held-out misfit above the noise that goes; 1 when only noise is left.
 
     Parameters
     ----------
     before, after
         Root mean square error of the first and the last model on what was held out.
-    remainder
-        What the last model leaves on the fitted samples.
+    noise
+        Mean square error there that a true model would have.
     """
-    noise = remainder.rms**2 / max(1.0 + remainder.excess, 1.0)
     left, whole = after**2 - noise, before**2 - noise
     if not np.isfinite(left) or left <= FAINT * noise:
         return 1.0

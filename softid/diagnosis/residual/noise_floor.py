@@ -100,7 +100,7 @@ def noise_floor(
         if np.isfinite(residual[span]).any()
     ]
     rests = [rest for rest in rests if np.isfinite(rest).sum() >= FEWEST_SAMPLES]
-    everywhere = _fastest_part([run for r in residuals for run in contiguous_runs(r)])
+    everywhere = fastest_part([run for r in residuals for run in contiguous_runs(r)])
     if rests:
         runs = [run for rest in rests for run in contiguous_runs(rest)]
         lengths = [run.size for run in runs]
@@ -108,16 +108,21 @@ def noise_floor(
         degrees = max(known - len(rests), 1.0)
         total = sum(float(run @ run) for run in runs)
         variance = total / sum(lengths) * (known / degrees)
-        variance += max(everywhere.variance - _fastest_part(runs).variance, 0.0)
+        variance += max(everywhere.variance - fastest_part(runs).variance, 0.0)
         return NoiseFloor(variance, float(np.sqrt(2.0 / degrees)), from_rest=True)
     return everywhere
 
 
-def _fastest_part(runs: Sequence[Array]) -> NoiseFloor:
+def fastest_part(runs: Sequence[Array]) -> NoiseFloor:
     """Variance from the second differences: the mean over blocks of what a quantile in each says.
 
     Within a block the quantile leaves out what jumps there; the mean adds up noise whose size
     changes from block to block.
+
+    Parameters
+    ----------
+    runs
+        Residuals of samples that follow each other.
     """
     second = np.concatenate([np.diff(run, 2) for run in runs if run.size > 2] or [np.zeros(1)])
     blocks = np.array_split(second, max(second.size // BLOCK, 1))

@@ -57,7 +57,7 @@ ROUNDING = 1e-14
 
 
 def explains_enough(remainder: Remainder) -> bool:
-    """Whether a chain leaves noise, or next to nothing of the misfit.
+    """Whether a chain leaves noise, or next to nothing of the misfit, on the fitted samples.
 
     Parameters
     ----------
@@ -67,10 +67,23 @@ def explains_enough(remainder: Remainder) -> bool:
     return not remainder.structured or remainder.explained_share > EXPLAINED
 
 
+def carries_over_whole(remainder: Remainder) -> bool:
+    """Whether next to nothing of the misfit is left on what is held out.
+
+    Parameters
+    ----------
+    remainder
+        What a chain leaves.
+    """
+    return not remainder.misses_held_out or remainder.held_out_share > EXPLAINED
+
+
 def nameable(
     links: Sequence[Link], final: Candidate, remainder: Remainder, *, gain: float
 ) -> tuple[bool, ...]:
     """Which links may be named as causes; the others are descriptions.
+
+    What is held out may speak for another member of a tie, so of a tie it is asked less.
 
     Parameters
     ----------
@@ -84,6 +97,8 @@ def nameable(
         Share by which the error on what is held out falls.
     """
     if not remainder.carries_over:
+        return (False,) * len(links)
+    if not (carries_over_whole(remainder) or any(len(link.rivals) > 1 for link in links)):
         return (False,) * len(links)
     if explains_enough(remainder):
         return (True,) * len(links)
@@ -245,9 +260,9 @@ def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remai
         What it leaves.
     """
     if not links:
-        return Verdict.UNKNOWN if remainder.structured else Verdict.ADEQUATE
+        return Verdict.UNKNOWN if remainder.leaves_something else Verdict.ADEQUATE
     if not any(is_named):
         return Verdict.UNKNOWN
     if any(len(link.rivals) > 1 for link, named in zip(links, is_named, strict=True) if named):
         return Verdict.AMBIGUOUS
-    return Verdict.PARTIAL if remainder.structured else Verdict.NAMED
+    return Verdict.PARTIAL if remainder.leaves_something else Verdict.NAMED

@@ -142,6 +142,14 @@ def test_why_a_description_is_no_cause(
     assert nameable((link,), link, left, gain=0.9) == (why == "not surely enough for a name",)
 
 
+def test_a_rest_that_is_held_out_is_why_a_description_is_no_cause() -> None:
+    """Stands on the share of 0.93 beside a rest."""
+    left = remainder(structured=False, explained=1.0)
+    left = replace(left, held_out_share=0.9, misses_held_out=True)
+    assert "100 % of the misfit above the noise on the fitted samples but 90 %" in taken_by(left)
+    assert taken_by(left).endswith("beside a rest there, more than 93 % must go")
+
+
 @pytest.mark.parametrize(("spread", "size"), [(0.004, "a little"), (0.2, "by about 20 %")])
 def test_a_variation_of_nothing_is_told_without_a_number(spread: float, size: str) -> None:
     """A share that would round to 0 % says that nothing varies."""

@@ -80,6 +80,33 @@ def test_what_does_not_carry_over_is_not_named() -> None:
         assert told == (named,)
 
 
+@pytest.mark.parametrize(
+    ("misses", "share", "rivals", "named"),
+    [
+        (True, 0.94, (), True),
+        (True, 0.92, (), False),
+        (True, 0.92, ("delay", "pneumatic_lag"), True),
+        (True, 0.69, ("delay", "pneumatic_lag"), False),
+        (False, 0.92, (), True),
+    ],
+)
+def test_beside_a_rest_that_is_held_out(
+    misses: bool, share: float, rivals: tuple[str, ...], named: bool
+) -> None:
+    """Noise alone is left on the fitted samples; what others miss may be a rival of the tie."""
+    left = remainder(structured=False, explained=1.0)
+    left = replace(left, misses_held_out=misses, held_out_share=share)
+    assert nameable([link(100.0, *rivals)], model(1.0), left, gain=0.9) == (named,)
+
+
+@pytest.mark.parametrize(("misses", "verdict"), [(False, "named"), (True, "partial")])
+def test_a_name_beside_a_rest_that_is_held_out_is_a_part(misses: bool, verdict: str) -> None:
+    """And nothing named beside such a rest is unknown, not adequate."""
+    left = replace(remainder(structured=False, explained=1.0), misses_held_out=misses)
+    assert verdict_of([link(1.0)], [True], left).value == verdict
+    assert verdict_of([], [], left) is (Verdict.UNKNOWN if misses else Verdict.ADEQUATE)
+
+
 DRIFT = effect_of("sensor_drift")
 RATE = estimate("sensor_drift_rate", 0.01, "rad/s")
 OVER_ZERO = replace(RATE, ci95=(-0.001, 0.02))

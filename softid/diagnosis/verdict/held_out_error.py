@@ -1,0 +1,107 @@
+"""Whether the error on what is held out is one that noise and unsure parameters make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import BASE_SD, Candidate
+from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.refit.optimum import optimum_of
+from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share
+from softid.diagnosis.residual.noise_floor import fastest_part
+from softid.diagnosis_results import Remainder
+from softid.identification.parameter_covariance import errors_of
+
+Array = npt.NDArray[np.float64]
+
+OTHER_LOG = 1.5
+"""Noise is so many times larger in another log without a word: hands, drafts and cables differ."""
+
+UNLIKELY = 6.63
+"""Errors of the parameters make hardly more than so many times the mean square that is expected of
+them: 99 % of χ² with one degree of freedom, for one unsure parameter may make all of it."""
+
+
+def with_held_out(
+    remainder: Remainder,
+    before: Candidate,
+    after: Candidate,
+    held_out: HeldOut,
+    sigma: Mapping[str, float],
+) -> Remainder:
+    """The remainder with what is left on what is held out.
+
+    Parameters
+    ----------
+    remainder
+        What the last model leaves on the fitted samples.
+    before, after
+        The first and the last model.
+    held_out
+        What is held out.
+    sigma
+        Output channel → scale that its residual is divided by.
+    """
+    error = held_out.rms(after)
+    noise, unsure = remainder.rms**2 / max(1.0 + remainder.excess, 1.0), 0.0
+    if error**2 > noise:  # what more is asked for costs an evaluation of all logs
+        noise = max(noise, fastest_part(held_out.runs(after)).variance)
+        unsure = parametric_power(after, held_out, sigma)
+    spread = 1.0 + EXCESS_SDS * np.sqrt(2.0) * remainder.noise_sd
+    most = OTHER_LOG * spread * noise + UNLIKELY * unsure
+    return replace(
+        remainder,
+        held_out_share=held_out_share(held_out.rms(before), error, noise + unsure),
+        misses_held_out=bool(error**2 > most),
+    )
+
+
+def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, float]) -> float:
+    """Mean square error on what is held out that comes from the errors of the parameters.
+
+    tr(J C Jᵀ)/m with the derivatives J of m held-out samples by the free parameters and
+    C = (V⁻¹ + P⁻¹)⁻¹ from their covariance V under coloured residuals and the P of a prior that
+    knows each to a factor of 4.5: what the fitted logs do not hold has no limit else, and a line is
+    no law so far away. A parameter at its bound is known.
+
+    Parameters
+    ----------
+    model
+        A refit.
+    held_out, sigma
+        As in `with_held_out`.
+
+    Returns
+    -------
+    float
+        In the square of the first output's unit.
+    """
+    slopes = held_out.slopes(model)
+    if not (slopes.size and slopes.any() and np.isfinite(slopes).all()):
+        return 0.0
+    problem = model.problem
+    errors = errors_of(problem, optimum_of(model, sigma))
+    free = [(row, k) for row, k in enumerate(errors.determined) if k < len(problem.free)]
+    if errors.covariance is None or not free:
+        return 0.0
+    rows, places = np.array(free).T
+    limits = np.array([_prior_sd(model, int(k)) for k in places])
+    scaled = errors.covariance.matrix[np.ix_(rows, rows)] / np.outer(limits, limits)
+    held = np.flatnonzero(np.isfinite(np.diag(scaled)))
+    variances, axes = np.linalg.eigh(scaled[np.ix_(held, held)])
+    variances = np.maximum(variances, 0.0)
+    shrunk = np.eye(len(limits))
+    shrunk[np.ix_(held, held)] = axes * (variances / (1.0 + variances)) @ axes.T
+    columns = slopes[:, places] * limits
+    return float(np.einsum("mi,ij,mj->", columns, shrunk, columns)) / len(columns)
+
+
+def _prior_sd(model: Candidate, place: int) -> float:
+    """Standard deviation of the prior of a free parameter, on its own scale."""
+    problem = model.problem
+    is_relative = problem.parameters[problem.free[place]].scale == "log"
+    return BASE_SD * (1.0 if is_relative else max(abs(float(model.minimum.point[place])), 1.0))

@@ -1,0 +1,122 @@
+"""Whether the error on what is held out is one that noise and unsure parameters make."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from handmade_diagnosis import remainder
+from linear_motion import (
+    RATE_HZ,
+    SIGMA,
+    TRUTH,
+    linear_angle,
+    linear_log,
+    linear_problem,
+    standing,
+)
+
+from softid.diagnosis.refit.candidates import BASE_SD, Candidate
+from softid.diagnosis.refit.held_out import HeldOutLogs, hold_out_blocks
+from softid.diagnosis.search.forward_selection import converged
+from softid.diagnosis.verdict.held_out_error import parametric_power, with_held_out
+from softid.diagnosis_results import Remainder
+from softid.log import Log, LogSet
+
+NOISE = 0.02
+LEFT = replace(remainder(structured=False, explained=1.0), rms=NOISE, excess=0.0)
+
+
+def fitted(seed: int, samples: int = 400) -> Candidate:
+    """The linear actuator fitted to a short log, so that its parameters are unsure."""
+    problem = linear_problem([linear_log(noise=NOISE, seed=seed, samples=samples)])
+    return converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
+
+
+def fast_log(*, noise: float = 0.0, gain: float = 1.0, seed: int = 100) -> Log:
+    """A chirp from 0.2 to 5 Hz, which asks for the inertia as the fitted logs do not."""
+    time_s = np.arange(1000) / RATE_HZ
+    pressure = 50.0 + 40.0 * np.sin(2.0 * np.pi * (0.2 + 0.12 * time_s) * time_s)
+    pressure[:25] = 50.0
+    trembling = noise * np.random.default_rng(seed).standard_normal(time_s.size)
+    angle = gain * linear_angle(time_s, pressure - 50.0) + trembling
+    return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name="fast")
+
+
+def test_the_errors_of_the_parameters_are_foretold() -> None:
+    """Known truth: over 40 noises, what fits miss of a log without noise is what is expected.
+
+    About four parameters make each error, so the mean over 40 is known to a sixth.
+    """
+    judge = HeldOutLogs((fast_log(),))
+    models = [fitted(seed) for seed in range(40)]
+    reached = float(np.mean([judge.rms(model) ** 2 for model in models]))
+    foretold = float(np.mean([parametric_power(model, judge, SIGMA) for model in models]))
+    assert foretold == pytest.approx(reached, rel=0.5)
+    assert foretold > 0.0
+
+
+def test_what_the_logs_do_not_hold_is_known_to_a_factor() -> None:
+    """Closed form: pressure at rest holds no inertia, which a chirp asks for: P = 1.5² in log M."""
+    time_s = np.arange(600) / RATE_HZ
+    still = {"pressure": np.full(600, 50.0), "angle": np.full(600, 1.0)}
+    problem = linear_problem([Log.from_arrays(time_s, still, name="still")])
+    model = standing(problem, problem.unknowns(TRUTH))
+    judge = HeldOutLogs((fast_log(),))
+    found = parametric_power(model, judge, SIGMA)
+    slopes = judge.slopes(model)
+    most = BASE_SD**2 * float(np.mean(np.sum(slopes**2, axis=1)))
+    assert np.isfinite(found)
+    assert 0.0 < found <= 3.0 * most
+
+
+@pytest.mark.parametrize(
+    ("judge", "misses"),
+    [
+        (fast_log(noise=NOISE), False),
+        (fast_log(noise=2.0 * NOISE), False),
+        (fast_log(noise=NOISE, gain=1.3), True),
+    ],
+)
+def test_what_is_missed(judge: Log, misses: bool) -> None:
+    """Known truth: the same actuator, the same with a noisier sensor, and a sensor that is off."""
+    model = fitted(seed=3)
+    told = with_held_out(LEFT, model, model, HeldOutLogs((judge,)), SIGMA)
+    assert told.misses_held_out is misses
+    assert told.leaves_something is misses
+
+
+def test_noise_that_is_hardly_known_misses_later() -> None:
+    """Slow noise knows its variance to a third: four times its power may be chance."""
+    model = fitted(seed=3)
+    judge = HeldOutLogs((linear_log(noise=NOISE, seed=50),))
+    rms = judge.rms(model) / 1.9
+
+    def told(noise_sd: float) -> Remainder:
+        left = replace(LEFT, rms=rms, excess=0.0, noise_sd=noise_sd)
+        return with_held_out(left, model, model, Smooth(judge.logs), SIGMA)
+
+    assert told(0.02).misses_held_out
+    assert not told(0.5).misses_held_out
+
+
+class Smooth(HeldOutLogs):
+    """Logs whose error has no fast part, and whose parameters are known."""
+
+    def runs(self, candidate: Candidate) -> list[np.ndarray]:
+        """Nothing that trembles."""
+        return [np.zeros(100)]
+
+    def slopes(self, candidate: Candidate) -> np.ndarray:
+        """Nothing that follows a parameter."""
+        return np.zeros((100, len(candidate.problem.free)))
+
+
+def test_blocks_between_fitted_samples_ask_nothing_of_the_parameters() -> None:
+    """They move as what is around them does."""
+    trained, held = hold_out_blocks(LogSet((linear_log(noise=NOISE),)))
+    problem = linear_problem(trained.logs)
+    model = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
+    assert parametric_power(model, held, SIGMA) == 0.0
+    assert not with_held_out(LEFT, model, model, held, SIGMA).misses_held_out
