@@ -34,6 +34,18 @@ class NotNoise(Enum):
     SPECTRUM = "spectrum"
 
 
+class Doubt(Enum):
+    """Why the numbers of a law do not allow its name."""
+
+    GAINS_NOTHING = "gains nothing"
+    MAY_GAIN_NOTHING = "may gain nothing"
+    VARIES = "varies"
+    UNKNOWN_SIZE = "unknown size"
+    AT_BOUND = "at bound"
+    TOO_SLOW = "too slow"
+    MAY_BE_ZERO = "may be zero"
+
+
 @dataclass(frozen=True)
 class Gain:
     """Error of one channel of one log before and after the extension.
@@ -116,6 +128,8 @@ class Cause:
         of the whole.
     variation
         How its size varies; None where nothing shows that it does.
+    doubt
+        Why its numbers do not allow its name; None where they do.
     """
 
     effect: str
@@ -132,6 +146,7 @@ class Cause:
     gain_ci95: tuple[float, float] | None
     holdout_rmse_without: float | None = None
     variation: Variation | None = None
+    doubt: Doubt | None = None
 
     @property
     def round(self) -> int:

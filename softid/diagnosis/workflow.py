@@ -56,8 +56,8 @@ from softid.diagnosis.verdict.cause_results import (
 from softid.diagnosis.verdict.chain_consistency import consistent_names, with_presliding
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.naming import (
+    doubt_of,
     gains_by,
-    may_be_named,
     may_gain_nothing,
     most_variation,
     verdict_of,
@@ -257,7 +257,9 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     causes = causes_of(chain, errors, after, rng)
     causes = _with_errors_without(causes, chain, base, errors[-1], rng)
     causes = _with_variations(causes, chain, base, found.remainder)
-    is_named = _names_that_stay(found, causes, after, held_out)
+    causes = _with_doubts(causes, found, after, held_out)
+    sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
+    is_named = consistent_names(chain.links, causes, sure, chain.final.squares)
     links = [
         with_presliding(link, cause, base.scale)
         for link, cause in zip(chain.links, causes, strict=True)
@@ -267,7 +269,7 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         for link, cause in zip(links, causes, strict=True)
     }
     told = list(zip(causes, is_named, strict=True))
-    named = [link for link, sure in zip(links, is_named, strict=True) if sure]
+    named = [link for link, stays in zip(links, is_named, strict=True) if stays]
     if base.instead_of is not None:
         errors = [held_out.first_errors(base.instead_of.candidate), *errors]
     return Diagnosis(
@@ -275,8 +277,8 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         summary="",
         base=before,
         extended=after,
-        causes=tuple(cause for cause, sure in told if sure),
-        descriptive=tuple(cause for cause, sure in told if not sure),
+        causes=tuple(cause for cause, stays in told if stays),
+        descriptive=tuple(cause for cause, stays in told if not stays),
         alternatives=alternatives_of(named or links, forms),
         remainder=remainder,
         gains=gains_of(base.asked_for.candidate, chain.final, held_out, before),
@@ -285,25 +287,23 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         issues=(
             *(after if after is not None and named else before).issues,
             *_issues_of_rest(base, chain, before),
-            *(refusal_issues(chain, held_out) if remainder.structured else ()),
+            *refusal_issues(chain, held_out),
         ),
         gain_ci95=whole_gain_of(errors, rng),
     )
 
 
-def _names_that_stay(
-    found: SearchResult, causes: Sequence[Cause], extended: FitResult | None, held_out: HeldOut
-) -> tuple[bool, ...]:
-    """Which of the causes that may be named have numbers that allow it, and agree."""
-    chain = found.chain
+def _with_doubts(
+    causes: Sequence[Cause], found: SearchResult, extended: FitResult | None, held_out: HeldOut
+) -> tuple[Cause, ...]:
+    """The causes with what their numbers say against their names."""
     if extended is None:
-        return (False,) * len(causes)
-    whole, varies = held_out.rms(chain.final), most_variation(found.remainder)
-    is_named = tuple(
-        sure and may_be_named(cause, link.added, extended, whole, varies=varies)
-        for sure, cause, link in zip(found.is_named, causes, chain.links, strict=True)
+        return tuple(causes)
+    whole, varies = held_out.rms(found.chain.final), most_variation(found.remainder)
+    return tuple(
+        replace(cause, doubt=doubt_of(cause, link.added, extended, whole, varies=varies))
+        for cause, link in zip(causes, found.chain.links, strict=True)
     )
-    return consistent_names(chain.links, causes, is_named, chain.final.squares)
 
 
 def _issues_of_rest(base: BaseFit, chain: Chain, fit: FitResult) -> tuple[Issue, ...]:

@@ -108,7 +108,9 @@ class ErrorTexts:
         more = self.more_held_out(remainder)
         if more:
             return f"{more} Fit them together to tell which."
-        return "There is nothing to mend for logs like these."
+        if remainder.noise_from_rest:
+            return "There is nothing to mend for logs like these."
+        return "As far as these logs show, there is nothing to mend."
 
     def mended(self, causes: Sequence[Cause]) -> str:
         """What the extension gains, over all links."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis.verdict.naming import EXPLAINED, carries_over_whole, explains_enough
-from softid.diagnosis_results import CARRIED, NOTABLE, Cause, NotNoise, Remainder
+from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Doubt, NotNoise, Remainder
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
 
@@ -44,6 +44,16 @@ UNLIKE_NOISE = {
     NotNoise.SPECTRUM: "come in such waves",
 }
 """What speaks against noise, after "would not"."""
+
+DOUBTS = {
+    Doubt.GAINS_NOTHING: "does not lower the error on what is held out",
+    Doubt.MAY_GAIN_NOTHING: "may be chance, for the interval of its gain on what is held out holds "
+    "zero",
+    Doubt.UNKNOWN_SIZE: "gains little, and not even the order of magnitude of its size is known",
+    Doubt.TOO_SLOW: "may be slower than these logs can tell",
+    Doubt.MAY_BE_ZERO: "may as well have a size of zero",
+}
+"""Why a description is no cause, after its title; the others are told by sentences of their own."""
 
 LOUDER = 0.05
 """A rest is called noise with a reserve when its power is so much above that of the noise."""
@@ -210,6 +220,19 @@ def given_up(dropped: Sequence[str]) -> str:
     )
 
 
+def doubts_about(cause: Cause) -> list[str]:
+    """Sentences on why a description is no cause; none where that lies in what it leaves.
+
+    Parameters
+    ----------
+    cause
+        The description.
+    """
+    reason = DOUBTS.get(cause.doubt) if cause.doubt is not None else None
+    told = sentence(f"{lowered(cause.title)} {reason}") if reason else ""
+    return [part for part in (told, at_bounds(cause), unsteady(cause)) if part]
+
+
 def at_bounds(cause: Cause) -> str:
     """That a description ends at a bound, which is why it is no more than one.
 
@@ -260,9 +283,9 @@ def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
     least = min((_held_out_fall(cause) for cause in causes), default=math.inf)
     if all(c.delta_bic < fewest and _held_out_fall(c) < least for c in descriptive):
         return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
-    reasons = [part for cause in descriptive for part in (at_bounds(cause), unsteady(cause))]
+    reasons = [part for cause in descriptive for part in doubts_about(cause)]
     told = f"Besides, {names} {verb} a part of the misfit, with a law that is not sure enough"
-    return " ".join(filter(None, (f"{told} for a name.", *reasons)))
+    return " ".join((f"{told} for a name.", *reasons))
 
 
 def _held_out_fall(cause: Cause) -> float:

@@ -12,8 +12,8 @@ from softid.diagnosis.report.issues import CHANGE_POINT, NEGLIGIBLE_MISFIT, REFU
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLES,
-    at_bounds,
     described,
+    doubts_about,
     given_up,
     listed,
     lowered,
@@ -80,7 +80,8 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         evidence=found.evidence,
         next_experiment=following,
         gain_ci95=found.gain_ci95,
-        marks=[issue.message for issue in found.issues if issue.code in (*CODES, REFUSED)],
+        marks=[issue.message for issue in found.issues if issue.code in CODES],
+        refused=[issue.message for issue in found.issues if issue.code == REFUSED],
         moments=[issue.message for issue in found.issues if issue.code == CHANGE_POINT],
         dropped=dropped_from(found),
         negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
@@ -108,6 +109,7 @@ def summarise(
     next_experiment: str | None = None,
     gain_ci95: tuple[float, float] | None = None,
     marks: Sequence[str] = (),
+    refused: Sequence[str] = (),
     moments: Sequence[str] = (),
     dropped: Sequence[str] = (),
     negligible: str = "",
@@ -122,8 +124,8 @@ def summarise(
         The fit without effects, which tells model, outputs and units.
     causes, descriptive, alternatives, remainder, gains, evidence, next_experiment, gain_ci95
         As in `Diagnosis`.
-    marks
-        What `disturbance_issues` found, and what is held out speaks against.
+    marks, refused
+        What `disturbance_issues` and `refusal_issues` found.
     moments
         What `change_issues` found.
     dropped
@@ -139,7 +141,7 @@ def summarise(
     teller = ErrorTexts(base, gains, gain_ci95, dropped)
     told = [teller.misfit(), given_up(dropped)]
     if verdict is Verdict.ADEQUATE:
-        told += [sentence(negligible)] if negligible else _adequate(teller, remainder)
+        told += [sentence(negligible)] if negligible else _adequate(teller, remainder, refused)
     elif verdict is Verdict.UNKNOWN:
         told.append(what_is_unknown(remainder))
         told += [sentence(moment) for moment in moments]
@@ -155,16 +157,18 @@ def summarise(
             looks = "does not follow from the motion" if marks else noise_like(remainder)
             told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
             told.append(teller.more_held_out(remainder, is_tied=bool(alternatives)))
-    told += [sentence(mark) for mark in marks]
+    told += [sentence(mark) for mark in (*marks, *refused)]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend(remainder))
     told += _next(verdict, causes, alternatives, next_experiment)
     return " ".join(sentence for sentence in told if sentence)
 
 
-def _adequate(teller: ErrorTexts, remainder: Remainder) -> list[str]:
+def _adequate(teller: ErrorTexts, remainder: Remainder, refused: Sequence[str]) -> list[str]:
     left = teller.size(remainder.rms)
     chance = "None of the effects tried explains more of it than chance would."
+    if refused:
+        chance = "None of the effects tried lowers the error on what is held out."
     if remainder.colour_s is not None:
         return [chance, f"What is left, {left} rms on the fitted samples, {noise_like(remainder)}."]
     noise = "the noise of the rests" if remainder.noise_from_rest else "noise"
@@ -193,7 +197,7 @@ def _unknown(
         names = listed([lowered(cause.title) for cause in tried])
         takes = "takes" if len(tried) == 1 else "take"
         told.append(f"The best description, {names}, {takes} away {taken_by(remainder)}.")
-        told += [part for cause in tried for part in (at_bounds(cause), unsteady(cause))]
+        told += [part for cause in tried for part in doubts_about(cause)]
         for tie in alternatives:
             first, *others = tie.keys
             told.append(

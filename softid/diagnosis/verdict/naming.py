@@ -10,7 +10,7 @@ import numpy as np
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis_results import Cause, Remainder, Verdict
+from softid.diagnosis_results import Cause, Doubt, Remainder, Verdict
 from softid.effects import extended_name
 from softid.effects.base import Effect
 from softid.results import FitResult, ParameterEstimate
@@ -156,10 +156,10 @@ def most_variation(remainder: Remainder) -> float:
     return VARIES_BESIDE if something_else else VARIES
 
 
-def may_be_named(
+def doubt_of(
     cause: Cause, effect: Effect, extended: FitResult, whole: float, *, varies: float = VARIES
-) -> bool:
-    """Whether the numbers of a cause allow its name.
+) -> Doubt | None:
+    """Why the numbers of a cause do not allow its name; None where they do.
 
     It must take away a hundredth of the held-out error at least, and surely something where it is
     judged by that alone, with a size that is the same throughout. Where its size may have either
@@ -184,26 +184,31 @@ def may_be_named(
     varies
         From `most_variation`.
     """
-    if not gains_by(cause, whole) or may_gain_nothing(cause):
-        return False
+    if not gains_by(cause, whole):
+        return Doubt.GAINS_NOTHING
+    if may_gain_nothing(cause):
+        return Doubt.MAY_GAIN_NOTHING
     if cause.variation is not None and cause.variation.share > varies:
-        return False
+        return Doubt.VARIES
     if _is_slight(cause) and not effect.changes_sign and _is_unknown(cause, effect):
-        return False
+        return Doubt.UNKNOWN_SIZE
+    return _doubt_of_values(cause, effect, extended)
+
+
+def _doubt_of_values(cause: Cause, effect: Effect, extended: FitResult) -> Doubt | None:
+    """What speaks against a cause among the values of its parameters."""
     names = {extended_name(effect, name) for name in effect.amplitudes if effect.changes_sign}
     sizes = [p for p in cause.parameters if p.name in names]
     ceilings = {extended_name(effect, name) for name in effect.ceilings}
-    if any(_is_at_ceiling(p) for p in cause.parameters if p.name in ceilings):
-        return False
     essential = {extended_name(effect, name) for name in effect.essential}
     held = [p for p in cause.parameters if p.name in essential]
-    if any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held))):
-        return False
+    bounded = any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held)))
+    if bounded or any(_is_at_ceiling(p) for p in cause.parameters if p.name in ceilings):
+        return Doubt.AT_BOUND
     if any(p.unit == "s" and _reaches_upper(p) for p in held):
-        return False
-    if len(sizes) == 1:
-        return not _covers_zero(sizes[0])
-    return not sizes or not _cover_zero_together(sizes, extended)
+        return Doubt.TOO_SLOW
+    zero = _covers_zero(sizes[0]) if len(sizes) == 1 else _cover_zero_together(sizes, extended)
+    return Doubt.MAY_BE_ZERO if zero else None
 
 
 def _is_slight(cause: Cause) -> bool:
@@ -238,6 +243,8 @@ def _covers_zero(parameter: ParameterEstimate) -> bool:
 def _cover_zero_together(sizes: Sequence[ParameterEstimate], extended: FitResult) -> bool:
     """Whether zero lies in the 95 % region of Wald, z' C⁻¹ z, of all sizes at once."""
     rows = [extended.free.index(p.name) for p in sizes if p.name in extended.free]
+    if not sizes:
+        return False
     if extended.covariance is None or len(rows) < len(sizes):
         return all(_covers_zero(p) for p in sizes)
     z = np.array([p.value for p in sizes])

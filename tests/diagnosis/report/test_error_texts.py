@@ -8,8 +8,10 @@ from dataclasses import replace
 import pytest
 from handmade_diagnosis import diagnosis
 
+from softid.diagnosis.report.issues import REFUSED
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis_results import Verdict
+from softid.errors import Issue
 
 
 def test_more_is_left_on_what_is_held_out() -> None:
@@ -32,3 +34,28 @@ def test_what_only_the_held_out_samples_show_is_told(verdict: Verdict) -> None:
     assert "than noise and the errors of the parameters make of them: something that" in text
     assert "Next: fit what is held out together with the rest" in text
     assert "is not noise" not in text
+
+
+def judged_by_noise() -> str:
+    """The paragraph of an adequate model whose logs show the noise in its fastest part only."""
+    found = diagnosis(Verdict.ADEQUATE)
+    quiet = tuple(replace(g, rmse_before=0.0, rmse_after=0.0) for g in found.gains)
+    left = replace(found.remainder, noise_from_rest=False)
+    return write_summary(replace(found, gains=quiet, remainder=left)).summary
+
+
+def test_without_a_rest_nothing_to_mend_is_what_the_logs_show() -> None:
+    """A slow misfit could hide, so the last word is no more than that."""
+    text = judged_by_noise()
+    assert "a slow misfit could hide in it" in text
+    assert "As far as these logs show, there is nothing to mend." in text
+
+
+def test_a_law_that_is_refused_explains_more_than_chance() -> None:
+    """What is held out speaks against it, and that is what is said."""
+    refused = Issue(REFUSED, "info", "creep would take away 5 %, but leaves it as it is", None)
+    found = replace(diagnosis(Verdict.ADEQUATE), issues=(refused,))
+    text = write_summary(found).summary
+    assert "None of the effects tried lowers the error on what is held out." in text
+    assert "Creep would take away 5 %, but leaves it as it is." in text
+    assert "than chance would." not in text

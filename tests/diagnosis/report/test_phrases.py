@@ -11,13 +11,14 @@ from handmade_diagnosis import cause, diagnosis, estimate, remainder
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     UNLIKE_NOISE,
+    doubts_about,
     taken_by,
     unsteady,
     values_of,
 )
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.verdict.naming import nameable
-from softid.diagnosis_results import Diagnosis, NotNoise, Variation, Verdict
+from softid.diagnosis_results import Diagnosis, Doubt, NotNoise, Variation, Verdict
 from softid.errors import Issue
 
 
@@ -148,6 +149,19 @@ def test_a_rest_that_is_held_out_is_why_a_description_is_no_cause() -> None:
     left = replace(left, held_out_share=0.9, misses_held_out=True)
     assert "100 % of the misfit above the noise on the fitted samples but 90 %" in taken_by(left)
     assert taken_by(left).endswith("beside a rest there, more than 93 % must go")
+
+
+@pytest.mark.parametrize("doubt", Doubt)
+def test_every_doubt_about_a_description_is_told(doubt: Doubt) -> None:
+    """In one sentence each: of the numbers, of a bound, or of a size that varies."""
+    rate = replace(estimate("sensor_drift_rate", 0.01, "rad/s"), at_bound=doubt is Doubt.AT_BOUND)
+    told = replace(cause("sensor_drift", [rate], before=2.0, after=1.9), doubt=doubt)
+    if doubt is Doubt.VARIES:
+        told = replace(told, variation=Variation("x", 0.2, 0.1, 1e-9))
+    (why,) = doubts_about(told)
+    assert "rift of the sensor" in why
+    assert why.endswith(".")
+    assert doubts_about(cause("sensor_drift", [], before=2.0, after=1.0)) == []
 
 
 @pytest.mark.parametrize(("spread", "size"), [(0.004, "a little"), (0.2, "by about 20 %")])

@@ -13,12 +13,12 @@ from handmade_diagnosis import cause, estimate, remainder
 
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.naming import (
-    may_be_named,
+    doubt_of,
     most_variation,
     nameable,
     verdict_of,
 )
-from softid.diagnosis_results import Remainder, Variation, Verdict
+from softid.diagnosis_results import Doubt, Remainder, Variation, Verdict
 from softid.effects import effect_of
 from softid.results import ParameterEstimate
 
@@ -124,7 +124,7 @@ OVER_ZERO = replace(RATE, ci95=(-0.001, 0.02))
 def test_what_a_name_needs(rate: ParameterEstimate, after: float, named: bool) -> None:
     """A hundredth of the error of 2 on what is held out, and a size that is seen."""
     told = cause("sensor_drift", [rate], before=2.0, after=after)
-    assert may_be_named(told, DRIFT, fit_result(), WHOLE) is named
+    assert (doubt_of(told, DRIFT, fit_result(), WHOLE) is None) is named
 
 
 @pytest.mark.parametrize(("second", "named"), [(-1.0, True), (1.0, False)])
@@ -138,8 +138,8 @@ def test_a_curve_stands_on_its_shape(second: float, named: bool) -> None:
     shape = 25.0 * np.array([[1.0, 0.9999], [0.9999, 1.0]])
     fitted = replace(fit_result(), free=names, covariance=shape)
     told = cause("static_curve", knots, before=2.0, after=1.0)
-    assert may_be_named(told, curve, fitted, WHOLE) is named
-    assert not may_be_named(told, curve, replace(fitted, covariance=None), WHOLE)
+    assert (doubt_of(told, curve, fitted, WHOLE) is None) is named
+    assert doubt_of(told, curve, replace(fitted, covariance=None), WHOLE) is Doubt.MAY_BE_ZERO
 
 
 @pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
@@ -147,7 +147,7 @@ def test_a_relaxation_has_a_time_of_its_own(at_bound: bool, named: bool) -> None
     """At a bound of its time a creep is a damper, or a spring."""
     times = [replace(estimate("creep_tau", 0.05, "s"), at_bound=at_bound)]
     told = cause("creep", [estimate("creep_k", 1.0, "1"), *times], before=2.0, after=1.0)
-    assert may_be_named(told, effect_of("creep"), fit_result(), WHOLE) is named
+    assert (doubt_of(told, effect_of("creep"), fit_result(), WHOLE) is None) is named
 
 
 @pytest.mark.parametrize(("second", "named"), [(-1.0, True), (1.0, False)])
@@ -159,7 +159,7 @@ def test_a_knot_at_its_bound_is_judged_with_the_others(second: float, named: boo
     shape = 25.0 * np.array([[1.0, 0.9999], [0.9999, 1.0]])
     fitted = replace(fit_result(), free=names, covariance=shape)
     told = cause("static_curve", knots, before=2.0, after=1.0)
-    assert may_be_named(told, effect_of("static_curve"), fitted, WHOLE) is named
+    assert (doubt_of(told, effect_of("static_curve"), fitted, WHOLE) is None) is named
 
 
 @pytest.mark.parametrize(
@@ -179,7 +179,7 @@ def test_a_slight_cause_has_a_size(
     must be within a factor of 30. Where more goes, no size is asked for."""
     size = replace(estimate("coulomb_friction_Fc", 0.05, "1"), ci95=ci95)
     told = cause("coulomb_friction", [size], before=2.0, after=after)
-    assert may_be_named(told, effect_of("coulomb_friction"), fit_result(), WHOLE) is named
+    assert (doubt_of(told, effect_of("coulomb_friction"), fit_result(), WHOLE) is None) is named
 
 
 @pytest.mark.parametrize(
@@ -193,7 +193,7 @@ def test_a_friction_that_comes_up_slowly_is_damping(
     speed = estimate("asymmetric_damping_v0", value, "rad/s")
     speed = replace(speed, at_bound=at_bound, lower=0.1, upper=2.0)
     told = cause("asymmetric_damping", [speed], before=2.0, after=1.0)
-    assert may_be_named(told, effect_of("asymmetric_damping"), fit_result(), WHOLE) is named
+    assert (doubt_of(told, effect_of("asymmetric_damping"), fit_result(), WHOLE) is None) is named
 
 
 def test_a_loop_that_never_closes_is_not_named() -> None:
@@ -202,7 +202,7 @@ def test_a_loop_that_never_closes_is_not_named() -> None:
         distance = replace(estimate("hysteresis_zs", value, "rad"), at_bound=True)
         distance = replace(distance, lower=0.01, upper=0.6)
         told = cause("hysteresis", [distance], before=2.0, after=1.0)
-        assert may_be_named(told, effect_of("hysteresis"), fit_result(), WHOLE) is named
+        assert (doubt_of(told, effect_of("hysteresis"), fit_result(), WHOLE) is None) is named
 
 
 @pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
@@ -210,16 +210,15 @@ def test_a_ring_at_the_sampling_limit_is_not_named(at_bound: bool, named: bool) 
     """At its shortest period it is what the input does between two samples."""
     period = replace(estimate("line_resonance_period", 0.06, "s"), at_bound=at_bound)
     told = cause("line_resonance", [period], before=2.0, after=1.0)
-    assert may_be_named(told, effect_of("line_resonance"), fit_result(), WHOLE) is named
+    assert (doubt_of(told, effect_of("line_resonance"), fit_result(), WHOLE) is None) is named
 
 
 def test_an_obstacle_may_be_as_stiff_as_it_is_asked_to_be() -> None:
     """Its size has one sign, so that a bound says no more than that it is stiff."""
     stop = replace(estimate("contact_kw", 1e6, "1"), at_bound=True)
     contact = effect_of("contact")
-    assert may_be_named(
-        cause("contact", [stop], before=2.0, after=1.0), contact, fit_result(), WHOLE
-    )
+    told = cause("contact", [stop], before=2.0, after=1.0)
+    assert doubt_of(told, contact, fit_result(), WHOLE) is None
 
 
 @pytest.mark.parametrize(
@@ -251,7 +250,7 @@ def test_a_cause_that_the_others_need(without: float | None, named: bool) -> Non
     """By itself it doubles the error of 1; the others leave so much without it, and 1 with it."""
     told = cause("sensor_drift", [RATE], before=1.0, after=2.0)
     told = replace(told, holdout_rmse_without=without)
-    assert may_be_named(told, DRIFT, fit_result(), WHOLE) is named
+    assert (doubt_of(told, DRIFT, fit_result(), WHOLE) is None) is named
 
 
 @pytest.mark.parametrize(
@@ -269,7 +268,7 @@ def test_a_cause_that_may_gain_nothing_is_none(
     """Unless leaving it out says that the others need it, or nothing says how sure its gain is."""
     told = cause("sensor_drift", [RATE], before=2.0, after=1.9)
     told = replace(told, gain_ci95=interval, holdout_rmse_without=without)
-    assert may_be_named(told, DRIFT, fit_result(), WHOLE) is named
+    assert (doubt_of(told, DRIFT, fit_result(), WHOLE) is None) is named
 
 
 @pytest.mark.parametrize(("longest", "named"), [(40.0, True), (50.0, False)])
@@ -277,7 +276,7 @@ def test_a_time_that_may_be_the_longest_is_no_creep(longest: float, named: bool)
     """A log that tells times up to 45 s, and an interval that ends before or beyond that."""
     tau = replace(estimate("creep_tau", 20.0, "s"), ci95=(5.0, longest), upper=45.0)
     told = cause("creep", [estimate("creep_k", 1.0, "1"), tau], before=2.0, after=1.0)
-    assert may_be_named(told, effect_of("creep"), fit_result(), WHOLE) is named
+    assert (doubt_of(told, effect_of("creep"), fit_result(), WHOLE) is None) is named
 
 
 @pytest.mark.parametrize("at_bound", [False, True])
@@ -285,7 +284,7 @@ def test_a_share_at_its_bound_is_no_creep(at_bound: bool) -> None:
     """What creeps on by three times the change that it follows is the change itself."""
     share = replace(estimate("creep_c", 3.0, "1"), upper=3.0, at_bound=at_bound)
     told = cause("creep.series", [share, estimate("creep_tau", 2.0, "s")], before=2.0, after=1.0)
-    assert may_be_named(told, effect_of("creep.series"), fit_result(), WHOLE) is not at_bound
+    assert (doubt_of(told, effect_of("creep.series"), fit_result(), WHOLE) is not None) is at_bound
 
 
 @pytest.mark.parametrize(("lowest", "named"), [(-0.029, True), (-0.031, False)])
@@ -293,7 +292,7 @@ def test_a_large_gain_may_barely_be_none(lowest: float, named: bool) -> None:
     """Of a gain of 30 % the interval may end up to 3 % below zero, as that of few blocks does."""
     told = cause("sensor_drift", [RATE], before=2.0, after=1.4)
     told = replace(told, gain_ci95=(lowest, 0.5), holdout_rmse_without=None)
-    assert may_be_named(told, DRIFT, fit_result(), 1.4) is named
+    assert (doubt_of(told, DRIFT, fit_result(), 1.4) is None) is named
 
 
 @pytest.mark.parametrize(("share", "named"), [(None, True), (0.029, True), (0.031, False)])
@@ -301,7 +300,7 @@ def test_a_cause_whose_size_varies_is_another(share: float | None, named: bool) 
     """What letting it vary takes away may be a thirtieth of what the cause does, not more."""
     told = cause("sensor_drift", [RATE], before=2.0, after=1.0)
     varied = Variation("t", 0.2, share, 1e-9) if share is not None else None
-    assert may_be_named(replace(told, variation=varied), DRIFT, fit_result(), WHOLE) is named
+    assert (doubt_of(replace(told, variation=varied), DRIFT, fit_result(), WHOLE) is None) is named
 
 
 @pytest.mark.parametrize(("structured", "most"), [(False, 0.03), (True, 0.1)])
