@@ -13,6 +13,10 @@ MORE = 1.25
 """What is held out keeps more when its error is so many times that of the fitted samples."""
 
 
+RUNS_AWAY = -900.0
+"""Fit in per cent below which a model errs by more than ten times what there is to explain."""
+
+
 class ErrorTexts:
     """What is said of the errors of one diagnosis.
 
@@ -75,6 +79,11 @@ class ErrorTexts:
         where = "held-out samples" if self.held_out else "the fitted samples"
         before = self.size(self.error(lambda g: g.rmse_before))
         fit = self.percents(lambda g: g.fit_percent_before)
+        if any(g.fit_percent_before < RUNS_AWAY for g in self.rows):
+            return (
+                f"{model} runs away on {where}, by {before} rms: nothing in the fitted ones holds "
+                "its parameters there."
+            )
         return f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
 
     def more_held_out(self, remainder: Remainder, *, is_tied: bool = False) -> str:

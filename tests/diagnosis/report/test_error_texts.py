@@ -59,3 +59,12 @@ def test_a_law_that_is_refused_explains_more_than_chance() -> None:
     assert "None of the effects tried lowers the error on what is held out." in text
     assert "Creep would take away 5 %, but leaves it as it is." in text
     assert "than chance would." not in text
+
+
+def test_a_model_that_runs_away_has_no_fit() -> None:
+    """An error of eleven times the motion is no misfit to be explained."""
+    found = diagnosis(Verdict.UNKNOWN)
+    far = tuple(replace(g, rmse_before=2.4, fit_percent_before=-1000.0) for g in found.gains)
+    text = write_summary(replace(found, gains=far)).summary
+    assert text.startswith("The muscle model runs away on held-out samples, by 138 deg rms:")
+    assert "fit -" not in text
