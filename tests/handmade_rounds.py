@@ -20,7 +20,7 @@ def candidate(
     keys: Sequence[str],
     squares: float = 100.0,
     *,
-    reach: float = 0.0,
+    offset: float = 0.0,
     values: Mapping[str, float] | None = None,
 ) -> Any:
     """Something with effects and a sum of squares; infinite for one that ran away."""
@@ -31,7 +31,7 @@ def candidate(
         keys=tuple(effect.key for effect in effects),
         squares=squares,
         parameters=defaultdict(float, values or {}),
-        minimum=SimpleNamespace(normal=SimpleNamespace(cost=cost, n=SAMPLES), reach=reach),
+        minimum=SimpleNamespace(normal=SimpleNamespace(cost=cost, n=SAMPLES), offset=offset),
         problem=SimpleNamespace(size=UNKNOWNS, n_samples=SAMPLES + UNKNOWNS),
     )
 

@@ -29,8 +29,10 @@ from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.report.issues import (
+    CHANGE_POINT,
     averaging_issues,
     change_issues,
+    held_out_change_issues,
     jump_issues,
     negligible_issues,
     refusal_issues,
@@ -151,29 +153,42 @@ def diagnose(
     else:
         found, search = search_causes(recordings, request, search, None)
     report("computing errors", 0.9)
-    answer = _answer(search.base, found, seed)
-    if answer.verdict is Verdict.UNKNOWN:
-        alone = search.without_causes()
-        answer = _answer(search.base, alone, seed) if alone else answer
-    if answer.verdict is Verdict.UNKNOWN and not found.remainder.structured:
-        other = search.search_from_multistart(found)
-        answer = _answer(search.base, other, seed) if other else answer
+    answer = _surest_answer(search, found)
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
     issues = (
-        *negligible_issues(search.base),
         *restriction_issues(effects),
         *averaging_issues(count),
         *rounded,
-        *jump_issues(answer.remainder, search.base.candidate.problem),
+        *(permanent_set_issues(recordings.logs) if search.base.candidate.has_spring else ()),
     )
-    candidate = search.base.candidate
-    if answer.verdict is Verdict.UNKNOWN:
-        moments = change_issues(candidate, excess_of(candidate, search.base.scale))
-        issues = (*moments, *issues)
-        answer = replace(answer, next_experiment=moments[0].remedy if moments else None)
-    if candidate.has_spring:
-        issues = (*issues, *permanent_set_issues(recordings.logs))
-    return write_summary(replace(answer, issues=(*answer.issues, *issues)))
+    return write_summary(_with_issues(answer, search, issues))
+
+
+def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
+    """The diagnosis of what was found; where that is unknown, of what is sure in its place."""
+    answer = _answer(search.base, found, search.seed)
+    alone = search.without_causes() if answer.verdict is Verdict.UNKNOWN else None
+    answer = _answer(search.base, alone, search.seed) if alone else answer
+    if answer.verdict is not Verdict.UNKNOWN or found.remainder.structured:
+        return answer
+    other = search.search_from_multistart(found)
+    return _answer(search.base, other, search.seed) if other else answer
+
+
+def _with_issues(answer: Diagnosis, search: CauseSearch, issues: Sequence[Issue]) -> Diagnosis:
+    """The diagnosis with what a user should know, and the moment at which a misfit begins."""
+    base, candidate = search.base, search.base.candidate
+    known = [issue for issue in answer.issues if issue.code == CHANGE_POINT]
+    moments: tuple[Issue, ...] = ()
+    if answer.verdict is Verdict.UNKNOWN and not known:
+        moments = change_issues(candidate, excess_of(candidate, base.scale))
+    jumps = jump_issues(answer.remainder, candidate.problem)
+    following = [issue.remedy for issue in (*known, *moments)]
+    return replace(
+        answer,
+        issues=(*answer.issues, *moments, *negligible_issues(base), *issues, *jumps),
+        next_experiment=following[0] if following else answer.next_experiment,
+    )
 
 
 def _search_with_intersample(
@@ -288,6 +303,7 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
             *(after if after is not None and named else before).issues,
             *_issues_of_rest(base, chain, before),
             *refusal_issues(chain, held_out),
+            *held_out_change_issues(chain.final, remainder, held_out),
         ),
         gain_ci95=whole_gain_of(errors, rng),
     )

@@ -94,7 +94,7 @@ class Minimum:
         Cost and normal equations there.
     evaluations
         Number of evaluations.
-    reach
+    offset
         `attainable_offset` at the end.
     damping
         Damping at the end, with which another run would go on; None before the first run.
@@ -103,7 +103,7 @@ class Minimum:
     point: Array
     normal: Normal
     evaluations: int
-    reach: float
+    offset: float
     damping: float | None = None
 
 

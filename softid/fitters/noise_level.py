@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.problem import Problem
-from softid.fitters.rivals import residuals_by_channel
+from softid.fitters.rivals import residuals_by_channel, squared_autocorrelation
 
 Array = npt.NDArray[np.float64]
 
@@ -25,10 +25,10 @@ DETERMINED = 0.1
 def at_noise_level(problem: Problem, found: Minimum) -> bool:
     """Whether the residual is white and every parameter is well determined.
 
-    The statistic is that of Box and Pierce (J. Am. Stat. Assoc. 65, 1970), n Σ ρ² over the first
-    lags. A simulation in a wrong basin leaves structure behind, and where the data hold every
-    parameter the cost is a bowl without a second floor; where they do not, another optimum may lie
-    along the flat direction although the residual is white.
+    The statistic is that of Box and Pierce, from `squared_autocorrelation`. A simulation in a wrong
+    basin leaves structure behind, and where the data hold every parameter the cost is a bowl
+    without a second floor; where they do not, another optimum may lie along the flat direction
+    although the residual is white.
 
     Parameters
     ----------
@@ -61,9 +61,8 @@ def _determined(problem: Problem, found: Minimum) -> bool:
 
 
 def _white(residuals: list[Array]) -> bool:
-    n, power = sum(r.size for r in residuals), sum(float(r @ r) for r in residuals)
-    if n < FEWEST or power <= 0.0:
+    n = sum(r.size for r in residuals)
+    if n < FEWEST or not any(r.any() for r in residuals):
         return False
-    products = (sum(float(r[k:] @ r[:-k]) for r in residuals) for k in range(1, LAGS + 1))
-    colour = sum((product / power) ** 2 for product in products)
-    return n * colour <= LAGS + SIGNIFICANT * float(np.sqrt(2.0 * LAGS))
+    most = LAGS + SIGNIFICANT * float(np.sqrt(2.0 * LAGS))
+    return n * squared_autocorrelation(residuals, LAGS) <= most

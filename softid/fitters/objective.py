@@ -134,12 +134,12 @@ class Objective:
         self.plans = None if normal.plans is None else list(normal.plans)
         limits = *self.problem.bounds(), self.problem.reach()
         kept: Normal | None = None
-        if found.reach > LAST_STEP:
+        if found.offset > LAST_STEP:
             kept = self._with_prior(self._at(next_point(found, *limits), columns=True))
         if kept is None or not kept.cost <= found.normal.cost:
             kept = self._with_prior(self._at(found.point, columns=True))
         self.plans = None
-        return replace(found, point=kept.point, normal=kept, reach=offset_within(kept, *limits))
+        return replace(found, point=kept.point, normal=kept, offset=offset_within(kept, *limits))
 
     def adopt(self, other: Objective) -> None:
         """Go on from another one's last evaluation, of the same problem."""
@@ -219,7 +219,7 @@ class Objective:
         sums_first = not rough and self._entries > CHEAP_ENTRIES
         found = run(point, max(tolerance, NEAR) if sums_first else tolerance, damping)
         for _ in range(0 if rough else MAX_PLANS - 1):
-            on_the_way = sums_first and tolerance < found.reach <= NEAR
+            on_the_way = sums_first and tolerance < found.offset <= NEAR
             point = next_point(found, *limits) if on_the_way else found.point
             plans = self._plans(point)
             same = _same(plans, self.plans)

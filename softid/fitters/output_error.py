@@ -300,13 +300,13 @@ def _challenge(
 
 def _released(objective: Objective, best: Minimum) -> Minimum:
     """The optimum without the prior, if the data hold every parameter near where it is."""
-    if best.reach > OFFSET_TOLERANCE or objective.prior is None:
+    if best.offset > OFFSET_TOLERANCE or objective.prior is None:
         return best
     prior, objective.prior = objective.prior, None
     free = objective.solve(best.point, RELEASE_EVALUATIONS)
     moved = np.abs(free.point - best.point) / objective.problem.reach()
     far = np.max(moved[: len(objective.problem.free)], initial=0.0)
-    if np.isfinite(free.normal.cost) and free.reach <= OFFSET_TOLERANCE and far <= RELEASE_REACHES:
+    if np.isfinite(free.normal.cost) and free.offset <= OFFSET_TOLERANCE and far <= RELEASE_REACHES:
         return free
     objective.prior = prior
     return best

@@ -189,9 +189,6 @@ class _Ladder:
 def has_structure(problem: Problem, z: Array) -> bool:
     """Whether the residual is clearly not white, by its squared autocorrelations summed over lags.
 
-    Box and Pierce (J. Am. Stat. Assoc. 65, 1970): n times the sum is χ² with as many degrees of
-    freedom as lags when the residual is white.
-
     Parameters
     ----------
     problem
@@ -200,14 +197,33 @@ def has_structure(problem: Problem, z: Array) -> bool:
         Unknowns, shape (U,).
     """
     for residuals in residuals_by_channel(problem, z):
-        n, power = sum(r.size for r in residuals), sum(float(r @ r) for r in residuals)
-        if power <= 0.0 or n <= MAX_LAG:
+        n = sum(r.size for r in residuals)
+        if n <= MAX_LAG:
             continue
-        shifted = (sum(float(r[k:] @ r[:-k]) for r in residuals) for k in range(1, MAX_LAG + 1))
-        colour = sum((product / power) ** 2 for product in shifted)
-        if colour > max(LEAST_COLOUR, (MAX_LAG + SIGNIFICANT * np.sqrt(2.0 * MAX_LAG)) / n):
+        limit = max(LEAST_COLOUR, (MAX_LAG + SIGNIFICANT * np.sqrt(2.0 * MAX_LAG)) / n)
+        if squared_autocorrelation(residuals, MAX_LAG) > limit:
             return True
     return False
+
+
+def squared_autocorrelation(residuals: Sequence[Array], lags: int) -> float:
+    """Σ ρ² over the first lags of residuals less their means; 0 where they are nothing.
+
+    Box and Pierce (J. Am. Stat. Assoc. 65, 1970): n times the sum is χ² with as many degrees of
+    freedom as lags when the residual is white.
+
+    Parameters
+    ----------
+    residuals
+        Of every segment, shape (n,) each.
+    lags
+        How many.
+    """
+    power = sum(float(r @ r) for r in residuals)
+    if power <= 0.0:
+        return 0.0
+    products = (sum(float(r[k:] @ r[:-k]) for r in residuals) for k in range(1, lags + 1))
+    return sum((product / power) ** 2 for product in products)
 
 
 def _rings(problem: Problem, z: Array) -> bool:

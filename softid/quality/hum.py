@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 MAINS_HZ = (50.0, 60.0, 100.0, 120.0)
 MIN_SAMPLES = 128
 MOST_JITTER = 0.1
-ODDS_OF_CHANCE = 1e-5
+SIGNIFICANCE = 1e-5
 NEIGHBOURS = 25
 LOWEST_HZ = 2.0
 LEAST_CYCLES = 8.0
@@ -67,7 +67,7 @@ def find_hum(
     k = int(usable[power[usable].argmax()])
     beside = power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1]
     floor = float(np.median(beside)) / log(2.0)
-    if power[k] <= floor * (log(usable.size) - log(ODDS_OF_CHANCE)):
+    if power[k] <= floor * (log(usable.size) - log(SIGNIFICANCE)):
         return None
     skirts = power[[max(k - LINE_WIDTH, 0), min(k + LINE_WIDTH, power.size - 1)]]
     shift, gain = _between_bins(power, k)

@@ -77,7 +77,7 @@ def test_a_linear_problem_takes_a_few_evaluations() -> None:
     expected = np.linalg.lstsq(matrix, target, rcond=None)[0]
     np.testing.assert_allclose(found.point, expected, atol=1e-7)
     assert found.evaluations <= 5
-    assert found.reach <= 1e-8
+    assert found.offset <= 1e-8
 
 
 def test_rosenbrock() -> None:
@@ -94,7 +94,7 @@ def test_optimum_on_a_bound(start: list[float]) -> None:
         rosenbrock, np.array(start), lower=np.array([-2.0, -2.0]), upper=np.array([0.5, 2.0])
     )
     np.testing.assert_allclose(found.point, [0.5, 0.25], atol=1e-6)
-    assert found.reach <= 1e-8
+    assert found.offset <= 1e-8
 
 
 def test_a_start_on_the_wrong_bound_leaves_it() -> None:
@@ -127,7 +127,7 @@ def test_bounds_without_width_hold_the_value() -> None:
     np.testing.assert_allclose(found.point, [rest[0], -1.0, rest[1]], atol=1e-7)
     everything = solved(linear(matrix, target), np.zeros(3), lower=0.0, upper=0.0)
     assert everything.point.tolist() == [0.0, 0.0, 0.0]
-    assert everything.reach == 0.0
+    assert everything.offset == 0.0
 
 
 def test_a_trial_that_is_not_finite_is_rejected() -> None:
@@ -146,7 +146,7 @@ def test_nowhere_finite() -> None:
     """A start that is not finite ends at once, and says that it did not arrive."""
     found = solved(lambda z: Normal(z, np.inf, np.zeros(2), np.eye(2), 5), np.zeros(2))
     assert found.evaluations == 1
-    assert found.reach == np.inf
+    assert found.offset == np.inf
 
 
 def test_a_singular_jacobian() -> None:
@@ -158,7 +158,7 @@ def test_a_singular_jacobian() -> None:
     assert found.point[0] + found.point[1] == pytest.approx(expected[0], abs=1e-6)
     assert found.point[2] == pytest.approx(expected[1], abs=1e-6)
     assert found.point[3] == 0.7
-    assert found.reach <= 1e-8
+    assert found.offset <= 1e-8
 
 
 def test_the_limit_of_evaluations_is_kept_and_told() -> None:
@@ -166,7 +166,7 @@ def test_the_limit_of_evaluations_is_kept_and_told() -> None:
     for limit in (1, 2, 5):
         found = solved(rosenbrock, np.array([-1.2, 1.0]), evaluations=limit)
         assert found.evaluations <= limit
-        assert found.reach > 1e-2
+        assert found.offset > 1e-2
 
 
 def test_offset_is_that_of_bates_and_watts() -> None:

@@ -36,7 +36,7 @@ def test_columns_that_are_kept_late_change_no_optimum(monkeypatch: pytest.Monkey
     early = Objective(problem, {"contraction": 1.0}).solve(start, 400)
     assert isinstance(found.normal, Linearised)
     assert found.normal.kept
-    assert max(found.reach, early.reach) <= TOLERANCE
+    assert max(found.offset, early.offset) <= TOLERANCE
     assert found.normal.cost == pytest.approx(early.normal.cost, rel=1e-9)
     variance = 2.0 * early.normal.cost / early.normal.n
     errors = np.sqrt(variance * np.diag(np.linalg.inv(early.normal.matrix)))

@@ -94,6 +94,18 @@ class HeldOut(ABC):
         return [row.residual for row in self.judging(candidate) if row.channel == first]
 
     @abstractmethod
+    def standing(self, candidate: Candidate) -> Candidate | None:
+        """The candidate over what is held out, with zeros and initial states of its own.
+
+        None where that is a part of the fitted logs.
+
+        Parameters
+        ----------
+        candidate
+            A fit to the rest.
+        """
+
+    @abstractmethod
     def slopes(self, candidate: Candidate) -> Array:
         """How what can judge follows the free parameters, shape (m, F).
 
@@ -130,15 +142,20 @@ class HeldOutLogs(HeldOut):
         """
         return self._within(_fitted_range(candidate), candidate) or self.errors(candidate)
 
+    def standing(self, candidate: Candidate) -> Candidate:
+        """Over the logs; see `HeldOut.standing`."""
+        fitted, (_, nuisance) = candidate.problem, self._at_its_zeros(candidate)
+        parameters = fitted.parameters.with_values(candidate.parameters)
+        z = np.concatenate((candidate.minimum.point[: len(fitted.free)], nuisance))
+        problem = Problem(fitted.model, parameters, self.logs)
+        return replace(candidate, problem=problem, minimum=replace(candidate.minimum, point=z))
+
     def slopes(self, candidate: Candidate) -> Array:
         """At the samples that judge; see `HeldOut.slopes`."""
-        fitted, (_, nuisance) = candidate.problem, self._at_its_zeros(candidate)
-        problem = Problem(fitted.model, fitted.parameters, self.logs)
-        free = len(fitted.free)
-        z = np.concatenate((candidate.minimum.point[:free], nuisance))
-        first, limits = fitted.outputs[0], _fitted_range(candidate)
-        rows, judges = [], []
-        for block in problem.blocks(z, derivatives=True):
+        judged, limits = self.standing(candidate), _fitted_range(candidate)
+        problem, free = judged.problem, len(candidate.problem.free)
+        first, rows, judges = problem.outputs[0], [], []
+        for block in problem.blocks(judged.minimum.point, derivatives=True):
             if block.channel == first and block.jacobian is not None:
                 segment = problem.segments[block.segment]
                 rows.append(block.jacobian)
@@ -217,6 +234,9 @@ class HeldOutBlocks(HeldOut):
                 residual = measured - segment.samples_of(response.outputs[name])[held] - zero
                 found.append(HeldOutErrors(segment.log_name, name, measured, residual))
         return found
+
+    def standing(self, candidate: Candidate) -> None:
+        """None: the blocks are a part of the logs."""
 
     def slopes(self, candidate: Candidate) -> Array:
         """None: the blocks lie between fitted samples, which hold them as well as themselves."""

@@ -25,7 +25,7 @@ def optimum_of(candidate: Candidate, sigma: Mapping[str, float]) -> Optimum:
         cost=0.5 * candidate.squares,
         sigma=dict(sigma),
         status=FitStatus.CONVERGED,
-        offset=candidate.minimum.reach,
+        offset=candidate.minimum.offset,
         evaluations=candidate.minimum.evaluations,
         at_bound=candidate.problem.at_bound(point),
         start=candidate.prior.centre,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
@@ -136,20 +138,41 @@ def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
     )
 
 
-def change_issues(base: Candidate, excess: float) -> tuple[Issue, ...]:
-    """The moment at which the misfit of a base begins, if there is one.
+def held_out_change_issues(
+    model: Candidate, remainder: Remainder, held: HeldOut
+) -> tuple[Issue, ...]:
+    """The moment at which what is held out begins to differ; nothing where it does not.
 
     Parameters
     ----------
-    base
-        The model without effects.
+    model
+        The last model.
+    remainder
+        What it leaves.
+    held
+        What was held out.
+    """
+    judged = held.standing(model) if remainder.misses_held_out else None
+    if judged is None:
+        return ()
+    noise = remainder.rms**2 / max(1.0 + remainder.excess, 1.0)
+    return change_issues(judged, float(np.mean(held.first_errors(model) ** 2)) / noise - 1.0)
+
+
+def change_issues(model: Candidate, excess: float) -> tuple[Issue, ...]:
+    """The moment at which the misfit of a model begins, if there is one.
+
+    Parameters
+    ----------
+    model
+        A model over its logs.
     excess
         Variance of what it leaves above that of the noise, as a share of the latter.
     """
-    found = change_point(base, excess)
+    found = change_point(model, excess)
     if found is None:
         return ()
-    problem = base.problem
+    problem = model.problem
     log = problem.logs[found.log].name
     return (
         Issue(

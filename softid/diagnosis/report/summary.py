@@ -127,7 +127,7 @@ def summarise(
     marks, refused
         What `disturbance_issues` and `refusal_issues` found.
     moments
-        What `change_issues` found.
+        What `change_issues` and `held_out_change_issues` found.
     dropped
         Parameters of the base that the extended model does without.
     negligible
@@ -143,9 +143,10 @@ def summarise(
     if verdict is Verdict.ADEQUATE:
         told += [sentence(negligible)] if negligible else _adequate(teller, remainder, refused)
     elif verdict is Verdict.UNKNOWN:
-        told.append(what_is_unknown(remainder))
-        told += [sentence(moment) for moment in moments]
-        told += _unknown(teller, descriptive or causes, alternatives, remainder)
+        misfit = _unknown(teller, descriptive or causes, alternatives, remainder)
+        began = [sentence(moment) for moment in moments]
+        ordered = [*misfit, *began] if remainder.misses_held_out else [*began, *misfit]
+        told += [what_is_unknown(remainder), *ordered]
     else:
         told += _explained(teller, causes, alternatives, evidence, descriptive)
         if descriptive:
@@ -157,6 +158,7 @@ def summarise(
             looks = "does not follow from the motion" if marks else noise_like(remainder)
             told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
             told.append(teller.more_held_out(remainder, is_tied=bool(alternatives)))
+        told += [sentence(moment) for moment in moments]
     told += [sentence(mark) for mark in (*marks, *refused)]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend(remainder))

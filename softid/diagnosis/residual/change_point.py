@@ -67,22 +67,23 @@ class ChangePoint:
     kind: str
 
 
-def change_point(base: Candidate, excess: float) -> ChangePoint | None:
+def change_point(model: Candidate, excess: float) -> ChangePoint | None:
     """The moment at which the misfit begins, if it begins at one.
 
     With B spanning the derivatives of the response and the rate of the output, the residual is
-    regressed on B before and after a moment; the moment is where most goes.
+    regressed on B before and after a moment; the moment is where most goes. What other parameters
+    throughout would take away, where the model is not at its optimum, is no part of the misfit.
 
     Parameters
     ----------
-    base
-        The model without effects.
+    model
+        A model over its logs.
     excess
         Variance of what it leaves above that of the noise, as a share of the latter.
     """
     if not excess > 0.0:
         return None
-    look = _ScoreTest(base)
+    look = _ScoreTest(model)
     noise = look.power / (1.0 + excess)
     best: ChangePoint | None = None
     for log in sorted({row.log for row in look.rows}):
@@ -95,9 +96,9 @@ def change_point(base: Candidate, excess: float) -> ChangePoint | None:
 class _ScoreTest:
     """Residual of the first output, and the columns that a change is made of."""
 
-    def __init__(self, base: Candidate) -> None:
-        first = base.problem.outputs[0]
-        self.rows = [row for row in rows_of(base) if row.channel == first]
+    def __init__(self, model: Candidate) -> None:
+        first = model.problem.outputs[0]
+        self.rows = [row for row in rows_of(model) if row.channel == first]
         jacobian = np.concatenate([row.jacobian for row in self.rows])
         self.rate = _joined(self.rows, lambda row: row.motion.v)
         self.position = _joined(self.rows, lambda row: row.motion.x)
@@ -111,7 +112,9 @@ class _ScoreTest:
 
     def best_of(self, log: int, noise: float) -> ChangePoint | None:
         """The moment of one log at which a change takes most of what is more than noise."""
-        misfit = self.power - noise
+        misfit = float(self.left @ self.left) - noise
+        if misfit <= 0.0:
+            return None
         mine = self.time_s[self.log == log]
         begin, length = float(mine[0]), float(np.ptp(mine))
         step = (1.0 - 2.0 * EDGE) * length / (MOMENTS - 1)

@@ -29,7 +29,7 @@ LEAST_CYCLES = 6.0
 NEIGHBOURS = 25
 """A line is held against so many bins of the spectrum on either side, where noise is as loud."""
 
-ODDS_OF_CHANCE = 1e-4
+SIGNIFICANCE = 1e-4
 """Noise as loud as those bins gives such a line in one of so many logs."""
 
 OF_THE_INPUT = 0.02
@@ -113,7 +113,7 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
     places = np.flatnonzero(usable)
     if places.size < 2 * NEIGHBOURS:
         return None
-    chance = log(places.size) - log(ODDS_OF_CHANCE)
+    chance = log(places.size) - log(SIGNIFICANCE)
     in_input = _height(driven, places) > chance
     in_input |= np.append(in_input[1:], False) | np.append(False, in_input[:-1])
     height = np.where(in_input, 0.0, _height(power, places))

@@ -6,7 +6,7 @@ supply, a mount that settles, the sensor. A slope, every relaxation and what fol
 mean input are taken out first, for drift, warm-up and creep bring those.
 
 The null is noise that forgets itself within `LIMIT_S`. The block means of such noise have a known
-covariance, and the odds of the statistic follow from it without a model fitted to the residual.
+covariance, and the p-value of the statistic follows from it without a model fitted to the residual.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ SLOWER = 3.0
 SOUGHT = 10.0
 """The statistic looks best for a wander so many times slower than the limit."""
 
-ODDS_OF_CHANCE = 0.01
+SIGNIFICANCE = 0.01
 """Noise at the limit is taken for a wander in one of so many logs; faster noise hardly ever."""
 
 TIMES = 16
@@ -239,7 +239,7 @@ def _judged(
     if power < LEAST_SHARE * whole or float(y @ y) < LEAST_IRREGULAR * float(slow @ slow):
         return None
     colour = _covariance(series, limit_s)
-    if _odds(y, colour, colour + _covariance(series, SOUGHT * limit_s)) > ODDS_OF_CHANCE:
+    if _p_value(y, colour, colour + _covariance(series, SOUGHT * limit_s)) > SIGNIFICANCE:
         return None
     time_s = _likeliest_s(y, series, limit_s)
     if time_s < SLOWER * limit_s:
@@ -287,7 +287,7 @@ def covariance_of_means(begins_s: Array, ends_s: Array, time_s: float) -> Array:
     return found
 
 
-def _odds(y: Array, limit: Array, sought: Array) -> float:
+def _p_value(y: Array, limit: Array, sought: Array) -> float:
     """Chance that noise at the limit speaks as much for the wander as the contrasts do."""
     from scipy.linalg import eigh
 

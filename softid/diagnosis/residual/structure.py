@@ -25,10 +25,10 @@ BLOCKS = 12
 SHIFTS = 199
 """Circular shifts of the residual that make up the null distribution."""
 
-LEVEL = 0.95
+NULL_QUANTILE = 0.95
 """What shifted residuals reach in so many cases is chance."""
 
-WANDERING_LEVEL = 0.99
+WANDERING_QUANTILE = 0.99
 """The same where nothing pulls the motion back: a residual that adds up disturbances resembles
 every slow variable."""
 
@@ -128,7 +128,7 @@ def structure_of(
         alone = _Smooth(matrix[used][:, columns], fold[used])
         by[name] = max(float(alone.predicted_shares(rows[:, None])[0]), 0.0)
     null = everything.predicted_shares(shifted)
-    limit = float(np.quantile(null, WANDERING_LEVEL if wanders else LEVEL))
+    limit = float(np.quantile(null, WANDERING_QUANTILE if wanders else NULL_QUANTILE))
     return Structure(max(share, 0.0), limit, by)
 
 
@@ -156,7 +156,7 @@ def predicted_beyond_chance(
     smooth = _Smooth(_standardised(matrix), _folds(times))
     shifted = np.column_stack([_shifted(rows, rng) for _ in range(SHIFTS)])
     share = float(smooth.predicted_shares(rows[:, None])[0])
-    return share, float(np.quantile(smooth.predicted_shares(shifted), LEVEL))
+    return share, float(np.quantile(smooth.predicted_shares(shifted), NULL_QUANTILE))
 
 
 def _shifted(rows: Array, rng: np.random.Generator) -> Array:

@@ -67,7 +67,7 @@ def can_catch_up(candidate: Candidate, leader: float, *, gained: float = 0.0) ->
         Fall of n ln(S) in the last round.
     """
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
-    promised = candidate.minimum.reach**2 * candidate.problem.size
+    promised = candidate.minimum.offset**2 * candidate.problem.size
     distance = -gain(leader, candidate)
     return distance <= NEAR * n + REACH * promised or distance <= PACE * gained
 
@@ -89,5 +89,5 @@ def is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: flo
     mine = min(c.squares for c in others if c.keys == candidate.keys)
     if not candidate.squares > mine:
         return False
-    promised = candidate.minimum.reach**2 * candidate.problem.size
+    promised = candidate.minimum.offset**2 * candidate.problem.size
     return -gain(mine, candidate) + SMALLEST_GAIN > max(REACH * promised, PACE * gained)

@@ -346,6 +346,6 @@ def converged(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
         held, candidate = candidate, with_own_bounds(candidate)
         if candidate is not held:
             continue
-        if candidate.minimum.reach <= UNCONVERGED or candidate.squares > STILL_FALLS * before:
+        if candidate.minimum.offset <= UNCONVERGED or candidate.squares > STILL_FALLS * before:
             break
     return candidate

@@ -230,12 +230,12 @@ def _second_round(
     field = [
         c
         for k, c in enumerate(first)
-        if k < SECOND_SURVIVORS or c.effects[-1].key in favoured or c.minimum.reach > FAR
+        if k < SECOND_SURVIVORS or c.effects[-1].key in favoured or c.minimum.offset > FAR
     ]
     second = _run(field, sigma, SECOND_ROUND, COARSE)
     left_behind: list[Candidate] = []
     for _ in range(EXTRA_ROUNDS):
-        moving = [c for c in second if c.minimum.reach > UNCONVERGED and c not in left_behind]
+        moving = [c for c in second if c.minimum.offset > UNCONVERGED and c not in left_behind]
         resting = [c for c in second if c not in moving]
         again, out_of_reach = _round(moving, resting, sigma, SECOND_ROUND, COARSE)
         second = resting + again + out_of_reach
@@ -340,7 +340,7 @@ def _last_survivors(
     kept = []
     neighbours = second[0].effects[-1].neighbours
     for k, candidate in enumerate(second):
-        is_unconverged = candidate.minimum.reach > UNCONVERGED
+        is_unconverged = candidate.minimum.offset > UNCONVERGED
         asked = k < LAST_SURVIVORS or candidate.effects[-1].name in neighbours
         near = asked and candidate.squares <= (unconverged_limit if is_unconverged else limit)
         if near or (is_unconverged and candidate.effects[-1].key in promising[:FAVOURITES]):

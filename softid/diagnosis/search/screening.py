@@ -378,7 +378,7 @@ def _placed(
     for k, name in enumerate(problem.free):
         centre[k] = known.get(name, centre[k])
     prior = prior_about(problem, centre, fitted.problem.free, variance)
-    begin = replace(fitted.minimum, evaluations=0, reach=np.inf)
+    begin = replace(fitted.minimum, evaluations=0, offset=np.inf)
     placed = standing_at(best, begin, prior, fitted.squares if squares is None else squares)
     return Candidate((*fitted.effects, effect), problem, placed, prior)
 

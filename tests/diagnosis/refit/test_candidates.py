@@ -169,7 +169,7 @@ def test_a_step_ends_at_the_optimum() -> None:
     errors = np.sqrt(np.diag(np.linalg.inv(found.minimum.normal.matrix)))
     assert np.all(np.abs(found.minimum.point - truth)[:3] < 4.0 * errors[:3])
     assert found.squares == pytest.approx(996.0, rel=4.0 * np.sqrt(2.0 / 996.0))
-    assert found.minimum.reach < 0.05
+    assert found.minimum.offset < 0.05
 
 
 def test_the_prior_goes_with_the_residual() -> None:

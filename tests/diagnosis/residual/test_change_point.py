@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 import pytest
+from handmade_diagnosis import remainder
 from linear_motion import (
     RATE_HZ,
     TRUTH,
@@ -20,7 +22,8 @@ from linear_motion import (
 from softid.diagnosis import diagnose
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.report.issues import CHANGE_POINT, change_issues
+from softid.diagnosis.refit.held_out import HeldOutLogs
+from softid.diagnosis.report.issues import CHANGE_POINT, change_issues, held_out_change_issues
 from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis.residual.change_point import change_point
 from softid.log import Log
@@ -105,6 +108,31 @@ def test_what_goes_on_throughout_begins_at_no_moment(name: str) -> None:
     """Noise, a drift, a delay, a law of position or speed, a swing, and what comes and goes."""
     base = fitted(linear_log(noise=NOISE, samples=N, added=OTHERS[name]))
     assert change_point(base, excess(base)) is None
+
+
+@pytest.mark.parametrize("kind", ADDED)
+def test_what_is_held_out_begins_to_differ_at_a_moment(kind: str) -> None:
+    """Known truth: the fitted log is whole, and the other jumps at its own moment."""
+    base = fitted(linear_log(noise=NOISE, samples=N))
+    judge = linear_log(noise=NOISE, seed=7, samples=N, added=ADDED[kind])
+    left = remainder(structured=False, explained=1.0)
+    left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
+    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)))
+    moment = re.search(r"begins at ([0-9.]+) s of linear-7: its (\w+)", mark.message)
+    assert moment is not None
+    assert float(moment[1]) == pytest.approx(MOMENT_S, abs=0.5)
+    assert moment[2] == kind
+    found = replace(left, misses_held_out=False)
+    assert held_out_change_issues(base, found, HeldOutLogs((judge,))) == ()
+
+
+def test_another_actuator_differs_at_no_moment() -> None:
+    """Twice as stiff from the first sample on: other parameters, not a jump."""
+    base = fitted(linear_log(noise=NOISE, samples=N))
+    judge = linear_log(noise=NOISE, seed=7, samples=N, added=-0.5 * ANGLE)
+    left = remainder(structured=False, explained=1.0)
+    left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
+    assert held_out_change_issues(base, left, HeldOutLogs((judge,))) == ()
 
 
 def test_a_diagnosis_tells_the_moment() -> None:

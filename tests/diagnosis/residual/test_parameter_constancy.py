@@ -102,7 +102,7 @@ def test_a_constant_size_does_not_vary(slow: bool) -> None:
 
 
 @pytest.mark.parametrize("slow", [False, True])
-def test_the_odds_are_those_of_chance(slow: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_p_value_is_that_of_chance(slow: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """At a level of 5 % for each of four variables, 5 to 19 % of logs seem to vary.
 
     That is 6 to 22 of 120; fewer than 2 or more than 33 have odds below 2 % at either end.

@@ -40,7 +40,7 @@ def test_the_best_of_each_cause_stays() -> None:
 
 
 @pytest.mark.parametrize(
-    ("squares", "reach", "gained", "may_catch_up"),
+    ("squares", "offset", "gained", "may_catch_up"),
     [
         (1.34, 0.0, 0.0, True),
         (1.36, 0.0, 0.0, False),
@@ -52,15 +52,18 @@ def test_the_best_of_each_cause_stays() -> None:
         (0.9, 0.0, 0.0, True),
     ],
 )
-def test_who_can_catch_up(squares: float, reach: float, gained: float, may_catch_up: bool) -> None:
-    """Closed form with n = 10,000 beside a leader of 1, where ln 1.35 = 0.3: a reach of r promises
-    6 r² of n ln(S), and four times that; or three times what was gained, of n ln 2 = 6931."""
-    row = candidate(("delay",), squares, reach=reach)
+def test_who_can_catch_up(squares: float, offset: float, gained: float, may_catch_up: bool) -> None:
+    """Closed form with n = 10,000 beside a leader of 1, where ln 1.35 = 0.3.
+
+    An offset of r promises 6 r² of n ln(S), and four times that; or three times what was gained, of
+    n ln 2 = 6931.
+    """
+    row = candidate(("delay",), squares, offset=offset)
     assert can_catch_up(row, 1.0, gained=gained) is may_catch_up
 
 
 @pytest.mark.parametrize(
-    ("key", "squares", "reach", "gained", "outdone"),
+    ("key", "squares", "offset", "gained", "outdone"),
     [
         ("creep", 1.01, 0.0, 0.0, True),
         ("creep", 1.0, 0.0, 0.0, False),
@@ -73,10 +76,10 @@ def test_who_can_catch_up(squares: float, reach: float, gained: float, may_catch
     ],
 )
 def test_of_one_law_only_the_best_place_counts(
-    key: str, squares: float, reach: float, gained: float, outdone: bool
+    key: str, squares: float, offset: float, gained: float, outdone: bool
 ) -> None:
     """By hand: 1 % of 10,000 samples is 99.5 behind, and 4 more would have to be won. Of six
-    unknowns 24 reach² is to be hoped for, 96 and 106, or three times what the round gained."""
-    row = candidate((key,), squares, reach=reach)
+    unknowns 24 offset² is to be hoped for, 96 and 106, or three times what the round gained."""
+    row = candidate((key,), squares, offset=offset)
     best = candidate(("creep",), 1.0)
     assert is_outdone(row, [row, best], gained=gained) is outdone

@@ -264,7 +264,7 @@ def test_a_model_settles_while_it_is_on_its_way(
         assert (now.minimum.damping, evaluations) == (None, CONVERGING)
         assert now.prior.centre == pytest.approx(now.minimum.point)
         normal = replace(now.minimum.normal, cost=0.5 * falls * now.squares)
-        minimum = replace(now.minimum, normal=normal, reach=next(ahead), damping=1.0)
+        minimum = replace(now.minimum, normal=normal, offset=next(ahead), damping=1.0)
         return replace(now, minimum=minimum)
 
     monkeypatch.setattr(forward_selection, "advance", advanced)
