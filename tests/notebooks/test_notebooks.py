@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -91,6 +92,29 @@ def test_it_imports_public_names_alone(path: Path) -> None:
                 assert not any(alias.name.startswith("_") for alias in node.names)
             for name in names:
                 assert not name.startswith("softid") or PUBLIC.fullmatch(name), name
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
+def test_what_it_takes_from_modules_is_there(path: Path) -> None:
+    """Stands on softid: every imported name, and every attribute that a cell takes of a module."""
+    trees = [ast.parse(source) for source in _code(path)]
+    imports = [
+        node
+        for tree in trees
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    ]
+    space: dict[str, object] = {}
+    exec(compile(ast.Module(list(imports), []), str(path), "exec"), space)
+    taken = {
+        (node.value.id, node.attr)
+        for tree in trees
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)
+    }
+    of_modules = [(n, attribute) for n, attribute in taken if isinstance(space.get(n), ModuleType)]
+    assert of_modules
+    assert [(n, a) for n, a in of_modules if not hasattr(space[n], a)] == []
 
 
 @pytest.mark.slow
