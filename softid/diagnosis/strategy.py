@@ -239,14 +239,17 @@ class CauseSearch:
         return self.remainder_of(self.base.candidate)
 
     def without_causes(self) -> SearchResult | None:
-        """The base alone, if it leaves noise once the moments of jumps of the input are left open.
+        """The base alone, if it leaves no more than what tells the noise.
 
         What explains a part of that, and may not be named, is no more than chance then.
         """
         left = self._left_by_base
-        if left.structured or left.open_jumps == 0:
+        if left.structured or left.colour_s is not None:
             return None
-        return SearchResult(self._nothing, left, ())
+        if left.open_jumps == 0:
+            base = self.base
+            left = with_held_out(left, base.candidate, base.candidate, base.held_out, base.sigma)
+        return None if left.misses_held_out else SearchResult(self._nothing, left, ())
 
     @property
     def _nothing(self) -> Chain:
@@ -323,7 +326,7 @@ def search_causes(
     if not found.came_to_nothing:
         return found, search
     alone = search.without_causes()
-    if alone is not None:
+    if alone is not None and alone.remainder.open_jumps > 0:
         return alone, search
     again = request.fit_base(recordings.logs, recordings.hold_out, thorough=True)
     if again.candidate.squares < BETTER_BASE * search.base.candidate.squares:

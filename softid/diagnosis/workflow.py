@@ -38,6 +38,7 @@ from softid.diagnosis.report.issues import (
     refusal_issues,
     restriction_issues,
     rounding_issues,
+    unsure_issues,
 )
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.assessment import excess_of
@@ -60,6 +61,7 @@ from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.naming import (
     doubt_of,
     gains_by,
+    may_be_chance,
     may_gain_nothing,
     most_variation,
     verdict_of,
@@ -168,7 +170,10 @@ def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
     """The diagnosis of what was found; where that is unknown, of what is sure in its place."""
     answer = _answer(search.base, found, search.seed)
     alone = search.without_causes() if answer.verdict is Verdict.UNKNOWN else None
-    answer = _answer(search.base, alone, search.seed) if alone else answer
+    if alone and (alone.remainder.open_jumps > 0 or may_be_chance(answer.descriptive)):
+        refused = unsure_issues(answer.descriptive)
+        answer = _answer(search.base, alone, search.seed)
+        answer = replace(answer, issues=(*answer.issues, *refused))
     if answer.verdict is not Verdict.UNKNOWN or found.remainder.structured:
         return answer
     other = search.search_from_multistart(found)

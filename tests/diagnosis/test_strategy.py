@@ -34,7 +34,11 @@ def chain_of(*keys: str) -> Chain:
 
 def base_fit(squares: float = 100.0) -> Any:
     return SimpleNamespace(
-        candidate=candidate((), squares), scale=None, sigma={"angle": 1.0}, is_negligible=False
+        candidate=candidate((), squares),
+        scale=None,
+        sigma={"angle": 1.0},
+        is_negligible=False,
+        held_out=None,
     )
 
 
@@ -181,6 +185,7 @@ ALONE = SearchResult(chain_of(), replace(NOISE, open_jumps=9), ())
     [
         (NAMED, ALONE, 10.0, NAMED, "first", 100.0),
         (NOTHING, ALONE, 10.0, NAMED, "alone", 100.0),
+        (NOTHING, replace(ALONE, remainder=NOISE), 10.0, None, "again", 10.0),
         (NOTHING, None, 10.0, None, "again", 10.0),
         (NOTHING, None, 100.0 * BETTER_BASE, NAMED, "other", 100.0),
         (NOTHING, None, 100.0 * BETTER_BASE, None, "first", 100.0),
@@ -211,6 +216,23 @@ def test_other_searches_follow_one_that_came_to_nothing(
     assert answer is answers_by_name[found]
     assert search.base.candidate.squares == base
     assert by == ["base 100", *(["base 10"] if found == "again" else [])]
+
+
+def test_a_base_that_leaves_noise_stands_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not where that is noise by its marks alone, or where it misses what is held out."""
+    left: dict[str, Remainder] = {}
+    monkeypatch.setattr(CauseSearch, "_left_by_base", property(lambda self: left["fitted"]))
+    monkeypatch.setattr(strategy, "with_held_out", lambda *args: left["held out"])
+    for fitted, held_out, stands in (
+        (NOISE, NOISE, True),
+        (STRUCTURE, NOISE, False),
+        (replace(NOISE, colour_s=1.0), NOISE, False),
+        (NOISE, replace(NOISE, misses_held_out=True), False),
+        (replace(NOISE, open_jumps=9), replace(NOISE, misses_held_out=True), True),
+    ):
+        left["fitted"], left["held out"] = fitted, held_out
+        alone = search_over().without_causes()
+        assert (alone is not None and not alone.chain.links) is stands
 
 
 @pytest.mark.parametrize(

@@ -9,12 +9,12 @@ import numpy as np
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
-from softid.diagnosis.report.phrases import listed, lowered, percent
+from softid.diagnosis.report.phrases import DOUBTS, listed, lowered, percent
 from softid.diagnosis.residual.change_point import change_point
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
 from softid.diagnosis.verdict.naming import LEAST_GAIN
-from softid.diagnosis_results import Remainder
+from softid.diagnosis_results import Cause, Remainder
 from softid.effects import EFFECTS
 from softid.errors import Issue
 from softid.excitation import find_quantisation
@@ -24,6 +24,9 @@ from softid.results import FitResult
 
 REFUSED = "not-held-out"
 """Code of the remark that a law does not carry over."""
+
+UNSURE = "unsure-law"
+"""Code of the remark that a law explains a little and may be chance."""
 
 NEGLIGIBLE_MISFIT = "negligible-misfit"
 """Code of the remark that nothing was looked for."""
@@ -138,6 +141,27 @@ def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
     )
 
 
+def unsure_issues(descriptions: Sequence[Cause]) -> tuple[Issue, ...]:
+    """Which laws explain a little of what is no more than noise, and why none is claimed.
+
+    Parameters
+    ----------
+    descriptions
+        The laws with what speaks against their names.
+    """
+    return tuple(
+        Issue(
+            UNSURE,
+            "info",
+            f"{lowered(cause.title)} would lower the BIC by {cause.delta_bic:.0f}, but it "
+            f"{DOUBTS[cause.doubt]}",
+            "record more of the same moves, which would show whether it is there",
+        )
+        for cause in descriptions
+        if cause.doubt in DOUBTS
+    )
+
+
 def held_out_change_issues(
     model: Candidate, remainder: Remainder, held: HeldOut
 ) -> tuple[Issue, ...]:
@@ -153,7 +177,7 @@ def held_out_change_issues(
         What was held out.
     """
     judged = held.standing(model) if remainder.misses_held_out else None
-    if judged is None:
+    if judged is None or not np.isfinite(held.slopes(model)).all():
         return ()
     noise = remainder.rms**2 / max(1.0 + remainder.excess, 1.0)
     return change_issues(judged, float(np.mean(held.first_errors(model) ** 2)) / noise - 1.0)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_next, why_tied
 from softid.diagnosis.report.error_texts import ErrorTexts
-from softid.diagnosis.report.issues import CHANGE_POINT, NEGLIGIBLE_MISFIT, REFUSED
+from softid.diagnosis.report.issues import CHANGE_POINT, NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLES,
@@ -81,7 +81,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         next_experiment=following,
         gain_ci95=found.gain_ci95,
         marks=[issue.message for issue in found.issues if issue.code in CODES],
-        refused=[issue.message for issue in found.issues if issue.code == REFUSED],
+        refused=[i.message for i in found.issues if i.code in (REFUSED, UNSURE)],
         moments=[issue.message for issue in found.issues if issue.code == CHANGE_POINT],
         dropped=dropped_from(found),
         negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
@@ -125,7 +125,7 @@ def summarise(
     causes, descriptive, alternatives, remainder, gains, evidence, next_experiment, gain_ci95
         As in `Diagnosis`.
     marks, refused
-        What `disturbance_issues` and `refusal_issues` found.
+        What `disturbance_issues` found, and `refusal_issues` or `unsure_issues`.
     moments
         What `change_issues` and `held_out_change_issues` found.
     dropped
@@ -170,7 +170,7 @@ def _adequate(teller: ErrorTexts, remainder: Remainder, refused: Sequence[str]) 
     left = teller.size(remainder.rms)
     chance = "None of the effects tried explains more of it than chance would."
     if refused:
-        chance = "None of the effects tried lowers the error on what is held out."
+        chance = "None of the effects tried can be claimed."
     if remainder.colour_s is not None:
         return [chance, f"What is left, {left} rms on the fitted samples, {noise_like(remainder)}."]
     noise = "the noise of the rests" if remainder.noise_from_rest else "noise"

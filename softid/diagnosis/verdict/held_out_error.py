@@ -46,13 +46,15 @@ def with_held_out(
     sigma
         Output channel → scale that its residual is divided by.
     """
-    error = held_out.rms(after)
+    error, runs = held_out.rms(after), held_out.runs(after)
     noise, unsure = remainder.rms**2 / max(1.0 + remainder.excess, 1.0), 0.0
     if error**2 > noise:  # what more is asked for costs an evaluation of all logs
-        noise = max(noise, fastest_part(held_out.runs(after)).variance)
+        noise = max(noise, fastest_part(runs).variance)
         unsure = parametric_power(after, held_out, sigma)
-    spread = 1.0 + EXCESS_SDS * np.sqrt(2.0) * remainder.noise_sd
-    most = OTHER_LOG * spread * noise + UNLIKELY * unsure
+    fitted = after.problem.n_samples / len(after.problem.outputs)
+    longer = fitted / max(sum(run.size for run in runs), 1)
+    spread = EXCESS_SDS * remainder.noise_sd * float(np.sqrt(1.0 + longer))
+    most = OTHER_LOG * (1.0 + spread) * noise + UNLIKELY * unsure
     return replace(
         remainder,
         held_out_share=held_out_share(held_out.rms(before), error, noise + unsure),

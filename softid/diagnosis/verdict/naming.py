@@ -195,6 +195,26 @@ def doubt_of(
     return _doubt_of_values(cause, effect, extended)
 
 
+CHANCE = (
+    Doubt.GAINS_NOTHING,
+    Doubt.MAY_GAIN_NOTHING,
+    Doubt.MAY_BE_ZERO,
+    Doubt.UNKNOWN_SIZE,
+)
+"""Doubts whether there is anything; the others are whether it is this."""
+
+
+def may_be_chance(descriptions: Sequence[Cause]) -> bool:
+    """Whether there may be nothing behind any of the descriptions.
+
+    Parameters
+    ----------
+    descriptions
+        What may not be named.
+    """
+    return all(cause.doubt in CHANCE for cause in descriptions)
+
+
 def _doubt_of_values(cause: Cause, effect: Effect, extended: FitResult) -> Doubt | None:
     """What speaks against a cause among the values of its parameters."""
     names = {extended_name(effect, name) for name in effect.amplitudes if effect.changes_sign}

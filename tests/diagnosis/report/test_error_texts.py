@@ -56,7 +56,7 @@ def test_a_law_that_is_refused_explains_more_than_chance() -> None:
     refused = Issue(REFUSED, "info", "creep would take away 5 %, but leaves it as it is", None)
     found = replace(diagnosis(Verdict.ADEQUATE), issues=(refused,))
     text = write_summary(found).summary
-    assert "None of the effects tried lowers the error on what is held out." in text
+    assert "None of the effects tried can be claimed." in text
     assert "Creep would take away 5 %, but leaves it as it is." in text
     assert "than chance would." not in text
 

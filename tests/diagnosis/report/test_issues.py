@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from handmade_diagnosis import diagnosis
+from handmade_diagnosis import cause, diagnosis
 from handmade_rounds import link
 from linear_motion import linear_log
 
-from softid.diagnosis.report.issues import refusal_issues, rounding_issues
+from softid.diagnosis.report.issues import refusal_issues, rounding_issues, unsure_issues
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis_results import Verdict
+from softid.diagnosis_results import Doubt, Verdict
 from softid.log import Log
 
 BASE = diagnosis(Verdict.ADEQUATE).base
@@ -73,3 +73,14 @@ def test_nothing_is_refused_that_did_not_pay_or_was_added() -> None:
     assert not refusal_issues(Chain((), chance, chance.before.candidate), judge(1.0, 2.0))
     assert not refusal_issues(Chain((found,), found, found.chosen.plain), judge(1.0, 2.0))
     assert not refusal_issues(Chain((), None, found.before.candidate), judge(1.0, 2.0))
+
+
+def test_laws_that_may_be_chance_are_told_with_what_speaks_against_them() -> None:
+    """The fall of the BIC of 412 beside the doubt; none for a law of which nothing is doubted."""
+    sure = cause("creep", [], before=2.0, after=1.0)
+    unsure = replace(sure, doubt=Doubt.MAY_GAIN_NOTHING)
+    (told,) = unsure_issues([sure, unsure])
+    assert "creep of the material would lower the BIC by 412, but it may be chance" in told.message
+    found = replace(diagnosis(Verdict.ADEQUATE), issues=(told,))
+    assert "None of the effects tried can be claimed." in write_summary(found).summary
+    assert "Creep of the material would lower the BIC by 412" in write_summary(found).summary

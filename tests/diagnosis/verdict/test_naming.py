@@ -14,6 +14,7 @@ from handmade_diagnosis import cause, estimate, remainder
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.naming import (
     doubt_of,
+    may_be_chance,
     most_variation,
     nameable,
     verdict_of,
@@ -243,6 +244,22 @@ def test_verdict(
     """Every branch: rivals of a link that is not named make nothing ambiguous."""
     left = remainder(structured=structured, explained=0.8)
     assert verdict_of([link(1.0, *rivals) for rivals in links], named, left) is verdict
+
+
+@pytest.mark.parametrize(
+    ("doubts", "chance"),
+    [
+        ([Doubt.MAY_GAIN_NOTHING], True),
+        ([Doubt.MAY_BE_ZERO, Doubt.UNKNOWN_SIZE], True),
+        ([Doubt.MAY_BE_ZERO, Doubt.AT_BOUND], False),
+        ([Doubt.VARIES], False),
+        ([None], False),
+    ],
+)
+def test_what_may_be_chance(doubts: list[Doubt | None], chance: bool) -> None:
+    """A law at its bound or with a size that varies stands for something else, not for nothing."""
+    described = [replace(cause("creep", [], before=2.0, after=1.9), doubt=d) for d in doubts]
+    assert may_be_chance(described) is chance
 
 
 @pytest.mark.parametrize(("without", "named"), [(1.02, True), (1.005, False), (None, False)])
