@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -14,6 +14,8 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
 from softid.log import Log, LogSet
+from softid.models.base import Response
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -211,13 +213,38 @@ class HeldOutBlocks(HeldOut):
         The input does between its samples what it does in the fit, which found that out.
         """
         fitted, z = candidate.problem, candidate.minimum.point
+        found = []
+        for log, segment, held, response in self._responses(candidate, derivatives=False):
+            for name in fitted.outputs:
+                judges = segment.samples_of(segment.used[name]) & held
+                measured = segment.samples_of(segment.outputs[name])[judges]
+                zero = z[fitted.zero_position(log, name)] if fitted.zeros else 0.0
+                residual = measured - segment.samples_of(response.outputs[name])[judges] - zero
+                found.append(HeldOutErrors(segment.log_name, name, measured, residual))
+        return found
+
+    def slopes(self, candidate: Candidate) -> Array:
+        """With the zeros and initial states of the fit; see `HeldOut.slopes`."""
+        fitted = candidate.problem
+        first, chain = fitted.outputs[0], fitted.chain(candidate.minimum.point)
+        rows = []
+        for _, segment, held, response in self._responses(candidate, derivatives=True):
+            if response.by_parameter is not None:
+                judges = segment.samples_of(segment.used[first]) & held
+                rows.append(segment.samples_of(response.by_parameter[first])[judges] @ chain)
+        return np.concatenate(rows) if rows else np.zeros((0, len(fitted.free)))
+
+    def _responses(
+        self, candidate: Candidate, *, derivatives: bool
+    ) -> Iterator[tuple[int, Segment, BoolArray, Response]]:
+        """Log, segment, held-out samples of it and the response to the whole of it."""
+        fitted, z = candidate.problem, candidate.minimum.point
         theta = fitted.theta(z)
         read = [
             whole.with_intersample(log.intersample)
             for whole, log in zip(self.whole, fitted.logs, strict=True)
         ]
         segments = [(k, segment) for k, log in enumerate(read) for segment in log.segments()]
-        found = []
         for at, (log, segment) in enumerate(segments):
             with np.errstate(all="ignore"):
                 response = fitted.model.response(
@@ -225,25 +252,13 @@ class HeldOutBlocks(HeldOut):
                     segment,
                     fitted.outputs,
                     start=fitted.start(z, at),
-                    derivatives=False,
+                    derivatives=derivatives,
                     relative=fitted.has_equilibrium,
                 )
-            block = self.blocks[log][segment.start : segment.stop]
-            for name in fitted.outputs:
-                held = segment.samples_of(segment.used[name]) & block
-                measured = segment.samples_of(segment.outputs[name])[held]
-                zero = z[fitted.zero_position(log, name)] if fitted.zeros else 0.0
-                residual = measured - segment.samples_of(response.outputs[name])[held] - zero
-                found.append(HeldOutErrors(segment.log_name, name, measured, residual))
-        return found
+            yield log, segment, self.blocks[log][segment.start : segment.stop], response
 
     def standing(self, candidate: Candidate) -> None:
         """None: the blocks are a part of the logs."""
-
-    def slopes(self, candidate: Candidate) -> Array:
-        """None: the blocks lie between fitted samples, which hold them as well as themselves."""
-        held = self.first_errors(candidate).size
-        return np.zeros((held, len(candidate.problem.free)))
 
 
 def _is_within(limits: tuple[float, float], u: Array) -> BoolArray:

@@ -113,10 +113,10 @@ class Smooth(HeldOutLogs):
         return np.zeros((100, len(candidate.problem.free)))
 
 
-def test_blocks_between_fitted_samples_ask_nothing_of_the_parameters() -> None:
-    """They move as what is around them does."""
+def test_blocks_between_fitted_samples_ask_little_of_the_parameters() -> None:
+    """They move as what is around them does: of white noise P/n, three or four thousandths."""
     trained, held = hold_out_blocks(LogSet((linear_log(noise=NOISE),)))
     problem = linear_problem(trained.logs)
     model = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
-    assert parametric_power(model, held, SIGMA) == 0.0
+    assert 0.0 < parametric_power(model, held, SIGMA) < 0.01 * NOISE**2
     assert not with_held_out(LEFT, model, model, held, SIGMA).misses_held_out
