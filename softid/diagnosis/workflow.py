@@ -185,8 +185,12 @@ def _with_issues(answer: Diagnosis, search: CauseSearch, issues: Sequence[Issue]
     base, candidate = search.base, search.base.candidate
     known = [issue for issue in answer.issues if issue.code == CHANGE_POINT]
     moments: tuple[Issue, ...] = ()
-    if answer.verdict is Verdict.UNKNOWN and not known:
+    may_begin = answer.verdict is Verdict.UNKNOWN or answer.remainder.structured
+    if may_begin and not known:
         moments = change_issues(candidate, excess_of(candidate, base.scale))
+    if moments and answer.causes:  # what begins at a moment is not what goes on beside a rest
+        described = (*answer.causes, *answer.descriptive)
+        answer = replace(answer, verdict=Verdict.UNKNOWN, causes=(), descriptive=described)
     jumps = jump_issues(answer.remainder, candidate.problem)
     following = [issue.remedy for issue in (*known, *moments)]
     return replace(

@@ -13,6 +13,9 @@ MORE = 1.25
 """What is held out keeps more when its error is so many times that of the fitted samples."""
 
 
+HARDLY = 2.0
+"""Fit in per cent below which a model says no more than a constant."""
+
 RUNS_AWAY = -900.0
 """Fit in per cent below which a model errs by more than ten times what there is to explain."""
 
@@ -106,17 +109,17 @@ class ErrorTexts:
         if not (self.held_out and after > MORE * remainder.rms):
             return ""
         return (
-            f"The held-out samples keep more, {self.size(after)}: parameters that are a little off "
-            "for other moves, or something that the fitted ones hardly show."
+            f"The held-out samples keep more, {self.size(after)}: larger noise there, parameters "
+            "that are a little off, or something that the fitted ones hardly show."
         )
 
     def nothing_to_mend(self, remainder: Remainder) -> str:
         """The last word on an adequate model, and what it is worth."""
-        if any(g.fit_percent_before <= 0.0 for g in self.rows):
+        if any(g.fit_percent_before < HARDLY for g in self.rows):
             return "But a constant would do as well: the logs show too little to judge the model."
         more = self.more_held_out(remainder)
         if more:
-            return f"{more} Fit them together to tell which."
+            return f"{more} Record more of such moves to tell which."
         if remainder.noise_from_rest:
             return "There is nothing to mend for logs like these."
         return "As far as these logs show, there is nothing to mend."

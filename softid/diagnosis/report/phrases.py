@@ -186,12 +186,15 @@ def taken_by(remainder: Remainder) -> str:
     if not carries_over_whole(remainder):
         held, least = percent(held_out), percent(EXPLAINED)
         return (
-            f"{taken} on the fitted samples but {held} on those held out, which is too little for "
-            f"a cause: beside a rest there, more than {least} must go"
+            f"{taken} on the fitted samples and {held} on those held out, which is too little for "
+            f"a cause: where more than noise stays, {least} or more must go"
         )
     if not remainder.carries_over or not explains_enough(remainder):
         least = percent(EXPLAINED)
-        return f"{taken}, which is too little for a cause: beside a rest, more than {least} must go"
+        return (
+            f"{taken}, which is too little for a cause: where more than noise stays, {least} or "
+            "more must go"
+        )
     return f"{taken}, but not surely enough for a name"
 
 

@@ -49,6 +49,10 @@ from softid.diagnosis_results import (
 )
 from softid.results import FitResult
 
+SAME = 10.0
+"""A BIC that is less above another one says no more than it; where it is more, what none of the
+causes explains outweighs that."""
+
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
 
@@ -143,7 +147,8 @@ def summarise(
     if verdict is Verdict.ADEQUATE:
         told += [sentence(negligible)] if negligible else _adequate(teller, remainder, refused)
     elif verdict is Verdict.UNKNOWN:
-        misfit = _unknown(teller, descriptive or causes, alternatives, remainder)
+        tried = descriptive or causes
+        misfit = _unknown(teller, tried, alternatives, remainder, changes=bool(moments))
         began = [sentence(moment) for moment in moments]
         ordered = [*misfit, *began] if remainder.misses_held_out else [*began, *misfit]
         told += [what_is_unknown(remainder), *ordered]
@@ -190,6 +195,8 @@ def _unknown(
     tried: Sequence[Cause],
     alternatives: Sequence[Alternative],
     remainder: Remainder,
+    *,
+    changes: bool,
 ) -> list[str]:
     told = []
     if tried and remainder.explained_share < NEXT_TO_NOTHING:
@@ -210,7 +217,7 @@ def _unknown(
         looks = noise_like(remainder)
         told.append(f"What is left on the fitted samples, {left} rms, {looks}.")
         return [*told, teller.more_held_out(remainder)]
-    return [*told, _left(teller, remainder)]
+    return [*told, _left(teller, remainder, changes=changes)]
 
 
 def _partial(teller: ErrorTexts, remainder: Remainder) -> list[str]:
@@ -223,9 +230,11 @@ def _partial(teller: ErrorTexts, remainder: Remainder) -> list[str]:
     return [explained, looks, teller.more_held_out(remainder)]
 
 
-def _left(teller: ErrorTexts, remainder: Remainder) -> str:
+def _left(teller: ErrorTexts, remainder: Remainder, *, changes: bool = False) -> str:
+    """What is left, where that is more than noise, whether or not something changes at a moment."""
     named = [VARIABLES.get(name, name) for name in variables_left(remainder)]
-    told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
+    opening = "Taken over the whole logs, what is left" if changes else "What is left"
+    told = f"{opening}, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.predictable:
         told += f"is not noise: {structure_of_rest(remainder)}"
     elif remainder.structure_share > NOTABLE:
@@ -262,7 +271,9 @@ def _explained(
             if law is not None:
                 reason = f"{law.why}. As {lowered(cause.title)} it"
             else:
-                reason = f"The first by a little, {lowered(cause.title)},"
+                behind = max(tie.delta_bic.values(), default=0.0)
+                by = "by a little" if behind < SAME else "by less than the rest"
+                reason = f"The first {by}, {lowered(cause.title)},"
             told.append(
                 f"{opening} one of these, and the logs do not say which: {named}. {reason} would "
                 f"have {values}."

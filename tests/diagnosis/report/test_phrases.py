@@ -125,11 +125,21 @@ def test_structure_that_chance_would_make_of_slow_noise_is_told() -> None:
 @pytest.mark.parametrize(
     ("structured", "explained", "held", "why"),
     [
-        (True, 0.92, 0.92, "too little for a cause: beside a rest, more than 93 % must go"),
+        (
+            True,
+            0.92,
+            0.92,
+            "cause: where more than noise stays, 93 % or more must go",
+        ),
         (True, 0.94, 0.78, "not surely enough for a name"),
         (False, 0.8, 0.75, "not surely enough for a name"),
         (True, 0.95, 0.69, "but 69 % on those held out: it does not carry over"),
-        (True, 0.5, 0.45, "too little for a cause: beside a rest, more than 93 % must go"),
+        (
+            True,
+            0.5,
+            0.45,
+            "cause: where more than noise stays, 93 % or more must go",
+        ),
         (True, 0.6, 0.37, "but 37 % on those held out: it does not carry over"),
     ],
 )
@@ -144,11 +154,11 @@ def test_why_a_description_is_no_cause(
 
 
 def test_a_rest_that_is_held_out_is_why_a_description_is_no_cause() -> None:
-    """Stands on the share of 0.93 beside a rest."""
+    """Stands on the share of 0.93 beside something else."""
     left = remainder(structured=False, explained=1.0)
     left = replace(left, held_out_share=0.9, misses_held_out=True)
-    assert "100 % of the misfit above the noise on the fitted samples but 90 %" in taken_by(left)
-    assert taken_by(left).endswith("beside a rest there, more than 93 % must go")
+    assert "100 % of the misfit above the noise on the fitted samples and 90 %" in taken_by(left)
+    assert taken_by(left).endswith("where more than noise stays, 93 % or more must go")
 
 
 @pytest.mark.parametrize("doubt", Doubt)

@@ -1,0 +1,44 @@
+"""A misfit that begins at one moment beside causes that leave more than noise."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from handmade_diagnosis import diagnosis
+
+from softid.diagnosis import workflow
+from softid.diagnosis.report.issues import CHANGE_POINT
+from softid.diagnosis_results import Verdict
+from softid.errors import Issue
+
+MOMENT = Issue(CHANGE_POINT, "warning", "the misfit of angle begins at 3 s", "look at it")
+
+
+@pytest.mark.parametrize(
+    ("verdict", "begins", "told"),
+    [
+        (Verdict.PARTIAL, True, Verdict.UNKNOWN),
+        (Verdict.PARTIAL, False, Verdict.PARTIAL),
+        (Verdict.NAMED, True, Verdict.NAMED),
+        (Verdict.UNKNOWN, True, Verdict.UNKNOWN),
+    ],
+)
+def test_a_moment_outweighs_causes_that_leave_more_than_noise(
+    verdict: Verdict, begins: bool, told: Verdict, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What begins at one moment does not go on throughout; what leaves noise is not asked."""
+    monkeypatch.setattr(workflow, "change_issues", lambda *args: (MOMENT,) if begins else ())
+    monkeypatch.setattr(workflow, "excess_of", lambda *args: 1.0)
+    monkeypatch.setattr(workflow, "negligible_issues", lambda *args: ())
+    monkeypatch.setattr(workflow, "jump_issues", lambda *args: ())
+    base = SimpleNamespace(candidate=SimpleNamespace(problem=None), scale=None)
+    search: Any = SimpleNamespace(base=base)
+    found = diagnosis(verdict)
+    answer = workflow._with_issues(found, search, ())
+    assert answer.verdict is told
+    is_withheld = told is Verdict.UNKNOWN
+    assert len(answer.descriptive) == len((*found.causes, *found.descriptive)) or not is_withheld
+    assert bool(answer.causes) is not is_withheld
+    assert (MOMENT in answer.issues) is (is_withheld and begins)
