@@ -70,6 +70,8 @@ class Case:
         As `hidden_pair` takes them.
     rig
         Key of `RIGS`.
+    in_blocks
+        Whether blocks of the log judge, in place of another log.
     """
 
     kind: str
@@ -79,13 +81,14 @@ class Case:
     model: str = "muscle"
     protocol: str = "rich"
     rig: str = "usual"
+    in_blocks: bool = False
 
     @property
     def key(self) -> str:
         """A name that no other case has."""
         hidden = "+".join(self.names) or "nothing"
         parts = (self.kind, hidden, self.seed, self.size, self.model, self.protocol, self.rig)
-        return "/".join(str(part) for part in parts)
+        return "/".join(str(part) for part in (*parts, *(("blocks",) if self.in_blocks else ())))
 
     def pair(self) -> HiddenPair:
         """The logs with their truth."""
@@ -151,6 +154,7 @@ def cases(
     size: float = 1.0,
     rig: str = "usual",
     model: str = "muscle",
+    in_blocks: bool = False,
 ) -> list[Case]:
     """The cases of one kind.
 
@@ -168,9 +172,11 @@ def cases(
         Key of `RIGS`.
     model
         Base model, of the diagnosis and of the truth.
+    in_blocks
+        As in `Case`.
     """
     return [
-        Case(kind, names, s, size=size, model=model, rig=rig, protocol=protocol)
+        Case(kind, names, s, size, model, protocol, rig, in_blocks)
         for names, protocol, count in _hidden(kind, draws)
         for s in range(seed, seed + count)
     ]
@@ -259,9 +265,9 @@ def run(case: Case) -> Score:
         What to run.
     """
     pair = case.pair()
-    train, hold_out = pair.logs
+    train, *judges = pair.logs if not case.in_blocks else pair.logs[:1]
     begin, begin_cpu = time.perf_counter(), time.process_time()
-    found = diagnose([train], hold_out=[hold_out], model=case.model)
+    found = diagnose([train], hold_out=judges, model=case.model)
     seconds, cpu_seconds = time.perf_counter() - begin, time.process_time() - begin_cpu
     channel = next(c for c in pair.train.sigma if "pressure" not in c)
     inside, outside = (next(g for g in found.gains if g.held_out is h) for h in (False, True))
@@ -271,7 +277,7 @@ def run(case: Case) -> Score:
     before, after = outside.rmse_before, outside.rmse_after
     oracle_after = factor * pair.hold_out.sigma[channel]
     if case.names and set(case.names) <= set(EFFECTS):
-        known = diagnose([train], hold_out=[hold_out], model=case.model, effects=case.names)
+        known = diagnose([train], hold_out=judges, model=case.model, effects=case.names)
         oracle_after = next(g.rmse_after for g in known.gains if g.held_out)
     return Score(
         key=case.key,

@@ -37,7 +37,13 @@ def main() -> None:
         case
         for kind in asked.kinds.split(",")
         for case in cases(
-            kind, asked.draws, asked.seed, size=asked.size, rig=asked.rig, model=asked.model
+            kind,
+            asked.draws,
+            asked.seed,
+            size=asked.size,
+            rig=asked.rig,
+            model=asked.model,
+            in_blocks=asked.blocks,
         )
         if not asked.only or set(case.names) & set(asked.only.split(","))
     ]
@@ -63,6 +69,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--size", type=float, default=1.0)
     parser.add_argument("--model", default="muscle", help="base, also of the hidden truth")
     parser.add_argument("--rig", choices=tuple(RIGS), default="usual")
+    parser.add_argument("--blocks", action="store_true", help="hold out blocks, not another log")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("build/diagnosis_rates.jsonl"))
     return parser.parse_args()
