@@ -254,6 +254,11 @@ class Remainder:
         return self.held_out_share > CARRIED
 
     @property
+    def noise_power(self) -> float:
+        """Mean square of the noise: what is left without its excess."""
+        return self.rms**2 / max(1.0 + self.excess, 1.0)
+
+    @property
     def leaves_something(self) -> bool:
         """Whether more than noise is left, on the fitted samples or on those held out."""
         return self.structured or self.misses_held_out

@@ -247,8 +247,9 @@ class CauseSearch:
         if left.structured or left.colour_s is not None:
             return None
         if left.open_jumps == 0:
-            base = self.base
-            left = with_held_out(left, base.candidate, base.candidate, base.held_out, base.sigma)
+            base, held_out = self.base, self.base.held_out
+            before = held_out.rms(base.candidate)
+            left = with_held_out(left, before, base.candidate, held_out, base.sigma)
         return None if left.misses_held_out else SearchResult(self._nothing, left, ())
 
     @property
@@ -289,8 +290,7 @@ class CauseSearch:
         links = chain.links
         if remainder.structured:
             links = tuple(with_rivals_in_misfit(link) for link in links)
-        first = self.base.candidate
-        remainder = with_held_out(remainder, first, chain.final, held_out, self.base.sigma)
+        remainder = with_held_out(remainder, before, chain.final, held_out, self.base.sigma)
         is_named = nameable(links, chain.final, remainder, gain=1.0 - after / before)
         pairs = sorted(zip(links, is_named, strict=True), key=lambda pair: -pair[0].squares_before)
         return SearchResult(

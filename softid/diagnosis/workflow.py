@@ -155,15 +155,18 @@ def diagnose(
     else:
         found, search = search_causes(recordings, request, search, None)
     report("computing errors", 0.9)
-    answer = _surest_answer(search, found)
+    answer, base = _surest_answer(search, found), search.base
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
+    answer = _with_moments(answer, base)
     issues = (
+        *negligible_issues(base),
         *restriction_issues(effects),
         *averaging_issues(count),
         *rounded,
-        *(permanent_set_issues(recordings.logs) if search.base.candidate.has_spring else ()),
+        *(permanent_set_issues(recordings.logs) if base.candidate.has_spring else ()),
+        *jump_issues(answer.remainder, base.candidate.problem),
     )
-    return write_summary(_with_issues(answer, search, issues))
+    return write_summary(replace(answer, issues=(*answer.issues, *issues)))
 
 
 def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
@@ -180,22 +183,23 @@ def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
     return _answer(search.base, other, search.seed) if other else answer
 
 
-def _with_issues(answer: Diagnosis, search: CauseSearch, issues: Sequence[Issue]) -> Diagnosis:
-    """The diagnosis with what a user should know, and the moment at which a misfit begins."""
-    base, candidate = search.base, search.base.candidate
+def _with_moments(answer: Diagnosis, base: BaseFit) -> Diagnosis:
+    """The diagnosis with the moment at which a misfit begins, which outweighs what names it else.
+
+    What begins at a moment is no cause that goes on throughout and leaves more than noise.
+    """
     known = [issue for issue in answer.issues if issue.code == CHANGE_POINT]
     moments: tuple[Issue, ...] = ()
     may_begin = answer.verdict is Verdict.UNKNOWN or answer.remainder.structured
     if may_begin and not known:
-        moments = change_issues(candidate, excess_of(candidate, base.scale))
-    if moments and answer.causes:  # what begins at a moment is not what goes on beside a rest
+        moments = change_issues(base.candidate, excess_of(base.candidate, base.scale))
+    if moments and answer.causes:
         described = (*answer.causes, *answer.descriptive)
         answer = replace(answer, verdict=Verdict.UNKNOWN, causes=(), descriptive=described)
-    jumps = jump_issues(answer.remainder, candidate.problem)
     following = [issue.remedy for issue in (*known, *moments)]
     return replace(
         answer,
-        issues=(*answer.issues, *moments, *negligible_issues(base), *issues, *jumps),
+        issues=(*answer.issues, *moments),
         next_experiment=following[0] if following else answer.next_experiment,
     )
 

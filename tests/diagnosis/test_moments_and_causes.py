@@ -31,12 +31,9 @@ def test_a_moment_outweighs_causes_that_leave_more_than_noise(
     """What begins at one moment does not go on throughout; what leaves noise is not asked."""
     monkeypatch.setattr(workflow, "change_issues", lambda *args: (MOMENT,) if begins else ())
     monkeypatch.setattr(workflow, "excess_of", lambda *args: 1.0)
-    monkeypatch.setattr(workflow, "negligible_issues", lambda *args: ())
-    monkeypatch.setattr(workflow, "jump_issues", lambda *args: ())
-    base = SimpleNamespace(candidate=SimpleNamespace(problem=None), scale=None)
-    search: Any = SimpleNamespace(base=base)
+    base: Any = SimpleNamespace(candidate=None, scale=None)
     found = diagnosis(verdict)
-    answer = workflow._with_issues(found, search, ())
+    answer = workflow._with_moments(found, base)
     assert answer.verdict is told
     is_withheld = told is Verdict.UNKNOWN
     assert len(answer.descriptive) == len((*found.causes, *found.descriptive)) or not is_withheld

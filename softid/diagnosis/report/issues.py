@@ -177,10 +177,10 @@ def held_out_change_issues(
         What was held out.
     """
     judged = held.standing(model) if remainder.misses_held_out else None
-    if judged is None or not np.isfinite(held.slopes(model)).all():
+    if judged is None:
         return ()
-    noise = remainder.rms**2 / max(1.0 + remainder.excess, 1.0)
-    return change_issues(judged, float(np.mean(held.first_errors(model) ** 2)) / noise - 1.0)
+    power = float(np.mean(held.first_errors(model) ** 2))
+    return change_issues(judged, power / remainder.noise_power - 1.0)
 
 
 def change_issues(model: Candidate, excess: float) -> tuple[Issue, ...]:

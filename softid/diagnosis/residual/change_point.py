@@ -83,7 +83,11 @@ def change_point(model: Candidate, excess: float) -> ChangePoint | None:
     """
     if not excess > 0.0:
         return None
-    look = _ScoreTest(model)
+    first = model.problem.outputs[0]
+    rows = [row for row in rows_of(model) if row.channel == first]
+    if not all(np.isfinite(row.jacobian).all() for row in rows):  # it runs away
+        return None
+    look = _ScoreTest(rows)
     noise = look.power / (1.0 + excess)
     best: ChangePoint | None = None
     for log in sorted({row.log for row in look.rows}):
@@ -96,9 +100,8 @@ def change_point(model: Candidate, excess: float) -> ChangePoint | None:
 class _ScoreTest:
     """Residual of the first output, and the columns that a change is made of."""
 
-    def __init__(self, model: Candidate) -> None:
-        first = model.problem.outputs[0]
-        self.rows = [row for row in rows_of(model) if row.channel == first]
+    def __init__(self, rows: Sequence[Rows]) -> None:
+        self.rows = rows
         jacobian = np.concatenate([row.jacobian for row in self.rows])
         self.rate = _joined(self.rows, lambda row: row.motion.v)
         self.position = _joined(self.rows, lambda row: row.motion.x)

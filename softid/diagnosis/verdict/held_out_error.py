@@ -28,7 +28,7 @@ them: 99 % of χ² with one degree of freedom, for one unsure parameter may make
 
 def with_held_out(
     remainder: Remainder,
-    before: Candidate,
+    before: float,
     after: Candidate,
     held_out: HeldOut,
     sigma: Mapping[str, float],
@@ -39,16 +39,19 @@ def with_held_out(
     ----------
     remainder
         What the last model leaves on the fitted samples.
-    before, after
-        The first and the last model.
+    before
+        Root mean square error of the first model on what is held out.
+    after
+        The last model.
     held_out
         What is held out.
     sigma
         Output channel → scale that its residual is divided by.
     """
-    error, runs = held_out.rms(after), held_out.runs(after)
-    noise, unsure = remainder.rms**2 / max(1.0 + remainder.excess, 1.0), 0.0
-    if error**2 > noise:  # what more is asked for costs an evaluation of all logs
+    runs = held_out.runs(after)
+    power = float(np.mean(np.concatenate(runs) ** 2)) if runs else float("nan")
+    noise, unsure = remainder.noise_power, 0.0
+    if power > noise:  # what more is asked for costs an evaluation of all logs
         noise = max(noise, fastest_part(runs).variance)
         unsure = parametric_power(after, held_out, sigma)
     fitted = after.problem.n_samples / len(after.problem.outputs)
@@ -57,8 +60,8 @@ def with_held_out(
     most = OTHER_LOG * (1.0 + spread) * noise + UNLIKELY * unsure
     return replace(
         remainder,
-        held_out_share=held_out_share(held_out.rms(before), error, noise + unsure),
-        misses_held_out=bool(error**2 > most),
+        held_out_share=held_out_share(before, float(np.sqrt(power)), noise + unsure),
+        misses_held_out=power > most,
     )
 
 

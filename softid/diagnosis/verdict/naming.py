@@ -262,9 +262,9 @@ def _covers_zero(parameter: ParameterEstimate) -> bool:
 
 def _cover_zero_together(sizes: Sequence[ParameterEstimate], extended: FitResult) -> bool:
     """Whether zero lies in the 95 % region of Wald, z' C⁻¹ z, of all sizes at once."""
-    rows = [extended.free.index(p.name) for p in sizes if p.name in extended.free]
     if not sizes:
         return False
+    rows = [extended.free.index(p.name) for p in sizes if p.name in extended.free]
     if extended.covariance is None or len(rows) < len(sizes):
         return all(_covers_zero(p) for p in sizes)
     z = np.array([p.value for p in sizes])

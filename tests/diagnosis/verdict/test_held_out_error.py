@@ -18,7 +18,7 @@ from linear_motion import (
 )
 
 from softid.diagnosis.refit.candidates import BASE_SD, Candidate
-from softid.diagnosis.refit.held_out import HeldOutLogs, hold_out_blocks
+from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, hold_out_blocks
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.verdict.held_out_error import parametric_power, with_held_out
 from softid.diagnosis_results import Remainder
@@ -71,6 +71,11 @@ def test_what_the_logs_do_not_hold_is_known_to_a_factor() -> None:
     assert 0.0 < found <= 3.0 * most
 
 
+def told_of(left: Remainder, model: Candidate, held_out: HeldOut) -> Remainder:
+    """What is told where the first model is the last one."""
+    return with_held_out(left, held_out.rms(model), model, held_out, SIGMA)
+
+
 @pytest.mark.parametrize(
     ("judge", "misses"),
     [
@@ -82,7 +87,7 @@ def test_what_the_logs_do_not_hold_is_known_to_a_factor() -> None:
 def test_what_is_missed(judge: Log, misses: bool) -> None:
     """Known truth: the same actuator, the same with a noisier sensor, and a sensor that is off."""
     model = fitted(seed=3)
-    told = with_held_out(LEFT, model, model, HeldOutLogs((judge,)), SIGMA)
+    told = told_of(LEFT, model, HeldOutLogs((judge,)))
     assert told.misses_held_out is misses
     assert told.leaves_something is misses
 
@@ -95,7 +100,7 @@ def test_noise_that_is_hardly_known_misses_later() -> None:
 
     def told(noise_sd: float) -> Remainder:
         left = replace(LEFT, rms=rms, excess=0.0, noise_sd=noise_sd)
-        return with_held_out(left, model, model, Smooth(judge.logs), SIGMA)
+        return told_of(left, model, Smooth(judge.logs))
 
     assert told(0.02).misses_held_out
     assert not told(0.5).misses_held_out
@@ -105,8 +110,8 @@ class Smooth(HeldOutLogs):
     """Logs whose error has no fast part, and whose parameters are known."""
 
     def runs(self, candidate: Candidate) -> list[np.ndarray]:
-        """Nothing that trembles."""
-        return [np.zeros(100)]
+        """The error that there is, without trembling."""
+        return [np.full(100, self.rms(candidate))]
 
     def slopes(self, candidate: Candidate) -> np.ndarray:
         """Nothing that follows a parameter."""
@@ -119,4 +124,4 @@ def test_blocks_between_fitted_samples_ask_little_of_the_parameters() -> None:
     problem = linear_problem(trained.logs)
     model = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
     assert 0.0 < parametric_power(model, held, SIGMA) < 0.01 * NOISE**2
-    assert not with_held_out(LEFT, model, model, held, SIGMA).misses_held_out
+    assert not told_of(LEFT, model, held).misses_held_out
