@@ -80,6 +80,7 @@ class ExtendedModel(Model):
             "is_linear": base.is_linear,
             "inertia_parameter": base.inertia_parameter,
             "stiffness_parameter": base.stiffness_parameter,
+            "damping_parameters": base.damping_parameters,
             "identified_by": dict(base.identified_by)
             | {
                 extended_name(effect, parameter): effect.shown_by

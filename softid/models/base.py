@@ -117,6 +117,8 @@ class Model(ABC):
         Whether its coefficients stay whatever the input does.
     inertia_parameter, stiffness_parameter
         Parameters that are the inertia and the stiffness; None where none of them is.
+    damping_parameters
+        Parameters in which the damping is linear, together.
     """
 
     name: ClassVar[str]
@@ -131,6 +133,7 @@ class Model(ABC):
     is_linear: ClassVar[bool] = False
     inertia_parameter: ClassVar[str | None] = None
     stiffness_parameter: ClassVar[str | None] = None
+    damping_parameters: ClassVar[tuple[str, ...]] = ()
 
     @property
     def label(self) -> str:

@@ -73,6 +73,7 @@ class Muscle(Model):
     inputs: ClassVar[tuple[str, ...]] = ("pressure", "pressure_command")
     outputs: ClassVar[tuple[str, ...]] = ("angle", "contraction", "length", "distance", "position")
     inertia_parameter: ClassVar[str | None] = "M"
+    damping_parameters: ClassVar[tuple[str, ...]] = ("a2", "c2")
     identified_by: ClassVar[Mapping[str, str]] = {
         "M": "fast steps or a chirp past the natural frequency, sampled well above it",
         "a1": "settled levels close to the highest pressure, where the curve saturates",

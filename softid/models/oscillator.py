@@ -114,6 +114,7 @@ class Oscillator(Model):
     is_linear: ClassVar[bool] = True
     inertia_parameter: ClassVar[str | None] = "M"
     stiffness_parameter: ClassVar[str | None] = "Q"
+    damping_parameters: ClassVar[tuple[str, ...]] = ("N",)
     identified_by: ClassVar[Mapping[str, str]] = {
         "M": "fast steps or a chirp past the natural frequency, sampled well above it",
         "N": "any transient that is slow enough to be sampled",

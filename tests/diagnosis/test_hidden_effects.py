@@ -106,6 +106,19 @@ def test_a_hidden_effect_is_found(name: str) -> None:
     assert found.gain >= GAIN_SHARE * found.oracle_gain
 
 
+@pytest.mark.parametrize(("seed", "tau"), [(900, 0.3), (903, 0.15)])
+def test_a_sensor_slower_than_its_actuator_is_found(seed: int, tau: float) -> None:
+    """The base takes the sensor's time for its own, so nothing is left of it where the lag begins.
+
+    It was a resonance of the line, or that and a creep, which is a wrong name.
+    """
+    pair = hidden_pair(["sensor_lag"], seed=seed, values={"sensor_lag": {"tau": tau}})
+    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
+    (cause,) = found.causes
+    assert cause.effect == "sensor_lag"
+    assert cause.parameters[0].value == pytest.approx(tau, rel=0.02)
+
+
 def test_two_hidden_effects_are_both_found() -> None:
     """Stands on the generator's truth: a lag and a drift hide each other in nothing."""
     assert outcome_of(["sensor_drift", "delay"], seed=7).told == {"sensor_drift", "delay"}

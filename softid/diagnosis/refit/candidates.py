@@ -29,9 +29,6 @@ and make a wrong name look good."""
 TOLERANCE = 1e-2
 """A refit rests within a hundredth of a standard error of its optimum."""
 
-LIGHTER = 0.1
-"""What is left of an inertia when its time is given to a lag."""
-
 COARSE = 1
 """Most steps in a sampling interval while candidates race; twice as many where an affine law
 oscillates. Overdamped and sharp laws ask for more to reach 1e-4 of the range; noise is far above
@@ -297,51 +294,6 @@ def _tempered(candidate: Candidate) -> Candidate:
     variance = max(variance, float(np.finfo(float).tiny))
     factor = variance / prior.variance
     return replace(candidate, prior=replace(prior, weight=prior.weight * factor, variance=variance))
-
-
-def alternatives(candidate: Candidate) -> list[Candidate]:
-    """The candidate with terms of the base in another form, which a search would not reach."""
-    changes = [
-        {name: p.value for name, p in change.items() if not p.fixed}
-        for change in candidate.problem.model.alternatives(candidate.parameters)
-    ]
-    return [_moved(candidate, change) for change in changes]
-
-
-def exchanged(candidate: Candidate) -> list[Candidate]:
-    """The candidate with the times of its inertia and its lag exchanged, if it has both."""
-    change = _lag_for_inertia(candidate)
-    return [_moved(candidate, change)] if change else []
-
-
-def _moved(candidate: Candidate, change: Mapping[str, float]) -> Candidate:
-    problem = candidate.problem
-    z = candidate.minimum.point.copy()
-    for k, name in enumerate(problem.free):
-        if name in change:
-            p = problem.parameters[name]
-            inside = float(np.clip(change[name], p.lower, p.upper))
-            z[k] = np.log(inside) if p.scale == "log" else inside
-    minimum = standing_at(z, candidate.minimum, candidate.prior, candidate.squares)
-    return replace(candidate, minimum=minimum)
-
-
-def _lag_for_inertia(candidate: Candidate) -> dict[str, float]:
-    """The time that the inertia takes given to a lag: poles in a row look alike in any order."""
-    problem, values = candidate.problem, candidate.parameters
-    law = problem.model.motion_law(problem.theta(candidate.minimum.point))
-    inertia = problem.model.inertia_parameter
-    if law is None or inertia not in problem.free or not candidate.effects:
-        return {}
-    damping = law.coefficients(np.concatenate([s.input for s in problem.segments]))[0]
-    fast_s = values[inertia] / max(float(np.median(damping)), 1e-300)
-    for effect in candidate.effects:
-        if effect.stage == "state" or effect.amplitude is None:
-            continue
-        name = extended_name(effect, effect.amplitude)
-        if problem.parameters[name].unit == "s" and fast_s > values[name]:
-            return {name: fast_s, inertia: LIGHTER * values[inertia]}
-    return {}
 
 
 def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Division | None]:

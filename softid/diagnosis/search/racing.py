@@ -9,9 +9,8 @@ from softid.diagnosis.refit.candidates import (
     FINE,
     Candidate,
     advance,
-    alternatives,
-    exchanged,
 )
+from softid.diagnosis.refit.equivalent_places import alternatives, exchanged
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.catching_up import (
@@ -114,7 +113,9 @@ def race(
 ) -> list[Candidate]:
     """Refit the base with each effect, polishing the contenders only; best first.
 
-    All rounds but the last ones run on a `rough_copy`, where they cost a fraction.
+    All rounds but the last ones run on a `rough_copy`, where they cost a fraction. A lag also
+    starts with a pole of the base exchanged for its own, before anyone drops out: a base that was
+    fitted to a slow sensor has taken its time, and leaves a lag nothing to explain elsewhere.
 
     A richer form of a law enters where the plain one has got to, when that is still in the race
     after its second round, and leaves again if it hardly gains on it; one that promises far more
@@ -152,7 +153,8 @@ def race(
     first = _first_round(rough, found, running, scale, weights)
     promising = list(dict.fromkeys(s.effect.key for s in found))
     second = _second_round(first, promising, weights)
-    second = best_of_each([*second, *_run(joining, weights, 1, COARSE)])
+    swapped = _run([form for c in first for form in exchanged(c)], weights, EXCHANGE_ROUND, COARSE)
+    second = best_of_each([*second, *swapped, *_run(joining, weights, 1, COARSE)])
     entering = [effect for effect in richer if effect.key in late_forms]
     second = by_squares([*second, *_forms_that_gain(rough, second, entering, scale, weights)])
     if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:

@@ -13,12 +13,9 @@ from softid.diagnosis.refit.candidates import (
     COARSE,
     EFFECT_SD,
     FINE,
-    LIGHTER,
-    Candidate,
     TemperedPrior,
     WhitenedObjective,
     advance,
-    exchanged,
     extend,
     limited_plans,
     named_values,
@@ -215,27 +212,6 @@ def test_the_gradient_of_a_whitened_cost() -> None:
         assert -found.gradient[k] == pytest.approx(slope, rel=1e-4), k
 
 
-def test_inertia_and_lag_change_places() -> None:
-    """Closed form: poles M/N and τ in a row look alike, so the larger may be the lag.
-
-    0.04 s of inertia go to a lag of 0.01 s, and a tenth of the mass stays; a lag that is the larger
-    one already stays.
-    """
-    base, scale = base_problem()
-    problem = extend(base, [LAG], scale)
-
-    def forms(tau: float) -> list[Candidate]:
-        z = start_unknowns(problem, base, base.unknowns(TRUTH), {"pneumatic_lag_tau": tau})
-        candidate = standing(problem, z)
-        return exchanged(replace(candidate, effects=(LAG,)))
-
-    (moved,) = forms(0.01)
-    assert moved.parameters["pneumatic_lag_tau"] == pytest.approx(TRUTH["M"] / TRUTH["N"])
-    assert moved.parameters["M"] == pytest.approx(LIGHTER * TRUTH["M"])
-    assert moved.parameters["N"] == pytest.approx(TRUTH["N"])
-    assert forms(0.1) == []
-
-
 def test_a_lost_candidate_keeps_its_prior() -> None:
     """Where the response ran away there is no variance; zero times that would be no number."""
     problem, _ = base_problem()
@@ -244,22 +220,6 @@ def test_a_lost_candidate_keeps_its_prior() -> None:
     lost = replace(candidate.minimum, normal=replace(candidate.minimum.normal, cost=np.inf))
     kept = advance(replace(candidate, prior=prior, minimum=lost), SIGMA, 1).prior
     np.testing.assert_array_equal(kept.weight, prior.weight)
-
-
-def test_a_candidate_that_is_moved_is_as_good_as_before() -> None:
-    """Its sum of squares stays, although the prior asks another price of the new place.
-
-    Else the price would be taken off the squares, down to zero, and with them the prior's weight.
-    """
-    base, scale = base_problem()
-    problem = extend(base, [LAG], scale)
-    z = start_unknowns(problem, base, base.unknowns(TRUTH), {"pneumatic_lag_tau": 0.01})
-    candidate = replace(standing(problem, z), effects=(LAG,))
-    prior = TemperedPrior(z, np.full(problem.size, 1e6))
-    (moved,) = exchanged(replace(candidate, prior=prior))
-    assert prior.cost(moved.minimum.point) > candidate.squares
-    assert moved.squares == pytest.approx(candidate.squares)
-    assert advance(moved, SIGMA, 1).prior.variance > 0.0
 
 
 def test_values_are_named_after_their_effect() -> None:
