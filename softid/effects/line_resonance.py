@@ -55,7 +55,7 @@ class LineResonance(InputEffect):
         return ringing_parameters(scale, what="line", source=self.source)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Lightly damped, from six samples to twice the motion's own time."""
+        """Lightly damped, from six samples to four times the motion's own time."""
         return ringing_starts(scale)
 
     def wording(self, values: Mapping[str, float]) -> Wording:

@@ -32,6 +32,9 @@ START_ZETA = 0.2
 START_PERIODS = 6.0
 """Shortest start in sampling intervals, clear of the bound."""
 
+SLOWEST = 4.0
+"""Longest start in times of the motion."""
+
 
 def ringing_parameters(scale: Scale, *, what: str, source: str) -> ParameterSet:
     """The ringing period 2π/ω and the damping ratio ζ.
@@ -71,7 +74,9 @@ def ringing_parameters(scale: Scale, *, what: str, source: str) -> ParameterSet:
 
 
 def ringing_starts(scale: Scale) -> tuple[Mapping[str, float], ...]:
-    """Lightly damped, from six samples to twice the motion's own time.
+    """Lightly damped, from six samples to four times the motion's own time.
+
+    A base that was fitted to a ringing response may well have less than half of its period.
 
     Parameters
     ----------
@@ -106,5 +111,5 @@ def _periods(scale: Scale) -> tuple[float, ...]:
     longest = 0.5 * LONGEST_SHARE * scale.duration_s
     shortest = first_time(scale, longest, periods=START_PERIODS)
     shortest = max(shortest, SHORTEST_PERIODS * scale.period_s)
-    slowest = last_time(2.0 * scale.motion_s, shortest, longest)
+    slowest = last_time(SLOWEST * scale.motion_s, shortest, longest)
     return tuple(np.geomspace(shortest, slowest, 4).tolist())

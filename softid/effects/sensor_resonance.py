@@ -53,7 +53,7 @@ class SensorResonance(OutputEffect):
         return ringing_parameters(scale, what="sensor", source=self.source)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Lightly damped, from six samples to twice the motion's own time."""
+        """Lightly damped, from six samples to four times the motion's own time."""
         return ringing_starts(scale)
 
     def wording(self, values: Mapping[str, float]) -> Wording:

@@ -119,6 +119,20 @@ def test_a_sensor_slower_than_its_actuator_is_found(seed: int, tau: float) -> No
     assert cause.parameters[0].value == pytest.approx(tau, rel=0.02)
 
 
+def test_a_resonance_slower_than_its_actuator_is_found() -> None:
+    """The base takes a part of its period for its own: no start near the base's own time leads on.
+
+    It was unknown, with two descriptions.
+    """
+    pair = hidden_pair(["line_resonance"], seed=4, size=3.0)
+    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
+    (cause,) = found.causes
+    assert cause.effect == "line_resonance"
+    true = pair.hidden["line_resonance"]
+    for parameter in cause.parameters:
+        assert parameter.value == pytest.approx(true[parameter.name.split("_")[-1]], rel=0.02)
+
+
 def test_two_hidden_effects_are_both_found() -> None:
     """Stands on the generator's truth: a lag and a drift hide each other in nothing."""
     assert outcome_of(["sensor_drift", "delay"], seed=7).told == {"sensor_drift", "delay"}

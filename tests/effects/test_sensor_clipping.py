@@ -8,7 +8,7 @@ from io_rig import SCALE, THETA, extended, jacobian_error, response, segment
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.search.screening import candidate_at
+from softid.diagnosis.search.effect_starts import candidate_at
 from softid.effects.sensor_clipping import BothSensorClipping, LowerSensorClipping, SensorClipping
 from softid.log import Log
 

@@ -14,6 +14,7 @@ from softid.diagnosis.refit.candidates import (
     prior_about,
     standing_at,
 )
+from softid.diagnosis.search.effect_starts import with_effect
 from softid.diagnosis.search.forward_selection import (
     FURTHER,
     Chain,
@@ -23,7 +24,7 @@ from softid.diagnosis.search.forward_selection import (
     next_link,
 )
 from softid.diagnosis.search.racing import CLEAR_LEAD
-from softid.diagnosis.search.screening import Signature, screen, with_effect
+from softid.diagnosis.search.screening import Signature, screen
 from softid.effects.base import Effect, Scale
 
 WITHOUT_ROUND = 25

@@ -21,13 +21,13 @@ from softid.diagnosis.search.catching_up import (
     gain,
     is_outdone,
 )
-from softid.diagnosis.search.screening import (
-    Signature,
+from softid.diagnosis.search.effect_starts import (
     candidate_from,
     form_of,
     late_candidate,
-    screen,
+    slow_candidate,
 )
+from softid.diagnosis.search.screening import Signature, screen
 from softid.effects import own_values
 from softid.effects.base import Effect, Scale
 
@@ -50,8 +50,8 @@ FIRST_ROUND = 4
 SECOND_ROUND = 8
 """Evaluations of the second one."""
 
-EXCHANGE_ROUND = 24
-"""Evaluations for two poles that were exchanged, which begin far off."""
+FAR_ROUND = 24
+"""Evaluations of those that begin far off, such as with two poles exchanged."""
 
 LAST_ROUNDS = (5, 10, 25)
 """Evaluations of the last rounds, within which who cannot catch up any more drops out."""
@@ -113,9 +113,7 @@ def race(
 ) -> list[Candidate]:
     """Refit the base with each effect, polishing the contenders only; best first.
 
-    All rounds but the last ones run on a `rough_copy`, where they cost a fraction. A lag also
-    starts with a pole of the base exchanged for its own, before anyone drops out: a base that was
-    fitted to a slow sensor has taken its time, and leaves a lag nothing to explain elsewhere.
+    All rounds but the last ones run on a `rough_copy`, where they cost a fraction.
 
     A richer form of a law enters where the plain one has got to, when that is still in the race
     after its second round, and leaves again if it hardly gains on it; one that promises far more
@@ -153,8 +151,8 @@ def race(
     first = _first_round(rough, found, running, scale, weights)
     promising = list(dict.fromkeys(s.effect.key for s in found))
     second = _second_round(first, promising, weights)
-    swapped = _run([form for c in first for form in exchanged(c)], weights, EXCHANGE_ROUND, COARSE)
-    second = best_of_each([*second, *swapped, *_run(joining, weights, 1, COARSE)])
+    from_afar = _from_afar(rough, first, running, scale, weights)
+    second = best_of_each([*second, *from_afar, *_run(joining, weights, 1, COARSE)])
     entering = [effect for effect in richer if effect.key in late_forms]
     second = by_squares([*second, *_forms_that_gain(rough, second, entering, scale, weights)])
     if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:
@@ -245,6 +243,25 @@ def _second_round(
     return by_squares(second)
 
 
+def _from_afar(
+    fitted: Candidate,
+    first: Sequence[Candidate],
+    running: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """Effects that take time, from starts that lie far off, whoever dropped out.
+
+    A base that was fitted to a slow sensor has taken its time, and leaves a lag nothing to explain
+    where a search begins.
+    """
+    starts = [form for candidate in first for form in exchanged(candidate)]
+    variance = _variance(fitted)
+    slow = [effect for effect in running if effect.takes_time(scale)]
+    starts += [slow_candidate(fitted, effect, scale, variance) for effect in slow]
+    return _run(starts, sigma, FAR_ROUND, COARSE)
+
+
 def _by_themselves(signatures: Sequence[Signature], richer: Sequence[Effect]) -> set[str]:
     """Keys of the richer forms whose signature promises far more than that of the plain one."""
     promised: dict[str, float] = {}
@@ -284,7 +301,7 @@ def _simpler_forms(
             known = like[1] if like is not None and like[0] == effect.key else None
             if known is not None or _is_richer(added, effect, scale):
                 placed.append(form_of(fitted, leader, effect, scale, sigma, variance, known=known))
-    return _run(placed, sigma, EXCHANGE_ROUND, FINE)
+    return _run(placed, sigma, FAR_ROUND, FINE)
 
 
 def _forms_that_gain(
@@ -323,7 +340,7 @@ def _contenders(
     kept = _last_survivors(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
     others = [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
     swaps = [form for candidate in kept for form in exchanged(candidate)]
-    others = _run(others, sigma, SECOND_ROUND, COARSE) + _run(swaps, sigma, EXCHANGE_ROUND, COARSE)
+    others = _run(others, sigma, SECOND_ROUND, COARSE) + _run(swaps, sigma, FAR_ROUND, COARSE)
     return [*kept, *(form for form in others if form.squares <= limit)]
 
 

@@ -14,9 +14,9 @@ from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.whitening import Whitener
 from softid.diagnosis.search import bic_ranking
 from softid.diagnosis.search.bic_ranking import _bic, rank
+from softid.diagnosis.search.effect_starts import candidate_at
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.search.racing import race
-from softid.diagnosis.search.screening import candidate_at
 
 NOTHING = np.zeros(0)
 WHITE = Whitener({(0, "angle"): NOTHING}, {(0, "angle"): 0.01})

@@ -22,6 +22,7 @@ from linear_motion import (
 
 from softid.diagnosis.refit.candidates import advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search.effect_starts import candidate_at
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.search.racing import (
     _by_themselves,
@@ -30,7 +31,7 @@ from softid.diagnosis.search.racing import (
     _starts,
     race,
 )
-from softid.diagnosis.search.screening import Signature, candidate_at
+from softid.diagnosis.search.screening import Signature
 from softid.effects import effect_of
 from softid.effects.base import Scale
 from softid.parameters import Parameter, ParameterSet

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from linear_motion import RATE_HZ, SIGMA, TRUTH, Bow, Gain, linear_log, linear_problem, standing
+from linear_motion import SIGMA, TRUTH, Bow, Gain, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
@@ -14,8 +12,6 @@ from softid.diagnosis.residual.projection import project_out
 from softid.diagnosis.search.screening import (
     LARGEST_AMPLITUDE,
     SMALLEST_AMPLITUDE,
-    _squares,
-    candidate_from,
     residual_of,
     screen,
 )
@@ -135,23 +131,6 @@ def test_the_amplitude_of_a_start_stays_within_its_factors(size: float, factor: 
     assert found.values["c"] == pytest.approx(0.1 * factor, rel=1e-5)
 
 
-def test_a_candidate_starts_where_the_signature_points() -> None:
-    """The whole step is the best fraction where all is linear: nothing is left at once.
-
-    A proposal that is ten times too long is tried at a tenth, which is exact as well.
-    """
-    base, scale = base_of(bowed(BOW_SIZE))
-    (found,) = screen(base, [Bow()], scale, SIGMA)
-    long = replace(found, values={"c": 10.0 * found.values["c"]}, shift=10.0 * found.shift)
-    for signature in (found, long):
-        made = candidate_from(base, signature, scale, SIGMA, variance=1.0)
-        assert made.keys == ("bow",)
-        assert made.parameters["bow_c"] == pytest.approx(BOW_SIZE, rel=1e-4)
-        (block,) = made.problem.blocks(made.minimum.point, derivatives=False)
-        assert np.max(np.abs(block.residual)) < 1e-5
-        assert made.prior.centre[0] == pytest.approx(made.minimum.point[0])
-
-
 def test_an_effect_that_overflows_is_left_out() -> None:
     """What is not finite promises nothing and stops nobody."""
 
@@ -163,15 +142,3 @@ def test_an_effect_that_overflows_is_left_out() -> None:
 
     base, scale = base_of(bowed(BOW_SIZE))
     assert [s.effect.key for s in screen(base, [Wild(), Bow()], scale, SIGMA)] == ["bow"]
-
-
-def test_a_response_that_is_lost_has_no_sum_of_squares() -> None:
-    """By hand: a held input and a spring of 1e-25 hold the angle at 6e26 rad, of which the zero
-    takes away all, and the measured angle of 0.1 rad with it."""
-    channels = {"pressure": np.full(200, 60.0), "angle": np.full(200, 0.1)}
-    log = Log.from_arrays(np.arange(200) / RATE_HZ, channels, units={"angle": "rad"})
-    problem = linear_problem([log])
-    usual, lost = problem.unknowns(TRUTH), problem.unknowns(TRUTH | {"Q": 1e-25})
-    lost[problem.free.index("Q")] = np.log(1e-25)
-    assert np.isfinite(_squares(problem, usual, SIGMA))
-    assert _squares(problem, lost, SIGMA) == np.inf

@@ -14,9 +14,9 @@ from linear_motion import (
 )
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search.effect_starts import candidate_at
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.search.racing import _simpler_forms
-from softid.diagnosis.search.screening import candidate_at
 from softid.effects import effect_of
 
 LAG, DRIFT = effect_of("sensor_lag"), effect_of("sensor_drift")
