@@ -8,7 +8,6 @@ from softid.diagnosis.refit.candidates import (
     COARSE,
     FINE,
     Candidate,
-    advance,
 )
 from softid.diagnosis.refit.equivalent_places import alternatives, exchanged
 from softid.diagnosis.refit.parallel import in_parallel
@@ -17,18 +16,27 @@ from softid.diagnosis.search.catching_up import (
     SMALLEST_GAIN,
     best_of_each,
     by_squares,
-    can_catch_up,
     gain,
-    is_outdone,
 )
 from softid.diagnosis.search.effect_starts import (
     candidate_from,
-    form_of,
     late_candidate,
     slow_candidate,
 )
+from softid.diagnosis.search.forms import (
+    by_themselves,
+    forms_that_gain,
+    is_richer,
+    simpler_forms,
+)
+from softid.diagnosis.search.rounds import (
+    FAR_ROUND,
+    SECOND_ROUND,
+    run_in_reach,
+    run_round,
+    variance_of,
+)
 from softid.diagnosis.search.screening import Signature, screen
-from softid.effects import own_values
 from softid.effects.base import Effect, Scale
 
 SECOND_START = 0.3
@@ -37,27 +45,11 @@ SECOND_START = 0.3
 MAX_STARTS = 2
 """Starts of one effect that run at most."""
 
-BY_ITSELF = 3.0
-"""A richer form of a law runs by itself when it promises so many times what the plain one does: the
-base may do all that the plain one can."""
-
-OF_THE_BEST = 0.3
-"""And this share of what the best effect promises."""
-
 FIRST_ROUND = 4
 """Evaluations of the first round, which all starts run."""
 
-SECOND_ROUND = 8
-"""Evaluations of the second one."""
-
-FAR_ROUND = 24
-"""Evaluations of those that begin far off, such as with two poles exchanged."""
-
 LAST_ROUNDS = (5, 10, 25)
 """Evaluations of the last rounds, within which who cannot catch up any more drops out."""
-
-RACING_TOLERANCE = 0.2
-"""A candidate in the race rests within a fifth of a standard error of its optimum."""
 
 SECOND_SURVIVORS = 7
 """Candidates that stay in the race for the second round."""
@@ -142,8 +134,8 @@ def race(
         what is known and what began elsewhere runs.
     """
     found = list(signatures) if signatures is not None else screen(fitted, effects, scale, sigma)
-    richer = [effect for effect in effects if any(_is_richer(effect, e, scale) for e in effects)]
-    late_forms = {effect.key for effect in richer} - _by_themselves(found, richer)
+    richer = [effect for effect in effects if any(is_richer(effect, e, scale) for e in effects)]
+    late_forms = {effect.key for effect in richer} - by_themselves(found, richer)
     left_out = {c.effects[-1].key for c in known} | late_forms
     running = [e for e in effects if e.key not in left_out] if not again else []
     rough, weights = rough_copy(fitted, scale, sigma)
@@ -152,15 +144,15 @@ def race(
     promising = list(dict.fromkeys(s.effect.key for s in found))
     second = _second_round(first, promising, weights)
     from_afar = _from_afar(rough, first, running, scale, weights)
-    second = best_of_each([*second, *from_afar, *_run(joining, weights, 1, COARSE)])
+    second = best_of_each([*second, *from_afar, *run_round(joining, weights, 1, COARSE)])
     entering = [effect for effect in richer if effect.key in late_forms]
-    second = by_squares([*second, *_forms_that_gain(rough, second, entering, scale, weights)])
+    second = by_squares([*second, *forms_that_gain(rough, second, entering, scale, weights)])
     if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:
         best = [over_samples_of(candidate, fitted, scale) for candidate in second[:1]]
-        return _run(best, sigma, 1, FINE)
+        return run_round(best, sigma, 1, FINE)
     kept = _contenders(rough, second, promising, weights)
     last = _last_rounds([over_samples_of(c, fitted, scale) for c in kept], sigma)
-    last += _simpler_forms(fitted, best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
+    last += simpler_forms(fitted, best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
     return best_of_each(last)
 
 
@@ -176,31 +168,9 @@ def refined(starts: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Can
     """
     running, out = list(starts), list[Candidate]()
     for evaluations in MULTISTART_ROUNDS:
-        running, out_of_reach = _round(running, out, sigma, evaluations, COARSE)
+        running, out_of_reach = run_in_reach(running, out, sigma, evaluations, COARSE)
         out += out_of_reach
     return best_of_each([*running, *out])[:MULTISTART_SURVIVORS]
-
-
-def _run(
-    candidates: Sequence[Candidate],
-    sigma: Mapping[str, float],
-    evaluations: int,
-    substeps: int,
-    *,
-    straight: bool = False,
-) -> list[Candidate]:
-    """One round of all candidates, on all cores."""
-    return in_parallel(
-        lambda c: advance(
-            c,
-            sigma,
-            evaluations,
-            substeps=substeps,
-            tolerance=RACING_TOLERANCE,
-            straight=straight,
-        ),
-        candidates,
-    )
 
 
 def _first_round(
@@ -211,7 +181,7 @@ def _first_round(
     sigma: Mapping[str, float],
 ) -> list[Candidate]:
     """A few evaluations from the best starts of every effect; the best of each."""
-    variance = _variance(fitted)
+    variance = variance_of(fitted)
     keys = {effect.key for effect in running}
     entrants = in_parallel(
         lambda s: candidate_from(fitted, s, scale, sigma, variance),
@@ -219,7 +189,7 @@ def _first_round(
     )
     late = [effect for effect in running if effect.takes_time(scale)]
     entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
-    return best_of_each(_run(entrants, sigma, FIRST_ROUND, COARSE, straight=True))
+    return best_of_each(run_round(entrants, sigma, FIRST_ROUND, COARSE, straight=True))
 
 
 def _second_round(
@@ -232,12 +202,12 @@ def _second_round(
         for k, c in enumerate(first)
         if k < SECOND_SURVIVORS or c.effects[-1].key in favoured or c.minimum.offset > FAR
     ]
-    second = _run(field, sigma, SECOND_ROUND, COARSE)
+    second = run_round(field, sigma, SECOND_ROUND, COARSE)
     left_behind: list[Candidate] = []
     for _ in range(EXTRA_ROUNDS):
         moving = [c for c in second if c.minimum.offset > UNCONVERGED and c not in left_behind]
         resting = [c for c in second if c not in moving]
-        again, out_of_reach = _round(moving, resting, sigma, SECOND_ROUND, COARSE)
+        again, out_of_reach = run_in_reach(moving, resting, sigma, SECOND_ROUND, COARSE)
         second = resting + again + out_of_reach
         left_behind += out_of_reach
     return by_squares(second)
@@ -256,75 +226,10 @@ def _from_afar(
     where a search begins.
     """
     starts = [form for candidate in first for form in exchanged(candidate)]
-    variance = _variance(fitted)
+    variance = variance_of(fitted)
     slow = [effect for effect in running if effect.takes_time(scale)]
     starts += [slow_candidate(fitted, effect, scale, variance) for effect in slow]
-    return _run(starts, sigma, FAR_ROUND, COARSE)
-
-
-def _by_themselves(signatures: Sequence[Signature], richer: Sequence[Effect]) -> set[str]:
-    """Keys of the richer forms whose signature promises far more than that of the plain one."""
-    promised: dict[str, float] = {}
-    for signature in signatures:
-        key = signature.effect.key
-        promised[key] = max(promised.get(key, 0.0), signature.drop)
-    most = max(promised.values(), default=0.0)
-    return {
-        effect.key
-        for effect in richer
-        if promised.get(effect.key, 0.0) > BY_ITSELF * promised.get(effect.name, 0.0)
-        and promised[effect.key] > OF_THE_BEST * most
-    }
-
-
-def _is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
-    """Whether an effect is another form of the same law with further parameters."""
-    if effect.name != plain.name or effect.key == plain.key:
-        return False
-    return set(plain.parameters(scale).names) < set(effect.parameters(scale).names)
-
-
-def _simpler_forms(
-    fitted: Candidate,
-    leaders: Sequence[Candidate],
-    effects: Sequence[Effect],
-    scale: Scale,
-    sigma: Mapping[str, float],
-) -> list[Candidate]:
-    """The plain form of every richer one, and what a law is like, from where the leaders stand."""
-    variance = _variance(fitted)
-    placed = []
-    for leader in leaders:
-        added = leader.effects[-1]
-        like = added.simpler(own_values(added, leader.parameters))
-        for effect in effects:
-            known = like[1] if like is not None and like[0] == effect.key else None
-            if known is not None or _is_richer(added, effect, scale):
-                placed.append(form_of(fitted, leader, effect, scale, sigma, variance, known=known))
-    return _run(placed, sigma, FAR_ROUND, FINE)
-
-
-def _forms_that_gain(
-    fitted: Candidate,
-    plain: Sequence[Candidate],
-    richer: Sequence[Effect],
-    scale: Scale,
-    sigma: Mapping[str, float],
-) -> list[Candidate]:
-    """Richer forms after a round, from where the plain ones stand, that gain on them."""
-    variance = _variance(fitted)
-    pairs = [
-        (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
-        for candidate in plain
-        for effect in richer
-        if _is_richer(effect, candidate.effects[-1], scale)
-    ]
-    tried = _run([form for _, form in pairs], sigma, SECOND_ROUND, COARSE)
-    return [
-        form
-        for (squares, _), form in zip(pairs, tried, strict=True)
-        if gain(squares, form) >= SMALLEST_GAIN
-    ]
+    return run_round(starts, sigma, FAR_ROUND, COARSE)
 
 
 def _contenders(
@@ -340,13 +245,10 @@ def _contenders(
     kept = _last_survivors(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
     others = [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
     swaps = [form for candidate in kept for form in exchanged(candidate)]
-    others = _run(others, sigma, SECOND_ROUND, COARSE) + _run(swaps, sigma, FAR_ROUND, COARSE)
+    others = run_round(others, sigma, SECOND_ROUND, COARSE) + run_round(
+        swaps, sigma, FAR_ROUND, COARSE
+    )
     return [*kept, *(form for form in others if form.squares <= limit)]
-
-
-def _variance(fitted: Candidate) -> float:
-    """Variance of the weighted residual."""
-    return fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
 
 
 def _last_survivors(
@@ -371,28 +273,9 @@ def _last_rounds(kept: Sequence[Candidate], sigma: Mapping[str, float]) -> list[
     """The contenders at their optimum, and those that cannot catch up as far as they got."""
     running, out = list(kept), list[Candidate]()
     for evaluations in LAST_ROUNDS:
-        running, out_of_reach = _round(running, out, sigma, evaluations, FINE)
+        running, out_of_reach = run_in_reach(running, out, sigma, evaluations, FINE)
         out += out_of_reach
     return running + out
-
-
-def _round(
-    running: Sequence[Candidate],
-    others: Sequence[Candidate],
-    sigma: Mapping[str, float],
-    evaluations: int,
-    substeps: int,
-) -> tuple[list[Candidate], list[Candidate]]:
-    """Candidates after a round: those that may still catch up with the leader, and the others."""
-    after = _run(running, sigma, evaluations, substeps)
-    leader = min((c.squares for c in (*after, *others)), default=0.0)
-    in_reach, out_of_reach = list[Candidate](), list[Candidate]()
-    for before, candidate in zip(running, after, strict=True):
-        gained = gain(before.squares, candidate)
-        may_catch_up = can_catch_up(candidate, leader, gained=gained)
-        may_catch_up = may_catch_up and not is_outdone(candidate, after, gained=gained)
-        (in_reach if may_catch_up else out_of_reach).append(candidate)
-    return in_reach, out_of_reach
 
 
 def _starts(signatures: Sequence[Signature]) -> list[Signature]:

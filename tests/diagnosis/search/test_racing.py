@@ -23,10 +23,9 @@ from linear_motion import (
 from softid.diagnosis.refit.candidates import advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.effect_starts import candidate_at
+from softid.diagnosis.search.forms import by_themselves, is_richer
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.search.racing import (
-    _by_themselves,
-    _is_richer,
     _last_survivors,
     _starts,
     race,
@@ -103,9 +102,9 @@ def test_a_richer_form_that_promises_far_more_runs_by_itself(
 ) -> None:
     """By hand: thrice the plain one's promise, and 0.3 of the best one's, which is 100."""
     rows = (("stiffening", 100.0), ("pneumatic_lag", plain), ("pneumatic_lag.separate", separate))
-    chosen = _by_themselves(promises(*rows), [effect_of("pneumatic_lag.separate")])
+    chosen = by_themselves(promises(*rows), [effect_of("pneumatic_lag.separate")])
     assert chosen == ({"pneumatic_lag.separate"} if runs else set())
-    assert _by_themselves(promises(rows[0]), [effect_of("pneumatic_lag.separate")]) == set()
+    assert by_themselves(promises(rows[0]), [effect_of("pneumatic_lag.separate")]) == set()
 
 
 @pytest.mark.parametrize(
@@ -123,7 +122,7 @@ def test_a_richer_form_has_more_parameters(one: str, other: str, richer: bool) -
     """Of one law only: two times have the one time among them, the lower limit not the upper."""
     problem = linear_problem([linear_log(noise=0.01)])
     scale = scale_of(problem, problem.unknowns(TRUTH))
-    assert _is_richer(effect_of(one), effect_of(other), scale) is richer
+    assert is_richer(effect_of(one), effect_of(other), scale) is richer
 
 
 @dataclass(frozen=True)

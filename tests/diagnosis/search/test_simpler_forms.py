@@ -15,8 +15,8 @@ from linear_motion import (
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.effect_starts import candidate_at
+from softid.diagnosis.search.forms import simpler_forms
 from softid.diagnosis.search.forward_selection import converged
-from softid.diagnosis.search.racing import _simpler_forms
 from softid.effects import effect_of
 
 LAG, DRIFT = effect_of("sensor_lag"), effect_of("sensor_drift")
@@ -39,6 +39,6 @@ def test_an_overdamped_resonance_is_tried_as_a_lag(zeta: float, keys: list[objec
     base = converged(standing(problem, z), SIGMA)
     begun = {"period": 0.32, "zeta": zeta}
     _, leader = candidate_at(base, effect_of("sensor_resonance"), begun, scale, SIGMA)
-    found = _simpler_forms(base, [leader], [LAG, DRIFT], scale, SIGMA)
+    found = simpler_forms(base, [leader], [LAG, DRIFT], scale, SIGMA)
     assert [form.keys for form in found] == keys
     assert all(form.squares < 1180.0 for form in found)

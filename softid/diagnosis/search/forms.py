@@ -1,0 +1,129 @@
+"""Richer and simpler forms of a law in a race."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from softid.diagnosis.refit.candidates import COARSE, FINE, Candidate
+from softid.diagnosis.search.catching_up import SMALLEST_GAIN, gain
+from softid.diagnosis.search.effect_starts import form_of
+from softid.diagnosis.search.rounds import FAR_ROUND, SECOND_ROUND, run_round, variance_of
+from softid.diagnosis.search.screening import Signature
+from softid.effects import own_values
+from softid.effects.base import Effect, Scale
+
+BY_ITSELF = 3.0
+"""A richer form of a law runs by itself when it promises so many times what the plain one does: the
+base may do all that the plain one can."""
+
+OF_THE_BEST = 0.3
+"""And this share of what the best effect promises."""
+
+
+def by_themselves(signatures: Sequence[Signature], richer: Sequence[Effect]) -> set[str]:
+    """Keys of the richer forms whose signature promises far more than that of the plain one.
+
+    Parameters
+    ----------
+    signatures
+        From `screen`.
+    richer
+        The richer forms.
+    """
+    promised: dict[str, float] = {}
+    for signature in signatures:
+        key = signature.effect.key
+        promised[key] = max(promised.get(key, 0.0), signature.drop)
+    most = max(promised.values(), default=0.0)
+    return {
+        effect.key
+        for effect in richer
+        if promised.get(effect.key, 0.0) > BY_ITSELF * promised.get(effect.name, 0.0)
+        and promised[effect.key] > OF_THE_BEST * most
+    }
+
+
+def is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
+    """Whether an effect is another form of the same law with further parameters.
+
+    Parameters
+    ----------
+    effect, plain
+        The effect, and the one that it may be a richer form of.
+    scale
+        Sizes of the base fit.
+    """
+    if effect.name != plain.name or effect.key == plain.key:
+        return False
+    return set(plain.parameters(scale).names) < set(effect.parameters(scale).names)
+
+
+def simpler_forms(
+    fitted: Candidate,
+    leaders: Sequence[Candidate],
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """The plain form of every richer one, and what a law is like, from where the leaders stand.
+
+    Parameters
+    ----------
+    fitted
+        What is extended.
+    leaders
+        The best candidates.
+    effects
+        Effects that may be added.
+    scale
+        Sizes of the base fit.
+    sigma
+        Output channel → scale that its residual is divided by.
+    """
+    variance = variance_of(fitted)
+    placed = []
+    for leader in leaders:
+        added = leader.effects[-1]
+        like = added.simpler(own_values(added, leader.parameters))
+        for effect in effects:
+            known = like[1] if like is not None and like[0] == effect.key else None
+            if known is not None or is_richer(added, effect, scale):
+                placed.append(form_of(fitted, leader, effect, scale, sigma, variance, known=known))
+    return run_round(placed, sigma, FAR_ROUND, FINE)
+
+
+def forms_that_gain(
+    fitted: Candidate,
+    plain: Sequence[Candidate],
+    richer: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """Richer forms after a round, from where the plain ones stand, that gain on them.
+
+    Parameters
+    ----------
+    fitted
+        What is extended.
+    plain
+        Candidates with plain forms.
+    richer
+        The richer forms.
+    scale
+        Sizes of the base fit.
+    sigma
+        Output channel → scale that its residual is divided by.
+    """
+    variance = variance_of(fitted)
+    pairs = [
+        (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
+        for candidate in plain
+        for effect in richer
+        if is_richer(effect, candidate.effects[-1], scale)
+    ]
+    tried = run_round([form for _, form in pairs], sigma, SECOND_ROUND, COARSE)
+    return [
+        form
+        for (squares, _), form in zip(pairs, tried, strict=True)
+        if gain(squares, form) >= SMALLEST_GAIN
+    ]

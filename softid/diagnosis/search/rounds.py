@@ -1,0 +1,92 @@
+"""Rounds of a race: every candidate a few evaluations nearer to its optimum."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.search.catching_up import can_catch_up, gain, is_outdone
+
+RACING_TOLERANCE = 0.2
+"""A candidate in the race rests within a fifth of a standard error of its optimum."""
+
+SECOND_ROUND = 8
+"""Evaluations of the second one."""
+
+FAR_ROUND = 24
+"""Evaluations of those that begin far off, such as with two poles exchanged."""
+
+
+def run_round(
+    candidates: Sequence[Candidate],
+    sigma: Mapping[str, float],
+    evaluations: int,
+    substeps: int,
+    *,
+    straight: bool = False,
+) -> list[Candidate]:
+    """One round of all candidates, on all cores.
+
+    Parameters
+    ----------
+    candidates
+        Where they stand.
+    sigma
+        Output channel → scale that its residual is divided by.
+    evaluations, substeps, straight
+        As in `advance`.
+    """
+    return in_parallel(
+        lambda c: advance(
+            c,
+            sigma,
+            evaluations,
+            substeps=substeps,
+            tolerance=RACING_TOLERANCE,
+            straight=straight,
+        ),
+        candidates,
+    )
+
+
+def run_in_reach(
+    running: Sequence[Candidate],
+    others: Sequence[Candidate],
+    sigma: Mapping[str, float],
+    evaluations: int,
+    substeps: int,
+) -> tuple[list[Candidate], list[Candidate]]:
+    """Candidates after a round: those that may still catch up with the leader, and the others.
+
+    Parameters
+    ----------
+    running
+        Those that run.
+    others
+        Those that do not, but may lead.
+    sigma
+        Output channel → scale that its residual is divided by.
+    evaluations, substeps
+        As in `advance`.
+    """
+    after = run_round(running, sigma, evaluations, substeps)
+    leader = min((c.squares for c in (*after, *others)), default=0.0)
+    in_reach, out_of_reach = list[Candidate](), list[Candidate]()
+    for before, candidate in zip(running, after, strict=True):
+        gained = gain(before.squares, candidate)
+        may_catch_up = can_catch_up(candidate, leader, gained=gained)
+        may_catch_up = may_catch_up and not is_outdone(candidate, after, gained=gained)
+        (in_reach if may_catch_up else out_of_reach).append(candidate)
+    return in_reach, out_of_reach
+
+
+def variance_of(fitted: Candidate) -> float:
+    """Variance of the weighted residual.
+
+    Parameters
+    ----------
+    fitted
+        Where it stands.
+    """
+    return fitted.squares / max(fitted.problem.n_samples - fitted.problem.size, 1)
