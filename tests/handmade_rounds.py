@@ -22,6 +22,7 @@ def candidate(
     *,
     offset: float = 0.0,
     values: Mapping[str, float] | None = None,
+    at_bound: Sequence[str] = (),
 ) -> Any:
     """Something with effects and a sum of squares; infinite for one that ran away."""
     effects = tuple(effect_of(key) for key in keys)
@@ -31,6 +32,7 @@ def candidate(
         keys=tuple(effect.key for effect in effects),
         squares=squares,
         parameters=defaultdict(float, values or {}),
+        at_bound=frozenset(at_bound),
         minimum=SimpleNamespace(normal=SimpleNamespace(cost=cost, n=SAMPLES), offset=offset),
         problem=SimpleNamespace(size=UNKNOWNS, n_samples=SAMPLES + UNKNOWNS),
     )
@@ -42,9 +44,10 @@ def ranked(
     squares: float = 100.0,
     *,
     values: Mapping[str, float] | None = None,
+    at_bound: Sequence[str] = (),
 ) -> Ranked:
     """A row of a ranking; parameters without a value are zero."""
-    made = candidate(keys, squares, values=values)
+    made = candidate(keys, squares, values=values, at_bound=at_bound)
     return Ranked(made, made, bic)
 
 

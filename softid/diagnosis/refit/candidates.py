@@ -104,6 +104,12 @@ class Candidate:
         """Parameter → value where it stands."""
         return self.problem.values(self.minimum.point)
 
+    @property
+    def at_bound(self) -> frozenset[str]:
+        """Free parameters that lie on a bound where it stands."""
+        held = self.problem.at_bound(self.minimum.point)
+        return frozenset(n for n, is_held in zip(self.problem.free, held, strict=False) if is_held)
+
 
 class WhitenedObjective(Objective):
     """Cost and normal equations of residuals that a noise model has made white."""

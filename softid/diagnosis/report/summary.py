@@ -307,8 +307,11 @@ def _evidence(
     rivals = [(e.delta_bic, e.effect) for e in raced if e.delta_bic is not None]
     ahead = sorted({key for delta, key in rivals if delta > cause.delta_bic})
     if ahead:
-        verb = "lowers" if len(ahead) == 1 else "lower"
-        told += f"; {titles_of(ahead)} {verb} it more, but not the error on what is held out"
+        lower, their = ("lowers", "its") if len(ahead) == 1 else ("lower", "their")
+        told += (
+            f"; {titles_of(ahead)} {lower} it more, but only where {their} law becomes another, or "
+            "not on what is held out"
+        )
     elif rivals:
         delta, key = max(rivals)
         told += f"; the next best, {title_of(key)}, stays {cause.delta_bic - delta:.0f} behind"

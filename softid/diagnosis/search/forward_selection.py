@@ -12,7 +12,7 @@ from softid.diagnosis.refit.candidates import Candidate, advance, prior_about, s
 from softid.diagnosis.search.bic_ranking import Ranked, rank
 from softid.diagnosis.search.racing import UNCONVERGED, race
 from softid.diagnosis.search.screening import Signature, screen
-from softid.effects import own_values
+from softid.effects import extended_name, own_values
 from softid.effects.base import Effect, Scale
 
 
@@ -299,12 +299,17 @@ def _added(row: Ranked, known: Sequence[str]) -> Effect:
 
 
 def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str, ...]]:
-    """The best candidate, the plain form before a richer one, and what explains as well."""
+    """The best candidate, the plain form before a richer one, and what explains as well.
+
+    One that stands for something else, with an essential parameter at its bound, could not be
+    named: of those that explain as well it is the last.
+    """
 
     def added(row: Ranked) -> Effect:
         return _added(row, now.keys)
 
-    best = ranked[0]
+    within = (row for row in ranked if row.bic - ranked[0].bic < INDISTINCT)
+    best = next((row for row in within if not _is_held(row, added(row))), ranked[0])
     plain = next(
         (r for r in ranked if added(r).name == added(best).name and not added(r).variant), None
     )
@@ -319,6 +324,11 @@ def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str
         if row.bic - best.bic < INDISTINCT and name not in names and simpler not in names:
             names.append(name)
     return best, tuple(names)
+
+
+def _is_held(row: Ranked, effect: Effect) -> bool:
+    """Whether an essential parameter of an added effect lies on its bound."""
+    return any(extended_name(effect, name) in row.candidate.at_bound for name in effect.essential)
 
 
 def _simpler(row: Ranked, effect: Effect) -> str | None:

@@ -273,7 +273,7 @@ def test_a_rival_that_is_ahead_is_not_behind() -> None:
     made = diagnosis(Verdict.NAMED)
     drift = cause("delay", [estimate("delay_tau", 0.1, "s")], before=2.0, after=1.0)
     told = write_summary(replace(made, causes=(drift,), evidence=tuple(rows), summary="")).summary
-    assert "stiffening with deformation lowers it more, but not the error" in told
+    assert "stiffening with deformation lowers it more, but only where its law" in told
     assert "behind" not in told
 
 

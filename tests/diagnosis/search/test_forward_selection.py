@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import pytest
@@ -99,6 +99,31 @@ def test_rivals_are_measured_from_what_was_chosen() -> None:
         ranked(("delay",), 12.0),
     ]
     assert _rivals(rows, candidate(()))[1] == ("pneumatic_lag", "delay")
+
+
+@pytest.mark.parametrize(
+    ("at_bound", "bic", "chosen"),
+    [
+        (["line_resonance_period"], 11.9, "sensor_lag"),
+        (["line_resonance_period"], 12.1, "line_resonance"),
+        (["line_resonance_zeta"], 11.9, "line_resonance"),
+        ([], 11.9, "line_resonance"),
+    ],
+)
+def test_what_stands_for_another_is_chosen_last(
+    at_bound: Sequence[str], bic: float, chosen: str
+) -> None:
+    """At the bound of its period a resonance is another law, so a rival within twelve comes first.
+
+    It stays in the tie, for it explains as well. The bound of its damping makes it no other law.
+    """
+    rows = [
+        ranked(("line_resonance",), 0.0, values={"line_resonance_zeta": 0.5}, at_bound=at_bound),
+        ranked(("sensor_lag",), bic),
+    ]
+    best, names = _rivals(rows, candidate(()))
+    assert best.candidate.keys == (chosen,)
+    assert ("line_resonance" in names) == (bic < 12.0 or chosen == "line_resonance")
 
 
 @pytest.mark.parametrize(
