@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -49,6 +49,10 @@ PAIRED = (
 )
 """Two effects of different kinds, every effect but two of the catalogue at least once."""
 
+PACE, STRETCH = (0.2, 5.0), (0.3, 6.0)
+"""Bounds of the factors by which wide cases slow an actuator, and of those of their effects'
+times."""
+
 TIES = (("delay", "sine"), ("pneumatic_lag", "sine"))
 """Effects whose neighbours a protocol cannot split from them."""
 
@@ -61,9 +65,10 @@ class Case:
     ----------
     kind
         ``clean``, ``single``, ``form`` for the richer forms, ``other_form``, ``outside``, ``pair``,
-        ``background``, ``faint`` or ``tie``. In the background of the first effect each of the
-        others causes a tenth to a fifth of its misfit; faint ones have a tenth to a fifth of the
-        usual size, whatever that causes.
+        ``background``, ``faint``, ``wide`` or ``tie``. In the background of the first effect each
+        of the others causes a tenth to a fifth of its misfit; faint ones have a tenth to a fifth of
+        the usual size, whatever that causes; wide ones are single effects of much longer or shorter
+        times than those usually drawn, and actuators of another pace.
     names
         What is hidden, the dominant effect first.
     seed, size, model, protocol
@@ -93,7 +98,7 @@ class Case:
     def pair(self) -> HiddenPair:
         """The logs with their truth."""
         values = BEHIND[self.kind](self) if self.kind in BEHIND else {}
-        return hidden_pair(
+        drawn = hidden_pair(
             self.names,
             seed=self.seed,
             size=self.size,
@@ -102,6 +107,30 @@ class Case:
             rig=Rig(**RIGS[self.rig]),
             values=values,
         )
+        return _wider(drawn) if self.kind == "wide" else drawn
+
+
+def _wider(drawn: HiddenPair) -> HiddenPair:
+    """The same with another pace of the actuator, and other times of the effects beside that."""
+    rng = np.random.default_rng((drawn.seed, *map(ord, "".join(drawn.hidden))))
+    pace, stretch = (float(np.exp(rng.uniform(*np.log(bounds)))) for bounds in (PACE, STRETCH))
+    slower = {"M": pace**2, **dict.fromkeys(("N", "a2", "c2"), pace)}
+    usual = drawn.actuator.values.items()
+    actuator = replace(drawn.actuator, values={n: v * slower.get(n, 1.0) for n, v in usual})
+    asked = {
+        "seed": drawn.seed,
+        "size": drawn.size,
+        "model": actuator.model,
+        "protocol": drawn.protocol,
+        "rig": drawn.rig,
+        "actuator": actuator,
+    }
+    paced = hidden_pair(tuple(drawn.hidden), **asked)
+    values = {
+        effect: {n: v * (stretch if drawn.units[effect][n] == "s" else 1.0) for n, v in own.items()}
+        for effect, own in paced.hidden.items()
+    }
+    return hidden_pair(tuple(drawn.hidden), values=values, **asked)
 
 
 def _faint(case: Case) -> dict[str, dict[str, float]]:
@@ -196,7 +225,8 @@ def _hidden(kind: str, draws: int) -> Iterator[tuple[tuple[str, ...], str, int]]
             others = [other for other in SINGLE if other != name]
             yield (name, others[(3 * k) % 20], others[(7 * k + 5) % 20]), "rich", draws
     else:
-        names = {"single": SINGLE, "form": FORMS}.get(kind) or names_of(kind)
+        groups = {"single": SINGLE, "form": FORMS, "wide": (*SINGLE, *FORMS)}
+        names = groups.get(kind) or names_of(kind)
         for name in names:
             yield (name,), "rich", draws
 

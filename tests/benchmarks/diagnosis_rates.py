@@ -24,7 +24,18 @@ for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 import numpy as np
 from diagnosis_cases import RIGS, Case, Score, cases, run
 
-KINDS = ("clean", "single", "form", "other_form", "outside", "pair", "background", "faint", "tie")
+KINDS = (
+    "clean",
+    "single",
+    "form",
+    "wide",
+    "other_form",
+    "outside",
+    "pair",
+    "background",
+    "faint",
+    "tie",
+)
 BINS = ((0.0, 0.3), (0.3, 0.5), (0.5, 1.0), (1.0, 3.0), (3.0, np.inf))
 SEED = 52_000
 """Far from the seeds of the tests."""
