@@ -19,6 +19,7 @@ from softid.diagnosis.search.forward_selection import (
     next_link,
 )
 from softid.diagnosis.search.screening import screen
+from softid.diagnosis_results import Remainder
 from softid.effects.base import Effect, Scale
 
 TRIED = 3
@@ -27,6 +28,38 @@ TRIED = 3
 MUCH = 0.3
 """One that takes away this share of the sum of squares is tried even where its BIC does not fall:
 what a second cause leaves beside it, slow as a drift, passes for noise that could be anything."""
+
+LEAST_PROMISE = 0.3
+"""Where two causes explain all, the second promises most of what the first leaves; below this share
+none is raced."""
+
+
+def promises_the_rest(
+    chain: Chain,
+    left: Remainder,
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> bool:
+    """Whether a second cause may take away what the first leaves above the noise.
+
+    Parameters
+    ----------
+    chain
+        The base with the first cause.
+    left
+        What that leaves.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Output channel → scale that its residual is divided by.
+    """
+    others = [effect for effect in effects if effect.name != chain.final.effects[-1].name]
+    most = max((s.drop for s in screen(chain.final, others, scale, sigma)), default=0.0)
+    misfit = chain.final.squares * max(left.excess, 0.0) / (1.0 + max(left.excess, 0.0))
+    return most >= LEAST_PROMISE * misfit
 
 
 def alternative_first_links(

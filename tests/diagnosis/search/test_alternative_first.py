@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.search.alternative_first import alternative_first_links
+from softid.diagnosis.search.alternative_first import (
+    alternative_first_links,
+    promises_the_rest,
+)
 from softid.diagnosis.search.forward_selection import FIRST, converged, is_accepted
 from softid.effects import effect_of
 
@@ -25,6 +31,26 @@ def test_the_others_begin_in_the_order_of_their_promise() -> None:
         chains = list(alternative_first_links(known, base, effects, scale, SIGMA))
         assert [chain.final.keys[-1] for chain in chains] == begun
         assert all(chain.final.squares < base.squares for chain in chains)
+
+
+@pytest.mark.parametrize(
+    ("others", "excess", "promises"),
+    [("delay", 10.0, False), ("delay", 1e-9, True), ("bow", 10.0, True)],
+)
+def test_a_second_cause_promises_what_is_left(others: str, excess: float, promises: bool) -> None:
+    """Known truth: behind a drift a parabola is left, which a delay does not take away.
+
+    Where the first leaves noise there is nothing to promise, and the search goes on.
+    """
+    time_s = linear_log().time_s
+    bow = 0.04 * (time_s / time_s[-1]) ** 2
+    problem = linear_problem([linear_log(noise=0.001, added=0.01 * time_s + bow)])
+    z = problem.unknowns(TRUTH)
+    base, scale = converged(standing(problem, z), SIGMA), scale_of(problem, z)
+    drift, second = effect_of("sensor_drift"), Bow() if others == "bow" else effect_of(others)
+    (chain,) = alternative_first_links(None, base, (drift,), scale, SIGMA)
+    left: Any = SimpleNamespace(excess=excess)
+    assert promises_the_rest(chain, left, (drift, second), scale, SIGMA) is promises
 
 
 @pytest.mark.parametrize(("swing", "begun"), [(0.1, True), (0.3, False)])
