@@ -20,7 +20,12 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 STALL_MIN_S = 0.5
+"""Interval up to which no log is cut, however fast its sampling, as when a logger is blocked for a
+moment; a judgement."""
+
 STALL_MIN_PERIODS = 10.0
+"""The same in sampling periods, where these are longer than 50 ms: a slow log is not cut where a
+few samples are lost, for each piece needs an initial state of its own."""
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,10 @@ LARGEST = 0.95
 """Bound of the asymmetry either way: with all of the damping gone, one direction would run free."""
 
 SHARE = 0.2
+"""Start of the asymmetry: clear of zero, and far from its bound."""
+
 SPEEDS = (0.02, 0.3)
-"""Starts of the asymmetry, and of v0 as shares of the largest speed."""
+"""Starts of v0 as shares of the largest speed: a sudden and a gradual change with the direction."""
 
 SMOOTHEST = 0.5
 """Share of the largest speed up to which the damping still changes with the direction; what comes

@@ -18,7 +18,9 @@ Kind = TypeVar("Kind", bound=type[Effect])
 
 STAGES: tuple[type[Effect], ...] = (InputEffect, StateEffect, OutputEffect)
 WORDS = ("title", "law", "meaning", "signature", "shown_by", "source")
+
 SAMPLES = 200
+"""Times at which an effect's law is tried, two seconds of the example: one period of a sine."""
 
 EXAMPLE = Scale(
     u_low=0.0,

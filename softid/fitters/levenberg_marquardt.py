@@ -37,19 +37,43 @@ MOST_SHORTENED = 0.1
 """Share of a step that is left at least: what bends without end may be one place only."""
 
 INITIAL_DAMPING = 1e-9
+"""Damping of the first step, as a share of the largest diagonal entry of JᵀJ in units of the reach:
+next to none, so that a run begins with a Gauss–Newton step, bounded by `LARGEST_STEP`."""
+
 LARGEST_DECREASE = 0.1
+"""Factor by which an accepted step lowers the damping at most. Nielsen's is 1/3; a tenth, a
+judgement, forgets a rejected step sooner."""
+
 MOST_DAMPING = 1e30
+"""Damping above which a rejected step ends the run, so that it cannot go on for ever: the growth
+doubles from rejection to rejection, and from the first damping about fifteen lead there."""
+
 LARGEST_STEP = 3.0
+"""Longest step of any unknown, in units of its reach: a factor of e⁶ = 400 on a logarithmic scale.
+A judgement: so far away the linearised response says where to, not how far."""
+
 SMALLEST_STEP = 1e-11
+"""Relative move of every unknown below which the iteration stops: 50,000 times a double's rounding,
+and far below any standard error."""
+
 STALL_EVALUATIONS = 30
+"""Evaluations between two looks at whether the cost still falls; a judgement."""
+
 STALL_GAIN = 1e-3
+"""Fall of the cost from look to look, in residual variances, below which the iteration creeps:
+along a valley in which the parameters make up for each other it would go on so without end."""
+
 STALL_OFFSET = 5e-2
-"""Within a twentieth of a standard error of the optimum the iteration also stops when thirty
-evaluations have lowered the cost by less than a thousandth of the residual variance: along a valley
-in which the parameters make up for each other it would creep on without end."""
+"""Largest `attainable_offset`, in standard errors, at which it stops for that. It is what a fit
+calls reached, so that a run which creeps far from an optimum goes on."""
 
 DOUBLINGS = 40
+"""Doublings of the damping that are tried to shorten a step: a factor of 1e12 in all. Where none
+makes it short enough, the last is taken."""
+
 _SCALE_FLOOR = 1e-12
+"""Least scale, as a share of the largest: keeps the division by it finite where a reach is infinite
+or very long."""
 
 
 @dataclass(frozen=True, eq=False)

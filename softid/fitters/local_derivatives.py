@@ -16,6 +16,8 @@ from softid.errors import InputError
 Array = npt.NDArray[np.float64]
 
 DEGREE = 4
+"""Degree of the local polynomials. The second derivative of a quartic is itself a parabola over the
+window; a higher degree follows more noise, and a window needs two samples more than the degree."""
 
 
 @dataclass(frozen=True, eq=False)

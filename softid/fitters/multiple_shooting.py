@@ -21,6 +21,8 @@ from softid.fitters.problem import Problem
 Array = npt.NDArray[np.float64]
 
 LEAST_SAMPLES = 8
+"""Samples of a piece at least, a judgement: each piece has an initial state of its own to be
+estimated, and shorter ones would leave little beyond it for the parameters."""
 
 
 class PiecewiseProblem(Problem):

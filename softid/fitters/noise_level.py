@@ -12,6 +12,9 @@ from softid.fitters.rivals import residuals_by_channel, squared_autocorrelation
 Array = npt.NDArray[np.float64]
 
 LAGS = 20
+"""Autocorrelations that are tested together. More lags see a slower memory, but every one adds 2 to
+the variance of χ², in which a memory of a few samples drowns; a judgement."""
+
 FEWEST = 10 * LAGS
 """Residuals per channel from which their autocorrelation says anything."""
 

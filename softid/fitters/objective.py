@@ -23,8 +23,17 @@ from softid.models.division import Division
 Array = npt.NDArray[np.float64]
 
 SCOUT_EVALUATIONS = 30
+"""Evaluations of a run that only has to tell good starts from bad ones; a judgement. A run of no
+more is rough: it keeps the division of the steps with which it began."""
+
 TOLERANCE = 1e-3
+"""`attainable_offset` at which a run ends: a thousandth of a standard error. A fit asks for fifty
+times as much, which leaves room for runs that rounding stops in between."""
+
 MAX_PLANS = 6
+"""Divisions of the steps that one run goes through at most. Each optimum may call for another one,
+and two may call for each other by turns: then the last stays."""
+
 NEAR = 1e-2
 """`attainable_offset` from which the next step of a run over many samples is taken for the last:
 the columns, which cost a half more, are then kept at its end and nowhere else."""

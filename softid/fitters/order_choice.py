@@ -17,7 +17,12 @@ LEVEL_GAP_SHARE = 0.02
 """Levels are told apart by gaps of this share of the pressure range."""
 
 MIN_LEVELS = 5
+"""Levels from which each is a block: the outer two stay in the fit, so that three are left out in
+turn. Fewer are cut like a sweep."""
+
 SWEEP_BLOCKS = 8
+"""Ranges into which a sweep is cut: the inner six are left out in turn. A judgement between few
+held-out errors and gaps so narrow that their neighbours tell what lies in them."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,13 @@ Array = npt.NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
 POLISH_EVALUATIONS = 400
+"""Evaluations of a run that is to reach the optimum. A backstop: the tolerance or a stall is meant
+to end it before, and a run that ends here is judged by its offset."""
+
 DRAFT_EVALUATIONS = 60
+"""The same of a draft, twice those of a scout: it is compared with other drafts, or begins next to
+its optimum."""
+
 OFFSET_TOLERANCE = 5e-2
 """Largest `attainable_offset` at which the optimum counts as reached: the estimate is then within a
 twentieth of its own white-noise standard error of it. The optimiser itself aims at a thousandth;
@@ -44,19 +50,37 @@ FIRST_TIMES = 2
 """The most promising start, which usually is the only one, gets so many times the evaluations."""
 
 RESTARTS = 3
+"""Perturbed restarts of a round, each with the evaluations of a scout; a judgement."""
+
 RESTART_SPREAD = 0.3
+"""Standard deviation of a perturbation, in units of half the unknown's reach or of the unknown, at
+least 1, whichever is less: 35 % of a parameter on a logarithmic scale. A judgement."""
+
 MAX_ROUNDS = 4
+"""Rounds of restarts at most. Each one that finds something better calls for another; a fit that
+still improves in the last is not called converged."""
+
 BETTER = 1e-3
+"""Share by which the cost of a rival is lower: a thousandth, below which rivals are alike."""
+
 BETTER_SAMPLES = 4.0
-"""A rival counts as better when its cost is lower by a thousandth, or by what four samples of white
-noise weigh, whichever is less."""
+"""The same in samples of white noise, where that is less, beyond 4000 samples: a cost lower by what
+four of them weigh is a χ² lower by 4, two standard errors of one parameter."""
 
 RELEASE_EVALUATIONS = 60
+"""Evaluations of the last run, without the prior. It begins at the optimum with the prior, which
+stays where so many do not suffice."""
+
 RELEASE_REACHES = 3.0
 """Farthest move without the prior, in units of what is plausible; farther, the prior was needed."""
 
 RESIDUAL_FLOOR = 1e-9
+"""Residuals below this share of the range of a channel are rounding: no weight is finer, and rivals
+of such an optimum are not asked."""
+
 _REWEIGHTS = 4
+"""Turns of weights and optimum, each weighted by the residual of the one before. A judgement:
+whether the weights have settled is not asked."""
 
 
 @dataclass(frozen=True, eq=False)

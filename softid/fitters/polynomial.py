@@ -45,8 +45,13 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 _WHITENESS_LAGS = 20
+"""Lags of the Ljung–Box test at most, and no more than a fifth of the samples."""
+
 _WHITENESS_LEVEL = 0.01
+"""p-value below which a residual is called coloured: by chance one white one in a hundred is."""
+
 _ROUNDING = 1e-11
+"""Residuals below this share of the largest output are rounding, whose memory says nothing."""
 
 
 def quartic(

@@ -25,8 +25,15 @@ from softid.segment import Segment
 Array = npt.NDArray[np.float64]
 
 LOG_REACH = 2.0
+"""Plausible move of a parameter on a logarithmic scale: a factor of e² = 7.4, a judgement."""
+
 LINEAR_REACH = 3.0
+"""The same on a linear scale, in units of the value or of 1, whichever is larger."""
+
 FREE_REACH = 1e3
+"""The same of zeros and initial states, in their own units: meant never to count, since the data
+always pin them down."""
+
 BOUNDED_REACH = 0.05
 """Share of the distance of its bounds that a value moves at most: a step that carries the place of
 a kink across the range says nothing of what happens in between."""
@@ -35,6 +42,7 @@ AT_BOUND = 1e-6
 """Share of the width of its bounds within which an unknown lies on one."""
 
 _LOG_FLOOR = 1e-300
+"""Stands for zero where a logarithm is taken: close to the smallest number there is."""
 
 
 @dataclass(frozen=True, eq=False)

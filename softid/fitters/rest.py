@@ -11,11 +11,15 @@ from softid.log import Log
 from softid.segment import Segment
 
 REST_WINDOW_S = 0.3
+"""Time from the start of a segment over which the input must hold still, and at both ends of a rest
+over which the outputs are averaged; a judgement."""
+
 REST_MIN_SAMPLES = 5
+"""The same in samples, where the sampling is so slow that 0.3 s hold fewer."""
+
 REST_FRACTION = 0.02
-"""A segment starts at rest when over its first 0.3 s (at least five samples) the input stays within
-2 % of its span in that log, and the outputs within 2 % of theirs until the input first moves, or
-within less where noise lets less be seen."""
+"""Share of its span in the log within which the input stays at rest, and the outputs until the
+input first moves, or within less where noise lets less be seen."""
 
 LEAST_FRACTION, SURE = 0.005, 4.0
 """Less is so many standard errors of what the output moved, and never below this share of its span:

@@ -36,22 +36,39 @@ SAME = 1e-3
 """Two starts whose costs over the same pieces differ by no more than this share have met."""
 
 BETTER = 0.999
+"""Share of the optimum's cost below which a rival takes its place; within it they are alike."""
+
 MOST_PURSUED = 6
+"""Starts that go on from the shortest pieces at most. Each may take some 180 evaluations: those of
+a scout over every longer cut, and over the whole."""
+
 SORTING_EVALUATIONS = 20
 """Evaluations over the shortest pieces by which the starts are put in order."""
 
 MAX_LAG = 20
+"""Lags of the whiteness statistic, and a residual of no more samples is not looked at. More lags
+see a slower memory, but every one adds 2 to the variance of χ²."""
+
 LEAST_COLOUR = 0.05
 """Sum of the squared autocorrelations over the first lags from which a residual has structure: an
 autocorrelation of 0.22 at one lag, or half of it at four."""
 
 SIGNIFICANT = 6.0
+"""Standard deviations of χ² beyond which a residual has structure, below 1200 samples. Between the
+4 up to which `noise_level` calls it white and these, no ringing rival is looked for."""
+
 LEAST_SWING = 0.2
+"""Rise of a residual's autocorrelation after a fall from which it swings: so it does when a tenth
+of its power is ringing."""
+
 SWING_ERRORS = 4.0
+"""The same in standard errors of an autocorrelation, 1/√n for n samples of white noise; it counts
+below 400 samples. Over a hundred lags white noise often rises by as much: only a residual that has
+structure is asked."""
+
 LAG_SHARE = 0.25
-"""A residual swings when its autocorrelation, over lags of up to this share of a segment, falls and
-rises again by `LEAST_SWING`: so it does when a tenth of its power is ringing. Of n samples of white
-noise it has a standard error of 1/√n, and must rise by `SWING_ERRORS` of these."""
+"""Largest lag that is looked at, as a share of a segment: what swings less than some three times in
+it passes for drift."""
 
 RETURN_SHARE = 0.5
 """Lags are looked at up to this share of that at which the input comes back. What it leaves behind

@@ -21,6 +21,8 @@ TAIL = 0.3
 """Levels are read from the last part of each hold, when the motion has stopped."""
 
 MIN_SAMPLES = 4
+"""Used samples in the tail of a hold at least: two in each half, which are compared for drift."""
+
 MOST_DRIFT = 0.02
 """A level still moves when the halves of its tail differ by this share of the range of x."""
 

@@ -16,9 +16,13 @@ from softid.excitation import distinct_levels
 Array = npt.NDArray[np.float64]
 
 KPA_PER_BAR = 100.0
+
 POORLY_KNOWN = 0.5
+"""Relative standard error of a parameter above which the user is told: its interval of two of them
+then reaches down to zero."""
+
 UNKNOWN = 10.0
-"""Relative standard errors above the first are told to the user, above the second in words."""
+"""The same above which it is told in words: a number of over 1000 % says no more."""
 
 SAME_LEVEL = 0.01
 """Pressures closer than this share of their range are one level."""

@@ -13,6 +13,8 @@ FINAL_SHARE = 0.25
 """Last part of the record whose median is the final level."""
 
 FEWEST_EXTREMES = 3
+"""Samples of a record at least; the parabola through an extreme takes one more than so many, as it
+has three coefficients."""
 
 
 @dataclass(frozen=True)

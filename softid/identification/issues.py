@@ -18,6 +18,8 @@ A_FEW = 0.005
 """Share of the samples that would round to 0 %."""
 
 POOR_FIT_PERCENT = 70.0
+"""Fit below which the user is told: it leaves 30 % of the output's standard deviation, or 9 % of
+its variance. A judgement of what is worth a look at the residual."""
 
 LEAST_R2, CHANCE = 0.02, 3.0
 """Less than a fiftieth of the outputs' variance, a fit of 1 %, or than three times what so many

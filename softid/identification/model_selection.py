@@ -31,11 +31,19 @@ FOLDS = 4
 samples tell its initial state and nothing else does."""
 
 MIN_SAMPLES = 120
+"""Samples of all logs together, below which models are not compared: the blocks of a log then hold
+two or three samples, and noise with a memory of as many reaches across."""
+
 WORTH_MORE_PARAMETERS = 0.95
 """A model with more parameters is taken only if it lowers the held-out error below 95 %."""
 
 MEAN_LENGTHS = (4, 16, 64)
+"""Samples in the means by which a residual is tested for a smooth part, a factor of four apart, so
+that a part that lasts from some samples to some dozens is seen by one of them."""
+
 MIN_MEANS = 20
+"""Means that a length needs: their variance is then known to √(2/20) = 32 %, and the share that it
+gives at four samples to 0.1, as much as what is asked of it."""
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,8 @@ from softid.uncertainty.profile import ProfileResult, profile
 Array = npt.NDArray[np.float64]
 
 REFIT_EVALUATIONS = 200
+"""Evaluations of one refit, half of those of a fit: it begins at the optimum or at the refit
+before, and every point of the profile takes two."""
 
 
 def profile_parameter(

@@ -15,7 +15,13 @@ from softid.kernels.small_matrix import invert_block
 Array = npt.NDArray[np.float64]
 
 MAX_NEWTON = 13
+"""Newton's moves at most: so many lead from one to `NEWTON_TOLERANCE` where each is `SLOWEST` times
+the one before. What takes more is given up."""
+
 NEWTON_TOLERANCE = 1e-9
+"""Newton's last move, in units of the ranges of the states: far below the 1e-4 that a step may err
+by, and far above rounding."""
+
 SLOWEST = 0.2
 """An old inverse must shrink Newton's moves by this factor at least."""
 

@@ -38,7 +38,10 @@ N_SPEEDS = 7
 N_FREQUENCIES = 14
 N_BASES = 8
 N_MOTIONS = 5
+
 N_STARTS = 5
+"""Starts that are handed on at most, no two of a kind."""
+
 RINGING_RATIO = 0.25
 RINGING_FREQUENCIES = slice(4, 11)
 """Which of the natural frequencies are combined with every plausible static curve."""
@@ -47,15 +50,21 @@ RINGING_BELOW = 0.9
 """Damping ratio below which a start is refined."""
 
 REFINEMENTS = 5
+"""Rounds over the four coordinates; after one without any gain the moves are halved."""
+
 FIRST_MOVES = (0.35, 0.8, 0.35, 0.6)
 """First moves of the logarithms of b1, c1, natural frequency and damping ratio; halved in turn."""
 
 SMALL_INERTIA = 0.02
+"""M/N of a start without inertia, in units of N/Q: a damping ratio of 3.5, hardly felt."""
+
 CONSTANT_SHARE = 0.3
 """A damping that is constant is divided into a2·exp(0·p), so much of it, and c2: it stays the same,
 and tells at once which way b2 wants."""
 
 MAX_SAMPLES = 1000
+"""Samples over which the narrow grids are ranked: enough to find a basin, not its optimum."""
+
 ROUGH_SAMPLES = 500
 """Samples over which the wide grids are ranked: half the work, and the same basins."""
 
@@ -66,6 +75,8 @@ WHOLE_SHARE = 0.7
 """A log is covered as a whole where windows would leave out less than the rest."""
 
 WINDOWS = 4
+"""Windows of a segment at most: each but the first loses its lead-in."""
+
 LEAST_WINDOW = 50
 """Fewest blocks in a window."""
 
@@ -73,6 +84,7 @@ LEAD_IN = 0.2
 """Share of a window in which its motion comes from rest into step."""
 
 _MOST_DECAY_LENGTHS = 0.5
+"""Longest time constant tried, over the longest stretch: a step is then 86 % done at its end."""
 
 
 @dataclass(frozen=True, eq=False)

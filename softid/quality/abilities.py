@@ -17,17 +17,51 @@ from softid.quality.sampling import Sampling
 Array = npt.NDArray[np.float64]
 
 LEVELS_FOR_CURVE = 4
+"""Settled levels from which a static curve is called shown: one more than the three parameters of
+the muscle's. The five of a quartic need more."""
+
 LEVEL_SPACING = 0.05
+"""Share of the input's range by which levels differ at least, and within which a hold is at one:
+the levels of a staircase of fifteen steps are still told apart."""
+
 WIDE_SWEEP = 0.5
+"""Share of the input's range that a sine or sweep passes to show something of the curve; a
+judgement."""
+
 CREEP_HOLD_S = 20.0
+"""Hold after a change from which creep is called shown. A judgement: a shorter one may show the end
+of the motion only, and slower creep is not seen in it."""
+
 DRIFT_REST_S = 30.0
+"""Hold from which sensor drift is called shown. A judgement; creep that goes on for longer passes
+for drift."""
+
 LONG_RECORD_S = 300.0
+"""Record from which drift is partly shown without a long rest. A judgement: ten such rests."""
+
 LEAST_SAMPLES_OF_RISE = 3.0
+"""Sampling periods in which the output makes 63 % of its way at least: with fewer its time is known
+no better than to a third."""
+
 OVERSHOOT = 0.05
+"""Overshoot beyond that of the input, as a share of the step, from which inertia shows: a motion of
+second order with a damping ratio of 0.7."""
+
 SHARP_INPUT = 0.3
+"""The input's time to 63 % as a share of the output's, up to which a step is sharp: about three
+times quicker, which is what the advice asks for."""
+
 FINE_SAMPLING = 0.05
+"""Sampling period as a share of the output's time to 63 %, up to which a rise that does not
+overshoot bounds the inertia: twenty samples, a judgement."""
+
 SPEEDS_APART = 2.0
+"""Ratio of two frequencies that counts as two speeds. A judgement: the phase of a small lag doubles
+over it, while a loop that does not depend on the rate stays."""
+
 SETTLED_HOLDS = 0.5
+"""Share of the holds at a level, or of the timed transitions, in which the output settles at least:
+half of them, so that one restless hold in two is forgiven."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,15 +14,41 @@ from softid.log import Log
 Array = npt.NDArray[np.float64]
 
 LEAST_SAMPLES = 10
+"""Samples of a hold at least: two in each of the fifths that are compared."""
+
 SETTLED_OF_WAY = 0.05
+"""Drift between the last two fifths that still counts as settled, as a share of the way since the
+hold before: an exponential passes from 3.4 of its time constants on …"""
+
 SETTLED_OF_RANGE = 0.005
+"""… and beside it, as a share of the output's range: after a small way noise alone drifts."""
+
 MOVES_OF_RANGE = 0.15
+"""Share of the output's range that it travels in the second half of a hold to move by itself. A
+judgement."""
+
 WANDERS_OF_RANGE = 0.1
+"""The same over a whole hold before which nothing moved, where no motion of this log can be dying
+out. A judgement."""
+
 UNDIMINISHED = 0.7
+"""Travel in the second half over that in the first from which it does not slow down. An exponential
+reaches it in a hold of less than 0.7 of its time constant."""
+
 STEADY_SPEED = 0.4
+"""Drift between the last two fifths over the travel in the second half, from which it does not slow
+down either: a straight line has just this."""
+
 MIN_SIGMAS = 10.0
+"""Standard deviations of the noise that such a motion exceeds: 10,000 samples of white noise, in
+medians of five, span four."""
+
 OTHER_INPUT_OF_RANGE = 0.25
+"""Travel of another channel, in units of the input's range, from which it moves like an input; a
+judgement between a leak from the input and a second drive."""
+
 TINY = 1e-12
+"""Least travel of such a channel, in its unit, where the input itself does not move."""
 
 
 @dataclass(frozen=True)

@@ -13,15 +13,38 @@ from softid.quality.findings import Hum
 Array = npt.NDArray[np.float64]
 
 MAINS_HZ = (50.0, 60.0, 100.0, 120.0)
+"""Mains frequencies and their second harmonics, which rectified supplies leave behind."""
+
 MIN_SAMPLES = 128
+"""Samples of the rest at least: half as many lines, of which 50 are wanted beside the largest."""
+
 MOST_JITTER = 0.1
+"""Standard deviation of the intervals over their mean, beyond which samples are too irregular for
+the periodogram, which takes them as regular; a judgement."""
+
 SIGNIFICANCE = 1e-5
+"""Chance that white noise gives such a line anywhere in the spectrum. A judgement on the strict
+side: what is left of a motion is not white."""
+
 NEIGHBOURS = 25
+"""Lines on either side whose median is the floor: it is known to 20 %, and noise that is not white
+is nearly as strong there."""
+
 LOWEST_HZ = 2.0
+"""Slower lines are what a motion leaves after the cubic is taken away, or drift."""
+
 LEAST_CYCLES = 8.0
+"""The same in cycles, for a rest of less than 4 s; a judgement."""
+
 LINE_WIDTH = 4
+"""Lines from the top one at which the skirts are looked at: there a pure line under a window of
+Hann has fallen to 1e-4 of its power."""
+
 MOST_SKIRT = 0.1
+"""Share of its power up to which a line may have fallen there; what is broader is no hum."""
+
 LEAST_AMPLITUDE = 0.2
+"""Amplitude of a line at least, in units of the noise: a fifth is 2 % of the noise's power."""
 
 
 def find_hum(

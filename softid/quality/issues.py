@@ -14,13 +14,28 @@ from softid.quality.sampling import Gap, Sampling
 from softid.units import CHANNEL_QUANTITY
 
 ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}
+
 MUCH_JITTER = 0.2
+"""Robust spread of the sampling interval, over its median, that is worth a remark."""
+
 MANY_CLOSE = 0.02
+"""Share of samples within a fifth of the interval that is more than a hiccup of the logger."""
+
 FEW_BITS = 6.0
+"""Bits below which a grid is told: 64 levels, whose rounding is 0.5 % of the range rms."""
+
 VERY_FEW_BITS = 4.0
+"""The same for a warning about an output: 16 levels, and 2 %."""
+
 LITTLE_SIGNAL = 20.0
+"""Range of an output over its noise below which it says little; white noise spans 5 to 8."""
+
 NAMED = 4
+"""Places or names in a sentence; more make it hard to read."""
+
 INTERMITTENT = 3
+"""Distinct stuck values from which on the noise itself is said to come and go."""
+
 TOLD_HERE = ("missing-output",)
 WATCHED: tuple[Role, ...] = ("input", "output", "command")
 

@@ -16,16 +16,44 @@ from softid.quality.holding import Hold
 Array = npt.NDArray[np.float64]
 
 FALLS_WITH_PRESSURE = ("distance", "length")
+"""Outputs that an actuator makes smaller as its pressure rises, as softid defines them."""
+
 CLEARLY_INVERTED = -0.6
+"""Correlation, in the expected sense, up to which a sign is called inverted: over a third of the
+variance goes the wrong way. A judgement."""
+
 GRID = 2000
+"""Points to which a log is interpolated for correlations at most: a lag is then known to 1/2000 of
+the log."""
+
 LONGEST_LAG_S = 10.0
+"""Longest lag that is tried, a judgement …"""
+
 LONGEST_LAG_OF_LOG = 0.1
+"""… and as a share of the log, nine tenths of which then still overlap."""
+
 MIN_LAG_CORRELATION = 0.5
+"""Correlation below which a measured pressure does not follow its command, so that a lag between
+them means nothing; a judgement."""
+
 LEAST_STEP = 0.15
+"""Change of the input between two holds, as a share of its range, from which it is timed. A
+judgement."""
+
 RESPONDED = 0.632
+"""Share of the way that is timed, 1 − 1/e: a lag of first order makes it in one time constant."""
+
 SETTLED = 0.03
+"""Drift between the last two fifths, as a share of the step, above which a response has no
+overshoot: its end is not known yet."""
+
 NOISE_OF_MEDIAN = 2.0
+"""Standard deviations of the noise that a median of five may lie above its mean: one in 9000 does,
+so that the largest of a response hardly ever passes for an overshoot."""
+
 MIN_RESPONSE_SIGMAS = 6.0
+"""Least way of an output that is timed, in standard deviations of its noise: the threshold at 63 %
+then lies 3.8 of them above where the way begins, and must be passed by two samples."""
 
 
 def check_sign(log: Log, output: str) -> SignCheck | None:

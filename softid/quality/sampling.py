@@ -13,12 +13,27 @@ from softid.log import Log
 Array = npt.NDArray[np.float64]
 
 GAP_PERIODS = 3.0
+"""Interval, in median ones, above which samples are missing: two of them at least …"""
+
 GAP_SIGMAS = 8.0
+"""… and in robust standard deviations above the median one; the longer of the two counts."""
+
 CLOSE = 0.2
+"""Interval, in median ones, below which a sample comes close behind another, as two messages do
+that are read at once."""
+
 COARSE_CLOCK = 0.02
+"""Tick of the time stamps, in periods, from which their clock is coarse: it rounds an interval by
+0.8 % rms."""
+
 FINE_CLOCK = 0.9
+"""The same up to which a tick is looked for: one of about a period is the sampling itself."""
+
 ON_THE_TICK = 1e-3
+"""Distance from a tick, in ticks, within which a time lies on it: the rounding of large times."""
+
 MAD_TO_STD = 1.4826
+"""Standard deviation over median absolute deviation, for a normal law."""
 
 
 @dataclass(frozen=True)
