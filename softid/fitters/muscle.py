@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from softid.errors import Issue
 from softid.fitters.damping_surface import Damping, DampingFit, DampingSamples, fit_damping
@@ -35,8 +34,6 @@ __all__ = [
     "levels_from_arrays",
     "sequential",
 ]
-
-Array = npt.NDArray[np.float64]
 
 MIN_SPEED_SHARE = 0.2
 """Samples slower than this share of the top speed say nothing about damping."""

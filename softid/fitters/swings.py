@@ -12,7 +12,7 @@ Array = npt.NDArray[np.float64]
 FINAL_SHARE = 0.25
 """Last part of the record whose median is the final level."""
 
-FEWEST_EXTREMES = 3
+FEWEST_SAMPLES = 3
 """Samples of a record at least; the parabola through an extreme takes one more than so many, as it
 has three coefficients."""
 
@@ -58,7 +58,7 @@ def count_swings(time_s: Array, angle: Array, pressure: Array, *, least: float) 
     time, y = time_s[there], angle[there]
     moved = np.flatnonzero(np.abs(pressure[there] - pressure[there][0]) > 0.5 * np.ptp(pressure))
     begin = int(moved[0]) if moved.size else 0
-    if y.size < FEWEST_EXTREMES or not np.all(np.isfinite(angle[there])):
+    if y.size < FEWEST_SAMPLES:
         return Swings(0, None)
     final = float(np.median(y[-max(1, int(FINAL_SHARE * (y.size - begin))) :]))
     step = abs(final - float(np.median(y[: max(begin, 1)])))
@@ -97,7 +97,7 @@ def _vertex(time: Array, away: Array, peak: int) -> float:
         low -= 1
     while high < away.size and away[high] * np.sign(away[peak]) > 0.7 * height:
         high += 1
-    if high - low < FEWEST_EXTREMES + 1:
+    if high - low < FEWEST_SAMPLES + 1:
         return float(time[peak])
     centred = time[low:high] - time[peak]
     bent, slope, _ = np.polyfit(centred, away[low:high], 2)

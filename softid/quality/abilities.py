@@ -18,7 +18,7 @@ Array = npt.NDArray[np.float64]
 
 LEVELS_FOR_CURVE = 4
 """Settled levels from which a static curve is called shown: one more than the three parameters of
-the muscle's. The five of a quartic need more."""
+the muscle's. The five of a quartic need five levels, as it is told."""
 
 LEVEL_SPACING = 0.05
 """Share of the input's range by which levels differ at least, and within which a hold is at one:
@@ -166,7 +166,8 @@ def _motion(e: Evidence) -> Ability:
 
 
 def _static_curve(e: Evidence) -> Ability:
-    name, serves = "static curve", "polynomial p1–p5; muscle a1, b1, c1; oscillator Q"
+    name = "static curve"
+    serves = "muscle a1, b1, c1; oscillator Q; from five levels polynomial p1–p5"
     wanted = "a staircase of six levels or more over the whole range, each held until it settles"
     held, settled = len(e.levels), e.settled_levels
     count = len(settled)
