@@ -17,8 +17,8 @@ from softid.segment import Segment
 Array = npt.NDArray[np.float64]
 
 MIN_SAMPLES_PER_WINDOW = 8
-"""Samples in a window at least. Of a parabola the sum of φ″ is half of its integral with eight, on
-average, and 2 % off with 32: enough for a start only."""
+"""Samples in a window at least: the ∫φ″x of a parabola about its middle is then off by up to 4 %,
+with 16 samples by 0.3 %, enough for a start."""
 
 MAX_WINDOWS = 400
 """Windows of one segment, overlapping, for four coefficients; more hardly add to what the data tell
@@ -91,15 +91,8 @@ def _rows(segment: Segment, output: str, length_s: float) -> list[Array]:
         bump = product**4
         slope = 4 * product**3 * (1 - 2 * s) / length_s
         curve = (12 * product**2 * (1 - 2 * s) ** 2 - 8 * product**3) / length_s**2
-        rows.append(
-            np.array(
-                [
-                    np.trapezoid(curve * x, t),
-                    -np.trapezoid(slope * x, t),
-                    np.trapezoid(bump * x, t),
-                    np.trapezoid(bump, t),
-                    np.trapezoid(bump * u, t),
-                ]
-            )
-        )
+        terms = np.array([curve * x, -slope * x, bump * x, bump, bump * u])
+        # All of them vanish at both ends of the window, which lie between two samples.
+        whole_s = np.concatenate(([start], t, [start + length_s]))
+        rows.append(np.trapezoid(np.pad(terms, ((0, 0), (1, 1))), whole_s))
     return rows
