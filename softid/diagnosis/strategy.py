@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -93,6 +93,7 @@ class CauseSearch:
     effects: tuple[Effect, ...]
     seed: int
     report: Progress
+    _known: dict[Candidate, Remainder] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def multistart(self) -> list[Candidate]:
@@ -101,15 +102,17 @@ class CauseSearch:
         return multistart_candidates(base.candidate, self.effects, base.scale, base.sigma)
 
     def remainder_of(self, model: Candidate) -> Remainder:
-        """What a model leaves.
+        """What a model leaves; looked at once, for the moments of jumps ask for many simulations.
 
         Parameters
         ----------
         model
             The base with causes.
         """
-        rng = np.random.default_rng(self.seed)
-        return assess(self.base.candidate, model, self.base.scale, rng=rng)
+        if model not in self._known:
+            rng = np.random.default_rng(self.seed)
+            self._known[model] = assess(self.base.candidate, model, self.base.scale, rng=rng)
+        return self._known[model]
 
     def first_cause(self, extra: Sequence[Candidate] = ()) -> Chain:
         """The base with one cause, if what is held out does not speak against any.
