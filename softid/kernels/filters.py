@@ -17,6 +17,28 @@ Array = npt.NDArray[np.float64]
 ALIKE = 1e-11
 """Relative difference up to which two steps share what depends on their length."""
 
+SMALL = 0.02
+"""Exponent up to which six terms of its series give e^x − 1 to rounding."""
+
+C2, C3, C4, C5, C6 = 1 / 2, 1 / 6, 1 / 24, 1 / 120, 1 / 720
+"""Those terms' coefficients."""
+
+
+@njit(nogil=True, error_model="numpy")
+def growth_over(exponent: float) -> float:
+    """e^x − 1; of a small x from its series, which takes a tenth of the time."""
+    x = exponent
+    if abs(x) > SMALL:
+        return float(np.expm1(x))
+    return float(x * (1.0 + x * (C2 + x * (C3 + x * (C4 + x * (C5 + x * C6))))))
+
+
+@njit(nogil=True, error_model="numpy")
+def _relaxed(difference: float, slope: float, step_s: float, rate: float) -> float:
+    """`lag_difference` of the rate 1/τ."""
+    decayed = growth_over(-step_s * rate)
+    return float(difference + (difference + slope / rate) * decayed)
+
 
 @kernel
 def lag_difference(difference: float, slope: float, step_s: float, tau_s: float) -> float:
@@ -35,8 +57,7 @@ def lag_difference(difference: float, slope: float, step_s: float, tau_s: float)
     tau_s
         Time constant τ, positive.
     """
-    decayed = np.expm1(-step_s / tau_s)
-    return float(difference * (1.0 + decayed) + slope * tau_s * decayed)
+    return _relaxed(difference, slope, step_s, 1.0 / tau_s)
 
 
 @njit(nogil=True, error_model="numpy")
@@ -114,21 +135,20 @@ def lag_by_level(step_s: Array, values: Array, tau_s: float, growth: float, leve
     """
     if not tau_s > 0.0:
         return
-    before = values[0]
-    difference = 0.0
+    before, at, difference = values[0], values[0], 0.0
+    first = np.exp(-growth * (at - level)) / tau_s
     for k in range(step_s.size):
         h, now = step_s[k], values[k + 1]
         slope = (now - before) / h
-        first = np.exp(-growth * (before + difference - level)) / tau_s
-        halfway = lag_difference(difference, slope, 0.5 * h, 1.0 / first)
-        output = before + 0.5 * h * slope + halfway
-        middle = np.exp(-growth * (output - level)) / tau_s
-        output = now + lag_difference(difference, slope, h, 1.0 / middle)
-        last = np.exp(-growth * (output - level)) / tau_s
-        mean = (first + 4.0 * middle + last) / 6.0
-        difference = lag_difference(difference, slope, h, 1.0 / mean)
+        output = before + 0.5 * h * slope + _relaxed(difference, slope, 0.5 * h, first)
+        middle = first + first * growth_over(-growth * (output - at))
+        output = now + _relaxed(difference, slope, h, middle)
+        last = first + first * growth_over(-growth * (output - at))
+        mean = (1.0 / 6.0) * (first + 4.0 * middle + last)
+        difference = _relaxed(difference, slope, h, mean)
         values[k + 1] = now + difference
-        before = now
+        first = last + last * growth_over(-growth * (now + difference - output))
+        before, at = now, now + difference
 
 
 @kernel

@@ -10,12 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.structure import ResidualContext
+from softid.intersample import ABOVE_NOISE
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -40,9 +43,28 @@ TRIED = 0.25
 KNOTS = np.array([0.25, 0.75])
 """Places within the interval at which it is moved, and goes straight between."""
 
-PULSES = ((1.0, 1.0, 0.75, 12.0**-0.5), (-1.0, 1.0, 0.125, 720.0**-0.5))
-"""Moves at the two places, the integral or first moment of such a pulse, and the standard deviation
-of that of a jump's: an even pulse, and an odd one."""
+
+class Pulse(NamedTuple):
+    """Moves of the input at the two places within an interval, per unit.
+
+    ``moment`` is the integral or the first moment of such a pulse, ``deviation`` the standard
+    deviation of that of a jump's.
+    """
+
+    first: float
+    second: float
+    moment: float
+    deviation: float
+
+
+PULSES = (Pulse(1.0, 1.0, 0.75, 12.0**-0.5), Pulse(-1.0, 1.0, 0.125, 720.0**-0.5))
+"""An even one and an odd one."""
+
+TOGETHER = 4
+"""Jumps are shared out among so many simulations, neighbours to different ones."""
+
+FADED = 0.01
+"""Share of its largest that a response has at most when the next begins in the same simulation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,10 +98,9 @@ def untimed_jumps(segment: Segment) -> Places:
     if segment.is_sample is not None or segment.input.size < 4:
         return nowhere
     change = np.abs(np.diff(segment.input))
+    least = max(LEAST_JUMP * float(np.ptp(segment.input)), ABOVE_NOISE * float(np.median(change)))
     beside = np.convolve(change, np.ones(3), "same")
-    found: Places = np.flatnonzero(
-        (change > LEAST_JUMP * np.ptp(segment.input)) & (change > WITHIN * beside)
-    )
+    found: Places = np.flatnonzero((change > least) & (change > WITHIN * beside))
     return found if found.size <= MOST_JUMPS else nowhere
 
 
@@ -128,6 +149,9 @@ def with_open_jumps(
 def part_of_jumps(model: Candidate, k: int) -> Array:
     """What the moments of the jumps of one segment do to the first output.
 
+    Jumps share a simulation with others so far away that what one does has faded when the next
+    begins; where it has not, those are shared out again.
+
     Parameters
     ----------
     model
@@ -141,42 +165,70 @@ def part_of_jumps(model: Candidate, k: int) -> Array:
         Change of the output at every sample with the integral and the first moment of each, per
         standard deviation, shape (n, 2 J).
     """
-    problem, z = model.problem, model.minimum.point
-    segment, first = problem.segments[k], problem.outputs[0]
-    places = untimed_jumps(segment)
-    columns = np.zeros((segment.time_s.size, 2, places.size))
-    for number, place in enumerate(places.tolist()):
-        for kind, (first_knot, second_knot, moment, deviation) in enumerate(PULSES):
-            height = TRIED * (segment.input[place + 1] - segment.input[place])
-            there, back = (
-                problem.model.response(
-                    problem.theta(z),
-                    _with_pulse(segment, place, side * first_knot, side * second_knot),
-                    problem.outputs,
-                    start=problem.start(z, k),
-                    derivatives=False,
-                    relative=problem.has_equilibrium,
-                ).outputs[first]
-                for side in (height, -height)
-            )
-            apart = np.delete(there - back, (place + 1, place + 2))
-            columns[:, kind, number] = apart / (2.0 * TRIED * moment) * deviation
-    found: Array = columns.reshape(segment.time_s.size, -1)
+    places = untimed_jumps(model.problem.segments[k])
+    samples = model.problem.segments[k].time_s.size
+    columns = np.zeros((samples, len(PULSES), places.size))
+    for kind, pulse in enumerate(PULSES):
+        waiting = _shared_out(np.arange(places.size))
+        while waiting:
+            group = waiting.pop()
+            apart = _response(model, k, places[group], pulse)
+            begins = places[group] + 1
+            windows = [slice(*w) for w in pairwise((*begins.tolist(), samples))]
+            if all(_has_faded(apart[window]) for window in windows[:-1]):
+                for jump, window in zip(group.tolist(), windows, strict=True):
+                    columns[window, kind, jump] = apart[window]
+            else:
+                waiting += _shared_out(group)
+    found: Array = columns.reshape(samples, -1)
     return found
 
 
-def _with_pulse(segment: Segment, place: int, first: float, second: float) -> Segment:
-    """A segment with an input that is so much higher at two knots within one interval."""
-    at = (place + 1, place + 1)
-    begin, end = slice(place, place + 1), slice(place + 1, place + 2)
+def _shared_out(jumps: Places) -> list[Places]:
+    """Every so many of them together, without empty groups."""
+    return [jumps[first::TOGETHER] for first in range(min(TOGETHER, jumps.size))]
+
+
+def _has_faded(response: Array) -> bool:
+    """Whether a response is nearly nothing over the last quarter of what is seen of it."""
+    late = np.abs(response[-(-response.size // 4) :])
+    return float(late.max()) <= FADED * float(np.abs(response).max())
+
+
+def _response(model: Candidate, k: int, places: Places, pulse: Pulse) -> Array:
+    """Change of the first output with a pulse at every place, per standard deviation."""
+    problem, z = model.problem, model.minimum.point
+    segment = problem.segments[k]
+    heights = TRIED * (segment.input[places + 1] - segment.input[places])
+    moved = [_with_pulses(segment, places, side * heights, pulse) for side in (1.0, -1.0)]
+    there, back = (
+        problem.model.response(
+            problem.theta(z),
+            one,
+            problem.outputs,
+            start=problem.start(z, k),
+            derivatives=False,
+            relative=problem.has_equilibrium,
+        ).outputs[problem.outputs[0]]
+        for one in moved
+    )
+    apart: Array = moved[0].samples_of(there - back)
+    return apart / (2.0 * TRIED * pulse.moment) * pulse.deviation
+
+
+def _with_pulses(segment: Segment, places: Places, heights: Array, pulse: Pulse) -> Segment:
+    """A segment with an input that is higher at two knots within every interval."""
+    at = np.repeat(places + 1, 2)
 
     def between(values: Array) -> Array:
-        return (1.0 - KNOTS) * values[begin] + KNOTS * values[end]
+        begin, end = values[places, np.newaxis], values[places + 1, np.newaxis]
+        return (1.0 - KNOTS) * begin + KNOTS * end
 
+    higher = between(segment.input) + heights[:, np.newaxis] * (pulse.first, pulse.second)
     return replace(
         segment,
-        time_s=np.insert(segment.time_s, at, between(segment.time_s)),
-        input=np.insert(segment.input, at, between(segment.input) + np.array((first, second))),
+        time_s=np.insert(segment.time_s, at, between(segment.time_s).ravel()),
+        input=np.insert(segment.input, at, higher.ravel()),
         outputs={name: np.insert(y, at, np.nan) for name, y in segment.outputs.items()},
         used={name: np.insert(used, at, False) for name, used in segment.used.items()},
         is_sample=np.insert(np.ones(segment.time_s.size, np.bool_), at, False),

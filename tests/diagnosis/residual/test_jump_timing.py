@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 import softid
+from softid.diagnosis.residual import jump_timing
 from softid.diagnosis.residual.jump_timing import part_of_jumps, untimed_jumps
 from softid.diagnosis.strategy import CauseSearch
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log
+from softid.models.oscillator import Oscillator
 
 Array = npt.NDArray[np.float64]
 
@@ -145,3 +149,32 @@ def test_what_explains_a_part_of_open_moments_is_chance(monkeypatch: pytest.Monk
     monkeypatch.setattr(CauseSearch, "without_causes", lambda search: None)
     found = softid.diagnose(fitted, hold_out=[judge], model="oscillator")
     assert found.verdict is Verdict.UNKNOWN
+
+
+@pytest.mark.parametrize(("damping", "fewer"), [(10.0, True), (500.0, False)])
+def test_jumps_that_share_a_simulation_are_told_apart(
+    monkeypatch: pytest.MonkeyPatch, damping: float, fewer: bool
+) -> None:
+    """The columns are those of jumps simulated alone, also where none fades before the next.
+
+    Four simulations a jump when alone; with a time constant of 0.2 s jumps 1.5 s apart share them,
+    with one of 10 s none do.
+    """
+    problem = linear_problem([linear_log(samples=3000)])
+    model = standing(problem, problem.unknowns({**TRUTH, "N": damping}))
+    jumps = untimed_jumps(problem.segments[0]).size
+    simulate, count = Oscillator.response, []
+
+    def counted(*args: Any, **options: Any) -> Any:
+        count.append(1)
+        return simulate(*args, **options)
+
+    monkeypatch.setattr(Oscillator, "response", counted)
+    shared = part_of_jumps(model, 0)
+    assert (len(count) < 2 * jumps) is fewer
+    monkeypatch.setattr(jump_timing, "TOGETHER", jumps)
+    count.clear()
+    alone = part_of_jumps(model, 0)
+    assert len(count) == 4 * jumps
+    largest = np.abs(alone).max(axis=0)
+    assert float((np.abs(shared - alone) / largest).max()) < jump_timing.FADED
