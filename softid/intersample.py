@@ -1,9 +1,13 @@
-"""What the input does between its samples: straight from one to the next, or held.
+"""What the input does between its samples: straight from one to the next, smooth, or held.
 
 A recorded command, or an input that was written as steps, changes within one sampling interval and
 is flat before and after. Taken as straight it comes half an interval early, which looks like a
 delay of the actuator. It may be held at its jumps alone, where the rest of it is a measured course,
 or at every sample, as a digital controller holds it (zero-order hold).
+
+A measured course that swings within a few samples is cut short by straight lines: a sine of ω by
+(ω h)²/12 of its amplitude, at an interval of h. What is taken from it grows with the frequency, as
+behind a resonance or a lag. Where it bends at both ends of an interval alike, it is known better.
 """
 
 from __future__ import annotations
@@ -16,8 +20,12 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-Intersample = Literal["straight", "held", "zoh"]
-"""Straight (first-order hold), held where it jumps, or held at every sample (zero-order hold)."""
+Intersample = Literal["straight", "smooth", "held", "zoh"]
+"""Straight (first-order hold), a cubic where it bends, held where it jumps, or held at every sample
+(zero-order hold)."""
+
+READINGS: tuple[Intersample, ...] = ("straight", "smooth", "held", "zoh")
+"""The plainest first."""
 
 HELD: tuple[Intersample, ...] = ("held", "zoh")
 
@@ -32,6 +40,19 @@ SMALLEST = 0.005
 
 BEFORE = 1e-3
 """A held input jumps this share of the interval before the next sample."""
+
+
+LEAST_BEND = 1e-3
+"""Share of the input's range by which a cubic leaves the straight line at least: a lesser bend
+moves nothing that could be seen. Where it leaves it further, the interval is divided until straight
+lines are as near."""
+
+MOST_PARTS = 6
+"""Parts into which an interval is divided at most."""
+
+RESOLVED = 2.0
+"""Largest ratio of the second derivatives at both ends of an interval: where a course is sampled
+fast enough it bends there alike. A corner does not, nor does noise."""
 
 
 def jumps(values: Array) -> IntArray:
@@ -67,7 +88,8 @@ def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array
     time_s, values
         Sample times and input, each of shape (n,).
     intersample
-        ``"zoh"`` for every change, ``"held"`` for the jumps, ``"straight"`` for none.
+        ``"zoh"`` for every change, ``"held"`` for the jumps, ``"smooth"`` for the middle of every
+        interval in which the input bends, ``"straight"`` for none.
 
     Returns
     -------
@@ -76,6 +98,42 @@ def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array
     """
     if intersample == "straight":
         return np.empty(0), np.empty(0)
+    if intersample == "smooth":
+        return _bends(time_s, values)
     at = np.flatnonzero(np.diff(values)) if intersample == "zoh" else jumps(values)
     stop_s = time_s[at + 1]
     return stop_s - BEFORE * (stop_s - time_s[at]), values[at]
+
+
+def _bends(time_s: Array, values: Array) -> tuple[Array, Array]:
+    """Knots in the intervals in which the input bends, on the cubic through the four samples."""
+    least = LEAST_BEND * float(np.ptp(values))
+    if values.size < 4 or least == 0.0:
+        return np.empty(0), np.empty(0)
+    interval = np.diff(time_s)
+    slope = np.diff(values) / interval
+    second = np.diff(slope) / (time_s[2:] - time_s[:-2])
+    third = np.diff(second) / (time_s[3:] - time_s[:-3])
+    before, after = np.abs(second[:-1]), np.abs(second[1:])
+    alike = (second[:-1] * second[1:] > 0.0) & (
+        np.maximum(before, after) <= RESOLVED * np.minimum(before, after)
+    )
+    first, length = interval[:-2], interval[1:-1]
+
+    def bend(since: Array) -> Array:
+        """The cubic above the straight line, by Newton's form on the samples 0 to 3."""
+        return (second[:-1] + third * (first + since)) * since * (since - length)
+
+    middle = np.where(alike, np.abs(bend(0.5 * length)), 0.0)
+    parts = np.where(middle >= least, np.ceil(np.sqrt(middle / least)), 1.0)
+    found_s, found = [], []
+    for knot in range(1, MOST_PARTS):
+        share = knot / np.clip(parts, 2.0, MOST_PARTS)
+        here = (parts > 1.0) & (share < 1.0)
+        since = share * length
+        line = values[1:-2] + since * slope[1:-1]
+        found_s.append((time_s[1:-2] + since)[here])
+        found.append((line + bend(since))[here])
+    knot_s, level = np.concatenate(found_s), np.concatenate(found)
+    order = np.argsort(knot_s)
+    return knot_s[order], level[order]

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from softid.channels import Channel, default_outputs, make_channel, read_only
 from softid.errors import InputError, Issue, UsageError
-from softid.intersample import HELD, Intersample
+from softid.intersample import READINGS, Intersample
 from softid.segment import Segment, with_knots
 
 Array = npt.NDArray[np.float64]
@@ -75,9 +75,9 @@ class Log:
     metadata
         Free text facts from the file's preamble or sidecar.
     intersample
-        What the input does between samples: ``"straight"`` (first-order hold), ``"held"`` until the
-        next sample where it jumps, ``"zoh"`` (zero-order hold) held at every sample, or None to let
-        a fit decide, which elsewhere means straight.
+        What the input does between samples: ``"straight"`` (first-order hold), ``"smooth"``, a
+        cubic where it bends, ``"held"`` until the next sample where it jumps, ``"zoh"`` (zero-order
+        hold) held at every sample, or None to let a fit decide, which elsewhere means straight.
 
     Raises
     ------
@@ -213,7 +213,7 @@ class Log:
             used,
             float(self.time_s[0]),
         )
-        return with_knots(segment, self.intersample) if self.intersample in HELD else segment
+        return with_knots(segment, self.intersample or "straight")
 
     def with_roles(self, *, input: str | None = None, outputs: Sequence[str] = ()) -> Log:
         """The same recording with other input and output channels."""
@@ -222,14 +222,14 @@ class Log:
         )
 
     def with_intersample(self, intersample: object) -> Log:
-        """The same recording, its input held if so told and if nothing said so before.
+        """The same recording with a reading of its input, if nothing declared one before.
 
         Parameters
         ----------
         intersample
-            ``"held"`` or ``"zoh"``, as the record of a fit may say; anything else changes nothing.
+            One of `READINGS`, as the record of a fit may say; anything else changes nothing.
         """
-        known = next((name for name in HELD if name == intersample), None)
+        known = next((name for name in READINGS if name == intersample), None)
         if self.intersample is not None or known is None:
             return self
         return replace(self, intersample=known)

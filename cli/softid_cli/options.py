@@ -131,9 +131,9 @@ def intersample_option(command: Callable[P, R]) -> Callable[P, R]:
     """Add ``--intersample`` (keyword: intersample)."""
     return click.option(
         "--intersample",
-        type=click.Choice(("straight", "held", "zoh")),
-        help="What the input does between samples: straight, held where it jumps, or held at every "
-        "sample (zero-order hold); without it, what fits better.",
+        type=click.Choice(("straight", "smooth", "held", "zoh")),
+        help="What the input does between samples: straight, smooth (a cubic where it bends), held "
+        "where it jumps, or held at every sample (zero-order hold); without it, what fits better.",
     )(command)
 
 

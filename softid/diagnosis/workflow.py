@@ -16,7 +16,7 @@ from softid.diagnosis.base.intersample_selection import (
     intersample_after_first_cause,
     is_measured,
     is_open,
-    straight_unless_declared,
+    reading_unless_held,
     with_intersample,
 )
 from softid.diagnosis.base.reduced_base import reduced_base_issues, reduced_if_better
@@ -144,7 +144,8 @@ def diagnose(
     is_in_doubt = is_open(recorded)
     recordings = Recordings(recorded, tuple(hold_out)).each(_cleaned)
     if is_measured(recorded):
-        recordings = recordings.each(straight_unless_declared)
+        usual = reading_unless_held(recorded)
+        recordings = recordings.each(lambda log: log.with_intersample(usual))
     require_enough(recordings.logs, recordings.hold_out)
     request = Request(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     recordings, base, count = _prepared(recordings, request)

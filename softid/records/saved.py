@@ -52,7 +52,7 @@ class SavedModel:
     issues
         What was noticed in reading, such as an edit by hand.
     intersample
-        ``"held"`` where the fit took the input as held until the next sample at its jumps.
+        What the fit took the input to do between its samples; None for straight.
     """
 
     path: str

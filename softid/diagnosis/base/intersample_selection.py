@@ -1,8 +1,9 @@
 """The input between its samples once more, when causes are known.
 
-A misfit of the base decides wrongly whether an input was held: a late motion asks for a late input.
-So a measured input is straight until a cause is known that explains the logs better with another
-reading, while a command is read as the base has it.
+A misfit of the base decides wrongly what an input does: a late motion asks for a late input, and
+one that swings for an input that is cut short. So a measured input is smooth where it bends, and
+straight else, until a cause is known that explains the logs better with another reading, while a
+command is read as the base has it.
 """
 
 from __future__ import annotations
@@ -23,22 +24,20 @@ from softid.identification.intersample_choice import (
     as_held,
     held_readings,
 )
-from softid.intersample import HELD, Intersample
+from softid.intersample import HELD, READINGS, Intersample, knots
 from softid.log import Log, LogSet
-
-READINGS: tuple[Intersample, ...] = ("straight", *HELD)
-"""What an input may do between its samples, the plainest first."""
 
 REFITTING = 15
 """Evaluations from the optimum of one reading to that of the other."""
 
 
 def is_open(logs: LogSet) -> bool:
-    """Whether an input may have been held, and none of the logs says what it does between samples.
+    """Whether an input has several readings, and no log declares one.
 
-    It may have been where it jumps as recorded, and where it is a command.
+    It may have been held where it jumps as recorded, and where it is a command; and where it bends
+    it may go straight all the same.
     """
-    return all(log.intersample is None for log in logs) and bool(held_readings(logs))
+    return all(log.intersample is None for log in logs) and len(readings_of(logs)) > 1
 
 
 def is_measured(logs: Iterable[Log]) -> bool:
@@ -46,9 +45,23 @@ def is_measured(logs: Iterable[Log]) -> bool:
     return all(log.input != COMMAND for log in logs)
 
 
-def straight_unless_declared(log: Log) -> Log:
-    """The log with an input that is straight between samples, unless something said otherwise."""
-    return log if log.intersample is not None else replace(log, intersample="straight")
+def readings_of(logs: Iterable[Log]) -> tuple[Intersample, ...]:
+    """What the inputs may do between their samples, whatever was declared; what bends is smooth."""
+    opened = [replace(log, intersample=None) for log in logs]
+    possible = {"straight", *held_readings(opened)}
+    if is_measured(opened) and any(_bends(log) for log in opened):
+        possible.add("smooth")
+    return tuple(reading for reading in READINGS if reading in possible)
+
+
+def reading_unless_held(logs: Iterable[Log]) -> Intersample:
+    """What a measured input does as long as nothing tells otherwise."""
+    return "smooth" if "smooth" in readings_of(logs) else "straight"
+
+
+def _bends(log: Log) -> bool:
+    """Whether the input of a log has knots where it is smooth."""
+    return any(knots(s.time_s, s.input, "smooth")[0].size for s in log.segments())
 
 
 def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
@@ -66,8 +79,11 @@ def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Inte
     str or None
         None where the reading of the candidate stays.
     """
-    now = candidate.problem.logs[0].intersample or "straight"
-    others = [reading for reading in READINGS if reading != now]
+    logs = candidate.problem.logs
+    now = logs[0].intersample or "straight"
+    others = [reading for reading in readings_of(logs) if reading != now]
+    if not others:
+        return None
     falls = in_parallel(lambda reading: _fall(candidate, sigma, reading), others)
     most, best = max(zip(falls, others, strict=True))
     return best if most > BETTER_BY else None
@@ -107,7 +123,7 @@ def _is_late(candidate: Candidate) -> bool:
 def intersample_after_all_causes(
     candidate: Candidate, sigma: Mapping[str, float]
 ) -> Intersample | None:
-    """As `better_intersample` with all causes known; straight for a measured input if as good.
+    """As `better_intersample` with all causes known; a measured input is held if that is better.
 
     Nor is it held at every sample beside a cause that takes time, as after the first cause.
 
@@ -118,7 +134,8 @@ def intersample_after_all_causes(
     """
     logs = candidate.problem.logs
     if logs[0].intersample in HELD and is_measured(logs):
-        return "straight" if _fall(candidate, sigma, "straight") > -BETTER_BY else None
+        plain = reading_unless_held(logs)
+        return plain if _fall(candidate, sigma, plain) > -BETTER_BY else None
     reading = better_intersample(candidate, sigma)
     if reading == "zoh" and is_measured(logs) and _is_late(candidate):
         return None

@@ -92,15 +92,22 @@ def untimed_jumps(segment: Segment) -> Places:
     Parameters
     ----------
     segment
-        A segment whose input is straight between the samples; of another one no moment is open.
+        A segment; where its input has a knot between two samples, no moment is open.
+
+    Returns
+    -------
+    array of int
+        Rows of the segment, each followed by the next sample.
     """
     nowhere: Places = np.zeros(0, np.intp)
-    if segment.is_sample is not None or segment.input.size < 4:
+    rows = segment.samples_of(np.arange(segment.input.size))
+    if rows.size < 4:
         return nowhere
-    change = np.abs(np.diff(segment.input))
+    change = np.abs(np.diff(segment.input[rows]))
     least = max(LEAST_JUMP * float(np.ptp(segment.input)), ABOVE_NOISE * float(np.median(change)))
     beside = np.convolve(change, np.ones(3), "same")
-    found: Places = np.flatnonzero((change > least) & (change > WITHIN * beside))
+    jumps = (change > least) & (change > WITHIN * beside) & (np.diff(rows) == 1)
+    found: Places = rows[:-1][jumps]
     return found if found.size <= MOST_JUMPS else nowhere
 
 
@@ -165,22 +172,23 @@ def part_of_jumps(model: Candidate, k: int) -> Array:
         Change of the output at every sample with the integral and the first moment of each, per
         standard deviation, shape (n, 2 J).
     """
-    places = untimed_jumps(model.problem.segments[k])
-    samples = model.problem.segments[k].time_s.size
-    columns = np.zeros((samples, len(PULSES), places.size))
+    segment = model.problem.segments[k]
+    places = untimed_jumps(segment)
+    sampled = segment.samples_of(np.arange(segment.time_s.size))
+    after = np.searchsorted(sampled, places + 1)
+    columns = np.zeros((sampled.size, len(PULSES), places.size))
     for kind, pulse in enumerate(PULSES):
         waiting = _shared_out(np.arange(places.size))
         while waiting:
             group = waiting.pop()
             apart = _response(model, k, places[group], pulse)
-            begins = places[group] + 1
-            windows = [slice(*w) for w in pairwise((*begins.tolist(), samples))]
+            windows = [slice(*w) for w in pairwise((*after[group].tolist(), sampled.size))]
             if all(_has_faded(apart[window]) for window in windows[:-1]):
                 for jump, window in zip(group.tolist(), windows, strict=True):
                     columns[window, kind, jump] = apart[window]
             else:
                 waiting += _shared_out(group)
-    found: Array = columns.reshape(samples, -1)
+    found: Array = columns.reshape(sampled.size, -1)
     return found
 
 
@@ -219,6 +227,8 @@ def _response(model: Candidate, k: int, places: Places, pulse: Pulse) -> Array:
 def _with_pulses(segment: Segment, places: Places, heights: Array, pulse: Pulse) -> Segment:
     """A segment with an input that is higher at two knots within every interval."""
     at = np.repeat(places + 1, 2)
+    rows = np.ones(segment.time_s.size, np.bool_)
+    is_sample = rows if segment.is_sample is None else segment.is_sample
 
     def between(values: Array) -> Array:
         begin, end = values[places, np.newaxis], values[places + 1, np.newaxis]
@@ -231,5 +241,5 @@ def _with_pulses(segment: Segment, places: Places, heights: Array, pulse: Pulse)
         input=np.insert(segment.input, at, higher.ravel()),
         outputs={name: np.insert(y, at, np.nan) for name, y in segment.outputs.items()},
         used={name: np.insert(used, at, False) for name, used in segment.used.items()},
-        is_sample=np.insert(np.ones(segment.time_s.size, np.bool_), at, False),
+        is_sample=np.insert(is_sample, at, False),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from linear_motion import (
     RATE_HZ,
@@ -16,6 +17,7 @@ from linear_motion import (
     standing,
 )
 
+import softid
 from softid.diagnosis.base import intersample_selection
 from softid.diagnosis.base.intersample_selection import (
     better_intersample,
@@ -23,15 +25,19 @@ from softid.diagnosis.base.intersample_selection import (
     intersample_after_first_cause,
     is_measured,
     is_open,
-    straight_unless_declared,
+    reading_unless_held,
+    readings_of,
     with_intersample,
 )
 from softid.diagnosis.refit.candidates import Candidate, extend, start_unknowns
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.forward_selection import converged
+from softid.diagnosis_results import Verdict
 from softid.effects import effect_of
 from softid.intersample import Intersample
-from softid.log import LogSet
+from softid.log import Log, LogSet
+
+Array = npt.NDArray[np.float64]
 
 LOG = linear_log(noise=0.01)
 """Its pressure jumps every 5 s, and its answer is exact for straight lines between samples."""
@@ -64,12 +70,12 @@ def test_a_measured_input_is_straight_where_that_does_as_well() -> None:
 def late(seconds: float, *, held: bool, reading: Intersample) -> tuple[Candidate, Candidate]:
     """Base and delayed model of a log whose input goes on so late, straight or held, at the truth.
 
-    The pressure changes at every sample.
+    The pressure jumps once, and changes at every sample.
     """
     rng = np.random.default_rng(2)
     fine, period_s = 20, 1.0 / RATE_HZ
     pressure = 50.0 + 30.0 * np.sin(2.0 * np.pi * 0.7 * LOG.time_s) + rng.normal(0.0, 4.0, len(LOG))
-    pressure[:50] = 0.0
+    pressure[:50], pressure[50:60] = 0.0, 50.0
     fine_s = period_s / fine * np.arange(fine * len(LOG))
     arriving = np.interp(fine_s - seconds, LOG.time_s, pressure)
     if held:
@@ -134,8 +140,59 @@ def test_a_command_is_not_measured() -> None:
     assert not is_measured(LogSet((command,)))
 
 
-def test_what_somebody_said_stays() -> None:
-    """A declared reading is kept, and nothing is told of the other."""
-    assert straight_unless_declared(LOG).intersample == "straight"
-    held = replace(LOG, intersample="held")
-    assert straight_unless_declared(held) is held
+def sweep(seed: int, delay_s: float, *, polyline: bool = False) -> Log:
+    """A chirp of the pressure up to 5 Hz at 50 Hz, and the exact answer of the linear actuator.
+
+    The pressure is smooth between the samples, or goes straight.
+    """
+    fine = 20
+    time_s = np.arange(40 * RATE_HZ) / RATE_HZ
+    fine_s = np.arange(time_s.size * fine) / (RATE_HZ * fine)
+
+    def course(at_s: Array) -> Array:
+        since = np.maximum(at_s, 0.0)
+        return 50.0 + 40.0 * np.sin(2.0 * np.pi * (0.2 * since + 0.06 * since**2) + seed)
+
+    arriving = np.interp(fine_s, time_s, course(time_s)) if polyline else course(fine_s - delay_s)
+    angle = linear_angle(fine_s, arriving)[::fine]
+    angle += 0.003 * np.ptp(angle) * np.random.default_rng(seed).standard_normal(angle.size)
+    channels = {"pressure": course(time_s), "angle": angle}
+    return Log.from_arrays(time_s, channels, outputs=("angle",), name=f"sweep-{seed}")
+
+
+def test_a_measured_input_that_bends_is_smooth() -> None:
+    """A command is not, nor is an input that is sampled many times as fast as it swings."""
+    logs = [sweep(1, 0.0)]
+    assert readings_of(logs) == ("straight", "smooth")
+    assert reading_unless_held(logs) == "smooth"
+    assert is_open(LogSet(tuple(logs)))
+    slow = [LOG.between(1.2, 3.4)]
+    assert readings_of(slow) == ("straight",)
+    assert reading_unless_held(slow) == "straight"
+    own = logs[0].channels
+    channels = {"pressure_command": own["pressure"], "angle": own["angle"]}
+    command = replace(logs[0], channels=channels, input="pressure_command")
+    assert "smooth" not in readings_of([command])
+
+
+def test_straight_lines_are_found_where_an_input_bends() -> None:
+    """What went straight is told from what was smooth, both ways, by the motion."""
+    for polyline, truth in ((True, "straight"), (False, "smooth")):
+        for reading in ("straight", "smooth"):
+            problem = linear_problem(with_intersample([sweep(1, 0.0, polyline=polyline)], reading))
+            found = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
+            assert better_intersample(found, SIGMA) == (None if reading == truth else truth)
+
+
+@pytest.mark.parametrize("delay_s", [0.0, 0.02])
+def test_a_bend_between_samples_is_no_effect(delay_s: float) -> None:
+    """Straight lines cut a swinging input short: a delay or a lag took that for its own."""
+    found = softid.diagnose([sweep(1, delay_s)], hold_out=[sweep(2, delay_s)], model="oscillator")
+    if delay_s == 0.0:
+        assert found.verdict is Verdict.ADEQUATE
+        return
+    assert [cause.effect for cause in found.causes] == ["delay"]
+    assert found.extended is not None
+    tau = found.extended.parameter("delay_tau")
+    assert tau.value == pytest.approx(delay_s, rel=0.05)
+    assert found.extended.options["intersample"] == "smooth"
