@@ -44,13 +44,20 @@ BEFORE = 1e-3
 
 LEAST_BEND = 1e-3
 """Share of the input's range by which a cubic leaves the straight line at least: a lesser bend
-moves nothing that could be seen. Where it leaves it further, the interval is divided until straight
-lines are as near."""
+moves nothing that could be seen."""
 
-MOST_PARTS = 6
-"""Parts into which an interval is divided at most."""
+SAME_AREA = 4.0 / 3.0
+"""Height of a triangle over that of a cubic above the same line and of the same area: an actuator
+that is slow beside the interval feels the area alone."""
 
-RESOLVED = 2.0
+OF_THIRD_DIFFERENCE = 6.0 / (0.6745 * 20.0**0.5)
+"""Standard deviation of white noise over the median size of its third divided difference times the
+interval cubed; the third difference itself is six times that, and has 20 times the variance."""
+
+ABOVE_ITS_NOISE = 0.25
+"""That noise bends with an eighth of its standard deviation; twice as much is a bend."""
+
+RESOLVED = 3.0
 """Largest ratio of the second derivatives at both ends of an interval: where a course is sampled
 fast enough it bends there alike. A corner does not, nor does noise."""
 
@@ -106,7 +113,7 @@ def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array
 
 
 def _bends(time_s: Array, values: Array) -> tuple[Array, Array]:
-    """Knots in the intervals in which the input bends, on the cubic through the four samples."""
+    """Middles of the intervals in which the input bends, above the cubic through four samples."""
     least = LEAST_BEND * float(np.ptp(values))
     if values.size < 4 or least == 0.0:
         return np.empty(0), np.empty(0)
@@ -118,22 +125,10 @@ def _bends(time_s: Array, values: Array) -> tuple[Array, Array]:
     alike = (second[:-1] * second[1:] > 0.0) & (
         np.maximum(before, after) <= RESOLVED * np.minimum(before, after)
     )
-    first, length = interval[:-2], interval[1:-1]
-
-    def bend(since: Array) -> Array:
-        """The cubic above the straight line, by Newton's form on the samples 0 to 3."""
-        return (second[:-1] + third * (first + since)) * since * (since - length)
-
-    middle = np.where(alike, np.abs(bend(0.5 * length)), 0.0)
-    parts = np.where(middle >= least, np.ceil(np.sqrt(middle / least)), 1.0)
-    found_s, found = [], []
-    for knot in range(1, MOST_PARTS):
-        share = knot / np.clip(parts, 2.0, MOST_PARTS)
-        here = (parts > 1.0) & (share < 1.0)
-        since = share * length
-        line = values[1:-2] + since * slope[1:-1]
-        found_s.append((time_s[1:-2] + since)[here])
-        found.append((line + bend(since))[here])
-    knot_s, level = np.concatenate(found_s), np.concatenate(found)
-    order = np.argsort(knot_s)
-    return knot_s[order], level[order]
+    half = 0.5 * interval[1:-1]
+    # Newton's form on the samples 0 to 3, half way between the samples 1 and 2.
+    bend = -(second[:-1] + third * (interval[:-2] + half)) * half**2
+    noise = np.median(np.abs(third * interval[1:-1] ** 3)) * OF_THIRD_DIFFERENCE
+    found = np.flatnonzero(alike & (np.abs(bend) >= max(least, ABOVE_ITS_NOISE * noise)))
+    straight = 0.5 * (values[found + 1] + values[found + 2])
+    return time_s[found + 1] + half[found], straight + SAME_AREA * bend[found]

@@ -55,6 +55,26 @@ def linear_log(
     return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name=f"linear-{seed}")
 
 
+def swinging_log(seed: int, delay_s: float = 0.0, *, polyline: bool = False) -> Log:
+    """A chirp of the pressure up to 5 Hz at 50 Hz, and the exact answer of the linear actuator.
+
+    The pressure is smooth between the samples, or goes straight.
+    """
+    fine = 20
+    time_s = np.arange(40 * RATE_HZ) / RATE_HZ
+    fine_s = np.arange(time_s.size * fine) / (RATE_HZ * fine)
+
+    def course(at_s: Array) -> Array:
+        since = np.maximum(at_s, 0.0)
+        return 50.0 + 40.0 * np.sin(2.0 * np.pi * (0.2 * since + 0.06 * since**2) + seed)
+
+    arriving = np.interp(fine_s, time_s, course(time_s)) if polyline else course(fine_s - delay_s)
+    angle = linear_angle(fine_s, arriving)[::fine]
+    angle += 0.003 * np.ptp(angle) * np.random.default_rng(seed).standard_normal(angle.size)
+    channels = {"pressure": course(time_s), "angle": angle}
+    return Log.from_arrays(time_s, channels, outputs=("angle",), name=f"swinging-{seed}")
+
+
 def linear_problem(logs: Sequence[Log], *, fixed: bool = False) -> Problem:
     """The oscillator over some logs, at the truth; fixed leaves the sensor zeros alone."""
     declared = MODEL.parameters().with_values(TRUTH)

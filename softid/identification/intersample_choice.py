@@ -1,4 +1,4 @@
-"""Whether an input was held until the next sample, decided by what fits better."""
+"""What an input does between its samples, decided by what fits better."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
-from softid.intersample import HELD, Intersample, jumps
+from softid.intersample import HELD, Intersample, jumps, knots
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
@@ -23,6 +23,9 @@ COMMAND = "pressure_command"
 
 HELD_INPUT = "held-input"
 """Code of the remark that an input is taken as held."""
+
+SMOOTH_INPUT = "smooth-input"
+"""Code of the remark that an input is taken as smooth."""
 
 BETTER_BY = 10.0
 """n·ln(mean square) must fall by this much: both readings have the same number of unknowns."""
@@ -48,6 +51,39 @@ def held_readings(logs: Iterable[Log]) -> tuple[Intersample, ...]:
     if any(jumps(log.channels[log.input].values).size for log in open_ones):
         return HELD
     return ("zoh",) if any(log.input == COMMAND for log in open_ones) else ()
+
+
+def is_smooth(logs: Iterable[Log]) -> bool:
+    """Whether a measured input may be smooth where straight lines would cut it short.
+
+    Parameters
+    ----------
+    logs
+        Logs to fit.
+    """
+    open_ones = [log for log in logs if log.intersample is None and log.input != COMMAND]
+    segments = (segment for log in open_ones for segment in log.segments())
+    return any(knots(s.time_s, s.input, "smooth")[0].size for s in segments)
+
+
+def as_smooth(logs: Sequence[Log]) -> tuple[Log, ...]:
+    """The logs with an input that is smooth where it bends, and the remark that says so.
+
+    Parameters
+    ----------
+    logs
+        Logs to fit; the input of those that say what it does between samples stays as it is.
+    """
+    first = logs[0]
+    issue = Issue(
+        SMOOTH_INPUT,
+        "info",
+        f"{first.input} swings within a few samples; smooth between them it explains the output "
+        "better than as straight lines, and is taken so",
+        "record it faster, or declare it with --intersample straight",
+    )
+    changed = [log.with_intersample("smooth") for log in logs]
+    return (replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:])
 
 
 def as_held(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,13 @@ from softid.errors import IdentificationError, UsageError
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.assembly import OptimisedProblem, assemble
-from softid.identification.intersample_choice import as_held, explains_better, held_readings
+from softid.identification.intersample_choice import (
+    as_held,
+    as_smooth,
+    explains_better,
+    held_readings,
+    is_smooth,
+)
 from softid.identification.issues import fitted_range, require_explained
 from softid.identification.model_reduction import simpler_model
 from softid.identification.model_selection import ModelChoice, choose_model
@@ -32,6 +38,7 @@ from softid.identification.preparation import (
 )
 from softid.identification.repeated_input import without_repeats
 from softid.identification.response_sign import falls_with_input, opposed
+from softid.intersample import HELD
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parameters import ParameterSet
@@ -203,15 +210,25 @@ def identify(
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
     found = _identify(adapted, log_set, constraints, starts, rng, report, thorough=thorough)
     read = log_set
-    for reading in held_readings(recorded) if np.isfinite(found.optimum.cost) else ():
-        other = LogSet(as_held(recorded, reading))
+    others = (LogSet(logs) for logs in _otherwise_read(recorded, log_set.logs))
+    for other in others if np.isfinite(found.optimum.cost) else ():
         known = found.optimum.linearised
         if explains_better(found.problem, found.optimum.unknowns, other, known=known):
             read = other
             found = _identify(adapted, read, constraints, starts, rng, report, thorough=thorough)
     if read is not log_set:
-        held = tuple(log.with_intersample(read.logs[0].intersample) for log in recorded_held)
+        reading = read.logs[0].intersample
+        bridged = recorded_held if reading in HELD else held
+        held = tuple(log.with_intersample(reading) for log in bridged)
     return Identification(found, read, held, choice)
+
+
+def _otherwise_read(recorded: Sequence[Log], bridged: Sequence[Log]) -> Iterator[tuple[Log, ...]]:
+    """The logs with other readings of the input; a held one is held as it was recorded."""
+    if is_smooth(bridged):
+        yield as_smooth(bridged)
+    for reading in held_readings(recorded):
+        yield as_held(recorded, reading)
 
 
 def _require_new(logs: LogSet, held: Sequence[Log]) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linear_motion import TRUTH, swinging_log
 
 from softid.fitters.problem import Problem
 from softid.identification import fit
@@ -54,6 +55,25 @@ def test_the_true_reading_is_taken(is_held: bool, tmp_path: Path) -> None:
     for fitted in (found, load_params(tmp_path / "params.json")):
         (row,) = validate(fitted, stepped(2, is_held=is_held)).statistics
         assert row.rmse == pytest.approx(NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize("polyline", [True, False])
+def test_an_input_that_swings_is_smooth(polyline: bool, tmp_path: Path) -> None:
+    """Known truth: straight lines cut the input by up to 3 %, and bias N by 5 standard errors.
+
+    What went straight stays straight, also from the file.
+    """
+    logs = [swinging_log(seed, polyline=polyline) for seed in (1, 2, 3)]
+    found = fit(logs[0], model="oscillator", hold_out=logs[1])
+    assert found.options["intersample"] == (None if polyline else "smooth")
+    assert any(issue.code == "smooth-input" for issue in found.issues) is not polyline
+    for name, truth in TRUTH.items():
+        estimate = found.parameter(name)
+        assert estimate.value == pytest.approx(truth, abs=3.0 * float(estimate.stderr or 0.0))
+    save_fit(found, tmp_path / "params.json")
+    fits = [validate(one, logs[2]) for one in (found, load_params(tmp_path / "params.json"))]
+    noise = 0.003 * float(np.ptp(logs[2].channels["angle"].values))
+    assert [v.statistics[0].rmse for v in fits] == pytest.approx([noise, noise], rel=0.1)
 
 
 def test_a_log_that_says_it_is_believed() -> None:

@@ -23,8 +23,9 @@ from softid.identification.intersample_choice import (
     HELD_INPUT,
     as_held,
     held_readings,
+    is_smooth,
 )
-from softid.intersample import HELD, READINGS, Intersample, knots
+from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
 
 REFITTING = 15
@@ -48,20 +49,13 @@ def is_measured(logs: Iterable[Log]) -> bool:
 def readings_of(logs: Iterable[Log]) -> tuple[Intersample, ...]:
     """What the inputs may do between their samples, whatever was declared; what bends is smooth."""
     opened = [replace(log, intersample=None) for log in logs]
-    possible = {"straight", *held_readings(opened)}
-    if is_measured(opened) and any(_bends(log) for log in opened):
-        possible.add("smooth")
-    return tuple(reading for reading in READINGS if reading in possible)
+    plain: tuple[Intersample, ...] = ("straight", "smooth") if is_smooth(opened) else ("straight",)
+    return (*plain, *held_readings(opened))
 
 
 def reading_unless_held(logs: Iterable[Log]) -> Intersample:
     """What a measured input does as long as nothing tells otherwise."""
     return "smooth" if "smooth" in readings_of(logs) else "straight"
-
-
-def _bends(log: Log) -> bool:
-    """Whether the input of a log has knots where it is smooth."""
-    return any(knots(s.time_s, s.input, "smooth")[0].size for s in log.segments())
 
 
 def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:

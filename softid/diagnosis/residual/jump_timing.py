@@ -63,8 +63,12 @@ PULSES = (Pulse(1.0, 1.0, 0.75, 12.0**-0.5), Pulse(-1.0, 1.0, 0.125, 720.0**-0.5
 TOGETHER = 4
 """Jumps are shared out among so many simulations, neighbours to different ones."""
 
-FADED = 0.01
-"""Share of its largest that a response has at most when the next begins in the same simulation."""
+FADED = 0.1
+"""Share of its largest that a response has at most when the next begins in the same simulation, and
+is taken for a part of the next: a tenth of what noise hides all but."""
+
+UNSEEN = 0.2
+"""Share of the noise up to which responses need not be told apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +143,8 @@ def with_open_jumps(
     """
     left, count = [], 0
     for k, part in enumerate(parts):
-        seen, whole = np.isfinite(part.residual), part_of_jumps(model, k)
+        seen = np.isfinite(part.residual)
+        whole = part_of_jumps(model, k, noise=variance**0.5)
         if whole.shape[1] == 0 or not seen.any():
             left.append(part)
             continue
@@ -153,11 +158,11 @@ def with_open_jumps(
     return OpenJumps(tuple(left), count) if count else None
 
 
-def part_of_jumps(model: Candidate, k: int) -> Array:
+def part_of_jumps(model: Candidate, k: int, *, noise: float) -> Array:
     """What the moments of the jumps of one segment do to the first output.
 
     Jumps share a simulation with others so far away that what one does has faded when the next
-    begins; where it has not, those are shared out again.
+    begins; where it has not and can be seen, those are shared out again.
 
     Parameters
     ----------
@@ -165,6 +170,8 @@ def part_of_jumps(model: Candidate, k: int) -> Array:
         The model where it stands.
     k
         Index of the segment.
+    noise
+        Standard deviation of what hides responses, in the output's unit.
 
     Returns
     -------
@@ -183,7 +190,8 @@ def part_of_jumps(model: Candidate, k: int) -> Array:
             group = waiting.pop()
             apart = _response(model, k, places[group], pulse)
             windows = [slice(*w) for w in pairwise((*after[group].tolist(), sampled.size))]
-            if all(_has_faded(apart[window]) for window in windows[:-1]):
+            hidden = float(np.abs(apart).max()) <= UNSEEN * noise
+            if hidden or all(_has_faded(apart[window]) for window in windows[:-1]):
                 for jump, window in zip(group.tolist(), windows, strict=True):
                     columns[window, kind, jump] = apart[window]
             else:

@@ -154,7 +154,8 @@ def _judged(
 def _of_jumps(final: Candidate, rows: Sequence[Rows]) -> Array:
     """What the moments of all jumps do at the used samples of all rows, shape (m, 2 J)."""
     first = final.problem.outputs[0]
-    parts = [part_of_jumps(final, k) for k in range(len(final.problem.segments))]
+    spread = [float(row.residual.std()) for row in rows if row.channel == first]
+    parts = [part_of_jumps(final, k, noise=noise) for k, noise in enumerate(spread)]
     whole = np.zeros((sum(row.residual.size for row in rows), sum(p.shape[1] for p in parts)))
     at, along = 0, 0
     for row in rows:

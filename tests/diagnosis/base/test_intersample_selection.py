@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from linear_motion import (
     RATE_HZ,
@@ -15,6 +14,7 @@ from linear_motion import (
     linear_log,
     linear_problem,
     standing,
+    swinging_log,
 )
 
 import softid
@@ -35,9 +35,7 @@ from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis_results import Verdict
 from softid.effects import effect_of
 from softid.intersample import Intersample
-from softid.log import Log, LogSet
-
-Array = npt.NDArray[np.float64]
+from softid.log import LogSet
 
 LOG = linear_log(noise=0.01)
 """Its pressure jumps every 5 s, and its answer is exact for straight lines between samples."""
@@ -140,29 +138,9 @@ def test_a_command_is_not_measured() -> None:
     assert not is_measured(LogSet((command,)))
 
 
-def sweep(seed: int, delay_s: float, *, polyline: bool = False) -> Log:
-    """A chirp of the pressure up to 5 Hz at 50 Hz, and the exact answer of the linear actuator.
-
-    The pressure is smooth between the samples, or goes straight.
-    """
-    fine = 20
-    time_s = np.arange(40 * RATE_HZ) / RATE_HZ
-    fine_s = np.arange(time_s.size * fine) / (RATE_HZ * fine)
-
-    def course(at_s: Array) -> Array:
-        since = np.maximum(at_s, 0.0)
-        return 50.0 + 40.0 * np.sin(2.0 * np.pi * (0.2 * since + 0.06 * since**2) + seed)
-
-    arriving = np.interp(fine_s, time_s, course(time_s)) if polyline else course(fine_s - delay_s)
-    angle = linear_angle(fine_s, arriving)[::fine]
-    angle += 0.003 * np.ptp(angle) * np.random.default_rng(seed).standard_normal(angle.size)
-    channels = {"pressure": course(time_s), "angle": angle}
-    return Log.from_arrays(time_s, channels, outputs=("angle",), name=f"sweep-{seed}")
-
-
 def test_a_measured_input_that_bends_is_smooth() -> None:
     """A command is not, nor is an input that is sampled many times as fast as it swings."""
-    logs = [sweep(1, 0.0)]
+    logs = [swinging_log(1)]
     assert readings_of(logs) == ("straight", "smooth")
     assert reading_unless_held(logs) == "smooth"
     assert is_open(LogSet(tuple(logs)))
@@ -178,8 +156,9 @@ def test_a_measured_input_that_bends_is_smooth() -> None:
 def test_straight_lines_are_found_where_an_input_bends() -> None:
     """What went straight is told from what was smooth, both ways, by the motion."""
     for polyline, truth in ((True, "straight"), (False, "smooth")):
+        log = swinging_log(1, polyline=polyline)
         for reading in ("straight", "smooth"):
-            problem = linear_problem(with_intersample([sweep(1, 0.0, polyline=polyline)], reading))
+            problem = linear_problem(with_intersample([log], reading))
             found = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
             assert better_intersample(found, SIGMA) == (None if reading == truth else truth)
 
@@ -187,7 +166,8 @@ def test_straight_lines_are_found_where_an_input_bends() -> None:
 @pytest.mark.parametrize("delay_s", [0.0, 0.02])
 def test_a_bend_between_samples_is_no_effect(delay_s: float) -> None:
     """Straight lines cut a swinging input short: a delay or a lag took that for its own."""
-    found = softid.diagnose([sweep(1, delay_s)], hold_out=[sweep(2, delay_s)], model="oscillator")
+    log, judge = swinging_log(1, delay_s), swinging_log(2, delay_s)
+    found = softid.diagnose(log, hold_out=[judge], model="oscillator")
     if delay_s == 0.0:
         assert found.verdict is Verdict.ADEQUATE
         return

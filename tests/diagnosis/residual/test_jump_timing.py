@@ -96,7 +96,7 @@ def test_columns_are_what_a_jump_at_a_share_of_the_interval_does(share: float) -
     problem = linear_problem([linear_log()])
     (segment,) = problem.segments
     place = int(untimed_jumps(segment)[0])
-    columns = part_of_jumps(standing(problem, problem.unknowns(TRUTH)), 0)[
+    columns = part_of_jumps(standing(problem, problem.unknowns(TRUTH)), 0, noise=0.0)[
         :, :: untimed_jumps(segment).size
     ]
     fine_s = np.arange(100 * (segment.time_s.size - 1) + 1) / (100 * RATE_HZ)
@@ -170,11 +170,15 @@ def test_jumps_that_share_a_simulation_are_told_apart(
         return simulate(*args, **options)
 
     monkeypatch.setattr(Oscillator, "response", counted)
-    shared = part_of_jumps(model, 0)
+    shared = part_of_jumps(model, 0, noise=0.0)
     assert (len(count) < 2 * jumps) is fewer
     monkeypatch.setattr(jump_timing, "TOGETHER", jumps)
     count.clear()
-    alone = part_of_jumps(model, 0)
+    alone = part_of_jumps(model, 0, noise=0.0)
     assert len(count) == 4 * jumps
+    count.clear()
+    monkeypatch.setattr(jump_timing, "TOGETHER", 2)
+    part_of_jumps(model, 0, noise=1e3)
+    assert len(count) == 8
     largest = np.abs(alone).max(axis=0)
     assert float((np.abs(shared - alone) / largest).max()) < jump_timing.FADED
