@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.intersample import ABOVE_NOISE
 from softid.segment import Segment
@@ -184,18 +185,20 @@ def part_of_jumps(model: Candidate, k: int, *, noise: float) -> Array:
     sampled = segment.samples_of(np.arange(segment.time_s.size))
     after = np.searchsorted(sampled, places + 1)
     columns = np.zeros((sampled.size, len(PULSES), places.size))
-    for kind, pulse in enumerate(PULSES):
-        waiting = _shared_out(np.arange(places.size))
-        while waiting:
-            group = waiting.pop()
-            apart = _response(model, k, places[group], pulse)
-            windows = [slice(*w) for w in pairwise((*after[group].tolist(), sampled.size))]
-            hidden = float(np.abs(apart).max()) <= UNSEEN * noise
-            if hidden or all(_has_faded(apart[window]) for window in windows[:-1]):
-                for jump, window in zip(group.tolist(), windows, strict=True):
-                    columns[window, kind, jump] = apart[window]
-            else:
-                waiting += _shared_out(group)
+
+    def tell_apart(kind: int, group: Places) -> None:
+        apart = _response(model, k, places[group], PULSES[kind])
+        windows = [slice(*w) for w in pairwise((*after[group].tolist(), sampled.size))]
+        hidden = float(np.abs(apart).max()) <= UNSEEN * noise
+        if hidden or all(_has_faded(apart[window]) for window in windows[:-1]):
+            for jump, window in zip(group.tolist(), windows, strict=True):
+                columns[window, kind, jump] = apart[window]
+        else:
+            for fewer in _shared_out(group):
+                tell_apart(kind, fewer)
+
+    tasks = product(range(len(PULSES)), _shared_out(np.arange(places.size)))
+    in_parallel(lambda task: tell_apart(*task), tasks)
     found: Array = columns.reshape(sampled.size, -1)
     return found
 
