@@ -21,8 +21,8 @@ Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 Intersample = Literal["straight", "smooth", "held", "zoh"]
-"""Straight (first-order hold), a cubic where it bends, held where it jumps, or held at every sample
-(zero-order hold)."""
+"""Straight (first-order hold), smooth where it bends, that and held where it jumps, or held at every
+sample (zero-order hold)."""
 
 READINGS: tuple[Intersample, ...] = ("straight", "smooth", "held", "zoh")
 """The plainest first."""
@@ -95,8 +95,8 @@ def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array
     time_s, values
         Sample times and input, each of shape (n,).
     intersample
-        ``"zoh"`` for every change, ``"held"`` for the jumps, ``"smooth"`` for the middle of every
-        interval in which the input bends, ``"straight"`` for none.
+        ``"zoh"`` for every change, ``"smooth"`` for the middle of every interval in which the input
+        bends, ``"held"`` for those and the jumps, ``"straight"`` for none.
 
     Returns
     -------
@@ -109,7 +109,13 @@ def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array
         return _bends(time_s, values)
     at = np.flatnonzero(np.diff(values)) if intersample == "zoh" else jumps(values)
     stop_s = time_s[at + 1]
-    return stop_s - BEFORE * (stop_s - time_s[at]), values[at]
+    held_s, held = stop_s - BEFORE * (stop_s - time_s[at]), values[at]
+    if intersample == "zoh":
+        return held_s, held
+    bend_s, bend = _bends(time_s, values)
+    knot_s = np.concatenate((held_s, bend_s))
+    order = np.argsort(knot_s)
+    return knot_s[order], np.concatenate((held, bend))[order]
 
 
 def _bends(time_s: Array, values: Array) -> tuple[Array, Array]:

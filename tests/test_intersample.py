@@ -81,6 +81,17 @@ def test_corners_and_noise_do_not_bend() -> None:
         assert 0.5 * sides == pytest.approx((end**4 - begin**4) / 4.0, rel=1e-12)
 
 
+def test_what_is_held_at_its_jumps_may_bend_elsewhere() -> None:
+    """Steps, and then a chirp: the knots of both, in order, for the course between jumps is one."""
+    u = STEP + np.where(TIME_S > 3.0, 20.0 * np.sin(40.0 * TIME_S), 0.0)
+    held_s, held = knots(TIME_S, u, "held")
+    bend_s, bend = knots(TIME_S, u, "smooth")
+    assert bend_s.size > 50
+    assert bend_s.min() > 2.9
+    np.testing.assert_allclose(held_s, [2.0 - BEFORE * 0.01, *bend_s], rtol=0.0, atol=1e-12)
+    assert held.tolist() == [0.0, *bend]
+
+
 def test_every_change_of_a_staircase_has_a_knot() -> None:
     """A staircase of five levels changes four times; as straight lines it has no knots."""
     knot_s, level = knots(TIME_S[:5], np.array([0.0, 1.0, 1.0, 3.0, 2.0]), "zoh")
