@@ -21,8 +21,8 @@ Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 Intersample = Literal["straight", "smooth", "held", "zoh"]
-"""Straight (first-order hold), smooth where it bends, that and held where it jumps, or held at every
-sample (zero-order hold)."""
+"""Straight (first-order hold), smooth where it bends, that and held where it jumps, or held at
+every sample (zero-order hold)."""
 
 READINGS: tuple[Intersample, ...] = ("straight", "smooth", "held", "zoh")
 """The plainest first."""
