@@ -44,6 +44,7 @@ class Doubt(Enum):
     AT_BOUND = "at bound"
     TOO_SLOW = "too slow"
     MAY_BE_ZERO = "may be zero"
+    CANCELS = "cancels"
 
 
 @dataclass(frozen=True)

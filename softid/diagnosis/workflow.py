@@ -26,7 +26,6 @@ from softid.diagnosis.logs.input_gaps import without_lost_input
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
-from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.report.issues import (
     CHANGE_POINT,
@@ -48,6 +47,7 @@ from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.strategy import CauseSearch, SearchResult, search_causes
+from softid.diagnosis.verdict.cancelling import cancelling
 from softid.diagnosis.verdict.cause_results import (
     alternatives_of,
     causes_of,
@@ -56,8 +56,9 @@ from softid.diagnosis.verdict.cause_results import (
     told_as,
     whole_gain_of,
 )
-from softid.diagnosis.verdict.chain_consistency import consistent_names, with_presliding
+from softid.diagnosis.verdict.chain_consistency import consistent_names
 from softid.diagnosis.verdict.gain_interval import gain_interval
+from softid.diagnosis.verdict.law_rivals import with_law_rivals
 from softid.diagnosis.verdict.naming import (
     doubt_of,
     gains_by,
@@ -66,7 +67,7 @@ from softid.diagnosis.verdict.naming import (
     most_variation,
     verdict_of,
 )
-from softid.diagnosis_results import Cause, Diagnosis, Remainder, Verdict
+from softid.diagnosis_results import Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects import effects_of
 from softid.errors import Issue
 from softid.identification.assembly import OptimisedProblem, assemble
@@ -286,17 +287,17 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     causes = causes_of(chain, errors, after, rng)
     causes = _with_errors_without(causes, chain, base, errors[-1], rng)
     causes = _with_variations(causes, chain, base, found.remainder)
-    causes = _with_doubts(causes, found, after, held_out)
+    causes = _with_doubts(causes, found, after, base)
     sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
     is_named = consistent_names(chain.links, causes, sure, chain.final.squares)
-    links = [
-        with_presliding(link, cause, base.scale)
-        for link, cause in zip(chain.links, causes, strict=True)
-    ]
     forms = {
         link.added.key: told_as(link.added, cause.parameters).key
-        for link, cause in zip(links, causes, strict=True)
+        for link, cause in zip(chain.links, causes, strict=True)
     }
+    links = [
+        with_law_rivals(link, cause, forms[link.added.key], chain.final, base.scale)
+        for link, cause in zip(chain.links, causes, strict=True)
+    ]
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]
     if base.instead_of is not None:
@@ -324,16 +325,19 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
 
 
 def _with_doubts(
-    causes: Sequence[Cause], found: SearchResult, extended: FitResult | None, held_out: HeldOut
+    causes: Sequence[Cause], found: SearchResult, extended: FitResult | None, base: BaseFit
 ) -> tuple[Cause, ...]:
     """The causes with what their numbers say against their names."""
     if extended is None:
         return tuple(causes)
-    whole, varies = held_out.rms(found.chain.final), most_variation(found.remainder)
-    return tuple(
-        replace(cause, doubt=doubt_of(cause, link.added, extended, whole, varies=varies))
-        for cause, link in zip(causes, found.chain.links, strict=True)
-    )
+    final = found.chain.final
+    whole, varies = base.held_out.rms(final), most_variation(found.remainder)
+    against = cancelling(final, base.candidate, base.scale)
+    told = []
+    for cause, link in zip(causes, found.chain.links, strict=True):
+        doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
+        told.append(replace(cause, doubt=Doubt.CANCELS if cause.key in against else doubt))
+    return tuple(told)
 
 
 def _issues_of_rest(base: BaseFit, chain: Chain, fit: FitResult) -> tuple[Issue, ...]:

@@ -28,6 +28,9 @@ SLIP_DISTANCES = (0.25, 0.6, 1.3, 2.5)
 SLIP_POWER = 9
 """The element yields the more suddenly the higher the power; 9 slips within a few per cent."""
 
+LEAST_DAMPING = 0.05
+"""Share of a damping that stays whatever takes it away."""
+
 FRACTIONAL_TIMES_S = (0.05, 0.2, 0.8, 3.2, 12.8)
 
 
@@ -125,6 +128,28 @@ def _position_damping(values: Values, sizes: Sizes, occasion: Occasion) -> Motio
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
         parts.damping *= 1.0 + excess * exp(-(((x - place) / width) ** 2))
+        return NO_RATES
+
+    return MotionLaw(act)
+
+
+def _damping_slope(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
+    del occasion
+    slope, low = values["slope"] / sizes.x_span, sizes.x_low
+
+    def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
+        parts.damping *= max(1.0 + slope * (x - low), LEAST_DAMPING)
+        return NO_RATES
+
+    return MotionLaw(act)
+
+
+def _damping_drift(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
+    del sizes
+    rate = values["change"] / occasion.duration_s
+
+    def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
+        parts.damping *= max(1.0 + rate * t, LEAST_DAMPING)
         return NO_RATES
 
     return MotionLaw(act)
@@ -275,6 +300,16 @@ OUTSIDE: tuple[Hidden, ...] = (
             "excess": about(rng, 2.0 * size), "place": s.x_low + rng.uniform(0.3, 0.7) * s.x_span,
             "width": rng.uniform(0.08, 0.15) * s.x_span,
         }, _position_damping, relation="outside",
+    ),
+    entry(
+        "damping_slope", "state", "N (1 + slope (x - x_low)/x_span) in place of N", "slope 1",
+        lambda s, rng, size: {"slope": max(either(rng) * about(rng, 0.8 * size), -0.8)},
+        _damping_slope, relation="outside",
+    ),
+    entry(
+        "damping_drift", "state", "N (1 + change t/duration) in place of N", "change 1",
+        lambda s, rng, size: {"change": max(either(rng) * about(rng, 0.5 * size), -0.8)},
+        _damping_drift, relation="outside",
     ),
     entry(
         "stiffness_jump", "state", "Q (1 + change) in place of Q from one moment on",

@@ -8,6 +8,7 @@ from softid.diagnosis.report.phrases import VARIATIONS, title_of, titles_of, var
 from softid.diagnosis.search.forward_selection import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     LINEAR_FILTERS,
+    OWN_DAMPING,
     PRESLIDING,
     EquivalenceClass,
     splitting_experiment,
@@ -53,9 +54,11 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     """
     if _is_presliding(alternative):
         return PRESLIDING
+    tied = set(alternative.effects)
+    if tied.issuperset(OWN_DAMPING.effects):
+        return OWN_DAMPING
     if not linear:
         return None
-    tied = set(alternative.effects)
     return next((known for known in LINEAR_FILTERS if set(known.effects) <= tied), None)
 
 

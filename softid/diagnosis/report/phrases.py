@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnosis.verdict.equivalence import classes_of
+from softid.diagnosis.verdict.equivalence import UNLISTED, classes_of
 from softid.diagnosis.verdict.naming import EXPLAINED, carries_over_whole, explains_enough
 from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Doubt, NotNoise, Remainder
 from softid.effects import EFFECTS
@@ -52,6 +52,8 @@ DOUBTS = {
     Doubt.UNKNOWN_SIZE: "gains little, and not even the order of magnitude of its size is known",
     Doubt.TOO_SLOW: "may be slower than these logs can tell",
     Doubt.MAY_BE_ZERO: "may as well have a size of zero",
+    Doubt.CANCELS: "nearly cancels another of these laws, and what both leave of each other is the "
+    "shape of a third",
 }
 """Why a description is no cause, after its title; the others are told by sentences of their own."""
 
@@ -76,9 +78,8 @@ def variables_left(remainder: Remainder) -> list[str]:
 def title_of(key: str) -> str:
     """The heading of an effect within a sentence."""
     if key not in EFFECTS:
-        return key
-    title = EFFECTS[key].title
-    return lowered(title)
+        return UNLISTED.get(key, key)
+    return lowered(EFFECTS[key].title)
 
 
 def titles_of(effects: Sequence[str], *, last: str = " and ") -> str:
@@ -91,16 +92,27 @@ def neighbours_of(key: str) -> tuple[str, ...]:
     return EFFECTS[key].neighbours if key in EFFECTS else ()
 
 
-def named_whole(cause: Cause) -> str:
-    """The heading, or all members of the class that no log can split."""
-    for known in classes_of([cause.key]):
-        return " or ".join(known.members)
+def named_whole(cause: Cause, *, linear: bool) -> str:
+    """The heading, or all members of the class that no log of such a model can split."""
+    for known in classes_of([cause.key], linear=linear):
+        return listed(known.members, last=" or ")
     return lowered(cause.title)
 
 
 def listed(parts: Sequence[str], *, last: str = " and ") -> str:
     """Parts joined as in a sentence."""
     return last.join(filter(None, (", ".join(parts[:-1]), parts[-1]))) if parts else ""
+
+
+def told_apart(parts: Sequence[str]) -> str:
+    """Parts of which one is told from the others.
+
+    Examples
+    --------
+    >>> told_apart(["a", "b"]), told_apart(["a", "b", "c"])
+    ('a from b', 'a, b and c apart')
+    """
+    return " from ".join(parts) if len(parts) < 3 else f"{listed(parts)} apart"
 
 
 def lowered(text: str) -> str:

@@ -26,6 +26,7 @@ from softid.diagnosis.report.phrases import (
     taken_by,
     title_of,
     titles_of,
+    told_apart,
     unsteady,
     values_of,
     variables_left,
@@ -261,13 +262,14 @@ def _explained(
     descriptive: Sequence[Cause],
 ) -> list[str]:
     told = []
+    linear = is_linear(teller.base)
     for number, cause in enumerate(causes, start=1):
         tie = next((a for a in alternatives if cause.effect in a.effects), None)
         opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
         values = values_of(cause.parameters)
         if tie is not None:
             named = titles_of(tie.keys, last=" or ")
-            law = law_that_ties(tie, linear=is_linear(teller.base))
+            law = law_that_ties(tie, linear=linear)
             if law is not None:
                 reason = f"{law.why}. As {lowered(cause.title)} it"
             else:
@@ -280,11 +282,12 @@ def _explained(
             )
         else:
             told.append(
-                f"{opening} {named_whole(cause)} ({cause.key}) with {values}. {cause.meaning}"
+                f"{opening} {named_whole(cause, linear=linear)} ({cause.key}) with {values}. "
+                f"{cause.meaning}"
             )
         told += [
-            f"No log of pressure and motion can tell {' from '.join(c.members)}: {lowered(c.why)}"
-            for c in classes_of(tie.effects if tie else [cause.effect])
+            f"No log of pressure and motion tells {told_apart(c.members)}: {lowered(c.why)}"
+            for c in (classes_of(tie.effects) if tie else classes_of([cause.effect], linear=linear))
         ]
         alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
         errors = "" if alone else _errors(teller, cause, descriptive)
@@ -312,9 +315,11 @@ def _evidence(
             f"; {titles_of(ahead)} {lower} it more, but only where {their} law becomes another, or "
             "not on what is held out"
         )
-    elif rivals:
+    elif rivals and max(rivals)[0] > 0.0:
         delta, key = max(rivals)
         told += f"; the next best, {title_of(key)}, stays {cause.delta_bic - delta:.0f} behind"
+    elif rivals:
+        told += "; no other of the effects tried lowers it"
     confused = [] if tie else neighbours_of(cause.key)
     if confused:
         known = {e.effect for e in raced} - {key.split(".")[0] for key in ahead}

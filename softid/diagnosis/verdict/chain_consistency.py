@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import pairwise
 
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis.verdict.equivalence import PRESLIDING
 from softid.diagnosis_results import Cause
 from softid.effects import extended_name
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
 
 SLIGHT = 0.03
 """A later link of the same kind that takes less than this share of what the earlier one took mends
@@ -19,9 +17,6 @@ the form of its law: no material follows a law to the last digit."""
 MAIN = 0.5
 """Causes are named when they take at least this share of what the whole chain takes: a cause beside
 a larger description stands on it."""
-
-GIVES_WAY = 0.02
-"""Friction gives way by this share of the range, at most, before it slides."""
 
 
 def consistent_names(
@@ -82,23 +77,3 @@ def _alike(one: Effect, other: Effect) -> bool:
 
 def _draws(one: Effect, other: Effect) -> bool:
     return other.name in one.draws
-
-
-def with_presliding(link: Link, cause: Cause, scale: Scale) -> Link:
-    """The link with friction as its rival where a hysteresis is as short as a presliding.
-
-    Dry friction that gives way a little before it slides follows Dahl's law, which is that of the
-    hysteresis: only the distance tells a guide that rubs from a material with inner friction.
-
-    Parameters
-    ----------
-    link, cause
-        A link and its parameters.
-    scale
-        Sizes of the base fit.
-    """
-    hysteresis, friction = PRESLIDING.effects
-    distance = [p.value for p in cause.parameters if p.name == f"{hysteresis}_zs"]
-    if not distance or distance[0] > GIVES_WAY * scale.x_span or friction in link.rivals:
-        return link
-    return replace(link, rivals=(*link.rivals, friction))

@@ -68,8 +68,53 @@ PRESLIDING = EquivalenceClass(
 )
 """One law, and the distance alone speaks for a guide that rubs or for a material that does."""
 
+LINEAR_CLASSES: tuple[EquivalenceClass, ...] = (
+    EquivalenceClass(
+        (
+            "creep of the material",
+            "a sensor that creeps",
+            "a part of the actuator that fills more slowly than the rest",
+        ),
+        ("creep",),
+        "In a linear model each adds one slow pole and one zero.",
+        "hang a weight on at a constant pressure, where only a material or a sensor creeps",
+    ),
+    EquivalenceClass(
+        ("a drift of the sensor's zero", "a drift of the zero of the pressure gauge"),
+        ("sensor_drift",),
+        "In a linear model both add a line to the output.",
+        "read both sensors vented and at rest, before and after the log",
+    ),
+)
+"""Algebra where the coefficients stay whatever the pressure is."""
+
+UNLISTED: dict[str, str] = {
+    "position_damping": "a damping of the actuator itself that goes with its position",
+    "gauge_lag": "a pressure gauge that lags behind",
+    "sensor_lead": "a sensor that runs ahead of the motion",
+}
+"""Causes in no catalogue that one of the catalogue may stand for: name and heading."""
+
+OWN_DAMPING = EquivalenceClass(
+    ("a lag of the pneumatics that differs by level", UNLISTED["position_damping"]),
+    ("pneumatic_lag", "position_damping"),
+    "The lag takes the place of the actuator's own damping, of which next to nothing is left, and "
+    "an actuator that is all damping follows the same law as air that is late",
+    "the pressure inside the actuator, or the motion after a push at a constant pressure",
+)
+"""A lag of the level beside an actuator that is left without a time of its own."""
+
 _FASTER = "the sensor beside a faster one, or the pressure at the actuator itself"
 """What splits a filter before the actuator from one behind it."""
+
+POLE_AND_ZERO = EquivalenceClass(
+    ("creep of the material", UNLISTED["gauge_lag"], UNLISTED["sensor_lead"]),
+    ("creep", "gauge_lag", "sensor_lead"),
+    "In a linear model each adds one pole and one zero, and this one is hardly slower than the "
+    "motion itself, so that it may as well be no creep",
+    _FASTER,
+)
+"""A creep that begins while the actuator still moves."""
 
 LINEAR_FILTERS: tuple[EquivalenceClass, ...] = (
     EquivalenceClass(
@@ -85,6 +130,7 @@ LINEAR_FILTERS: tuple[EquivalenceClass, ...] = (
         "output",
         _FASTER,
     ),
+    POLE_AND_ZERO,
 )
 """Linear operations may change places. A stiffness that goes with the pressure tells them apart."""
 
@@ -175,16 +221,19 @@ def splitting_experiment(effects: Sequence[str]) -> Split | None:
     return Split("; ".join(shown), None) if shown else None
 
 
-def classes_of(effects: Sequence[str]) -> tuple[EquivalenceClass, ...]:
+def classes_of(effects: Sequence[str], *, linear: bool = False) -> tuple[EquivalenceClass, ...]:
     """Classes of which one of these effects is a member.
 
     Parameters
     ----------
     effects
         Names or keys.
+    linear
+        Whether the base model is linear.
     """
     names = {key.split(".")[0] for key in effects}
-    return tuple(c for c in CLASSES if names & set(c.effects))
+    known = (*CLASSES, *LINEAR_CLASSES) if linear else CLASSES
+    return tuple(c for c in known if names & set(c.effects))
 
 
 def why_unsplit(effects: Sequence[str], *, alike: bool = True) -> str:

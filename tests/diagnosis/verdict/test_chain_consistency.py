@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from extended_fits import scale_of
 from handmade_diagnosis import cause, estimate
 from handmade_rounds import ranked
 
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis.verdict.chain_consistency import consistent_names, with_presliding
+from softid.diagnosis.verdict.chain_consistency import consistent_names
 from softid.diagnosis_results import Cause
 
 
@@ -92,14 +91,3 @@ def test_a_cause_beside_a_larger_description_is_none() -> None:
     told = causes("stiffening", "creep")
     assert consistent_names(chain, told, (False, True), 1.0) == (False, False)
     assert consistent_names(chain, told, (True, False), 1.0) == (True, False)
-
-
-@pytest.mark.parametrize(("share", "rivals"), [(0.01, 2), (0.03, 1)])
-def test_a_short_hysteresis_may_be_friction(share: float, rivals: int) -> None:
-    """Dahl's law is both; up to 2 % of the range it may be a presliding."""
-    (link,) = links("hysteresis", squares=(100.0,))
-    told = cause("hysteresis", [estimate("hysteresis_zs", share, "mm")], before=2.0, after=1.0)
-    scale = replace(scale_of("muscle"), x_low=3.0, x_high=4.0)
-    found = with_presliding(link, told, scale)
-    assert len(found.rivals) == rivals
-    assert found.rivals[0] == "hysteresis"

@@ -9,9 +9,13 @@ from softid.diagnosis.verdict.equivalence import (
     CLASSES,
     EXPERIMENTS,
     HOLD,
+    LINEAR_CLASSES,
+    LINEAR_FILTERS,
+    OWN_DAMPING,
     SEPARATIONS,
     SINE,
     STEPS,
+    UNLISTED,
     Split,
     classes_of,
     splitting_experiment,
@@ -67,8 +71,10 @@ def test_variants_of_one_cause_need_no_split() -> None:
 def test_tables_name_effects() -> None:
     """A name that is not in the catalogue would never be met; every row has all experiments."""
     names = {name for pair in SEPARATIONS for name in pair}
-    names |= {name for known in CLASSES for name in known.effects}
+    names |= {name for known in (*CLASSES, *LINEAR_CLASSES) for name in known.effects}
     assert names <= set(EFFECTS)
+    tied = {name for known in (*LINEAR_FILTERS, OWN_DAMPING) for name in known.effects}
+    assert tied - set(EFFECTS) == set(UNLISTED)
     assert {len(row) for row in SEPARATIONS.values()} == {len(EXPERIMENTS)}
 
 
@@ -80,6 +86,7 @@ def test_classes_of_algebra() -> None:
     ]
     assert classes_of(["pneumatic_lag.separate"])[0].effects == ("pneumatic_lag",)
     assert classes_of(["creep"]) == ()
+    assert [c.effects for c in classes_of(["creep.series"], linear=True)] == [("creep",)]
 
 
 def test_why_is_told_in_sentences() -> None:

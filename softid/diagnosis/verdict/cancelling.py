@@ -1,0 +1,59 @@
+"""Causes of which each makes far more than both together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import Candidate, extend
+from softid.effects.base import Effect, Scale
+
+Array = npt.NDArray[np.float64]
+
+CANCELS = 0.4
+"""Two laws cancel where together they move the output by less than this share of what either of
+them moves it: what is left of both is the shape of a third."""
+
+
+def cancelling(final: Candidate, base: Candidate, scale: Scale) -> frozenset[str]:
+    """Keys of the effects of a chain that nearly cancel another one of it.
+
+    Parameters
+    ----------
+    final
+        The model with all causes.
+    base
+        That without any.
+    scale
+        Sizes of the base fit.
+    """
+    whole = _residual(final, final.effects, base, scale)
+    found: set[str] = set()
+    for pair in combinations(final.effects, 2):
+        left_out: list[Sequence[Effect]] = [(one,) for one in pair] + [pair]
+        moved = []
+        for without in left_out:
+            kept = [e for e in final.effects if e not in without]
+            moved.append(_rms(_residual(final, kept, base, scale) - whole))
+        *each, both = moved
+        if np.isfinite(moved).all() and both < CANCELS * min(each):
+            found |= {effect.key for effect in pair}
+    return frozenset(found)
+
+
+def _residual(final: Candidate, effects: Sequence[Effect], base: Candidate, scale: Scale) -> Array:
+    """What is left with some of the effects and all parameters as they are."""
+    problem = extend(base.problem, effects, scale) if effects else base.problem
+    known = final.problem.free_by_name(final.minimum.point)
+    own = [known[name] for name in problem.free]
+    z = np.concatenate((own, final.minimum.point[len(final.problem.free) :]))
+    with np.errstate(all="ignore"):
+        blocks = problem.blocks(z, derivatives=False)
+        return np.concatenate([b.residual for b in blocks if b.channel == problem.outputs[0]])
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,71 @@
+"""Rivals of a cause that follow the same law, whether or not the catalogue has them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis.verdict.equivalence import OWN_DAMPING, POLE_AND_ZERO, PRESLIDING
+from softid.diagnosis_results import Cause
+from softid.effects.base import Scale
+
+GIVES_WAY = 0.02
+"""Friction gives way by this share of the range, at most, before it slides."""
+
+KEPT = 0.2
+"""An actuator keeps no time of its own when it is below this share of the lag's."""
+
+LATER = 3.0
+"""A creep goes on for so many times as long as the motion itself, at least; what is over sooner may
+be any other pole and zero."""
+
+
+def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale: Scale) -> Link:
+    r"""The link with rivals that no log tells from its cause, for they follow its law.
+
+    Dry friction that gives way a little before it slides follows Dahl's law, which is that of the
+    hysteresis: only the distance tells a guide that rubs from a material with inner friction. With
+    M = N = 0, a lag whose time goes with the pressure inside, τ(pa) ṗa + pa = p, is x = pa/Q with
+    τ(Qx) Q ẋ + Q x = p: a damping that goes with the position. In a linear model a creep is one
+    pole and one zero, as is the lag of a gauge or the lead of a sensor.
+
+    Parameters
+    ----------
+    link, cause
+        A link and its parameters.
+    key
+        The form of its effect as which it is told.
+    final
+        The model with all causes.
+    scale
+        Sizes of the base fit.
+    """
+    values = {p.name.removeprefix(f"{cause.effect}_"): p.value for p in cause.parameters}
+    others: tuple[str, ...] = ()
+    if cause.effect == "hysteresis" and values.get("zs", np.inf) <= GIVES_WAY * scale.x_span:
+        others = PRESLIDING.effects[1:]
+    elif key == "pneumatic_lag.level" and own_time(final) < KEPT * values["tau"]:
+        others = OWN_DAMPING.effects[1:]
+    elif cause.effect == "creep" and final.problem.model.is_linear:
+        others = POLE_AND_ZERO.effects[1:] if values["tau"] < LATER * scale.motion_s else ()
+    return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *others))))
+
+
+def own_time(final: Candidate) -> float:
+    """Time constant that a law of motion keeps beside its effects, damping over stiffness, in s.
+
+    Parameters
+    ----------
+    final
+        An extended model; the time is infinite where there is no spring.
+    """
+    problem = final.problem
+    law = problem.model.motion_law(problem.theta(final.minimum.point))
+    if law is None:
+        return np.inf
+    u = np.concatenate([segment.input for segment in problem.segments])
+    damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
+    return damping / stiffness if stiffness > 0.0 else np.inf

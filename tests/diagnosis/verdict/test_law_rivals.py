@@ -1,0 +1,113 @@
+"""Which causes follow the same law as another one, in the catalogue or not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from extended_fits import scale_of as sizes_of
+from handmade_diagnosis import cause, estimate
+from handmade_rounds import ranked
+from linear_motion import TRUTH, linear_log, linear_problem, standing
+from scipy.signal import lsim
+
+from softid.diagnosis.refit.candidates import Candidate, extend, start_unknowns
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis.verdict.law_rivals import own_time, with_law_rivals
+from softid.effects import effect_of
+from softid.effects.base import Scale
+
+OWN_S = TRUTH["N"] / TRUTH["Q"]
+
+
+def link_of(key: str) -> Link:
+    base, chosen = ranked((), 0.0), ranked((key,), -500.0)
+    return Link(base, (chosen, base), chosen, (key.split(".")[0],), (), 100.0)
+
+
+def linear_with(key: str, **values: float) -> tuple[Candidate, Scale]:
+    """The linear actuator at its truth with an effect."""
+    problem = linear_problem([linear_log()])
+    z = problem.unknowns(TRUTH)
+    scale = scale_of(problem, z)
+    extended = extend(problem, [effect_of(key)], scale)
+    named = {f"{key.split('.')[0]}_{name}": value for name, value in values.items()}
+    return standing(extended, start_unknowns(extended, problem, z, named)), scale
+
+
+@pytest.mark.parametrize(("share", "rivals"), [(0.01, 2), (0.03, 1)])
+def test_a_short_hysteresis_may_be_friction(share: float, rivals: int) -> None:
+    """Dahl's law is both; up to 2 % of the range it may be a presliding."""
+    told = cause("hysteresis", [estimate("hysteresis_zs", share, "mm")], before=2.0, after=1.0)
+    scale = replace(sizes_of("muscle"), x_low=3.0, x_high=4.0)
+    final: Any = None
+    found = with_law_rivals(link_of("hysteresis"), told, "hysteresis", final, scale)
+    assert len(found.rivals) == rivals
+    assert found.rivals[0] == "hysteresis"
+
+
+@pytest.mark.parametrize(
+    ("tau", "told_as", "rivals"),
+    [
+        (6.0 * OWN_S, "pneumatic_lag.level", ("pneumatic_lag", "position_damping")),
+        (6.0 * OWN_S, "pneumatic_lag", ("pneumatic_lag",)),
+        (4.0 * OWN_S, "pneumatic_lag.level", ("pneumatic_lag",)),
+    ],
+)
+def test_a_lag_beside_an_actuator_without_damping_may_be_that_damping(
+    tau: float, told_as: str, rivals: tuple[str, ...]
+) -> None:
+    """Where less than a fifth of the lag's time is the actuator's own, and the level matters."""
+    key = "pneumatic_lag.level"
+    final, scale = linear_with(key, tau=tau, ratio=2.0)
+    assert own_time(final) == pytest.approx(OWN_S)
+    sizes = [estimate("pneumatic_lag_tau", tau, "s"), estimate("pneumatic_lag_ratio", 2.0, "1")]
+    told = cause(key, sizes, before=2.0, after=1.0)
+    assert with_law_rivals(link_of(key), told, told_as, final, scale).rivals == rivals
+
+
+def test_a_lag_of_the_level_is_a_damping_that_goes_with_the_position() -> None:
+    """The law in the docstring: Q x = pa and τ(pa) ṗa + pa = p against N(x) ẋ + Q x = p.
+
+    Both by small Euler steps of their own form; rounding is all that differs.
+    """
+    q, step = 50.0, 1e-3
+    pressure = 60.0 + 30.0 * np.sin(np.arange(5000) * step)
+    inside, x = float(pressure[0]), float(pressure[0]) / q
+    for p in pressure.tolist():
+        tau = 0.2 * 3.0 ** (inside / 100.0)
+        damping = q * 0.2 * 3.0 ** (q * x / 100.0)
+        inside += step * (p - inside) / tau
+        x += step * (p - q * x) / damping
+    assert x == pytest.approx(inside / q, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("tau", "rivals"),
+    [(2.0 * OWN_S, ("creep", "gauge_lag", "sensor_lead")), (4.0 * OWN_S, ("creep",))],
+)
+def test_a_creep_as_fast_as_the_motion_may_be_any_pole_and_zero(
+    tau: float, rivals: tuple[str, ...]
+) -> None:
+    """Below three times the motion's own time."""
+    final, scale = linear_with("creep", k=10.0, tau=tau)
+    assert scale.motion_s == pytest.approx(OWN_S)
+    sizes = [estimate("creep_k", 10.0, "kPa/rad"), estimate("creep_tau", tau, "s")]
+    told = cause("creep", sizes, before=2.0, after=1.0)
+    assert with_law_rivals(link_of("creep"), told, "creep", final, scale).rivals == rivals
+
+
+def test_both_forms_of_a_creep_are_one_transfer_function() -> None:
+    """Where M = N = 0, k and τ beside Q are c = k/Q and τ (1 + c) beside Q (1 + c)."""
+    q, k, tau = 50.0, 10.0, 0.4
+    c = k / q
+    time_s = np.arange(1000) / 50.0
+    pressure = 60.0 + 30.0 * np.sin(4.0 * time_s)
+    solid = ([tau, 1.0], [tau * (q + k), q])
+    series = ([tau * (1.0 + c) / (1.0 + c), 1.0], [tau * (1.0 + c), 1.0])
+    one = lsim(solid, pressure, time_s)[1]
+    other = lsim(series, pressure / q, time_s)[1]
+    assert one == pytest.approx(other, rel=1e-9, abs=1e-12)
