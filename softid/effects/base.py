@@ -248,6 +248,22 @@ class InputEffect(Effect):
             Sizes of the logs and of the base model.
         """
 
+    def bends_in_s(self, eta: Array) -> float:
+        """Shortest time, in s, in which what arrives bends between two corners of the input.
+
+        Parameters
+        ----------
+        eta
+            As in `apply`.
+
+        Returns
+        -------
+        float
+            0, unless an effect says more, for a corner that may be put anywhere.
+        """
+        del eta
+        return 0.0
+
 
 @dataclass(frozen=True)
 class StateEffect(Effect):

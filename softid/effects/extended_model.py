@@ -273,9 +273,10 @@ class ExtendedModel(Model):
         """
         base = theta[: self._split[0]]
         law = self.model.motion_law(base)
-        u = segment.input
+        u, bends_in_s = segment.input, np.inf
         for effect, eta in self._on_input(theta):
             u = effect.apply(eta, segment.time_s, u, self.scale)
+            bends_in_s = min(bends_in_s, effect.bends_in_s(eta))
         counts = np.ones(max(u.size - 1, 0), np.intp)
         if law is not None:
             for values in (segment.input, u):
@@ -287,7 +288,7 @@ class ExtendedModel(Model):
                 counts = counts if own is None else np.maximum(counts, own.counts)
         wanted = np.ceil(np.diff(segment.time_s) * self._rate(theta) / MAX_PHASE_PER_STEP)
         counts = np.maximum(counts, np.clip(wanted, 1, MAX_SUBSTEPS).astype(np.intp))
-        return divided(segment.time_s, segment.input, counts)
+        return divided(segment.time_s, segment.input, counts, bends_in_s=bends_in_s)
 
     def _rate(self, theta: Array) -> float:
         """Fastest rate that a state effect calls for, in 1/s; 0 without one."""

@@ -368,7 +368,9 @@ def rest(
     return _rest_position(model, terms, theta, u, 0.0)
 
 
-def divided(time_s: Array, u: Array, counts: npt.NDArray[np.intp]) -> Division:
+def divided(
+    time_s: Array, u: Array, counts: npt.NDArray[np.intp], *, bends_in_s: float = 0.0
+) -> Division:
     """Divide each sampling interval into a given number of equal steps.
 
     Parameters
@@ -377,5 +379,7 @@ def divided(time_s: Array, u: Array, counts: npt.NDArray[np.intp]) -> Division:
         Sample times and input, each of shape (n,).
     counts
         Steps per interval, shape (n − 1,).
+    bends_in_s
+        As in `Division`.
     """
-    return Division(held(time_s), held(u), counts.astype(np.int16), "radau")
+    return Division(held(time_s), held(u), counts.astype(np.int16), "radau", bends_in_s)

@@ -22,6 +22,9 @@ RATIOS = (0.4, 2.5)
 RATIO_BOUNDS = (0.05, 20.0)
 """Bounds of such a ratio: with one time so much shorter than the other, the shorter one is none."""
 
+FINER = 3.0
+"""So many times more steps in the time of a lag that changes as it goes."""
+
 
 @dataclass(frozen=True)
 class PneumaticLag(InputEffect):
@@ -74,6 +77,10 @@ class PneumaticLag(InputEffect):
         arriving = np.array(u, np.float64)
         lag(np.diff(time_s), arriving, float(eta[0]), float(eta[0]))
         return arriving
+
+    def bends_in_s(self, eta: Array) -> float:
+        """The time constant."""
+        return float(eta[0])
 
 
 @dataclass(frozen=True)
@@ -128,6 +135,10 @@ class SeparatePneumaticLag(PneumaticLag):
         arriving = np.array(u, np.float64)
         lag(np.diff(time_s), arriving, float(eta[0]), float(eta[0] * eta[1]))
         return arriving
+
+    def bends_in_s(self, eta: Array) -> float:
+        """The shorter time constant; where one takes over from the other nothing moves."""
+        return float(eta[0] * min(eta[1], 1.0))
 
 
 @dataclass(frozen=True)
@@ -186,3 +197,7 @@ class LevelPneumaticLag(PneumaticLag):
         middle = 0.5 * (scale.u_low + scale.u_high)
         lag_by_level(np.diff(time_s), arriving, float(eta[0]), growth, middle)
         return arriving
+
+    def bends_in_s(self, eta: Array) -> float:
+        """That of the time constant where it is shortest, as far as steps of order 2 show it."""
+        return float(eta[0] * min(eta[1], 1.0 / eta[1]) ** 0.5) / FINER

@@ -2,7 +2,7 @@
 
 A delayed step bends inside an integration step, and a line can ring faster than the stages sample.
 So input effects act on times several times finer than the stages, and each step then receives the
-parabola that is nearest to what arrives within it (least squares with Simpson's weights): it keeps
+parabola that is nearest to what arrives within it (least squares with Boole's weights): it keeps
 the mean and the first moment of the input, on which the motion at the end of the step depends.
 """
 
@@ -15,10 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
-from softid.models.division import NODES_PER_STEP, Division
+from softid.models.division import Division
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
+
+BOOLE = np.array([14.0, 32.0, 12.0, 32.0])
+"""Weights of the rule that is exact for a polynomial of degree five, four intervals after four: a
+parabola's fit to a cubic is then that to its whole course."""
 
 
 def arriving_input(
@@ -49,20 +53,20 @@ def arriving_input(
     time_s, u = plan.nodes
     for effect, eta in effects:
         u = effect.apply(eta, time_s, u, scale)
-    at_stages = np.empty(((time_s.size - 1) // NODES_PER_STEP, 3))
-    gather(np.ascontiguousarray(u, np.float64), _to_stages(), at_stages)
+    nodes = plan.nodes_per_step
+    at_stages = np.empty(((time_s.size - 1) // nodes, 3))
+    gather(np.ascontiguousarray(u, np.float64), _to_stages(nodes), at_stages)
     return float(u[0]), at_stages
 
 
 @cache
-def _to_stages() -> Array:
+def _to_stages(count: int) -> Array:
     """Matrix from the values at the nodes of a step to those of the nearest parabola, (m, 3)."""
     from softid.kernels.radau import STAGES
 
-    nodes = np.linspace(0.0, 1.0, NODES_PER_STEP + 1)
-    weights = np.ones(nodes.size)
-    weights[1:-1:2] = 4.0
-    weights[2:-1:2] = 2.0
+    nodes = np.linspace(0.0, 1.0, count + 1)
+    weights = np.append(np.tile(BOOLE, count // BOOLE.size), 0.5 * BOOLE[0])
+    weights[0] = weights[-1]
     at_nodes = np.vander(nodes, 3)
     weighted = at_nodes.T * weights
     matrix = np.vander(STAGES, 3) @ np.linalg.solve(weighted @ at_nodes, weighted)

@@ -27,7 +27,14 @@ RADAU_COST = 1.35
 """Cost of a Radau step in Runge–Kutta steps, with seven sensitivities and the normal matrix."""
 
 NODES_PER_STEP = 16
-"""Nodes within a step at which effects on the input act."""
+"""Nodes within a step at which effects on the input act, which may put a corner into it."""
+
+SMOOTH_NODES = 4
+"""The same where what arrives has no corner within a step, and hardly bends."""
+
+SMOOTH_STEPS = 4.0
+"""So many steps in the shortest time in which it bends, and it hardly does within one: with the
+nodes apart by a sixteenth of that time their parabola is the same to 5e-5 of a change."""
 
 _CHUNK = 1 << 16
 
@@ -45,28 +52,41 @@ class Division:
     rule
         ``"rk4"``, the explicit classical Runge–Kutta rule, or ``"radau"``, the implicit three-stage
         Radau IIA rule, which is stable for any stiffness.
+    bends_in_s
+        Shortest time in which the input that arrives bends between samples; 0 where it may have
+        corners there.
     """
 
     time_s: Array
     u: Array
     counts: npt.NDArray[np.int16]
     rule: Rule
+    bends_in_s: float = 0.0
 
     def same_as(self, other: Division) -> bool:
         """Whether both divide every interval alike and step by the same rule."""
-        return self.rule == other.rule and bool(np.array_equal(self.counts, other.counts))
+        alike = (self.rule, self.nodes_per_step) == (other.rule, other.nodes_per_step)
+        return alike and bool(np.array_equal(self.counts, other.counts))
+
+    @cached_property
+    def nodes_per_step(self) -> int:
+        """Nodes within a step at which effects on the input act."""
+        longest = float(self.step_s.max(initial=0.0))
+        is_smooth = SMOOTH_STEPS * longest <= self.bends_in_s
+        return SMOOTH_NODES if is_smooth else NODES_PER_STEP
 
     @cached_property
     def nodes(self) -> tuple[Array, Array]:
         """Times and input at the first sample and at equidistant nodes of every step.
 
-        Each of shape (1 + 16 L,); kept, since an optimiser asks for them at every evaluation.
+        Each of shape (1 + m L,) with m of them per step; kept, since an optimiser asks for them at
+        every evaluation.
         """
         from softid.kernels.stage_projection import spread
 
-        size = 1 + int(self.counts.sum()) * NODES_PER_STEP
+        size = 1 + int(self.counts.sum()) * self.nodes_per_step
         node_s, node_u = np.empty(size), np.empty(size)
-        spread(self.time_s, self.u, self.counts, NODES_PER_STEP, node_s, node_u)
+        spread(self.time_s, self.u, self.counts, self.nodes_per_step, node_s, node_u)
         return held(node_s), held(node_u)
 
     @cached_property

@@ -10,8 +10,10 @@ import pytest
 from io_rig import SCALE, extended, pressure, segment
 
 from softid.effects import Scale
+from softid.effects.base import InputEffect
 from softid.effects.delay import Delay
 from softid.effects.motion import divided
+from softid.effects.pneumatic_lag import LevelPneumaticLag, PneumaticLag, SeparatePneumaticLag
 from softid.effects.stage_input import arriving_input
 from softid.kernels.radau import STAGES
 from softid.models.second_order import Division
@@ -65,6 +67,39 @@ def test_the_mean_of_a_step_is_kept(tau_s: float) -> None:
     assert np.max(np.abs(stages @ RADAU_WEIGHTS - expected)) < 0.07
     read = pressure(s.time_s[:-1, None] + 0.01 * STAGES - tau_s) @ RADAU_WEIGHTS
     assert np.max(np.abs(read - expected)) > 0.5
+
+
+@pytest.mark.parametrize(
+    ("effect", "eta"),
+    [
+        (PneumaticLag(), [0.04]),
+        (SeparatePneumaticLag(), [0.08, 0.5]),
+        (LevelPneumaticLag(), [0.24, 4.0]),
+    ],
+)
+def test_few_nodes_show_what_hardly_bends(effect: InputEffect, eta: list[float]) -> None:
+    """Times of four steps, or twelve: with 4 nodes as with 16, to 5e-5 of the 70 kPa of a rise."""
+    s = segment()
+    ones = np.ones(s.time_s.size - 1, np.intp)
+    values = np.array(eta)
+    bends_in_s = effect.bends_in_s(values)
+    assert bends_in_s == pytest.approx(0.04)
+    few, many = (
+        divided(s.time_s, s.input, ones, bends_in_s=bends_in_s + 1e-9),
+        divided(s.time_s, s.input, ones),
+    )
+    assert (few.nodes_per_step, many.nodes_per_step) == (4, 16)
+    seen, expected = (arriving_input([(effect, values)], s, plan, SCALE)[1] for plan in (few, many))
+    np.testing.assert_allclose(seen, expected, rtol=0.0, atol=5e-5 * 70.0)
+
+
+def test_a_delay_beside_a_lag_keeps_its_nodes() -> None:
+    """Its corner may be anywhere."""
+    s = segment()
+    lag, both = extended("pneumatic_lag"), extended("pneumatic_lag", "delay")
+    plans = [model.plan(theta, s) for model, theta in (lag, both)]
+    assert plans[1].nodes_per_step == 16
+    assert plans[0].bends_in_s > plans[1].bends_in_s == 0.0
 
 
 def test_a_single_sample_has_no_steps() -> None:

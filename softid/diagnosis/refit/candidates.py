@@ -313,7 +313,8 @@ def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Divi
         if plan is not None and plan.counts.max(initial=1) > substeps:
             most = np.where(_oscillates(law, segment.input), 2 * substeps, substeps)
             counts = np.minimum(plan.counts, most)
-            plans.append(divided(segment.time_s, segment.input, counts))
+            bends_in_s = plan.bends_in_s
+            plans.append(divided(segment.time_s, segment.input, counts, bends_in_s=bends_in_s))
         else:
             plans.append(plan)
     return plans
