@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from softid.fitters.rest import spans_of, starts_at_rest
 from softid.log import Log
-from softid.models.base import Model
+from softid.models.base import Model, Response
 from softid.models.division import Division
 from softid.parameters import ParameterSet
 from softid.segment import Segment
@@ -264,15 +264,18 @@ class Problem:
     def start_state(self, z: Array, segment: int) -> tuple[float, ...]:
         """Initial state used for one segment."""
         begin = self.segments[segment].part(slice(2))
-        response = self.model.response(
+        return tuple(float(v) for v in self.response(z, segment, begin).start)
+
+    def response(self, z: Array, segment: int, course: Segment | None = None) -> Response:
+        """Motion and first output over one segment, or over another course from its start."""
+        return self.model.response(
             self.theta(z),
-            begin,
+            self.segments[segment] if course is None else course,
             self.outputs[:1],
             start=self.start(z, segment),
             derivatives=False,
             relative=self.has_equilibrium,
         )
-        return tuple(float(v) for v in response.start)
 
     def theta(self, z: Array) -> Array:
         """All parameter values at the unknowns, shape (K,)."""

@@ -72,18 +72,10 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
 
 def _path(problem: Problem, unknowns: Array, k: int) -> tuple[Array, Array]:
     """Position and velocity of the base model over one segment."""
-    segment = problem.segments[k]
-    response = problem.model.response(
-        problem.theta(unknowns),
-        segment,
-        problem.outputs[:1],
-        start=problem.start(unknowns, k),
-        derivatives=False,
-        relative=problem.has_equilibrium,
-    )
+    response = problem.response(unknowns, k)
     if response.x is None or response.v is None:
         y = response.outputs[problem.outputs[0]]
-        return y, np.gradient(y, segment.time_s)
+        return y, np.gradient(y, problem.segments[k].time_s)
     return response.x, response.v
 
 

@@ -220,17 +220,7 @@ def _response(model: Candidate, k: int, places: Places, pulse: Pulse) -> Array:
     segment = problem.segments[k]
     heights = TRIED * (segment.input[places + 1] - segment.input[places])
     moved = [_with_pulses(segment, places, side * heights, pulse) for side in (1.0, -1.0)]
-    there, back = (
-        problem.model.response(
-            problem.theta(z),
-            one,
-            problem.outputs,
-            start=problem.start(z, k),
-            derivatives=False,
-            relative=problem.has_equilibrium,
-        ).outputs[problem.outputs[0]]
-        for one in moved
-    )
+    there, back = (problem.response(z, k, one).outputs[problem.outputs[0]] for one in moved)
     apart: Array = moved[0].samples_of(there - back)
     return apart / (2.0 * TRIED * pulse.moment) * pulse.deviation
 

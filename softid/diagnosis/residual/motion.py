@@ -15,14 +15,7 @@ def residual_context(candidate: Candidate) -> list[ResidualContext]:
     blocks = {b.segment: b for b in problem.blocks(z, derivatives=False) if b.channel == first}
     found = []
     for k, segment in enumerate(problem.segments):
-        response = problem.model.response(
-            problem.theta(z),
-            segment,
-            problem.outputs,
-            start=problem.start(z, k),
-            derivatives=False,
-            relative=problem.has_equilibrium,
-        )
+        response = problem.response(z, k)
         x = response.outputs[first] if response.x is None else response.x
         v = np.gradient(x, segment.time_s) if response.v is None else response.v
         residual = np.full(segment.time_s.size, np.nan)
