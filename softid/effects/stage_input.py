@@ -2,7 +2,7 @@
 
 A delayed step bends inside an integration step, and a line can ring faster than the stages sample.
 So input effects act on times several times finer than the stages, and each step then receives the
-parabola that is nearest to what arrives within it (least squares with Boole's weights): it keeps
+parabola that is nearest to what arrives within it (least squares with Simpson's weights): it keeps
 the mean and the first moment of the input, on which the motion at the end of the step depends.
 """
 
@@ -15,14 +15,17 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
-from softid.models.division import Division
+from softid.models.division import SMOOTH_NODES, Division
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
+SIMPSON = np.array([2.0, 4.0])
+"""Weights of two intervals after two: corners are seen best by a rule that is over soon."""
+
 BOOLE = np.array([14.0, 32.0, 12.0, 32.0])
-"""Weights of the rule that is exact for a polynomial of degree five, four intervals after four: a
-parabola's fit to a cubic is then that to its whole course."""
+"""Weights of four intervals, exact for a polynomial of degree five: a parabola's fit to a cubic is
+then that to its whole course."""
 
 
 def arriving_input(
@@ -65,7 +68,8 @@ def _to_stages(count: int) -> Array:
     from softid.kernels.radau import STAGES
 
     nodes = np.linspace(0.0, 1.0, count + 1)
-    weights = np.append(np.tile(BOOLE, count // BOOLE.size), 0.5 * BOOLE[0])
+    rule = BOOLE if count == SMOOTH_NODES else SIMPSON
+    weights = np.append(np.tile(rule, count // rule.size), 0.5 * rule[0])
     weights[0] = weights[-1]
     at_nodes = np.vander(nodes, 3)
     weighted = at_nodes.T * weights
