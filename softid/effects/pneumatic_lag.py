@@ -22,9 +22,6 @@ RATIOS = (0.4, 2.5)
 RATIO_BOUNDS = (0.05, 20.0)
 """Bounds of such a ratio: with one time so much shorter than the other, the shorter one is none."""
 
-FINER = 3.0
-"""So many times more steps in the time of a lag that changes as it goes."""
-
 
 @dataclass(frozen=True)
 class PneumaticLag(InputEffect):
@@ -199,5 +196,5 @@ class LevelPneumaticLag(PneumaticLag):
         return arriving
 
     def bends_in_s(self, eta: Array) -> float:
-        """That of the time constant where it is shortest, as far as steps of order 2 show it."""
-        return float(eta[0] * min(eta[1], 1.0 / eta[1]) ** 0.5) / FINER
+        """The time constant at that end of the pressures where it is shortest."""
+        return float(eta[0] * min(eta[1], 1.0 / eta[1]) ** 0.5)

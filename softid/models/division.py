@@ -32,9 +32,9 @@ NODES_PER_STEP = 16
 SMOOTH_NODES = 4
 """The same where what arrives has no corner within a step, and hardly bends."""
 
-SMOOTH_STEPS = 4.0
-"""So many steps in the shortest time in which it bends, and it hardly does within one: with the
-nodes apart by a sixteenth of that time their parabola is the same to 5e-5 of a change."""
+SMOOTH_STEPS = 2.0
+"""So many steps in the shortest time in which it bends, and it hardly does within one: four nodes
+of a step then show the same as sixteen to 1e-4 of a jump of the input."""
 
 _CHUNK = 1 << 16
 
