@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from softid.models.division import held
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -23,6 +24,9 @@ with 16 samples by 0.3 %, enough for a start."""
 MAX_WINDOWS = 400
 """Windows of one segment, overlapping, for four coefficients; more hardly add to what the data tell
 and cost a pass over their samples each."""
+
+LEAST_WINDOWS = 8
+"""Twice as many as there are coefficients."""
 
 
 def weak_form_coefficients(
@@ -50,10 +54,9 @@ def weak_form_coefficients(
         positive ones; empty when there are too few windows.
     """
     length_s = window * max(float(s.time_s[-1] - s.time_s[0]) for s in segments)
-    blocks = [row for s in segments for row in _rows(s, output, length_s)]
-    if len(blocks) < 8:
+    moments = np.concatenate([_rows(s, output, length_s) for s in segments])
+    if len(moments) < LEAST_WINDOWS:
         return []
-    moments = np.array(blocks)
     columns = [0, 1, 2, 3] if spring else [0, 1, 3]
     found = []
     for kept in (columns, columns[1:]):
@@ -76,23 +79,15 @@ def _solve(matrix: Array, target: Array) -> list[float]:
     return values
 
 
-def _rows(segment: Segment, output: str, length_s: float) -> list[Array]:
-    time = segment.time_s
-    rows = []
-    for start in np.linspace(time[0], time[-1] - length_s, MAX_WINDOWS).tolist():
-        inside = slice(*np.searchsorted(time, (start, start + length_s)).tolist())
-        t = time[inside]
-        if t.size < MIN_SAMPLES_PER_WINDOW or not segment.used[output][inside].all():
-            continue
-        s = (t - start) / length_s
-        x, u = segment.outputs[output][inside], segment.input[inside]
-        # φ = (s(1 − s))⁴ and its first two derivatives in time.
-        product = s * (1 - s)
-        bump = product**4
-        slope = 4 * product**3 * (1 - 2 * s) / length_s
-        curve = (12 * product**2 * (1 - 2 * s) ** 2 - 8 * product**3) / length_s**2
-        terms = np.array([curve * x, -slope * x, bump * x, bump, bump * u])
-        # All of them vanish at both ends of the window, which lie between two samples.
-        whole_s = np.concatenate(([start], t, [start + length_s]))
-        rows.append(np.trapezoid(np.pad(terms, ((0, 0), (1, 1))), whole_s))
-    return rows
+def _rows(segment: Segment, output: str, length_s: float) -> Array:
+    """Moments of the windows of one segment, shape (W, 5)."""
+    from softid.kernels.window_moments import window_moments
+
+    time_s, x, u = held(segment.time_s), held(segment.outputs[output]), held(segment.input)
+    starts = np.linspace(time_s[0], time_s[-1] - length_s, MAX_WINDOWS)
+    first, behind = np.searchsorted(time_s, starts), np.searchsorted(time_s, starts + length_s)
+    missing = np.concatenate(([0], np.cumsum(~segment.used[output])))
+    whole = (behind - first >= MIN_SAMPLES_PER_WINDOW) & (missing[behind] == missing[first])
+    moments = np.empty((int(whole.sum()), 5))
+    window_moments(time_s, x, u, first[whole], behind[whole], starts[whole], length_s, moments)
+    return moments

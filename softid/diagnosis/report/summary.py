@@ -241,8 +241,8 @@ def _left(teller: ErrorTexts, remainder: Remainder, *, changes: bool = False) ->
     elif remainder.structure_share > NOTABLE:
         share = percent(remainder.structure_share)
         told += (
-            f"is larger than the noise; {share} of it follows from {PREDICTORS}, but so much of "
-            "slow noise would by chance"
+            f"is larger than the noise; {share} of it follows from {PREDICTORS}, no more than "
+            "chance would make of slow noise"
         )
     elif remainder.noise_from_rest:
         told += "is larger than the noise, but follows from no variable that was looked at"

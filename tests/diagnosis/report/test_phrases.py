@@ -117,7 +117,8 @@ def test_structure_that_chance_would_make_of_slow_noise_is_told() -> None:
     left = replace(found.remainder, structured=True, structure_share=0.33, structure_limit=0.41)
     text = told(replace(found, remainder=left))
     assert (
-        f"33 % of it follows from {PREDICTORS}, but so much of slow noise would by chance" in text
+        f"33 % of it follows from {PREDICTORS}, no more than chance would make of slow noise"
+        in text
     )
     assert "follows from no variable" not in text
 
