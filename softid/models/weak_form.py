@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels.window_moments import window_moments
 from softid.models.division import held
 from softid.segment import Segment
 
@@ -81,8 +82,6 @@ def _solve(matrix: Array, target: Array) -> list[float]:
 
 def _rows(segment: Segment, output: str, length_s: float) -> Array:
     """Moments of the windows of one segment, shape (W, 5)."""
-    from softid.kernels.window_moments import window_moments
-
     time_s, x, u = held(segment.time_s), held(segment.outputs[output]), held(segment.input)
     starts = np.linspace(time_s[0], time_s[-1] - length_s, MAX_WINDOWS)
     first, behind = np.searchsorted(time_s, starts), np.searchsorted(time_s, starts + length_s)
