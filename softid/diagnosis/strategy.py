@@ -50,12 +50,15 @@ class SearchResult:
         Which of them may be named.
     first
         The model with the cause that was found first, as it was then; None without a cause.
+    met_multistart
+        Whether candidates from a multistart took part.
     """
 
     chain: Chain
     remainder: Remainder
     is_named: tuple[bool, ...]
     first: Candidate | None = None
+    met_multistart: bool = False
 
     @property
     def came_to_nothing(self) -> bool:
@@ -185,9 +188,11 @@ class CauseSearch:
             return SearchResult(self._nothing, replace(left, structured=False), ())
         chain = first or self.first_cause()
         chain = self.grow(chain, max_links=2) if chain.links else chain
+        met_multistart = False
         if self._may_stand_for_another(chain):
             other = self._raced_with_multistart(chain, BETTER_START)
-            chain = self.grow(other, max_links=2) if other is not chain else chain
+            met_multistart = other is not chain
+            chain = self.grow(other, max_links=2) if met_multistart else chain
         first_model = chain.links[0].found if chain.links else None
         if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
             chain = self._revise(chain)
@@ -196,7 +201,7 @@ class CauseSearch:
                 chain = self._revise(longer)
             else:
                 chain = replace(chain, last=longer.last)
-        return self._judged(chain, first_model)
+        return replace(self._judged(chain, first_model), met_multistart=met_multistart)
 
     def search_from_multistart(self, known: SearchResult) -> SearchResult | None:
         """What a search with candidates from a multistart finds, if that is sure.
@@ -206,8 +211,8 @@ class CauseSearch:
         known
             What was found without them: where they lead to the same first cause, the rest is known.
         """
-        if has_vanished(self.base.candidate):
-            return None  # then they took part at first
+        if known.met_multistart or has_vanished(self.base.candidate):
+            return None
         chain = self.first_cause(extra=self.multistart)
         if known.first is not None and _is_same(chain.final, known.first):
             return None

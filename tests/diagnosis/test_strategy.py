@@ -259,6 +259,13 @@ def test_only_a_whole_answer_from_a_multistart_counts(
     assert found is (answer if counts else None)
 
 
+def test_a_multistart_that_took_part_has_nothing_new(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The race that chose the first cause held its candidates."""
+    monkeypatch.setattr(strategy, "has_vanished", lambda base: False)
+    known = replace(NOTHING, met_multistart=True)
+    assert search_over().search_from_multistart(known) is None
+
+
 @pytest.mark.parametrize(
     ("first", "again"), [(("delay",), False), (("creep",), True), (None, True)]
 )
