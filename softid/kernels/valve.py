@@ -152,10 +152,8 @@ def _crossing(
 ) -> float:
     """Time at which the flow leaves the range that it is in; it has left it after h (Illinois)."""
     low, high = 0.0, h
-    at_low = _beyond(p, a, side)
     at_high = _beyond(p + slope * h, reached, side)
-    if (at_low > 0.0) == (at_high > 0.0):
-        return 0.0
+    at_low = np.copysign(_beyond(p, a, side), -at_high)  # zero but for rounding after a switch
     for _ in range(MAX_BISECTIONS):
         middle = high - at_high * (high - low) / (at_high - at_low)
         supply = p + slope * middle

@@ -98,6 +98,25 @@ def test_it_is_smooth_in_its_parameter() -> None:
     np.testing.assert_allclose(forward, central, rtol=0.0, atol=2e-3 * np.max(np.abs(central)))
 
 
+@pytest.mark.parametrize("omega", [15.0, 25.0, 40.0])
+@pytest.mark.parametrize("tau_s", [0.5, 1.5])
+def test_passing_through_the_laminar_range_leaves_no_trace(tau_s: float, omega: float) -> None:
+    """A supply that swings passes the actuator's pressure hundreds of times, within one step each.
+
+    Critical ratios that differ by rounding must give pressures that do, by 1e-9 of the span: an
+    instant that rounding hid left one of them 1e-5 to 1e-3 off for long after.
+    """
+    corners_s = np.arange(0.0, 20.0, 0.01)
+    supply = 250.0 + 120.0 * np.sin(omega * corners_s) + 50.0 * np.sin(2.3 * corners_s)
+    time_s = np.arange(0.0, 19.99, 0.01 / 16)
+    fine = np.interp(time_s, corners_s, supply)
+    for b in np.linspace(0.15, 0.5, 8).tolist():
+        here = behind(time_s, fine, tau_s, b)
+        for k in range(1, 6):
+            there = behind(time_s, fine, tau_s, b * (1.0 + k * 1e-11))
+            np.testing.assert_allclose(there, here, rtol=0.0, atol=1e-9 * np.ptp(fine))
+
+
 @pytest.mark.parametrize("tau_s", [0.01, 0.3, 3.0])
 def test_values_along_a_straight_supply_cost_no_accuracy(tau_s: float) -> None:
     """Sixteen values on each line of a bent supply against its corners alone, to 1e-7 of the span.
