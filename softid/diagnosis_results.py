@@ -175,7 +175,8 @@ class Alternative:
     Attributes
     ----------
     effects
-        Names that explain the same misfit equally well, the best first.
+        Names that explain the same misfit equally well, the best first; after them those of causes
+        in no catalogue that follow the law of one.
     delta_bic
         Name → BIC above the best.
     why
