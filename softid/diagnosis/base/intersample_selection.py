@@ -17,6 +17,7 @@ from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.effects import ExtendedModel
 from softid.fitters.problem import Problem
+from softid.fitters.rivals import residuals_by_channel, squared_autocorrelation
 from softid.identification.intersample_choice import (
     BETTER_BY,
     COMMAND,
@@ -30,6 +31,9 @@ from softid.log import Log, LogSet
 
 REFITTING = 15
 """Evaluations from the optimum of one reading to that of the other."""
+
+MOST_LAGS = 1000
+"""Samples over which what is left may go on; beyond them its correlations hardly add."""
 
 
 def is_open(logs: LogSet) -> bool:
@@ -58,7 +62,9 @@ def reading_unless_held(logs: Iterable[Log]) -> Intersample:
     return "smooth" if "smooth" in readings_of(logs) else "straight"
 
 
-def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
+def better_intersample(
+    candidate: Candidate, sigma: Mapping[str, float], *, independent: float = 1.0
+) -> Intersample | None:
     """Another reading of the input where it explains the logs better with the same effects.
 
     Parameters
@@ -67,6 +73,8 @@ def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Inte
         A model with its first cause, at its optimum.
     sigma
         Output channel → scale that its residual is divided by.
+    independent
+        Share of the samples that tell something by themselves.
 
     Returns
     -------
@@ -80,7 +88,7 @@ def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Inte
         return None
     falls = in_parallel(lambda reading: _fall(candidate, sigma, reading), others)
     most, best = max(zip(falls, others, strict=True))
-    return best if most > BETTER_BY else None
+    return best if independent * most > BETTER_BY else None
 
 
 def intersample_after_first_cause(
@@ -119,7 +127,8 @@ def intersample_after_all_causes(
 ) -> Intersample | None:
     """As `better_intersample` with all causes known; a measured input is held if that is better.
 
-    Nor is it held at every sample beside a cause that takes time, as after the first cause.
+    Nor is it held at every sample beside a cause that takes time, as after the first cause. What
+    the causes leave may go on for long: the sums of its squares then differ by little for nothing.
 
     Parameters
     ----------
@@ -130,10 +139,21 @@ def intersample_after_all_causes(
     if logs[0].intersample in HELD and is_measured(logs):
         plain = reading_unless_held(logs)
         return plain if _fall(candidate, sigma, plain) > -BETTER_BY else None
-    reading = better_intersample(candidate, sigma)
+    reading = better_intersample(candidate, sigma, independent=_independent_share(candidate))
     if reading == "zoh" and is_measured(logs) and _is_late(candidate):
         return None
     return reading
+
+
+def _independent_share(candidate: Candidate) -> float:
+    """1/(1 + 2 Σ ρ²): so much the variance of a mean square grows with the autocorrelation.
+
+    Of L estimates of a ρ that is none, chance makes L/n.
+    """
+    (residuals, *_) = residuals_by_channel(candidate.problem, candidate.minimum.point)
+    lags = min(MOST_LAGS, max(residual.size for residual in residuals) // 4)
+    chance = lags / sum(residual.size for residual in residuals)
+    return 1.0 / (1.0 + 2.0 * max(squared_autocorrelation(residuals, lags) - chance, 0.0))
 
 
 def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample) -> float:

@@ -65,6 +65,24 @@ def test_a_measured_input_is_straight_where_that_does_as_well() -> None:
     assert intersample_after_all_causes(standing(commanded, z, sigma), sigma) is None
 
 
+@pytest.mark.parametrize(
+    ("swing", "fall", "counts"), [(0, 12, 1), (0, 8, 0), (0.3, 12, 0), (0.3, 5e3, 1)]
+)
+def test_what_is_left_for_long_counts_for_few_samples(
+    swing: float, fall: float, counts: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A zero that swings by so many rad in ten seconds, which no cause explains, is a few numbers.
+
+    Of white noise every sample counts, so a fall of n ln(S) by more than 10 does.
+    """
+    monkeypatch.setattr(intersample_selection, "_fall", lambda model, sigma, reading: fall)
+    log = linear_log(noise=0.01, added=swing * np.sin(0.6 * LOG.time_s))
+    straight = linear_problem(with_intersample([log], "straight"))
+    candidate = standing(straight, straight.unknowns(TRUTH))
+    found = intersample_after_all_causes(candidate, SIGMA)
+    assert (found is not None) == bool(counts)
+
+
 def late(seconds: float, *, held: bool, reading: Intersample) -> tuple[Candidate, Candidate]:
     """Base and delayed model of a log whose input goes on so late, straight or held, at the truth.
 
