@@ -266,7 +266,13 @@ class Problem:
         begin = self.segments[segment].part(slice(2))
         return tuple(float(v) for v in self.response(z, segment, begin).start)
 
-    def response(self, z: Array, segment: int, course: Segment | None = None) -> Response:
+    def response(
+        self,
+        z: Array,
+        segment: int,
+        course: Segment | None = None,
+        plan: Division | None = None,
+    ) -> Response:
         """Motion and first output over one segment, or over another course from its start."""
         return self.model.response(
             self.theta(z),
@@ -275,6 +281,7 @@ class Problem:
             start=self.start(z, segment),
             derivatives=False,
             relative=self.has_equilibrium,
+            plan=plan,
         )
 
     def theta(self, z: Array) -> Array:

@@ -15,6 +15,7 @@ from softid.effects.base import Effect, Scale
 from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
 from softid.fitters.objective import Objective, Prior
 from softid.fitters.problem import Problem
+from softid.segment import Segment
 
 if TYPE_CHECKING:
     from softid.models.division import Division
@@ -308,16 +309,33 @@ def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Divi
     Where the law oscillates twice as many are allowed: errors of its phase add up.
     """
     law = problem.model.motion_law(problem.theta(unknowns))
-    plans: list[Division | None] = []
-    for plan, segment in zip(problem.plans(unknowns), problem.segments, strict=True):
-        if plan is not None and plan.counts.max(initial=1) > substeps:
-            most = np.where(_oscillates(law, segment.input), 2 * substeps, substeps)
-            counts = np.minimum(plan.counts, most)
-            bends_in_s = plan.bends_in_s
-            plans.append(divided(segment.time_s, segment.input, counts, bends_in_s=bends_in_s))
-        else:
-            plans.append(plan)
-    return plans
+    return [
+        limited_plan(plan, segment, law, substeps)
+        for plan, segment in zip(problem.plans(unknowns), problem.segments, strict=True)
+    ]
+
+
+def limited_plan(
+    plan: Division | None, segment: Segment, law: Law | None, substeps: int
+) -> Division | None:
+    """One of `limited_plans`.
+
+    Parameters
+    ----------
+    plan
+        The division that an exact simulation would take; None where the model has none.
+    segment
+        What is simulated.
+    law
+        Its law of motion.
+    substeps
+        As there.
+    """
+    if plan is None or plan.counts.max(initial=1) <= substeps:
+        return plan
+    most = np.where(_oscillates(law, segment.input), 2 * substeps, substeps)
+    counts = np.minimum(plan.counts, most)
+    return divided(segment.time_s, segment.input, counts, bends_in_s=plan.bends_in_s)
 
 
 def _oscillates(law: Law | None, u: Array) -> npt.NDArray[np.bool_]:

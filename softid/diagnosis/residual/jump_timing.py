@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plan
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.intersample import ABOVE_NOISE
@@ -220,7 +220,13 @@ def _response(model: Candidate, k: int, places: Places, pulse: Pulse) -> Array:
     segment = problem.segments[k]
     heights = TRIED * (segment.input[places + 1] - segment.input[places])
     moved = [_with_pulses(segment, places, side * heights, pulse) for side in (1.0, -1.0)]
-    there, back = (problem.response(z, k, one).outputs[problem.outputs[0]] for one in moved)
+    theta = problem.theta(z)
+    law = problem.model.motion_law(theta)
+    plans = [limited_plan(problem.model.plan(theta, one), one, law, FINE) for one in moved]
+    there, back = (
+        problem.response(z, k, one, plan).outputs[problem.outputs[0]]
+        for one, plan in zip(moved, plans, strict=True)
+    )
     apart: Array = moved[0].samples_of(there - back)
     return apart / (2.0 * TRIED * pulse.moment) * pulse.deviation
 
