@@ -99,7 +99,9 @@ def decimated(log: Log, count: int) -> Log:
         means = mean(channel.values)
         values = _straight(means) if name == log.input else _at_centres(means, masked)
         channels[name] = replace(channel, values=values)
-    return replace(log, time_s=mean(log.time_s), channels=channels, masked=masked)
+    reading = "straight" if log.intersample == "smooth" else log.intersample
+    time_s = mean(log.time_s)
+    return replace(log, time_s=time_s, channels=channels, masked=masked, intersample=reading)
 
 
 def _straight(means: Array) -> Array:

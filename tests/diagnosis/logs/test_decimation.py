@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from softid.diagnosis.logs.decimation import (
     decimated,
     samples_to_average,
 )
+from softid.intersample import Intersample
 from softid.log import Log
 
 
@@ -115,6 +118,14 @@ def test_what_bends_within_a_mean_is_not_lost(hertz: float) -> None:
     u = short.channels["pressure"].values
     means = (u[:-2] + 6.0 * u[1:-1] + u[2:]) / 8.0
     assert means == pytest.approx(wave.reshape(-1, count).mean(axis=1)[1:-1])
+
+
+@pytest.mark.parametrize("reading", [None, "straight", "held", "zoh"])
+def test_a_smooth_input_is_straight_between_its_new_samples(reading: Intersample | None) -> None:
+    """They hold its bends already; other readings stay."""
+    log = regular(100)
+    assert decimated(replace(log, intersample="smooth"), 4).intersample == "straight"
+    assert decimated(replace(log, intersample=reading), 4).intersample == reading
 
 
 def test_one_sample_is_its_own_mean() -> None:

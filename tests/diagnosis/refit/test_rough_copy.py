@@ -11,6 +11,7 @@ from linear_motion import (
     SIGMA,
     TRUTH,
     Bow,
+    linear_angle,
     linear_log,
     linear_problem,
     standing,
@@ -55,6 +56,28 @@ def test_a_misfit_weighs_as_much_over_averages_and_noise_half_as_much() -> None:
         assert weights["angle"] == pytest.approx(SIGMA["angle"] / np.sqrt(2.0))
         assert rough.squares == pytest.approx(expected, abs=tolerance)
         assert {name: rough.parameters[name] for name in TRUTH} == pytest.approx(TRUTH)
+
+
+def test_a_bend_of_the_input_within_a_mean_counts_once() -> None:
+    """The nodes of the averages hold it already; a smooth reading of them would put it in again.
+
+    A sine of 2.5 Hz under means over 40 ms, once the start has died away: (2π f T)²/12 of it would
+    be too much, and (π f T)⁴ is what averages leave of it at most.
+    """
+    fine, hertz = 20, 2.5
+    fine_s = np.arange(SAMPLES * fine) / (RATE_HZ * fine)
+    pressure = 40.0 * np.sin(2.0 * np.pi * hertz * fine_s)
+    angle = linear_angle(fine_s, pressure)
+    channels = {"pressure": pressure[::fine], "angle": angle[::fine]}
+    log = Log.from_arrays(fine_s[::fine], channels, outputs=("angle",))
+    problem = linear_problem([log.with_intersample("smooth")])
+    z = problem.unknowns(TRUTH)
+    rough, _ = rough_copy(standing(problem, z), scale_of(problem, z), SIGMA)
+    assert rough.problem.n_samples == SAMPLES // 2
+    (block,) = rough.problem.blocks(z, derivatives=False)
+    phase = np.pi * hertz * 2.0 / RATE_HZ
+    left = np.std(block.residual[SAMPLES // 20 :]) / np.std(angle)
+    assert left < phase**4 < 0.5 * phase**2 / 3.0
 
 
 def held_log() -> Log:
