@@ -62,10 +62,11 @@ def reading_unless_held(logs: Iterable[Log]) -> Intersample:
     return "smooth" if "smooth" in readings_of(logs) else "straight"
 
 
-def better_intersample(
-    candidate: Candidate, sigma: Mapping[str, float], *, independent: float = 1.0
-) -> Intersample | None:
+def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
     """Another reading of the input where it explains the logs better with the same effects.
+
+    What another reading leaves may go on for long, as what no cause has explained yet does: the
+    sums of its squares then differ by little for nothing.
 
     Parameters
     ----------
@@ -73,8 +74,6 @@ def better_intersample(
         A model with its first cause, at its optimum.
     sigma
         Output channel → scale that its residual is divided by.
-    independent
-        Share of the samples that tell something by themselves.
 
     Returns
     -------
@@ -86,9 +85,13 @@ def better_intersample(
     others = [reading for reading in readings_of(logs) if reading != now]
     if not others:
         return None
-    falls = in_parallel(lambda reading: _fall(candidate, sigma, reading), others)
-    most, best = max(zip(falls, others, strict=True))
-    return best if independent * most > BETTER_BY else None
+
+    def fall(reading: Intersample) -> float:
+        read = _read_as(candidate, sigma, reading)
+        return _fall(candidate, read) * _independent_share(read) if read else -np.inf
+
+    most, best = max(zip(in_parallel(fall, others), others, strict=True))
+    return best if most > BETTER_BY else None
 
 
 def intersample_after_first_cause(
@@ -111,7 +114,8 @@ def intersample_after_first_cause(
         return reading
     n = candidate.problem.n_samples
     behind = n * float(np.log(base.squares / candidate.squares))
-    return reading if _fall(base, sigma, reading) > behind - BETTER_BY else None
+    read = _read_as(base, sigma, reading)
+    return reading if read and _fall(base, read) > behind - BETTER_BY else None
 
 
 def _is_late(candidate: Candidate) -> bool:
@@ -127,8 +131,7 @@ def intersample_after_all_causes(
 ) -> Intersample | None:
     """As `better_intersample` with all causes known; a measured input is held if that is better.
 
-    Nor is it held at every sample beside a cause that takes time, as after the first cause. What
-    the causes leave may go on for long: the sums of its squares then differ by little for nothing.
+    Nor is it held at every sample beside a cause that takes time, as after the first cause.
 
     Parameters
     ----------
@@ -138,8 +141,9 @@ def intersample_after_all_causes(
     logs = candidate.problem.logs
     if logs[0].intersample in HELD and is_measured(logs):
         plain = reading_unless_held(logs)
-        return plain if _fall(candidate, sigma, plain) > -BETTER_BY else None
-    reading = better_intersample(candidate, sigma, independent=_independent_share(candidate))
+        read = _read_as(candidate, sigma, plain)
+        return plain if read and _fall(candidate, read) > -BETTER_BY else None
+    reading = better_intersample(candidate, sigma)
     if reading == "zoh" and is_measured(logs) and _is_late(candidate):
         return None
     return reading
@@ -156,18 +160,23 @@ def _independent_share(candidate: Candidate) -> float:
     return 1.0 / (1.0 + 2.0 * max(squared_autocorrelation(residuals, lags) - chance, 0.0))
 
 
-def _fall(candidate: Candidate, sigma: Mapping[str, float], reading: Intersample) -> float:
-    """By how much n ln(S) falls with another reading of the input."""
+def _read_as(
+    candidate: Candidate, sigma: Mapping[str, float], reading: Intersample
+) -> Candidate | None:
+    """The model refitted with another reading of the input; None where that does not go."""
     problem = candidate.problem
     logs = [replace(log, intersample=reading) for log in problem.logs]
     changed = Problem(problem.model, problem.parameters, logs)
     if changed.size != problem.size:
-        return -np.inf
+        return None
     begin = replace(candidate.minimum, damping=None)
     refitted = advance(replace(candidate, problem=changed, minimum=begin), sigma, REFITTING)
-    if not np.isfinite(refitted.squares):
-        return -np.inf
-    return problem.n_samples * float(np.log(candidate.squares / refitted.squares))
+    return refitted if np.isfinite(refitted.squares) else None
+
+
+def _fall(candidate: Candidate, other: Candidate) -> float:
+    """By how much n ln(S) falls from one model to another."""
+    return candidate.problem.n_samples * float(np.log(candidate.squares / other.squares))
 
 
 def with_intersample(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:

@@ -75,12 +75,13 @@ def test_what_is_left_for_long_counts_for_few_samples(
 
     Of white noise every sample counts, so a fall of n ln(S) by more than 10 does.
     """
-    monkeypatch.setattr(intersample_selection, "_fall", lambda model, sigma, reading: fall)
+    monkeypatch.setattr(intersample_selection, "_fall", lambda model, other: fall)
     log = linear_log(noise=0.01, added=swing * np.sin(0.6 * LOG.time_s))
     straight = linear_problem(with_intersample([log], "straight"))
     candidate = standing(straight, straight.unknowns(TRUTH))
-    found = intersample_after_all_causes(candidate, SIGMA)
-    assert (found is not None) == bool(counts)
+    first = intersample_after_first_cause(candidate, candidate, SIGMA)
+    last = intersample_after_all_causes(candidate, SIGMA)
+    assert (first is not None) == (last is not None) == bool(counts)
 
 
 def late(seconds: float, *, held: bool, reading: Intersample) -> tuple[Candidate, Candidate]:
