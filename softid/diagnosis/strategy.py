@@ -213,11 +213,18 @@ class CauseSearch:
         """
         if known.met_multistart or has_vanished(self.base.candidate):
             return None
-        chain = self.first_cause(extra=self.multistart)
+        chain = self._first_from_multistart
         if known.first is not None and _is_same(chain.final, known.first):
             return None
-        found = self.search(chain)
-        return found if found.is_sure else None
+        return self._found_from_multistart if self._found_from_multistart.is_sure else None
+
+    @cached_property
+    def _first_from_multistart(self) -> Chain:
+        return self.first_cause(extra=self.multistart)
+
+    @cached_property
+    def _found_from_multistart(self) -> SearchResult:
+        return self.search(self._first_from_multistart)
 
     def search_from_other_causes(self, known: Chain) -> SearchResult | None:
         """What a search from another first cause finds, if that is sure.
