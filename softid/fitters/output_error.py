@@ -23,7 +23,7 @@ from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Block, Problem
 from softid.fitters.rivals import best_rival
-from softid.fitters.thinned import led, rough_problem
+from softid.fitters.thinned import Lead, leads, led, rough_problem
 from softid.results import FitStatus
 
 Array = npt.NDArray[np.float64]
@@ -220,15 +220,16 @@ def _search(
     """Scouts from the starts in turn, best first, and whether one has ended at the noise level."""
     rough: Problem | None = None
     first = 1 if alone_if_white else SCOUTS
+    most = FIRST_TIMES * SCOUT_EVALUATIONS
     if starts and far:
         rough = rough_problem(objective.problem, objective.problem.free_unknowns(starts[0]))
+    points = [objective.problem.unknowns(start, with_zeros=False) for start in starts]
+    first_led = None if rough is None else leads(objective, points, rough, most)
+    begins: Sequence[Array | Lead] = first_led or points
     scouted: list[tuple[Minimum, Array]] = []
-    edges = [0, *range(first, len(starts), SCOUTS), len(starts)]
-    for begin, end in itertools.pairwise(edges):
-        alone = begin == 0 and alone_if_white
-        limit = (FIRST_TIMES if alone else 1) * SCOUT_EVALUATIONS
-        points = [objective.problem.unknowns(s, with_zeros=False) for s in starts[begin:end]]
-        found = _scout(objective, points, limit, rough)
+    for begin, end in itertools.pairwise([0, *range(first, len(starts), SCOUTS), len(starts)]):
+        limit = most if begin == 0 and alone_if_white else SCOUT_EVALUATIONS
+        found = _scout(objective, begins[begin:end], limit, rough)
         scouted = sorted([*scouted, *found], key=_cost)
         if not (alone_if_white and scouted):
             continue
@@ -240,7 +241,7 @@ def _search(
 
 def _scout(
     objective: Objective,
-    points: Sequence[Array],
+    begins: Sequence[Array | Lead],
     limit: int,
     rough: Problem | None = None,
 ) -> list[tuple[Minimum, Array]]:
@@ -249,19 +250,22 @@ def _scout(
     Where there is a rough problem they lead through it, and go on over all samples from there.
     """
 
-    def run(point: Array) -> tuple[Minimum, Array, Objective]:
+    def run(begin: Array | Lead) -> tuple[Minimum, Array, Objective]:
         own = Objective(objective.problem, objective.sigma)
-        begin, damping = (point, None) if rough is None else led(own, point, rough, limit)
+        if isinstance(begin, Lead):
+            lead = begin
+        else:
+            lead = Lead(begin, begin) if rough is None else led(own, begin, rough, limit)
         own.prior = objective.prior
-        found = own.solve(begin, limit, damping=damping)
+        found = own.solve(lead.point, limit, damping=lead.damping)
         objective.evaluations += own.evaluations
-        return found, point, own
+        return found, lead.start, own
 
-    if len(points) == 1:
-        rows = [run(points[0])]
+    if len(begins) == 1:
+        rows = [run(begins[0])]
     else:
         with ThreadPoolExecutor(max_workers=SCOUTS) as pool:
-            rows = list(pool.map(run, points))
+            rows = list(pool.map(run, begins))
     rows = sorted((row for row in rows if np.isfinite(row[0].normal.cost)), key=_cost)
     if rows:
         objective.adopt(rows[0][2])

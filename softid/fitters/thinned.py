@@ -8,7 +8,9 @@ itself is always taken over all samples.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -53,8 +55,37 @@ LEAST_SAVING = 4
 ROUGH_TOLERANCE = 0.1
 """`attainable_offset` at which a run over fewer samples ends: their optimum is another one."""
 
+MANY = 64
+"""Where all samples cost so many times what windows do, all starts go through the windows, and the
+best of them go on: from a false optimum of the first one the way would be long."""
+
+LEADERS = 2
+"""So many starts go through the windows at a time."""
+
 LEAST_BLOCKS = 20
 """Fewest blocks of a segment; the averages of shorter ones would lose their transients."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lead:
+    """Where a rough problem leads from a start.
+
+    Attributes
+    ----------
+    start
+        The start, unknowns of the whole problem, shape (U,).
+    point
+        Where it leads, the start itself if nowhere, shape (U,).
+    damping
+        With which a run over all samples goes on; None where it begins anew.
+    cost
+        That of the rough problem there; infinite if nowhere.
+    """
+
+    start: Array
+    point: Array
+    damping: float | None = None
+    cost: float = np.inf
 
 
 class ThinnedProblem(Problem):
@@ -147,10 +178,8 @@ def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
     return bool(times_s) and LASTING * max(times_s) <= shortest_s
 
 
-def led(
-    objective: Objective, start: Array, problem: Problem, evaluations: int
-) -> tuple[Array, float | None]:
-    """Where a rough problem leads from a start, or the start itself.
+def led(objective: Objective, start: Array, problem: Problem, evaluations: int) -> Lead:
+    """Go through a rough problem from a start.
 
     Parameters
     ----------
@@ -162,12 +191,6 @@ def led(
         From `rough_problem`.
     evaluations
         Limit of evaluations.
-
-    Returns
-    -------
-    unknowns, damping
-        Those of the whole problem, shape (U,), and the damping with which a run over all samples
-        goes on; None where it begins anew.
     """
     whole, rough = objective.problem, Objective(problem, objective.sigma)
     begin = start
@@ -180,14 +203,36 @@ def led(
     found = rough.solve(begin, evaluations, tolerance=ROUGH_TOLERANCE)
     objective.evaluations += rough.evaluations
     if not np.isfinite(found.normal.cost):
-        return start, None
+        return Lead(start, start)
     damping = found.damping
     if damping is not None:
         damping *= whole.n_samples / max(problem.n_samples, 1)
-    if not isinstance(problem, WindowedProblem):
-        return found.point, damping
-    values = problem.values(found.point)
-    return whole.unknowns(values, with_zeros=False), damping
+    point = found.point
+    if isinstance(problem, WindowedProblem):
+        point = whole.unknowns(problem.values(found.point), with_zeros=False)
+    return Lead(start, point, damping, found.normal.cost)
+
+
+def leads(
+    objective: Objective, starts: Sequence[Array], problem: Problem, evaluations: int
+) -> list[Lead] | None:
+    """All starts gone through a rough problem, the best first; None where that costs too much.
+
+    Parameters
+    ----------
+    objective, problem, evaluations
+        As in `led`.
+    starts
+        Unknowns of the whole problem.
+    """
+    if objective.problem.n_samples < MANY * problem.n_samples:
+        return None
+
+    def run(start: Array) -> Lead:
+        return led(objective, start, problem, evaluations)
+
+    with ThreadPoolExecutor(max_workers=LEADERS) as pool:
+        return sorted(pool.map(run, starts), key=lambda lead: lead.cost)
 
 
 def _steps(problem: Problem, z: Array) -> int:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from softid.fitters import thinned
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
@@ -17,6 +18,7 @@ from softid.fitters.thinned import (
     WINDOWS,
     ThinnedProblem,
     WindowedProblem,
+    leads,
     led,
     rough_problem,
     thinning,
@@ -82,33 +84,60 @@ def test_the_optimum_is_that_of_all_samples() -> None:
     assert found.cost == pytest.approx(best.normal.cost, rel=1e-6)
 
 
+FAST = {"M": 1e-4, "a1": 0.014, "b1": 3.0, "c1": 1.0, "a2": 1e-3, "b2": 2.0, "c2": 0.1}
+
+
+def test_the_best_start_goes_on_where_all_samples_cost_much(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From a damping and a mass that are far too large windows lead to a false optimum.
+
+    Of such a start and a near one the near one leads, and nothing is asked of the other.
+    """
+    made = muscle_log(FAST, Steps(LEVELS * 20, 0.2), noise_mm=0.3, rate_hz=1000.0)
+    problem = problem_of(made.to_log())
+    far = problem.unknowns(FAST | {"M": 3.0, "a2": 1e-9, "b2": 9.0})
+    near = problem.unknowns({name: 1.3 * value for name, value in FAST.items()})
+    windows = rough_problem(problem, near)
+    assert isinstance(windows, WindowedProblem)
+    objective = Objective(problem, {"contraction": 1.0})
+    assert leads(objective, [far, near], windows, 60) is None
+    monkeypatch.setattr(thinned, "MANY", 8)
+    found = leads(objective, [far, near], windows, 60)
+    assert found is not None
+    assert [lead.start is near for lead in found] == [True, False]
+    assert found[1].cost > 1.1 * found[0].cost
+    starts = [problem.values(far), problem.values(near)]
+    whole = output_error(problem, starts, rng=np.random.default_rng(0))
+    assert problem.values(whole.start) == problem.values(near)
+    assert whole.status.success
+
+
 def test_a_fast_motion_is_led_through_windows() -> None:
     """A log of 28,000 samples that steps every 0.2 s; a slow start goes through blocks.
 
     One window of 2,500 samples holds the range of the input, and leads to a hundredth of the
     start's cost.
     """
-    truth = {"M": 1e-4, "a1": 0.014, "b1": 3.0, "c1": 1.0, "a2": 1e-3, "b2": 2.0, "c2": 0.1}
-    made = muscle_log(truth, Steps(LEVELS * 20, 0.2), noise_mm=0.3, rate_hz=1000.0)
+    made = muscle_log(FAST, Steps(LEVELS * 20, 0.2), noise_mm=0.3, rate_hz=1000.0)
     problem = problem_of(made.to_log())
-    start = problem.unknowns({name: 1.3 * value for name, value in truth.items()})
+    start = problem.unknowns({name: 1.3 * value for name, value in FAST.items()})
     windows = rough_problem(problem, start)
     assert isinstance(windows, WindowedProblem)
     assert [s.time_s.size for s in windows.segments] == [WINDOWED]
     objective = Objective(problem, {"contraction": 1.0})
-    reached, _ = led(objective, start, windows, 30)
+    reached = led(objective, start, windows, 30).point
     assert objective(reached).cost < 0.01 * objective(start).cost
-    slow = problem.unknowns(truth | {"c2": 30.0})
+    slow = problem.unknowns(FAST | {"c2": 30.0})
     assert isinstance(rough_problem(problem, slow), ThinnedProblem)
 
 
 def test_two_windows_lead_where_the_middle_rests() -> None:
     """The middle third holds the lowest level; the begin and the end cover the whole range."""
-    truth = {"M": 1e-4, "a1": 0.014, "b1": 3.0, "c1": 1.0, "a2": 1e-3, "b2": 2.0, "c2": 0.1}
     levels = LEVELS * 6 + (0.0,) * 42 + LEVELS * 6
-    made = muscle_log(truth, Steps(levels, 0.2), noise_mm=0.3, rate_hz=1000.0)
+    made = muscle_log(FAST, Steps(levels, 0.2), noise_mm=0.3, rate_hz=1000.0)
     problem = problem_of(made.to_log())
-    windows = rough_problem(problem, problem.unknowns(truth))
+    windows = rough_problem(problem, problem.unknowns(FAST))
     assert isinstance(windows, WindowedProblem)
     assert [s.time_s.size for s in windows.segments] == [WINDOWED // WINDOWS] * WINDOWS
     assert [s.index for s in windows.segments] == [0, 0]
