@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from softid.effects.base import SHARPEST_BEND, Scale, StateEffect
+from softid.kernels.exponential import hyperbolic_tangent
 from softid.kernels.terms import DAMPING
 from softid.parameters import Parameter, ParameterSet
 
@@ -87,4 +87,4 @@ class AsymmetricDamping(StateEffect):
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Relative change ε tanh(v/v0) of the damping."""
-        out[DAMPING] += eta[0] * math.tanh(v / eta[1])
+        out[DAMPING] += eta[0] * hyperbolic_tangent(v / eta[1])

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, Scale, StateEffect
+from softid.kernels.exponential import hyperbolic_tangent
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 
@@ -122,7 +123,7 @@ class CoulombFriction(StateEffect):
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Force Fc tanh(v/vs)."""
-        out[FORCE] += eta[0] * math.tanh(v / eta[1])
+        out[FORCE] += eta[0] * hyperbolic_tangent(v / eta[1])
 
 
 @dataclass(frozen=True)
@@ -186,4 +187,6 @@ class StribeckFriction(CoulombFriction):
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Force Fc tanh(v/vs) (1 + β exp(−(v/vb)²))."""
         fast = v / eta[3]
-        out[FORCE] += eta[0] * math.tanh(v / eta[1]) * (1.0 + eta[2] * math.exp(-fast * fast))
+        out[FORCE] += (
+            eta[0] * hyperbolic_tangent(v / eta[1]) * (1.0 + eta[2] * math.exp(-fast * fast))
+        )
