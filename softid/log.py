@@ -213,7 +213,12 @@ class Log:
             used,
             float(self.time_s[0]),
         )
-        return with_knots(segment, self.intersample or "straight")
+        return with_knots(segment, self.between_samples)
+
+    @property
+    def between_samples(self) -> Intersample:
+        """What the input is taken to do between samples."""
+        return self.intersample or "straight"
 
     def with_roles(self, *, input: str | None = None, outputs: Sequence[str] = ()) -> Log:
         """The same recording with other input and output channels."""

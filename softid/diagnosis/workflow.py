@@ -17,7 +17,7 @@ from softid.diagnosis.base.intersample_selection import (
     is_measured,
     is_open,
     reading_unless_held,
-    with_intersample,
+    recordings_read_as,
 )
 from softid.diagnosis.base.reduced_base import reduced_base_issues, reduced_if_better
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
@@ -76,7 +76,7 @@ from softid.identification.preparation import as_log_set, without_dropouts
 from softid.identification.repeated_input import without_repeats
 from softid.identification.workflow import Identification
 from softid.intersample import Intersample
-from softid.log import Log, LogSet
+from softid.log import Log
 from softid.models.base import Model
 from softid.parameters import ParameterSet
 from softid.results import FitResult
@@ -216,10 +216,7 @@ def _search_with_intersample(
     """
 
     def read_otherwise(intersample: Intersample) -> tuple[Recordings, CauseSearch]:
-        changed = Recordings(
-            LogSet(with_intersample(recordings.logs.logs, intersample)),
-            with_intersample(recordings.hold_out, intersample),
-        )
+        changed = recordings_read_as(recordings, intersample)
         base = request.fit_base(changed.logs, changed.hold_out, thorough=False)
         return changed, replace(search, base=base)
 
@@ -253,6 +250,8 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
         (*recordings.logs, *recordings.hold_out), min(base.scale.motion_s, fastest_s)
     )
     if count > 1:
+        if kept.logs.logs[0].intersample is None:
+            kept = recordings_read_as(kept, base.candidate.problem.logs[0].between_samples)
         kept = kept.each(partial(decimated, count=count))
     if kept is not recordings:
         base = request.fit_base(kept.logs, kept.hold_out, thorough=False)

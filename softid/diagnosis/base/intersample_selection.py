@@ -13,6 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from softid.diagnosis.base.base_fit import Recordings
+from softid.diagnosis.logs.decimation import as_recorded, read_as
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.effects import ExtendedModel
@@ -52,7 +54,7 @@ def is_measured(logs: Iterable[Log]) -> bool:
 
 def readings_of(logs: Iterable[Log]) -> tuple[Intersample, ...]:
     """What the inputs may do between their samples, whatever was declared; what bends is smooth."""
-    opened = [replace(log, intersample=None) for log in logs]
+    opened = [replace(as_recorded(log), intersample=None) for log in logs]
     plain: tuple[Intersample, ...] = ("straight", "smooth") if is_smooth(opened) else ("straight",)
     return (*plain, *held_readings(opened))
 
@@ -165,7 +167,7 @@ def _read_as(
 ) -> Candidate | None:
     """The model refitted with another reading of the input; None where that does not go."""
     problem = candidate.problem
-    logs = [replace(log, intersample=reading) for log in problem.logs]
+    logs = [read_as(log, reading) for log in problem.logs]
     changed = Problem(problem.model, problem.parameters, logs)
     if changed.size != problem.size:
         return None
@@ -181,14 +183,27 @@ def _fall(candidate: Candidate, other: Candidate) -> float:
 
 def with_intersample(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
     """The logs with a declared reading of the input in place of another; a held one is told."""
-    opened = tuple(
+    read = tuple(
         replace(
-            log,
-            intersample=None,
+            read_as(log, reading),
             issues=tuple(issue for issue in log.issues if issue.code != HELD_INPUT),
         )
         for log in logs
     )
-    if reading in HELD and logs:
-        return as_held(opened, reading)
-    return tuple(replace(log, intersample=reading) for log in opened)
+    return as_held(read, reading) if reading in HELD and read else read
+
+
+def recordings_read_as(recordings: Recordings, reading: Intersample) -> Recordings:
+    """As `with_intersample`, of the logs to explain and of those that judge.
+
+    Parameters
+    ----------
+    recordings
+        Both.
+    reading
+        What the input does between its samples.
+    """
+    return Recordings(
+        LogSet(with_intersample(recordings.logs.logs, reading)),
+        with_intersample(recordings.hold_out, reading),
+    )

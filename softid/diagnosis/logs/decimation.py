@@ -3,20 +3,22 @@
 A linear motion passes an average on unchanged: averaged input in, averaged output out. A diagnosis
 refits the logs a few hundred times, and gains nothing from the hundredth sample of a time constant.
 
-What bends within a mean is not lost: between means, too, the input counts as straight, and its new
-samples are those whose straight lines have the means of the old ones; an output's are its means
-without what its bend adds to them. A sine of f Hz under means over T s then errs by (π f T)⁴ and no
-longer by (π f T)², which is more than the noise of many samples.
+What bends within a mean is not lost: between means the input counts as straight, whatever it did
+between the old samples, and its new samples are those whose straight lines have the means of what
+it did; an output's are its means without what its bend adds to them. A sine of f Hz under means
+over T s then errs by (π f T)⁴ and no longer by (π f T)², which is more than the noise of many
+samples.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from softid.intersample import HELD, Intersample, jumps
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -68,6 +70,29 @@ def _is_regular(log: Log) -> bool:
     return bool(np.all(np.abs(np.diff(log.time_s) / log.period_s - 1.0) <= REGULAR))
 
 
+@dataclass(frozen=True, eq=False)
+class AveragedLog(Log):
+    """A log with a value from every few samples of another one in their place.
+
+    Its input goes straight between its samples; ``intersample`` is the reading of the other one.
+
+    Attributes
+    ----------
+    recorded
+        The other one.
+    count
+        Samples in a value.
+    """
+
+    recorded: Log = field(kw_only=True)
+    count: int = field(kw_only=True)
+
+    @property
+    def between_samples(self) -> Intersample:
+        """Straight: the samples of the input were made for that."""
+        return "straight"
+
+
 def decimated(log: Log, count: int) -> Log:
     """The log with a value from every ``count`` samples in their place.
 
@@ -96,12 +121,62 @@ def decimated(log: Log, count: int) -> Log:
     masked = None if log.masked is None else mean(log.masked.astype(np.float64)) > 0.0
     channels = {}
     for name, channel in log.channels.items():
-        means = mean(channel.values)
-        values = _straight(means) if name == log.input else _at_centres(means, masked)
+        if name == log.input:
+            values = _straight(mean(_about_samples(channel.values, log.between_samples)))
+        else:
+            values = _at_centres(mean(channel.values), masked)
         channels[name] = replace(channel, values=values)
-    reading = "straight" if log.intersample == "smooth" else log.intersample
-    time_s = mean(log.time_s)
-    return replace(log, time_s=time_s, channels=channels, masked=masked, intersample=reading)
+    return AveragedLog(
+        name=log.name,
+        time_s=mean(log.time_s),
+        channels=channels,
+        input=log.input,
+        outputs=log.outputs,
+        masked=masked,
+        source=log.source,
+        issues=log.issues,
+        metadata=log.metadata,
+        intersample=log.intersample,
+        recorded=log,
+        count=count,
+    )
+
+
+def as_recorded(log: Log) -> Log:
+    """The log whose averages a log holds, or itself."""
+    return log.recorded if isinstance(log, AveragedLog) else log
+
+
+def read_as(log: Log, reading: Intersample) -> Log:
+    """The log with another reading of its input; one of averages is averaged anew.
+
+    Parameters
+    ----------
+    log
+        The log.
+    reading
+        What the input does between its samples as they were recorded.
+    """
+    if not isinstance(log, AveragedLog):
+        return replace(log, intersample=reading)
+    again = decimated(replace(log.recorded, intersample=reading), log.count)
+    channels = {**log.channels, log.input: again.channels[log.input]}
+    return replace(log, channels=channels, intersample=reading)
+
+
+def _about_samples(values: Array, reading: Intersample) -> Array:
+    """Means of the input from half an interval before every sample to half an interval behind it.
+
+    A held input has the value before until the sample. What goes straight or bends has the value of
+    the sample but for what bends within an interval, which is far less than what does within all
+    that are averaged; and so has a jump, since it takes from one sample what it gives to the next.
+    """
+    if reading not in HELD:
+        return values
+    changes = jumps(values) if reading == "held" else np.arange(values.size - 1)
+    about = values.copy()
+    about[changes + 1] = 0.5 * (values[changes] + values[changes + 1])
+    return about
 
 
 def _straight(means: Array) -> Array:

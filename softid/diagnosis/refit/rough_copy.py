@@ -17,7 +17,6 @@ from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.refit.candidates import Candidate, advance, extend
 from softid.effects.base import Scale
 from softid.fitters.problem import Problem
-from softid.intersample import HELD
 
 ENOUGH = 1200
 """Up to so many samples nothing is averaged, and of many more about so many averages are left."""
@@ -47,7 +46,7 @@ def rough_copy(
         for the k samples in it, and a sum of squares that falls falls as much as over all samples.
     """
     logs = whole.problem.logs
-    if not whole.has_spring or any(log.intersample in HELD for log in logs):
+    if not whole.has_spring:
         return whole, sigma
     count = samples_to_average(logs, scale.motion_s, enough=ENOUGH, per_motion=SAMPLES_PER_MOTION)
     if count == 1:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from linear_motion import TRUTH, linear_problem
+from scipy import signal
 
 from softid.diagnosis.logs.decimation import (
     ENOUGH,
     SAMPLES_PER_MOTION,
+    as_recorded,
     decimated,
+    read_as,
     samples_to_average,
 )
 from softid.intersample import Intersample
@@ -120,12 +122,53 @@ def test_what_bends_within_a_mean_is_not_lost(hertz: float) -> None:
     assert means == pytest.approx(wave.reshape(-1, count).mean(axis=1)[1:-1])
 
 
-@pytest.mark.parametrize("reading", [None, "straight", "held", "zoh"])
-def test_a_smooth_input_is_straight_between_its_new_samples(reading: Intersample | None) -> None:
-    """They hold its bends already; other readings stay."""
-    log = regular(100)
-    assert decimated(replace(log, intersample="smooth"), 4).intersample == "straight"
-    assert decimated(replace(log, intersample=reading), 4).intersample == reading
+def moved(reading: Intersample) -> Log:
+    """A linear actuator under steps on a sine at 100 Hz, what lies between the samples as said."""
+    time_s = 0.01 * np.arange(6000)
+    steps = np.repeat(np.random.default_rng(1).uniform(0.0, 40.0, 60), 100)
+    pressure = steps if reading == "held" else steps + 30.0 * np.sin(3.0 * time_s)
+    system = ([1.0], [TRUTH["M"], TRUTH["N"], TRUTH["Q"]])
+    x = signal.lsim(system, pressure, time_s, interp=reading == "straight")[1]
+    log = Log.from_arrays(time_s, {"pressure": pressure, "angle": x}, outputs=("angle",))
+    return log.with_intersample(reading)
+
+
+@pytest.mark.parametrize("reading", ["straight", "held", "zoh"])
+def test_averages_of_a_held_input_come_when_it_does(reading: Intersample) -> None:
+    """Stands on lsim: 1e-3 of the angle's spread is left; half an interval late would be 2.5 times.
+
+    That is 5 ms of a motion of 0.2 s. Read otherwise the averages leave it, and read again as what
+    they are they are the same.
+    """
+
+    def left_by(log: Log) -> float:
+        problem = linear_problem([log])
+        (block,) = problem.blocks(problem.unknowns(TRUTH), derivatives=False)
+        return float(np.std(block.residual[100:]) / np.ptp(log.channels["angle"].values))
+
+    log = moved(reading)
+    short = decimated(log, 5)
+    assert short.intersample == reading
+    assert short.between_samples == "straight"
+    assert left_by(short) < 1e-3
+    other: Intersample = "zoh" if reading == "straight" else "straight"
+    wrong = read_as(short, other)
+    assert wrong.intersample == other
+    assert left_by(wrong) > 2.0 * left_by(short)
+    again = read_as(wrong, reading).channels["pressure"].values
+    assert again.tolist() == short.channels["pressure"].values.tolist()
+    assert as_recorded(short) is log
+    assert as_recorded(log) is log
+    assert read_as(log, other).intersample == other
+
+
+def test_a_smooth_input_is_straight_between_its_new_samples() -> None:
+    """They hold its bends already: there is a node for every mean and none between."""
+    time_s = 0.01 * np.arange(400)
+    log = Log.from_arrays(time_s, {"pressure": np.sin(20.0 * time_s), "angle": time_s})
+    smooth = log.with_intersample("smooth")
+    assert smooth.segments()[0].time_s.size > len(smooth)
+    assert decimated(smooth, 4).segments()[0].time_s.size == 100
 
 
 def test_one_sample_is_its_own_mean() -> None:
