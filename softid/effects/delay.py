@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale
+from softid.effects.stage_input import holds_jumps
 from softid.effects.time_constants import first_time
 from softid.parameters import Parameter, ParameterSet
 
@@ -28,9 +29,6 @@ USUAL_PERIODS = 4.0
 LAST_SHARE = 0.5
 """The longest start, as a share of the longest delay: a search from the bound would be held
 there."""
-
-SHARP = 0.02
-"""Neighbouring times that are so much closer than others hold a jump between them."""
 
 
 @dataclass(frozen=True)
@@ -89,8 +87,7 @@ class Delay(InputEffect):
         A jump read at single times would move from one to the next as τ changes, by steps.
         """
         del scale
-        steps = np.diff(time_s)
-        if steps.min(initial=np.inf) < SHARP * steps.max(initial=0.0):
+        if holds_jumps(time_s):
             return _means_before(eta[0], time_s, u)
         arriving: Array = np.interp(time_s - eta[0], time_s, u)
         return arriving

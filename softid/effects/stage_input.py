@@ -20,6 +20,13 @@ from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
+JUMPING = 0.02
+"""Neighbouring times that are so much closer than others hold a jump between them."""
+
+TRAPEZOID = np.array([2.0])
+"""Weights of equal intervals, for values that are means about their nodes: what a jump takes from
+one mean it gives to the next, and counts as much there."""
+
 SIMPSON = np.array([2.0, 4.0])
 """Weights of two intervals after two: corners are seen best by a rule that is over soon."""
 
@@ -58,17 +65,31 @@ def arriving_input(
         u = effect.apply(eta, time_s, u, scale)
     nodes = plan.nodes_per_step
     at_stages = np.empty(((time_s.size - 1) // nodes, 3))
-    gather(np.ascontiguousarray(u, np.float64), _to_stages(nodes), at_stages)
+    weights = _to_stages(nodes, are_means=holds_jumps(time_s))
+    gather(np.ascontiguousarray(u, np.float64), weights, at_stages)
     return float(u[0]), at_stages
 
 
+def holds_jumps(time_s: Array) -> bool:
+    """Whether times lie so close to one another somewhere that the input jumps between them.
+
+    Parameters
+    ----------
+    time_s
+        Times at which an input is known, shape (n,).
+    """
+    steps = np.diff(time_s)
+    return bool(steps.min(initial=np.inf) < JUMPING * steps.max(initial=0.0))
+
+
 @cache
-def _to_stages(count: int) -> Array:
+def _to_stages(count: int, *, are_means: bool) -> Array:
     """Matrix from the values at the nodes of a step to those of the nearest parabola, (m, 3)."""
     from softid.kernels.radau import STAGES
 
     nodes = np.linspace(0.0, 1.0, count + 1)
     rule = BOOLE if count == SMOOTH_NODES else SIMPSON
+    rule = TRAPEZOID if are_means else rule
     weights = np.append(np.tile(rule, count // rule.size), 0.5 * rule[0])
     weights[0] = weights[-1]
     at_nodes = np.vander(nodes, 3)

@@ -16,6 +16,7 @@ from softid.effects.motion import divided
 from softid.effects.pneumatic_lag import LevelPneumaticLag, PneumaticLag, SeparatePneumaticLag
 from softid.effects.stage_input import arriving_input
 from softid.kernels.radau import STAGES
+from softid.log import Log
 from softid.models.second_order import Division
 
 RADAU_WEIGHTS = np.array([(16.0 - np.sqrt(6.0)) / 36.0, (16.0 + np.sqrt(6.0)) / 36.0, 1.0 / 9.0])
@@ -67,6 +68,22 @@ def test_the_mean_of_a_step_is_kept(tau_s: float) -> None:
     assert np.max(np.abs(stages @ RADAU_WEIGHTS - expected)) < 0.07
     read = pressure(s.time_s[:-1, None] + 0.01 * STAGES - tau_s) @ RADAU_WEIGHTS
     assert np.max(np.abs(read - expected)) > 0.5
+
+
+def test_all_of_a_held_jump_arrives_whatever_its_delay() -> None:
+    """Closed form: 50 kPa from 0.3 s + τ on, within 50 kPa times 1/256 of an interval, and 50 kPa
+    less a second of delay; with unequal weights of the nodes a third more and less, in turns."""
+    ticks = np.arange(101) / 100.0
+    log = Log.from_arrays(ticks, {"pressure": 50.0 * (ticks > 0.295), "angle": ticks})
+    (held,) = log.with_intersample("held").segments()
+    plan = divided(held.time_s, held.input, np.ones(held.time_s.size - 1, np.intp))
+    taus = 0.1 + 0.01 * np.linspace(0.0, 1.0, 41)
+    arrived = []
+    for tau in taus:
+        _, stages = arriving_input([(Delay(), np.array([tau]))], held, plan, SCALE)
+        arrived.append(float(plan.step_s @ (stages @ RADAU_WEIGHTS)))
+    np.testing.assert_allclose(arrived, 50.0 * (0.7 - taus), atol=50.0 * 0.01 / 256.0)
+    np.testing.assert_allclose(np.diff(arrived) / np.diff(taus), -50.0, rtol=0.05)
 
 
 @pytest.mark.parametrize(
