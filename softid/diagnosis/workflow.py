@@ -221,7 +221,7 @@ def _search_with_intersample(
         return changed, replace(search, base=base)
 
     first, base = search.first_cause(), search.base
-    other = intersample_after_first_cause(base.candidate, first.final, base.sigma)
+    other = intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma)
     if other is None:
         found, search = search_causes(recordings, request, search, first)
     else:

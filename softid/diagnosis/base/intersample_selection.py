@@ -15,9 +15,18 @@ import numpy as np
 
 from softid.diagnosis.base.base_fit import Recordings
 from softid.diagnosis.logs.decimation import as_recorded, read_as
-from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.candidates import (
+    Candidate,
+    advance,
+    extend,
+    named_values,
+    prior_about,
+    standing_at,
+    start_unknowns,
+)
 from softid.diagnosis.refit.parallel import in_parallel
-from softid.effects import ExtendedModel
+from softid.effects import ExtendedModel, effect_of
+from softid.effects.base import Scale
 from softid.fitters.problem import Problem
 from softid.fitters.rivals import residuals_by_channel, squared_autocorrelation
 from softid.identification.intersample_choice import (
@@ -97,27 +106,47 @@ def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Inte
 
 
 def intersample_after_first_cause(
-    base: Candidate, candidate: Candidate, sigma: Mapping[str, float]
+    base: Candidate, candidate: Candidate, scale: Scale, sigma: Mapping[str, float]
 ) -> Intersample | None:
     """As `better_intersample` with a first cause; a lateness does not make a measured input held.
 
     Holding it at every sample is a delay of half an interval. Where a cause that takes time stays
-    in the model it would take that half from it, so the base alone must then explain as much.
+    in the model it would take that half from it, so the base alone must then explain as much; and
+    without one, no other delay may explain more.
 
     Parameters
     ----------
     base
         What the first cause extends.
-    candidate, sigma
-        As in `better_intersample`.
+    candidate
+        The model with its first cause, at its optimum.
+    scale
+        Sizes of the base fit.
+    sigma
+        Output channel → scale that its residual is divided by.
     """
     reading = better_intersample(candidate, sigma)
-    if reading != "zoh" or not is_measured(candidate.problem.logs) or not _is_late(candidate):
+    if reading != "zoh" or not is_measured(candidate.problem.logs):
         return reading
-    n = candidate.problem.n_samples
-    behind = n * float(np.log(base.squares / candidate.squares))
-    read = _read_as(base, sigma, reading)
-    return reading if read and _fall(base, read) > behind - BETTER_BY else None
+    if _is_late(candidate):
+        read, other = _read_as(base, sigma, reading), candidate
+    else:
+        read, other = _read_as(candidate, sigma, reading), _delayed(candidate, scale, sigma)
+    if read is None or _fall(read, other) * _independent_share(other) > BETTER_BY:
+        return None
+    return reading
+
+
+def _delayed(candidate: Candidate, scale: Scale, sigma: Mapping[str, float]) -> Candidate:
+    """The model refitted with a delay, from half a sampling interval on."""
+    known, effect = candidate.problem, effect_of("delay")
+    problem = extend(known, (effect,), scale)
+    begun = named_values(effect, {"tau": 0.5 * known.logs[0].period_s})
+    z = start_unknowns(problem, known, candidate.minimum.point, begun)
+    prior = prior_about(problem, z, known.free, candidate.squares / known.n_samples)
+    placed = standing_at(z, candidate.minimum, prior, candidate.squares)
+    late = Candidate((*candidate.effects, effect), problem, placed, prior)
+    return advance(late, sigma, REFITTING)
 
 
 def _is_late(candidate: Candidate) -> bool:

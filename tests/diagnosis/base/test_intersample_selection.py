@@ -79,7 +79,7 @@ def test_what_is_left_for_long_counts_for_few_samples(
     log = linear_log(noise=0.01, added=swing * np.sin(0.6 * LOG.time_s))
     straight = linear_problem(with_intersample([log], "straight"))
     candidate = standing(straight, straight.unknowns(TRUTH))
-    first = intersample_after_first_cause(candidate, candidate, SIGMA)
+    first = better_intersample(candidate, SIGMA)
     last = intersample_after_all_causes(candidate, SIGMA)
     assert (first is not None) == (last is not None) == bool(counts)
 
@@ -118,16 +118,22 @@ def test_half_an_interval_late_is_held() -> None:
     """The base alone explains the log then; beside a cause that takes time it is not held."""
     base, delayed = late(0.0, held=True, reading="straight")
     assert better_intersample(delayed, SIGMA) == "zoh"
-    assert intersample_after_first_cause(base, delayed, SIGMA) == "zoh"
+    scale = scale_of(base.problem, base.minimum.point)
+    assert intersample_after_first_cause(base, delayed, scale, SIGMA) == "zoh"
+    assert intersample_after_first_cause(base, base, scale, SIGMA) == "zoh"
     assert intersample_after_all_causes(delayed, SIGMA) is None
 
 
 def test_a_cause_that_takes_time_keeps_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A measured input that is late by more is not held, however much better that is beside it."""
+    """A measured input that is late by more is not held, however much better that is beside it.
+
+    Nor is it before the delay is known: one explains more than half an interval.
+    """
     base, delayed = late(0.05, held=False, reading="straight")
+    scale = scale_of(base.problem, base.minimum.point)
     monkeypatch.setattr(intersample_selection, "better_intersample", lambda candidate, sigma: "zoh")
-    assert intersample_after_first_cause(base, delayed, SIGMA) is None
-    assert intersample_after_first_cause(base, base, SIGMA) == "zoh"
+    assert intersample_after_first_cause(base, delayed, scale, SIGMA) is None
+    assert intersample_after_first_cause(base, base, scale, SIGMA) is None
 
 
 def test_only_what_nobody_declared_is_open() -> None:
