@@ -58,7 +58,6 @@ from softid.diagnosis.verdict.cause_results import (
 )
 from softid.diagnosis.verdict.chain_consistency import consistent_names
 from softid.diagnosis.verdict.gain_interval import gain_interval
-from softid.diagnosis.verdict.law_rivals import with_law_rivals
 from softid.diagnosis.verdict.naming import (
     doubt_of,
     gains_by,
@@ -67,6 +66,7 @@ from softid.diagnosis.verdict.naming import (
     most_variation,
     verdict_of,
 )
+from softid.diagnosis.verdict.unlisted_laws import with_rivals
 from softid.diagnosis_results import Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects import effects_of
 from softid.errors import Issue
@@ -293,10 +293,7 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         link.added.key: told_as(link.added, cause.parameters).key
         for link, cause in zip(chain.links, causes, strict=True)
     }
-    links = [
-        with_law_rivals(link, cause, forms[link.added.key], chain.final, base.scale)
-        for link, cause in zip(chain.links, causes, strict=True)
-    ]
+    links = with_rivals(chain, causes, list(forms.values()), is_named, base)
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]
     if base.instead_of is not None:

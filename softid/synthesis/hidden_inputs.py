@@ -205,6 +205,16 @@ def _periodic_gain(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw
     return InputLaw(act)
 
 
+def _pressure_gain_drift(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
+    del sizes
+    rate = values["lost"] / occasion.duration_s
+
+    def act(t: float, p: float, z: States) -> tuple[float, Rates]:
+        return p * (1.0 - rate * t), NO_RATES
+
+    return InputLaw(act)
+
+
 def _lag_draw(share: float) -> Callable[[Sizes, Generator, float], dict[str, float]]:
     return lambda s, rng, size: {"tau": about(rng, share * size * s.motion_s)}
 
@@ -288,5 +298,10 @@ INPUTS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             "gain": about(rng, 0.06 * size), "period": s.duration_s * rng.uniform(0.15, 0.4),
         }, _periodic_gain, relation="outside",
+    ),
+    entry(
+        "pressure_gain_drift", "input", "pa = p (1 - lost t/duration)", "lost 1",
+        lambda s, rng, size: {"lost": min(about(rng, 0.1 * size), 0.8)},
+        _pressure_gain_drift, relation="outside",
     ),
 )  # fmt: skip

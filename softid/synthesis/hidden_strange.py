@@ -155,6 +155,17 @@ def _damping_drift(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLa
     return MotionLaw(act)
 
 
+def _load_drift(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
+    del sizes
+    rate = values["force"] / occasion.duration_s
+
+    def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
+        parts.force += rate * t
+        return NO_RATES
+
+    return MotionLaw(act)
+
+
 def _stiffness_jump(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     del sizes
     change = values["change"]
@@ -310,6 +321,11 @@ OUTSIDE: tuple[Hidden, ...] = (
         "damping_drift", "state", "N (1 + change t/duration) in place of N", "change 1",
         lambda s, rng, size: {"change": max(either(rng) * about(rng, 0.5 * size), -0.8)},
         _damping_drift, relation="outside",
+    ),
+    entry(
+        "load_drift", "state", "+ force t/duration", "force {f}",
+        lambda s, rng, size: {"force": either(rng) * about(rng, 0.12 * size * s.force)},
+        _load_drift, relation="outside",
     ),
     entry(
         "stiffness_jump", "state", "Q (1 + change) in place of Q from one moment on",

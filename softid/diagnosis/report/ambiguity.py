@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from softid.diagnosis.report.phrases import VARIATIONS, title_of, titles_of, variables_left
 from softid.diagnosis.search.forward_selection import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
+    CHANGING,
     LINEAR_FILTERS,
     OWN_DAMPING,
     PRESLIDING,
@@ -57,6 +58,8 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     tied = set(alternative.effects)
     if tied.issuperset(OWN_DAMPING.effects):
         return OWN_DAMPING
+    if tied.intersection(CHANGING.effects):
+        return CHANGING
     if not linear:
         return None
     return next((known for known in LINEAR_FILTERS if set(known.effects) <= tied), None)

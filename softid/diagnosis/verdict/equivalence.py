@@ -80,9 +80,13 @@ LINEAR_CLASSES: tuple[EquivalenceClass, ...] = (
         "hang a weight on at a constant pressure, where only a material or a sensor creeps",
     ),
     EquivalenceClass(
-        ("a drift of the sensor's zero", "a drift of the zero of the pressure gauge"),
+        (
+            "a drift of the sensor's zero",
+            "a drift of the zero of the pressure gauge",
+            "a load that changes at a constant rate",
+        ),
         ("sensor_drift",),
-        "In a linear model both add a line to the output.",
+        "In a linear model each adds a line to the output.",
         "read both sensors vented and at rest, before and after the log",
     ),
 )
@@ -92,8 +96,24 @@ UNLISTED: dict[str, str] = {
     "position_damping": "a damping of the actuator itself that goes with its position",
     "gauge_lag": "a pressure gauge that lags behind",
     "sensor_lead": "a sensor that runs ahead of the motion",
+    "load_drift": "a load that changes at a constant rate",
+    "pressure_drift": "a drift of the zero of the pressure gauge",
+    "pressure_gain_drift": "a pressure that falls behind what is recorded, by a leak that grows or "
+    "a gauge whose gain drifts",
 }
 """Causes in no catalogue that one of the catalogue may stand for: name and heading."""
+
+DRIFTS = ("sensor_drift", "sensor_gain_drift", "sensor_warmup", "ageing")
+"""Causes that go with the time alone."""
+
+CHANGING = EquivalenceClass(
+    (UNLISTED["load_drift"], UNLISTED["pressure_drift"], UNLISTED["pressure_gain_drift"]),
+    ("load_drift", "pressure_drift", "pressure_gain_drift"),
+    "A refit with either in the other's place explains these logs as well or better",
+    "rests at several levels before and after the log, with the load off and with it on, and read "
+    "both sensors there",
+)
+"""What changes with the time in the load or the pressure."""
 
 OWN_DAMPING = EquivalenceClass(
     ("a lag of the pneumatics that differs by level", UNLISTED["position_damping"]),
