@@ -17,6 +17,7 @@ from softid_cli.console import progress
 from softid_cli.options import quiet_option
 
 if TYPE_CHECKING:
+    from softid.effects.base import Effect
     from softid.log import Log
     from softid.models.base import Model
     from softid.segment import Segment
@@ -93,14 +94,15 @@ def _jobs() -> Iterator[Job]:
 
 def _effects(*, inside: bool) -> Iterator[Job]:
     """Simulations of the effects that act inside the equation of motion, or of all others."""
+    from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS
     from softid.effects import EFFECTS, StateEffect
     from softid.models.muscle import Muscle
     from softid.models.oscillator import Oscillator
 
     (segment,) = _drawn().segments()
-    for key, base in product(EFFECTS, (Muscle(), Oscillator())):
-        if issubclass(EFFECTS[key], StateEffect) == inside:
-            yield "effects", partial(_extended, base, key, segment)
+    for law, base in product((*EFFECTS.values(), *UNLISTED_LAWS), (Muscle(), Oscillator())):
+        if issubclass(law, StateEffect) == inside:
+            yield "effects", partial(_extended, base, law(), segment)
 
 
 def _drawn() -> Log:
@@ -126,11 +128,11 @@ def _moved(model: Model, segment: Segment) -> None:
     model.guess([segment], "angle")
 
 
-def _extended(base: Model, key: str, segment: Segment) -> None:
+def _extended(base: Model, effect: Effect, segment: Segment) -> None:
     """Simulate a model with one effect."""
     import numpy as np
 
-    from softid.effects import EFFECTS, ExtendedModel, Scale
+    from softid.effects import ExtendedModel, Scale
 
     angle = segment.outputs["angle"]
     low, high = float(angle.min()), float(angle.max())
@@ -150,7 +152,7 @@ def _extended(base: Model, key: str, segment: Segment) -> None:
         x_unit="rad",
         y_unit="rad",
     )
-    model = ExtendedModel(base.adapted({"input": "kPa", "angle": "rad"}), (EFFECTS[key](),), scale)
+    model = ExtendedModel(base.adapted({"input": "kPa", "angle": "rad"}), (effect,), scale)
     theta = np.array([p.value for p in model.parameters().values()])
     for derivatives in (False, True):
         model.response(theta, segment, ("angle",), start=None, derivatives=derivatives)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from math import log
 
 import numpy as np
@@ -34,8 +35,14 @@ SIGNIFICANCE = 1e-4
 
 OF_THE_INPUT = 0.02
 """The input has a line of its own where a bin holds so much of the power of its strongest one: then
-the motion brings it, and up to the third harmonic a law that is not straight makes of it as
-well."""
+the motion brings it, and a law that is not straight makes of it and of others up to the third
+harmonic, their sums and their differences."""
+
+MIXED_LINES = 5
+"""So many of the strongest have sums and differences that count; those of more are everywhere."""
+
+ORDERS = ((1, 1), (1, 2), (2, 1))
+"""How often two lines count in a sum or a difference up to the third order."""
 
 ABOVE_BESIDE = 12.0
 """And where it holds so many times the power of the bins beside it."""
@@ -260,14 +267,29 @@ def _beside(power: Array, places: npt.NDArray[np.int64]) -> Array:
 
 
 def _harmonics_of(driven: Array) -> BoolArray:
-    """Bins in which the input has a line, or a second or third harmonic of one."""
+    """Bins in which the input has a line, or a law that is not straight makes one of its lines."""
     strong = np.flatnonzero(driven > OF_THE_INPUT * driven.max(initial=0.0))
     strong = strong[driven[strong] > ABOVE_BESIDE * _beside(driven, strong)]
     taken = np.zeros(driven.size, bool)
+
+    def take(place: int, order: int) -> None:
+        taken[max(place - 2 * order, 0) : max(place + 2 * order + 1, 0)] = True
+
     for k in strong.tolist():
         for multiple in (1, 2, 3):
-            taken[max(multiple * k - 2 * multiple, 0) : multiple * k + 2 * multiple + 1] = True
+            take(multiple * k, multiple)
+    for one, other in combinations(_strongest_of_each(driven, strong), 2):
+        for m, n in ORDERS:
+            take(m * one + n * other, m + n)
+            take(abs(m * one - n * other), m + n)
     return taken
+
+
+def _strongest_of_each(power: Array, places: npt.NDArray[np.intp]) -> list[int]:
+    """The strongest place of each run of neighbours, of the strongest runs."""
+    runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if places.size else []
+    peaks = [int(run[np.argmax(power[run])]) for run in runs]
+    return sorted(peaks, key=lambda place: -power[place])[:MIXED_LINES]
 
 
 def _amplitude(time_s: Array, residual: Array, frequency_hz: float) -> float:

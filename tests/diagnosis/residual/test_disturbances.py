@@ -58,6 +58,18 @@ def test_a_line_of_the_input_is_its_motion() -> None:
     assert line_in(left(noise(0) + 4.0 * line * (TIME_S < 10.0))) is None
 
 
+@pytest.mark.parametrize("hertz", [2.0 * 1.31 - 0.37, 1.31 + 2.0 * 0.37, 1.31 - 0.37])
+def test_sums_and_differences_of_lines_are_their_motion(hertz: float) -> None:
+    """Friction makes them of an input of two sines; a line elsewhere is still one."""
+    u = 50.0 + 20.0 * np.sin(2.0 * np.pi * 0.37 * TIME_S) + 20.0 * np.sin(8.231 * TIME_S)
+    mixed = 0.5 * np.sin(2.0 * np.pi * hertz * TIME_S)
+    assert line_in(left(noise(0) + mixed, u)) is None
+    beside = 0.5 * np.sin(2.0 * np.pi * 3.4 * TIME_S)
+    found = line_in(left(noise(0) + beside, u))
+    assert found is not None
+    assert found.frequency_hz == pytest.approx(3.4, abs=0.002)
+
+
 def test_a_weak_ripple_of_the_input_is_its_motion() -> None:
     """A hundredth of its steps high, far above them at 11.3 Hz: pulses of a valve."""
     ripple = np.sin(2.0 * np.pi * 11.3 * TIME_S)
