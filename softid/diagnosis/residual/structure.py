@@ -35,6 +35,9 @@ every slow variable."""
 KNOTS = 7
 """Knots of the smooth function of one variable."""
 
+FINE_KNOTS = 21
+"""Those of the function of position: a thread, a rack or pleats repeat within the stroke."""
+
 RIDGE = 1e-3
 """Penalty of the smooth function, as a share of the data's weight."""
 
@@ -217,7 +220,7 @@ def _features(
     """Columns of the smooth function, and which of them belong to which variable."""
     rate = np.gradient(part.u, part.time_s)
     variables = {
-        "x": _basis(part.x),
+        "x": _basis(part.x, FINE_KNOTS),
         "v": np.column_stack((_basis(part.v), np.tanh(part.v / (0.02 * _size(part.v))))),
         "p": _basis(part.u),
         "rate of p": _basis(rate),

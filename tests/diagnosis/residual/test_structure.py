@@ -36,6 +36,8 @@ SHAPES = {
     "x": (X - 0.5) ** 2,
     "p": (PRESSURE - 40.0) ** 2,
 }
+RIPPLE = np.sin(2.0 * np.pi * 5.0 * X / np.ptp(X))
+"""Of a rack or of pleats: five periods within the stroke."""
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -52,6 +54,16 @@ def test_structure_is_found_with_its_share(name: str, share: float) -> None:
     assert found.significant
     assert 0.85 * share - 0.02 < found.share < share + 0.04
     assert 0.8 * share - 0.02 < found.by[name] < share + 0.04
+
+
+def test_what_repeats_within_the_stroke_follows_from_the_position() -> None:
+    """Known truth: a ripple, half of the power. Of the pressure, which is late to it, less."""
+    noise = np.random.default_rng(1).standard_normal(TIME_S.size)
+    found = look(np.sqrt(0.5) * (of_power(RIPPLE) + noise))
+    assert found.significant
+    assert found.by["x"] == max(found.by.values())
+    assert 0.4 < found.by["x"] < 0.54
+    assert found.by["p"] < 0.5 * found.by["x"]
 
 
 def test_the_variable_is_told_apart() -> None:
