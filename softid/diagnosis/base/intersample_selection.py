@@ -18,10 +18,9 @@ from softid.diagnosis.logs.decimation import as_recorded, read_as
 from softid.diagnosis.refit.candidates import (
     Candidate,
     advance,
+    begun,
     extend,
     named_values,
-    prior_about,
-    standing_at,
     start_unknowns,
 )
 from softid.diagnosis.refit.parallel import in_parallel
@@ -141,11 +140,9 @@ def _delayed(candidate: Candidate, scale: Scale, sigma: Mapping[str, float]) -> 
     """The model refitted with a delay, from half a sampling interval on."""
     known, effect = candidate.problem, effect_of("delay")
     problem = extend(known, (effect,), scale)
-    begun = named_values(effect, {"tau": 0.5 * known.logs[0].period_s})
-    z = start_unknowns(problem, known, candidate.minimum.point, begun)
-    prior = prior_about(problem, z, known.free, candidate.squares / known.n_samples)
-    placed = standing_at(z, candidate.minimum, prior, candidate.squares)
-    late = Candidate((*candidate.effects, effect), problem, placed, prior)
+    values = named_values(effect, {"tau": 0.5 * known.logs[0].period_s})
+    z = start_unknowns(problem, known, candidate.minimum.point, values)
+    late = begun(candidate, (*candidate.effects, effect), problem, z)
     return advance(late, sigma, REFITTING)
 
 

@@ -244,6 +244,26 @@ def standing_at(point: Array, minimum: Minimum, prior: TemperedPrior, squares: f
     return replace(minimum, point=point, normal=normal, damping=None)
 
 
+def begun(known: Candidate, effects: Sequence[Effect], problem: Problem, z: Array) -> Candidate:
+    """A candidate with other effects, at unknowns that come from a model that stands.
+
+    Parameters
+    ----------
+    known
+        That model; what only the candidate has is held by the wider prior.
+    effects
+        The effects of the candidate.
+    problem
+        Its problem.
+    z
+        Its unknowns, shape (U,).
+    """
+    variance = known.squares / max(problem.n_samples - problem.size, 1)
+    prior = prior_about(problem, z, known.problem.free, variance)
+    placed = standing_at(z, known.minimum, prior, known.squares)
+    return Candidate(tuple(effects), problem, placed, prior)
+
+
 def advance(
     candidate: Candidate,
     sigma: Mapping[str, float],

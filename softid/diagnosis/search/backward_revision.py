@@ -10,9 +10,8 @@ import numpy as np
 from softid.diagnosis.refit.candidates import (
     Candidate,
     advance,
+    begun,
     extend,
-    prior_about,
-    standing_at,
 )
 from softid.diagnosis.search.effect_starts import with_effect
 from softid.diagnosis.search.forward_selection import (
@@ -178,8 +177,4 @@ def _without(
     known = now.problem.free_by_name(now.minimum.point)
     z = np.array([known[name] for name in problem.free])
     z = np.concatenate((z, now.minimum.point[len(now.problem.free) :]))
-    n = max(problem.n_samples - problem.size, 1)
-    prior = prior_about(problem, z, problem.free, now.squares / n)
-    placed = standing_at(z, now.minimum, prior, now.squares)
-    candidate = Candidate(tuple(others), problem, placed, prior)
-    return advance(candidate, sigma, WITHOUT_ROUND)
+    return advance(begun(now, others, problem, z), sigma, WITHOUT_ROUND)

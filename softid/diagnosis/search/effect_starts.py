@@ -11,6 +11,7 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import (
     COARSE,
     Candidate,
+    begun,
     extend,
     limited_plans,
     named_values,
@@ -240,10 +241,7 @@ def with_effect(fitted: Candidate, whole: Candidate, effect: Effect, scale: Scal
     """
     problem = extend(fitted.problem, (effect,), scale)
     z = start_unknowns(problem, whole.problem, whole.minimum.point, {})
-    variance = whole.squares / max(problem.n_samples - problem.size, 1)
-    prior = prior_about(problem, z, problem.free, variance)
-    placed = standing_at(z, whole.minimum, prior, whole.squares)
-    return Candidate((*fitted.effects, effect), problem, placed, prior)
+    return begun(whole, (*fitted.effects, effect), problem, z)
 
 
 def _placed(

@@ -6,6 +6,7 @@ race: beside every other effect they would make ties of what a log tells apart.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
@@ -17,10 +18,9 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import (
     Candidate,
     advance,
+    begun,
     extend,
     named_values,
-    prior_about,
-    standing_at,
     start_unknowns,
 )
 from softid.diagnosis.refit.parallel import in_parallel
@@ -47,7 +47,36 @@ REFITTING = 40
 
 
 @dataclass(frozen=True)
-class LoadDrift(StateEffect):
+class ConstantRate(Effect):
+    """What all of them have in common: one parameter, the rate, of either sign."""
+
+    neighbours: ClassVar[tuple[str, ...]] = DRIFTS
+    shown_by: ClassVar[str] = "rests at several levels at the beginning and at the end"
+    source: ClassVar[str] = "a constant rate"
+    amplitude: ClassVar[str] = "rate"
+    changes_sign: ClassVar[bool] = True
+
+    @abstractmethod
+    def largest(self, scale: Scale) -> tuple[float, str]:
+        """The rate that changes as much as there is within the longest log, and its unit."""
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The rate."""
+        largest, unit = self.largest(scale)
+        bound, start = LARGEST * largest, START * largest
+        rate = Parameter(
+            "rate", start, unit, -bound, bound, meaning="rate of change", source=self.source
+        )
+        return ParameterSet((rate,))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Either way."""
+        rate = START * self.largest(scale)[0]
+        return ({"rate": rate}, {"rate": -rate})
+
+
+@dataclass(frozen=True)
+class LoadDrift(ConstantRate, StateEffect):
     """A load that changes at a constant rate, + f t."""
 
     name: ClassVar[str] = "load_drift"
@@ -55,20 +84,11 @@ class LoadDrift(StateEffect):
     law: ClassVar[str] = "+ f t"
     meaning: ClassVar[str] = "What the actuator carries grows or shrinks at a constant rate."
     signature: ClassVar[str] = "The residual grows with time, most where the actuator is soft."
-    neighbours: ClassVar[tuple[str, ...]] = DRIFTS
     remedy: ClassVar[str] = "weigh the load before and after"
-    shown_by: ClassVar[str] = "rests at several levels at the beginning and at the end"
-    source: ClassVar[str] = "constant-rate load"
-    amplitude: ClassVar[str] = "rate"
-    changes_sign: ClassVar[bool] = True
 
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """The rate f."""
-        return _rate(scale.force / scale.duration_s, f"{scale.force_unit}/s", self.source)
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Either way."""
-        return _either_way(self, scale)
+    def largest(self, scale: Scale) -> tuple[float, str]:
+        """The elastic force within the log."""
+        return scale.force / scale.duration_s, f"{scale.force_unit}/s"
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
@@ -77,7 +97,7 @@ class LoadDrift(StateEffect):
 
 
 @dataclass(frozen=True)
-class PressureGainDrift(InputEffect):
+class PressureGainDrift(ConstantRate, InputEffect):
     """A pressure that falls behind the recorded one more and more, u (1 + g t)."""
 
     name: ClassVar[str] = "pressure_gain_drift"
@@ -85,20 +105,11 @@ class PressureGainDrift(InputEffect):
     law: ClassVar[str] = "arriving u = u (1 + g t)"
     meaning: ClassVar[str] = "A leak grows, or the gain of the pressure gauge drifts."
     signature: ClassVar[str] = "The residual grows with time and with the pressure."
-    neighbours: ClassVar[tuple[str, ...]] = DRIFTS
     remedy: ClassVar[str] = "look for a leak, calibrate the gauge"
-    shown_by: ClassVar[str] = "rests at several levels at the beginning and at the end"
-    source: ClassVar[str] = "constant-rate drift of a gain"
-    amplitude: ClassVar[str] = "rate"
-    changes_sign: ClassVar[bool] = True
 
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """The rate g."""
-        return _rate(1.0 / scale.duration_s, "1/s", self.source)
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Either way."""
-        return _either_way(self, scale)
+    def largest(self, scale: Scale) -> tuple[float, str]:
+        """All of the pressure within the log."""
+        return 1.0 / scale.duration_s, "1/s"
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """Multiply by 1 + g t."""
@@ -108,7 +119,7 @@ class PressureGainDrift(InputEffect):
 
 
 @dataclass(frozen=True)
-class PressureDrift(InputEffect):
+class PressureDrift(ConstantRate, InputEffect):
     """A pressure whose zero drifts, u + d t."""
 
     name: ClassVar[str] = "pressure_drift"
@@ -116,20 +127,11 @@ class PressureDrift(InputEffect):
     law: ClassVar[str] = "arriving u = u + d t"
     meaning: ClassVar[str] = "The zero of the pressure gauge drifts at a constant rate."
     signature: ClassVar[str] = "The residual grows with time, most where the output is steep."
-    neighbours: ClassVar[tuple[str, ...]] = DRIFTS
     remedy: ClassVar[str] = "read the gauge vented before and after"
-    shown_by: ClassVar[str] = "rests at several levels at the beginning and at the end"
-    source: ClassVar[str] = "constant-rate drift"
-    amplitude: ClassVar[str] = "rate"
-    changes_sign: ClassVar[bool] = True
 
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """The rate d."""
-        return _rate(scale.u_span / scale.duration_s, f"{scale.u_unit}/s", self.source)
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Either way."""
-        return _either_way(self, scale)
+    def largest(self, scale: Scale) -> tuple[float, str]:
+        """The range of the pressure within the log."""
+        return scale.u_span / scale.duration_s, f"{scale.u_unit}/s"
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """Add d t."""
@@ -218,17 +220,4 @@ def _in_place_of(drifts: set[str], law: Effect, final: Candidate, base: BaseFit)
         for values in law.starts(scale)
     ]
     z = min(starts, key=lambda start: squares_at(problem, start, base.sigma))
-    prior = prior_about(problem, z, known.free, final.squares / known.n_samples)
-    placed = standing_at(z, final.minimum, prior, final.squares)
-    return advance(Candidate(effects, problem, placed, prior), base.sigma, REFITTING)
-
-
-def _rate(largest: float, unit: str, source: str) -> ParameterSet:
-    bound = LARGEST * largest
-    rate = Parameter("rate", START * largest, unit, -bound, bound, meaning="rate", source=source)
-    return ParameterSet((rate,))
-
-
-def _either_way(effect: Effect, scale: Scale) -> tuple[Mapping[str, float], ...]:
-    rate = effect.parameters(scale)["rate"].value
-    return ({"rate": rate}, {"rate": -rate})
+    return advance(begun(final, effects, problem, z), base.sigma, REFITTING)

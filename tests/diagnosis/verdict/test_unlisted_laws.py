@@ -11,11 +11,9 @@ from linear_motion import TRUTH, linear_log, linear_problem, standing
 
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.refit.candidates import (
-    Candidate,
+    begun,
     extend,
     named_values,
-    prior_about,
-    standing_at,
     start_unknowns,
 )
 from softid.diagnosis.refit.characteristic_scales import scale_of
@@ -105,9 +103,7 @@ def test_what_explains_as_much_in_the_place_of_drifts(hidden: str, drifts: tuple
     starts = [named_values(e, {e.amplitude: 1e-4 * base.scale.y_span}) for e in effects]
     values = {name: value for start in starts for name, value in start.items()}
     z = start_unknowns(problem, known, base.candidate.minimum.point, values)
-    prior = prior_about(problem, z, problem.free, base.candidate.squares / known.n_samples)
-    placed = standing_at(z, base.candidate.minimum, prior, base.candidate.squares)
-    final = converged(Candidate(effects, problem, placed, prior), base.sigma)
+    final = converged(begun(base.candidate, effects, problem, z), base.sigma)
     links = [link_of(name) for name in drifts]
     for link in with_unlisted_rivals(links, [True] * len(links), final, base):
         assert (hidden in link.rivals[1:]) == (hidden not in drifts)
