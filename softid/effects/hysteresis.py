@@ -61,8 +61,8 @@ class Hysteresis(StateEffect):
     remedy: ClassVar[str] = "approach every position from the same side, or invert the loop"
     shown_by: ClassVar[str] = "the same path at two speeds, and small loops within large ones"
     source: ClassVar[str] = "Dahl 1968; Ikhouane & Rodellar, Systems with Hysteresis"
+    essential: ClassVar[tuple[str, ...]] = ("zs",)
     amplitude: ClassVar[str] = "alpha"
-    ceilings: ClassVar[tuple[str, ...]] = ("zs",)
     has_state: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
