@@ -58,6 +58,7 @@ from softid.diagnosis.verdict.cause_results import (
 )
 from softid.diagnosis.verdict.chain_consistency import consistent_names
 from softid.diagnosis.verdict.gain_interval import gain_interval
+from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import (
     doubt_of,
     gains_by,
@@ -66,7 +67,6 @@ from softid.diagnosis.verdict.naming import (
     most_variation,
     verdict_of,
 )
-from softid.diagnosis.verdict.unlisted_laws import with_rivals
 from softid.diagnosis_results import Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects import effects_of
 from softid.errors import Issue

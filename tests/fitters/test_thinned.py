@@ -90,7 +90,7 @@ FAST = {"M": 1e-4, "a1": 0.014, "b1": 3.0, "c1": 1.0, "a2": 1e-3, "b2": 2.0, "c2
 def test_the_best_start_goes_on_where_all_samples_cost_much(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """From a damping and a mass that are far too large windows lead to a false optimum.
+    """From far too large a mass, hardly damped, windows lead to a false optimum.
 
     Of such a start and a near one the near one leads, and nothing is asked of the other.
     """

@@ -1,14 +1,17 @@
-"""Rivals of a cause that follow the same law, whether or not the catalogue has them."""
+"""Rivals of a cause that follow the same law or explain as much, in the catalogue or not."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.equivalence import OWN_DAMPING, POLE_AND_ZERO, PRESLIDING
+from softid.diagnosis.verdict.unlisted_laws import with_unlisted_rivals
 from softid.diagnosis_results import Cause
 from softid.effects.base import Scale
 
@@ -21,6 +24,35 @@ KEPT = 0.2
 LATER = 3.0
 """A creep goes on for so many times as long as the motion itself, at least; what is over sooner may
 be any other pole and zero."""
+
+
+def with_rivals(
+    chain: Chain,
+    causes: Sequence[Cause],
+    forms: Sequence[str],
+    is_named: Sequence[bool],
+    base: BaseFit,
+) -> list[Link]:
+    """The links of a chain with rivals that follow the same law, or explain as much in its place.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    causes
+        The parameters of its links.
+    forms
+        Keys of the forms as which they are told.
+    is_named
+        Which of them may be named.
+    base
+        What the chain begins with.
+    """
+    links = [
+        with_law_rivals(link, cause, form, chain.final, base.scale)
+        for link, cause, form in zip(chain.links, causes, forms, strict=True)
+    ]
+    return with_unlisted_rivals(links, is_named, chain.final, base)
 
 
 def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale: Scale) -> Link:

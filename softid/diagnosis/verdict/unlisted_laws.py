@@ -26,10 +26,8 @@ from softid.diagnosis.refit.candidates import (
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.effect_starts import squares_at
-from softid.diagnosis.search.forward_selection import INDISTINCT, Chain, Link
+from softid.diagnosis.search.forward_selection import INDISTINCT, Link
 from softid.diagnosis.verdict.equivalence import DRIFTS
-from softid.diagnosis.verdict.law_rivals import with_law_rivals
-from softid.diagnosis_results import Cause
 from softid.effects.base import Effect, InputEffect, Scale, StateEffect
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
@@ -145,35 +143,6 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect], ...] = (
     PressureGainDrift,
     PressureDrift,
 )
-
-
-def with_rivals(
-    chain: Chain,
-    causes: Sequence[Cause],
-    forms: Sequence[str],
-    is_named: Sequence[bool],
-    base: BaseFit,
-) -> list[Link]:
-    """The links of a chain with rivals that follow the same law, or explain as much in its place.
-
-    Parameters
-    ----------
-    chain
-        The chain.
-    causes
-        The parameters of its links.
-    forms
-        Keys of the forms as which they are told.
-    is_named
-        Which of them may be named.
-    base
-        What the chain begins with.
-    """
-    links = [
-        with_law_rivals(link, cause, form, chain.final, base.scale)
-        for link, cause, form in zip(chain.links, causes, forms, strict=True)
-    ]
-    return with_unlisted_rivals(links, is_named, chain.final, base)
 
 
 def with_unlisted_rivals(

@@ -73,7 +73,7 @@ def test_they_are_told_and_are_in_no_catalogue() -> None:
 
 
 def test_a_linear_model_has_its_class_for_them() -> None:
-    """Nothing is refitted there, and nothing for a cause that does not go with the time."""
+    """Nothing is refitted there: no base is asked for."""
     problem = linear_problem([linear_log()])
     z = problem.unknowns(TRUTH)
     extended = extend(problem, [effect_of("sensor_drift")], scale_of(problem, z))
