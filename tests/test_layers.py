@@ -47,6 +47,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("refit",),
     ("residual",),
     ("base",),
+    ("changes",),
     ("search",),
     ("verdict",),
     ("strategy",),

@@ -27,11 +27,9 @@ from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.refit.optimum import optimum_of
+from softid.diagnosis.report.changes import held_out_change_issues, with_changes
 from softid.diagnosis.report.issues import (
-    CHANGE_POINT,
     averaging_issues,
-    change_issues,
-    held_out_change_issues,
     jump_issues,
     negligible_issues,
     refusal_issues,
@@ -40,7 +38,6 @@ from softid.diagnosis.report.issues import (
     unsure_issues,
 )
 from softid.diagnosis.report.summary import write_summary
-from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis.residual.disturbances import disturbance_issues
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
@@ -159,7 +156,7 @@ def diagnose(
     report("computing errors", 0.9)
     answer, base = _surest_answer(search, found), search.base
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
-    answer = _with_moments(answer, base)
+    answer = with_changes(answer, recordings, request, base)
     issues = (
         *negligible_issues(base),
         *restriction_issues(effects),
@@ -183,27 +180,6 @@ def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
         return answer
     other = search.search_from_multistart(found)
     return _answer(search.base, other, search.seed) if other else answer
-
-
-def _with_moments(answer: Diagnosis, base: BaseFit) -> Diagnosis:
-    """The diagnosis with the moment at which a misfit begins, which outweighs what names it else.
-
-    What begins at a moment is no cause that goes on throughout and leaves more than noise.
-    """
-    known = [issue for issue in answer.issues if issue.code == CHANGE_POINT]
-    moments: tuple[Issue, ...] = ()
-    may_begin = answer.verdict is Verdict.UNKNOWN or answer.remainder.structured
-    if may_begin and not known:
-        moments = change_issues(base.candidate, excess_of(base.candidate, base.scale))
-    if moments and answer.causes:
-        described = (*answer.causes, *answer.descriptive)
-        answer = replace(answer, verdict=Verdict.UNKNOWN, causes=(), descriptive=described)
-    following = [issue.remedy for issue in (*known, *moments)]
-    return replace(
-        answer,
-        issues=(*answer.issues, *moments),
-        next_experiment=following[0] if following else answer.next_experiment,
-    )
 
 
 def _search_with_intersample(
@@ -314,7 +290,7 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
             *(after if after is not None and named else before).issues,
             *_issues_of_rest(base, chain, before),
             *refusal_issues(chain, held_out),
-            *held_out_change_issues(chain.final, remainder, held_out),
+            *held_out_change_issues(chain.final, remainder, held_out, base.scale),
         ),
         gain_ci95=whole_gain_of(errors, rng),
     )

@@ -60,6 +60,7 @@ class Contact(StateEffect):
     shown_by: ClassVar[str] = "steps to high pressure, with the place looked at"
     source: ClassVar[str] = "Johnson, Contact Mechanics, 4.3 (elastic foundation)"
     amplitude: ClassVar[str] = "kw"
+    essential: ClassVar[tuple[str, ...]] = ("xw",)
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """Stiffness kw of the obstacle and its position xw."""

@@ -199,9 +199,9 @@ def output_error(
 
 
 def refit_nuisance(problem: Problem) -> Optimum:
-    """Estimate only zeros and initial states, all parameters being fixed in the problem."""
+    """Estimate zeros and initial states; parameters are fixed but for a few near their values."""
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
-    start = problem.unknowns({})
+    start = problem.unknowns(problem.parameters.values_dict())
     return _judge(objective, objective.solve(start, POLISH_EVALUATIONS), start, stable=True)
 
 

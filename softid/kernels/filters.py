@@ -166,6 +166,26 @@ def lag_by_level(step_s: Array, values: Array, tau_s: float, growth: float, leve
 
 
 @kernel
+def limit_rate(step_s: Array, values: Array, limit: float) -> None:
+    """Follow the input no faster than a limit, |ẏ| ≤ R.
+
+    Parameters
+    ----------
+    step_s
+        Intervals, shape (n − 1,).
+    values
+        Input, shape (n,); overwritten by the output.
+    limit
+        The limit R, positive.
+    """
+    y = values[0]
+    for k in range(step_s.size):
+        most = limit * step_s[k]
+        y += min(max(values[k + 1] - y, -most), most)
+        values[k + 1] = y
+
+
+@kernel
 def resonance(step_s: Array, values: Array, omega: float, zeta: float) -> None:
     """Second-order resonance ÿ/ω² + 2ζ ẏ/ω + y = u at any damping.
 

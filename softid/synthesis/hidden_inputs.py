@@ -32,6 +32,8 @@ SNAP = 2.0 / (3.0 * sqrt(3.0))
 
 STEEP = 6.0
 _QUICK_S = 0.02
+_FOLLOWING_S = 1e-3
+"""Time in which a limit or a band of play is followed: a longer one would be a lag of its own."""
 
 
 def _same(p: float) -> Rates:
@@ -154,7 +156,7 @@ def _rate_limit(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
     limit = values["limit"]
 
     def act(t: float, p: float, z: States) -> tuple[float, Rates]:
-        return z[0], (min(max((p - z[0]) / _QUICK_S, -limit), limit),)
+        return z[0], (min(max((p - z[0]) / _FOLLOWING_S, -limit), limit),)
 
     return InputLaw(act, _same)
 
@@ -165,7 +167,7 @@ def _input_backlash(values: Values, sizes: Sizes, occasion: Occasion) -> InputLa
 
     def act(t: float, p: float, z: States) -> tuple[float, Rates]:
         missing = p - z[0]
-        return z[0], ((max(missing - band, 0.0) + min(missing + band, 0.0)) / _QUICK_S,)
+        return z[0], ((max(missing - band, 0.0) + min(missing + band, 0.0)) / _FOLLOWING_S,)
 
     return InputLaw(act, _same)
 

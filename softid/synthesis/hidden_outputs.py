@@ -147,6 +147,12 @@ def _s_shape(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     return OutputLaw(lambda t, y: y + amplitude * np.sin(2.0 * pi * (y - low) / span))
 
 
+def _saturating(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del occasion
+    low, full = sizes.x_low, values["full"]
+    return OutputLaw(lambda t, y: low + full * np.tanh((y - low) / full))
+
+
 def _slip(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     del sizes
     if occasion.later:
@@ -286,6 +292,11 @@ OUTPUTS: tuple[Hidden, ...] = (
         "amplitude {x}",
         lambda s, rng, size: {"amplitude": either(rng) * about(rng, 0.05 * size * s.x_span)},
         _s_shape, relation="outside",
+    ),
+    entry(
+        "saturating_sensor", "output", "recorded y = y_low + full tanh((y - y_low)/full)",
+        "full {x}", lambda s, rng, size: {"full": 1.6 * s.x_span / about(rng, size)},
+        _saturating, relation="outside",
     ),
     entry(
         "zero_slip", "output", "the sensor's zero slips once", "slip {x}, at s",

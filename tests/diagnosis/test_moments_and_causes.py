@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 from handmade_diagnosis import diagnosis
 
-from softid.diagnosis import workflow
-from softid.diagnosis.report.issues import CHANGE_POINT
+from softid.diagnosis.base.base_fit import Request
+from softid.diagnosis.report import changes
+from softid.diagnosis.report.changes import CHANGE_POINT
 from softid.diagnosis_results import Verdict
 from softid.errors import Issue
 
@@ -29,11 +30,16 @@ def test_a_moment_outweighs_causes_that_leave_more_than_noise(
     verdict: Verdict, begins: bool, told: Verdict, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What begins at one moment does not go on throughout; what leaves noise is not asked."""
-    monkeypatch.setattr(workflow, "change_issues", lambda *args: (MOMENT,) if begins else ())
-    monkeypatch.setattr(workflow, "excess_of", lambda *args: 1.0)
-    base: Any = SimpleNamespace(candidate=None, scale=None)
+    monkeypatch.setattr(changes, "change_issues", lambda *args: (MOMENT,) if begins else ())
+    monkeypatch.setattr(changes, "excess_of", lambda *args: 1.0)
+    for other in ("spell_issues", "difference_issues"):
+        monkeypatch.setattr(changes, other, lambda *args: ())
+    problem = SimpleNamespace(model=None)
+    base: Any = SimpleNamespace(candidate=SimpleNamespace(problem=problem), scale=None)
+    recordings: Any = None
+    request = Request(None, None, 0, lambda message, fraction: None)
     found = diagnosis(verdict)
-    answer = workflow._with_moments(found, base)
+    answer = changes.with_changes(found, recordings, request, base)
     assert answer.verdict is told
     is_withheld = told is Verdict.UNKNOWN
     assert len(answer.descriptive) == len((*found.causes, *found.descriptive)) or not is_withheld

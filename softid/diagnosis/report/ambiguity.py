@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from softid.diagnosis.report.phrases import VARIATIONS, title_of, titles_of, variables_left
 from softid.diagnosis.search.forward_selection import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
-    CHANGING,
     LINEAR_FILTERS,
+    LOWER_END,
     OWN_DAMPING,
     PRESLIDING,
+    REPLACED,
     EquivalenceClass,
     splitting_experiment,
     why_unsplit,
@@ -56,10 +57,12 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     if _is_presliding(alternative):
         return PRESLIDING
     tied = set(alternative.effects)
-    if tied.issuperset(OWN_DAMPING.effects):
-        return OWN_DAMPING
-    if tied.intersection(CHANGING.effects):
-        return CHANGING
+    for known in (OWN_DAMPING, LOWER_END):
+        if tied.issuperset(known.effects):
+            return known
+    for known in REPLACED:
+        if tied.intersection(known.effects):
+            return known
     if not linear:
         return None
     return next((known for known in LINEAR_FILTERS if set(known.effects) <= tied), None)

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-import numpy as np
-
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
-from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.report.phrases import DOUBTS, listed, lowered, percent
-from softid.diagnosis.residual.change_point import change_point
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
 from softid.diagnosis.verdict.naming import LEAST_GAIN
@@ -30,17 +26,6 @@ UNSURE = "unsure-law"
 
 NEGLIGIBLE_MISFIT = "negligible-misfit"
 """Code of the remark that nothing was looked for."""
-
-CHANGE_POINT = "change-point"
-"""Code of the remark that a misfit begins at one moment."""
-
-CHANGES = {
-    "zero": "its zero jumps there",
-    "clock": "its clock jumps there against that of the input",
-    "gain": "its gain changes there, or the stiffness of the actuator does",
-    "": "there the model changes in more than one way",
-}
-"""Kinds of a change point in words."""
 
 COARSE = 0.25
 """Share of the power of what is left from which on the rounding of the output is told."""
@@ -159,54 +144,6 @@ def unsure_issues(descriptions: Sequence[Cause]) -> tuple[Issue, ...]:
         )
         for cause in descriptions
         if cause.doubt in DOUBTS
-    )
-
-
-def held_out_change_issues(
-    model: Candidate, remainder: Remainder, held: HeldOut
-) -> tuple[Issue, ...]:
-    """The moment at which what is held out begins to differ; nothing where it does not.
-
-    Parameters
-    ----------
-    model
-        The last model.
-    remainder
-        What it leaves.
-    held
-        What was held out.
-    """
-    judged = held.standing(model) if remainder.misses_held_out else None
-    if judged is None:
-        return ()
-    power = float(np.mean(held.first_errors(model) ** 2))
-    return change_issues(judged, power / remainder.noise_power - 1.0)
-
-
-def change_issues(model: Candidate, excess: float) -> tuple[Issue, ...]:
-    """The moment at which the misfit of a model begins, if there is one.
-
-    Parameters
-    ----------
-    model
-        A model over its logs.
-    excess
-        Variance of what it leaves above that of the noise, as a share of the latter.
-    """
-    found = change_point(model, excess)
-    if found is None:
-        return ()
-    problem = model.problem
-    log = problem.logs[found.log].name
-    return (
-        Issue(
-            CHANGE_POINT,
-            "warning",
-            f"the misfit of {problem.outputs[0]} begins at {found.time_s:.4g} s of {log}: "
-            f"{CHANGES[found.kind]}, which takes away {percent(min(found.share, 1.0))} of it",
-            "look at what happened then, such as a slipped mount, a touched cable, a part that "
-            "gave way or lost samples, and diagnose what comes before and after it apart",
-        ),
     )
 
 

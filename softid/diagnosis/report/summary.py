@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_next, why_tied
+from softid.diagnosis.report.changes import CHANGE_POINT, HELD_OUT_CHANGE, LOG_DIFFERENCES
 from softid.diagnosis.report.error_texts import ErrorTexts
-from softid.diagnosis.report.issues import CHANGE_POINT, NEGLIGIBLE_MISFIT, REFUSED, UNSURE
+from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLES,
@@ -87,7 +88,8 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         gain_ci95=found.gain_ci95,
         marks=[issue.message for issue in found.issues if issue.code in CODES],
         refused=[i.message for i in found.issues if i.code in (REFUSED, UNSURE)],
-        moments=[issue.message for issue in found.issues if issue.code == CHANGE_POINT],
+        changes=[i.message for i in found.issues if i.code in (CHANGE_POINT, LOG_DIFFERENCES)],
+        held_out_changes=[i.message for i in found.issues if i.code == HELD_OUT_CHANGE],
         dropped=dropped_from(found),
         negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
     )
@@ -115,7 +117,8 @@ def summarise(
     gain_ci95: tuple[float, float] | None = None,
     marks: Sequence[str] = (),
     refused: Sequence[str] = (),
-    moments: Sequence[str] = (),
+    changes: Sequence[str] = (),
+    held_out_changes: Sequence[str] = (),
     dropped: Sequence[str] = (),
     negligible: str = "",
 ) -> str:
@@ -131,8 +134,10 @@ def summarise(
         As in `Diagnosis`.
     marks, refused
         What `disturbance_issues` found, and `refusal_issues` or `unsure_issues`.
-    moments
-        What `change_issues` and `held_out_change_issues` found.
+    changes
+        What changed within the fitted logs or between them, which is the misfit then.
+    held_out_changes
+        How what is held out differs from them.
     dropped
         Parameters of the base that the extended model does without.
     negligible
@@ -148,11 +153,12 @@ def summarise(
     if verdict is Verdict.ADEQUATE:
         told += [sentence(negligible)] if negligible else _adequate(teller, remainder, refused)
     elif verdict is Verdict.UNKNOWN:
-        tried = descriptive or causes
-        misfit = _unknown(teller, tried, alternatives, remainder, changes=bool(moments))
-        began = [sentence(moment) for moment in moments]
-        ordered = [*misfit, *began] if remainder.misses_held_out else [*began, *misfit]
-        told += [what_is_unknown(remainder), *ordered]
+        told.append(what_is_unknown(remainder))
+        if changes:
+            told += [sentence(change) for change in changes]
+        else:
+            told += _unknown(teller, descriptive or causes, alternatives, remainder)
+        told += [sentence(change) for change in held_out_changes]
     else:
         told += _explained(teller, causes, alternatives, evidence, descriptive)
         if descriptive:
@@ -164,8 +170,8 @@ def summarise(
             looks = "does not follow from the motion" if marks else noise_like(remainder)
             told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
             told.append(teller.more_held_out(remainder, is_tied=bool(alternatives)))
-        told += [sentence(moment) for moment in moments]
-    told += [sentence(mark) for mark in (*marks, *refused)]
+        told += [sentence(change) for change in held_out_changes]
+    told += [sentence(mark) for mark in (*marks, *(() if changes else refused))]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend(remainder))
     told += _next(verdict, causes, alternatives, next_experiment)
@@ -196,8 +202,6 @@ def _unknown(
     tried: Sequence[Cause],
     alternatives: Sequence[Alternative],
     remainder: Remainder,
-    *,
-    changes: bool,
 ) -> list[str]:
     told = []
     if tried and remainder.explained_share < NEXT_TO_NOTHING:
@@ -218,7 +222,7 @@ def _unknown(
         looks = noise_like(remainder)
         told.append(f"What is left on the fitted samples, {left} rms, {looks}.")
         return [*told, teller.more_held_out(remainder)]
-    return [*told, _left(teller, remainder, changes=changes)]
+    return [*told, _left(teller, remainder)]
 
 
 def _partial(teller: ErrorTexts, remainder: Remainder) -> list[str]:
@@ -231,11 +235,10 @@ def _partial(teller: ErrorTexts, remainder: Remainder) -> list[str]:
     return [explained, looks, teller.more_held_out(remainder)]
 
 
-def _left(teller: ErrorTexts, remainder: Remainder, *, changes: bool = False) -> str:
-    """What is left, where that is more than noise, whether or not something changes at a moment."""
+def _left(teller: ErrorTexts, remainder: Remainder) -> str:
+    """What is left, where that is more than noise."""
     named = [VARIABLES.get(name, name) for name in variables_left(remainder)]
-    opening = "Taken over the whole logs, what is left" if changes else "What is left"
-    told = f"{opening}, {teller.size(remainder.rms)} rms on the fitted samples, "
+    told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.predictable:
         told += f"is not noise: {structure_of_rest(remainder)}"
     elif remainder.structure_share > NOTABLE:

@@ -100,6 +100,8 @@ UNLISTED: dict[str, str] = {
     "pressure_drift": "a drift of the zero of the pressure gauge",
     "pressure_gain_drift": "a pressure that falls behind what is recorded, by a leak that grows or "
     "a gauge whose gain drifts",
+    "rate_limit": "a supply that fills and vents at no more than one rate",
+    "bent_reading": "a sensor whose gain is not the same over its range",
 }
 """Causes in no catalogue that one of the catalogue may stand for: name and heading."""
 
@@ -114,6 +116,35 @@ CHANGING = EquivalenceClass(
     "both sensors there",
 )
 """What changes with the time in the load or the pressure."""
+
+BENT_READING = EquivalenceClass(
+    ("a spring or an obstacle", UNLISTED["bent_reading"]),
+    ("bent_reading",),
+    "A refit with such a sensor in the place of the actuator's own law explains these logs as well "
+    "or better",
+    "the sensor beside another one while the actuator is bent by hand",
+)
+"""A function of the position acts in the motion or in the reading."""
+
+LIMITED_RATE = EquivalenceClass(
+    ("a valve or a lag", UNLISTED["rate_limit"]),
+    ("rate_limit",),
+    "A refit with such a limit in its place explains these logs as well or better",
+    "small and large steps from one level, or the pressure at the actuator itself",
+)
+"""Large steps are late, small ones are not."""
+
+LOWER_END = EquivalenceClass(
+    ("a lower limit of the sensor", "a dead zone of the input"),
+    ("sensor_clipping", "dead_zone"),
+    "A refit with a dead zone in the place of the lower limit explains these logs as well or "
+    "better, for the reading stays in both where the pressure is low",
+    "the actuator bent back by hand at zero pressure, which a reading below its limit would hide",
+)
+"""The reading does not move at the lower end of its range."""
+
+REPLACED = (CHANGING, BENT_READING, LIMITED_RATE)
+"""Told where a law in no catalogue is in a tie."""
 
 OWN_DAMPING = EquivalenceClass(
     ("a lag of the pneumatics that differs by level", UNLISTED["position_damping"]),

@@ -11,7 +11,7 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.equivalence import OWN_DAMPING, POLE_AND_ZERO, PRESLIDING
-from softid.diagnosis.verdict.unlisted_laws import with_unlisted_rivals
+from softid.diagnosis.verdict.replacements import with_replacements
 from softid.diagnosis_results import Cause
 from softid.effects.base import Scale
 
@@ -52,7 +52,7 @@ def with_rivals(
         with_law_rivals(link, cause, form, chain.final, base.scale)
         for link, cause, form in zip(chain.links, causes, forms, strict=True)
     ]
-    return with_unlisted_rivals(links, is_named, chain.final, base)
+    return with_replacements(links, is_named, chain.final, base)
 
 
 def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale: Scale) -> Link:

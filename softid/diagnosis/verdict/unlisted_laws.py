@@ -1,34 +1,20 @@
-"""Laws in no catalogue that are refitted in the place of a named drift, before it is believed.
+"""Laws in no catalogue, for which a cause of the catalogue may stand.
 
-What changes with time moves the output by much the same, wherever it acts. These laws are in no
-race: beside every other effect they would make ties of what a log tells apart.
+They are in no race: beside every other effect they would make ties of what a log tells apart.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.base.base_fit import BaseFit
-from softid.diagnosis.refit.candidates import (
-    Candidate,
-    advance,
-    begun,
-    extend,
-    named_values,
-    start_unknowns,
-)
-from softid.diagnosis.refit.parallel import in_parallel
-from softid.diagnosis.search.bic_ranking import rank
-from softid.diagnosis.search.effect_starts import squares_at
-from softid.diagnosis.search.forward_selection import INDISTINCT, Link
-from softid.diagnosis.verdict.equivalence import DRIFTS
-from softid.effects.base import Effect, InputEffect, Scale, StateEffect
+from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
+from softid.kernels.filters import limit_rate
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 
@@ -40,15 +26,24 @@ LARGEST = 0.8
 START = 0.1
 """Start of that, either way."""
 
-REFITTING = 40
-"""Evaluations from where a drift stood to the optimum of what is put in its place."""
+SHORTEST, LONGEST = 1e-3, 0.25
+"""Bounds of the time that a limit makes the whole range take: in times of the motion, and as a
+share of the longest log."""
+
+START_TIMES = (0.2, 0.7, 2.5)
+"""Starts of it, in times of the motion."""
+
+MOST_BENT = 0.9
+"""Bound of what a bend adds to the slope of a reading at the ends of its range: it still rises."""
+
+START_BENT = 0.2
+"""Start of that, either way."""
 
 
 @dataclass(frozen=True)
 class ConstantRate(Effect):
-    """What all of them have in common: one parameter, the rate, of either sign."""
+    """What changes with the time has one parameter, the rate, of either sign."""
 
-    neighbours: ClassVar[tuple[str, ...]] = DRIFTS
     shown_by: ClassVar[str] = "rests at several levels at the beginning and at the end"
     source: ClassVar[str] = "a constant rate"
     amplitude: ClassVar[str] = "rate"
@@ -138,55 +133,109 @@ class PressureDrift(ConstantRate, InputEffect):
         return arriving
 
 
-UNLISTED_LAWS: tuple[type[StateEffect | InputEffect], ...] = (
+@dataclass(frozen=True)
+class RateLimit(InputEffect):
+    """A pressure that never changes faster than a limit, |ṗa| ≤ u_span/time."""
+
+    name: ClassVar[str] = "rate_limit"
+    title: ClassVar[str] = "Limit of the filling rate"
+    law: ClassVar[str] = "|arriving u'| <= u_span/time"
+    meaning: ClassVar[str] = "A pump or a servo valve fills and vents at no more than one rate."
+    signature: ClassVar[str] = "What is left after a step lasts longer the larger the step is."
+    shown_by: ClassVar[str] = "steps of several sizes"
+    source: ClassVar[str] = "Tao and Kokotović, Adaptive Control of Systems, Wiley 1996"
+    amplitude: ClassVar[str] = "time"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The time that the whole range takes."""
+        longest = max(LONGEST * scale.duration_s, scale.motion_s)
+        return ParameterSet(
+            (
+                Parameter(
+                    "time",
+                    0.5 * scale.motion_s,
+                    "s",
+                    SHORTEST * scale.motion_s,
+                    longest,
+                    "log",
+                    meaning="time in which the input passes through its range",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """From a fraction to a few of the motion's own times."""
+        longest = self.parameters(scale)["time"].upper
+        return tuple({"time": min(share * scale.motion_s, longest)} for share in START_TIMES)
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """Follow the input as fast as is allowed."""
+        arriving = np.array(u, np.float64)
+        if eta[0] > 0.0:
+            limit_rate(np.diff(time_s), arriving, scale.u_span / float(eta[0]))
+        return arriving
+
+
+@dataclass(frozen=True)
+class BentReading(OutputEffect):
+    """A sensor that is not straight, y + y_span ξ (ξ − 1) (bend + skew (ξ − ½)).
+
+    ξ is y within its range, from 0 to 1: the ends stay, for the model takes up zero and gain.
+    """
+
+    name: ClassVar[str] = "bent_reading"
+    title: ClassVar[str] = "Sensor that is not straight"
+    law: ClassVar[str] = "recorded y = y + y_span xi (xi - 1) (bend + skew (xi - 1/2))"
+    meaning: ClassVar[str] = (
+        "The gain of the sensor differs from one end of its range to the other."
+    )
+    signature: ClassVar[str] = "The residual is a function of the position, at rest and in motion."
+    shown_by: ClassVar[str] = "the sensor beside another one, by hand"
+    source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.2"
+    amplitude: ClassVar[str] = "bend"
+    changes_sign: ClassVar[bool] = True
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """Both vanish together."""
+        return ("bend", "skew")
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The two bends."""
+        del scale
+
+        def own(name: str, bound: float, meaning: str) -> Parameter:
+            return Parameter(name, 0.0, "1", -bound, bound, meaning=meaning, source=self.source)
+
+        return ParameterSet(
+            (
+                own(
+                    "bend",
+                    MOST_BENT,
+                    "what the slope gains at the upper end and loses at the lower",
+                ),
+                own("skew", 2.0 * MOST_BENT, "twice what the slope gains at both ends"),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Bent either way."""
+        del scale
+        return tuple({"bend": bend, "skew": 0.0} for bend in (START_BENT, -START_BENT))
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Bend the reading between the ends of its range."""
+        del time_s
+        xi = (y - scale.y_low) / scale.y_span
+        recorded: Array = y + scale.y_span * xi * (xi - 1.0) * (eta[0] + eta[1] * (xi - 0.5))
+        return recorded
+
+
+UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     LoadDrift,
     PressureGainDrift,
     PressureDrift,
+    RateLimit,
+    BentReading,
 )
-
-
-def with_unlisted_rivals(
-    links: Sequence[Link], is_named: Sequence[bool], final: Candidate, base: BaseFit
-) -> list[Link]:
-    """The links; those of drifts with what explains the logs as well in place of all of them.
-
-    In a linear model each of these laws is a line on the output or a gain of it, which its class of
-    equivalence tells.
-
-    Parameters
-    ----------
-    links
-        The chain.
-    is_named
-        Which of them may be named.
-    final
-        The model with all causes.
-    base
-        What the chain begins with.
-    """
-    pairs = list(zip(links, is_named, strict=True))
-    drifts = {link.added.name for link, named in pairs if named} & set(DRIFTS)
-    if not drifts or final.problem.model.is_linear:
-        return list(links)
-    others = in_parallel(lambda law: _in_place_of(drifts, law(), final, base), UNLISTED_LAWS)
-    ranked = rank([final, *others], base.sigma)
-    known = next(row.bic for row in ranked if row.candidate.keys == final.keys)
-    alike = [row for row in ranked if row.bic < known + INDISTINCT]
-    rivals = [row.candidate.effects[-1].name for row in alike if row.candidate.keys != final.keys]
-    return [
-        replace(link, rivals=(*link.rivals, *rivals)) if link.added.name in drifts else link
-        for link in links
-    ]
-
-
-def _in_place_of(drifts: set[str], law: Effect, final: Candidate, base: BaseFit) -> Candidate:
-    """The model with a law in the place of drifts, refitted."""
-    scale, known = base.scale, final.problem
-    effects = (*(effect for effect in final.effects if effect.name not in drifts), law)
-    problem = extend(base.candidate.problem, effects, scale)
-    starts = [
-        start_unknowns(problem, known, final.minimum.point, named_values(law, values))
-        for values in law.starts(scale)
-    ]
-    z = min(starts, key=lambda start: squares_at(problem, start, base.sigma))
-    return advance(begun(final, effects, problem, z), base.sigma, REFITTING)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from softid.diagnosis.verdict.equivalence import (
-    CHANGING,
     CHIRP,
     CLASSES,
     EXPERIMENTS,
@@ -13,6 +12,7 @@ from softid.diagnosis.verdict.equivalence import (
     LINEAR_CLASSES,
     LINEAR_FILTERS,
     OWN_DAMPING,
+    REPLACED,
     SEPARATIONS,
     SINE,
     STEPS,
@@ -74,7 +74,7 @@ def test_tables_name_effects() -> None:
     names = {name for pair in SEPARATIONS for name in pair}
     names |= {name for known in (*CLASSES, *LINEAR_CLASSES) for name in known.effects}
     assert names <= set(EFFECTS)
-    tied = {name for known in (*LINEAR_FILTERS, OWN_DAMPING, CHANGING) for name in known.effects}
+    tied = {name for known in (*LINEAR_FILTERS, OWN_DAMPING, *REPLACED) for name in known.effects}
     assert tied - set(EFFECTS) == set(UNLISTED)
     assert {len(row) for row in SEPARATIONS.values()} == {len(EXPERIMENTS)}
 

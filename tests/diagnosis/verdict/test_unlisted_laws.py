@@ -1,4 +1,4 @@
-"""Laws in no catalogue that take the place of a drift."""
+"""Laws in no catalogue for which a cause may stand."""
 
 from __future__ import annotations
 
@@ -6,35 +6,22 @@ from typing import Any
 
 import numpy as np
 import pytest
-from handmade_rounds import ranked
-from linear_motion import TRUTH, linear_log, linear_problem, standing
+from extended_fits import scale_of as sizes_of
+from linear_motion import TRUTH, linear_log, linear_problem
 
-from softid.diagnosis.base.base_fit import Request
-from softid.diagnosis.refit.candidates import (
-    begun,
-    extend,
-    named_values,
-    start_unknowns,
-)
+from softid.diagnosis.refit.candidates import extend, start_unknowns
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.search.forward_selection import Link, converged
-from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, UNLISTED
+from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, REPLACED, UNLISTED
 from softid.diagnosis.verdict.unlisted_laws import (
     UNLISTED_LAWS,
+    BentReading,
     LoadDrift,
     PressureDrift,
     PressureGainDrift,
-    with_unlisted_rivals,
+    RateLimit,
 )
-from softid.effects import EFFECTS, effect_of
+from softid.effects import EFFECTS
 from softid.effects.base import Effect
-from softid.log import LogSet
-from softid.synthesis import hidden_pair
-
-
-def link_of(key: str) -> Link:
-    base, chosen = ranked((), 0.0), ranked((key,), -500.0)
-    return Link(base, (chosen, base), chosen, (key,), (), 100.0)
 
 
 def residual_with(effect: Effect, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -65,46 +52,43 @@ def test_what_arrives(law: Any, expected: list[float]) -> None:
     np.testing.assert_allclose(found, expected)
 
 
+def test_a_limit_is_followed() -> None:
+    """1 span in 2 s, with steps of 0.25 s: it rises by an eighth of the span a step, and stays."""
+    scale = sizes_of("muscle")
+    time_s = 0.25 * np.arange(7)
+    u = scale.u_span * np.array([0.0, 0.3, 0.3, 0.3, 0.3, 0.2, 0.2])
+    found = RateLimit().apply(np.array([2.0]), time_s, u, scale) / scale.u_span
+    np.testing.assert_allclose(found, [0.0, 0.125, 0.25, 0.3, 0.3, 0.2, 0.2], atol=1e-12)
+    np.testing.assert_array_equal(RateLimit().apply(np.array([0.0]), time_s, u, scale), u)
+
+
+def test_a_bent_reading_keeps_the_ends_of_its_range() -> None:
+    """Closed form: −bend/4 of the span in the middle, and skew·3/64 of it at a quarter."""
+    scale = sizes_of("muscle")
+    y = scale.y_low + scale.y_span * np.array([0.0, 0.25, 0.5, 1.0])
+
+    def bent(bend: float, skew: float) -> np.ndarray:
+        found = BentReading().apply(np.array([bend, skew]), np.zeros(4), y, scale)
+        return np.asarray((found - y) / scale.y_span)
+
+    np.testing.assert_allclose(bent(0.4, 0.0), [0.0, -0.075, -0.1, 0.0], atol=1e-12)
+    np.testing.assert_allclose(bent(0.0, 0.64), [0.0, 0.03, 0.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("law", UNLISTED_LAWS, ids=lambda law: law.name)
+def test_starts_lie_within_the_bounds(law: Any) -> None:
+    scale = sizes_of("muscle")
+    declared = law().parameters(scale)
+    for start in law().starts(scale):
+        assert set(start) == set(declared.names)
+        for name, value in start.items():
+            assert declared[name].lower <= value <= declared[name].upper
+
+
 def test_they_are_told_and_are_in_no_catalogue() -> None:
     names = {law.name for law in UNLISTED_LAWS}
-    assert names == set(CHANGING.effects) <= set(UNLISTED)
+    told = {name for known in REPLACED for name in known.effects}
+    assert names == told <= set(UNLISTED)
     assert not names & {key.split(".")[0] for key in EFFECTS}
+    assert set(CHANGING.effects) < names
     assert set(DRIFTS) <= set(EFFECTS)
-
-
-def test_a_linear_model_has_its_class_for_them() -> None:
-    """Nothing is refitted there: no base is asked for."""
-    problem = linear_problem([linear_log()])
-    z = problem.unknowns(TRUTH)
-    extended = extend(problem, [effect_of("sensor_drift")], scale_of(problem, z))
-    final = standing(extended, start_unknowns(extended, problem, z, {"sensor_drift_rate": 0.01}))
-    link = link_of("sensor_drift")
-    base: Any = None
-    assert with_unlisted_rivals([link], [True], final, base) == [link]
-
-
-@pytest.mark.parametrize(
-    ("hidden", "drifts"),
-    [
-        ("load_drift", ("sensor_drift", "sensor_gain_drift")),
-        ("pressure_gain_drift", ("sensor_gain_drift",)),
-        ("sensor_drift", ("sensor_drift",)),
-        ("sensor_gain_drift", ("sensor_gain_drift",)),
-    ],
-)
-def test_what_explains_as_much_in_the_place_of_drifts(hidden: str, drifts: tuple[str, ...]) -> None:
-    """Stands on the generator: two drifts of a sensor follow a load where a pressure stiffens the
-    actuator, and the drift that is hidden has no rival."""
-    (log, judge) = hidden_pair([hidden], seed=710001).logs
-    request = Request("muscle", None, 0, lambda message, fraction: None)
-    base = request.fit_base(LogSet((log,)), (judge,), thorough=False)
-    known, effects = base.candidate.problem, tuple(effect_of(name) for name in drifts)
-    problem = extend(known, effects, base.scale)
-    starts = [named_values(e, {e.amplitude: 1e-4 * base.scale.y_span}) for e in effects]
-    values = {name: value for start in starts for name, value in start.items()}
-    z = start_unknowns(problem, known, base.candidate.minimum.point, values)
-    final = converged(begun(base.candidate, effects, problem, z), base.sigma)
-    links = [link_of(name) for name in drifts]
-    for link in with_unlisted_rivals(links, [True] * len(links), final, base):
-        assert (hidden in link.rivals[1:]) == (hidden not in drifts)
-        assert len(link.rivals) == 1 or hidden not in drifts

@@ -20,12 +20,18 @@ from linear_motion import (
 )
 
 from softid.diagnosis import diagnose
+from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOutLogs
-from softid.diagnosis.report.issues import CHANGE_POINT, change_issues, held_out_change_issues
+from softid.diagnosis.report.changes import (
+    CHANGE_POINT,
+    HELD_OUT_CHANGE,
+    change_issues,
+    held_out_change_issues,
+)
 from softid.diagnosis.residual.assessment import excess_of
-from softid.diagnosis.residual.change_point import change_point
+from softid.effects.base import Scale
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -51,8 +57,12 @@ def fitted(*logs: Log) -> Candidate:
     return advance(begun, {"angle": NOISE}, 40, tolerance=1e-4)
 
 
+def sizes(base: Candidate) -> Scale:
+    return scale_of(base.problem, base.minimum.point)
+
+
 def excess(base: Candidate) -> float:
-    return excess_of(base, scale_of(base.problem, base.minimum.point))
+    return excess_of(base, sizes(base))
 
 
 @pytest.mark.parametrize("kind", ADDED)
@@ -117,22 +127,24 @@ def test_what_is_held_out_begins_to_differ_at_a_moment(kind: str) -> None:
     judge = linear_log(noise=NOISE, seed=7, samples=N, added=ADDED[kind])
     left = remainder(structured=False, explained=1.0)
     left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
-    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)))
+    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)), sizes(base))
     moment = re.search(r"begins at ([0-9.]+) s of linear-7: its (\w+)", mark.message)
     assert moment is not None
     assert float(moment[1]) == pytest.approx(MOMENT_S, abs=0.5)
     assert moment[2] == kind
     found = replace(left, misses_held_out=False)
-    assert held_out_change_issues(base, found, HeldOutLogs((judge,))) == ()
+    assert held_out_change_issues(base, found, HeldOutLogs((judge,)), sizes(base)) == ()
 
 
 def test_another_actuator_differs_at_no_moment() -> None:
-    """Twice as stiff from the first sample on: other parameters, not a jump."""
+    """Half as large from the first sample on: another gain, not a jump."""
     base = fitted(linear_log(noise=NOISE, samples=N))
     judge = linear_log(noise=NOISE, seed=7, samples=N, added=-0.5 * ANGLE)
     left = remainder(structured=False, explained=1.0)
     left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
-    assert held_out_change_issues(base, left, HeldOutLogs((judge,))) == ()
+    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)), sizes(base))
+    assert mark.code == HELD_OUT_CHANGE
+    assert "the gain of the reading changes by -50.0 % in linear-7" in mark.message
 
 
 def test_a_diagnosis_tells_the_moment() -> None:

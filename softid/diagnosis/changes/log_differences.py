@@ -1,0 +1,274 @@
+"""Whether a misfit is a difference between logs: another gain, load, stiffness or delay in each.
+
+Something was changed between two logs, and one model is to follow both. A model that follows one of
+them is put to the others with one change for each, which is fitted with its zero and initial state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import Candidate, extend, named_values
+from softid.diagnosis.refit.parallel import in_parallel
+from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
+from softid.fitters.output_error import refit_nuisance
+from softid.fitters.problem import Problem
+from softid.kernels.terms import DAMPING, FORCE, STIFFNESS
+from softid.log import Log
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+TAKES = 0.9
+"""A difference must take away so much of the misfit above the noise."""
+
+ALIKE = 0.97
+"""Kinds that take away so much of what the best does are told beside it."""
+
+ZERO = "zero"
+"""Kind of a difference that every log has anyway."""
+
+LARGEST = 0.6
+"""Bound of a difference as a share of what it changes."""
+
+LATEST_S = 0.5
+"""Bound of a delay, either way."""
+
+
+@dataclass(frozen=True)
+class LogDifferences:
+    """What differs from log to log.
+
+    Attributes
+    ----------
+    kinds
+        What differs, the one that takes most first: ``gain`` and ``delay`` of the reading,
+        ``load``, ``stiffness``, ``damping``, ``pressure_gain``, ``pressure_zero`` or a parameter of
+        the model; all others take nearly as much. It is ``zero`` alone where that does.
+    sizes
+        Of the first kind, for each log: shares, a load as a share of the elastic force, a zero of
+        the pressure as a share of the input's range, a delay in s; no numbers for a zero.
+    share
+        Share of the misfit above the noise that goes.
+    """
+
+    kinds: tuple[str, ...]
+    sizes: tuple[float, ...]
+    share: float
+
+
+@dataclass(frozen=True)
+class Probe(Effect):
+    """Changes that would be parameters of the model if all logs had them alike."""
+
+    law: ClassVar[str] = "one size for each log"
+    meaning: ClassVar[str] = "Something was changed between the logs."
+    signature: ClassVar[str] = "The residual differs from log to log."
+    shown_by: ClassVar[str] = "the same path before and after"
+    source: ClassVar[str] = "a constant"
+    amplitude: ClassVar[str | None] = None
+    kinds: ClassVar[Mapping[str, tuple[str, float]]]
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The sizes, about zero."""
+        del scale
+        return ParameterSet(
+            tuple(
+                Parameter(kind, 0.0, unit, -bound, bound, meaning=self.meaning, source=self.source)
+                for kind, (unit, bound) in self.kinds.items()
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Nothing changed."""
+        del scale
+        return (dict.fromkeys(self.kinds, 0.0),)
+
+
+@dataclass(frozen=True)
+class MotionProbe(Probe, StateEffect):
+    """Relative change of stiffness and damping, and a resisting force as a share of the range's."""
+
+    name: ClassVar[str] = "motion_probe"
+    title: ClassVar[str] = "Change in the motion"
+    kinds: ClassVar[Mapping[str, tuple[str, float]]] = {
+        "load": ("1", LARGEST),
+        "stiffness": ("1", LARGEST),
+        "damping": ("1", LARGEST),
+    }
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """The elastic force within the log."""
+        return (scale.force,)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Put all three into the equation of motion."""
+        out[FORCE] += eta[0] * eta[3]
+        out[STIFFNESS] += eta[1]
+        out[DAMPING] += eta[2]
+
+
+@dataclass(frozen=True)
+class InputProbe(Probe, InputEffect):
+    """Another gain and zero of the input."""
+
+    name: ClassVar[str] = "input_probe"
+    title: ClassVar[str] = "Change of the input"
+    kinds: ClassVar[Mapping[str, tuple[str, float]]] = {
+        "pressure_gain": ("1", LARGEST),
+        "pressure_zero": ("1", LARGEST),
+    }
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """Gain, and a zero as a share of the range."""
+        del time_s
+        arriving: Array = u * (1.0 + eta[0]) + eta[1] * scale.u_span
+        return arriving
+
+
+@dataclass(frozen=True)
+class ReadingProbe(Probe, OutputEffect):
+    """Another gain of the output, and a clock that is late against that of the input."""
+
+    name: ClassVar[str] = "reading_probe"
+    title: ClassVar[str] = "Change of the reading"
+    kinds: ClassVar[Mapping[str, tuple[str, float]]] = {
+        "gain": ("1", LARGEST),
+        "delay": ("s", LATEST_S),
+    }
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Gain and delay."""
+        del scale
+        recorded: Array = np.interp(time_s - eta[1], time_s, y) * (1.0 + eta[0])
+        return recorded
+
+
+PROBES: tuple[type[MotionProbe | InputProbe | ReadingProbe], ...] = (
+    MotionProbe,
+    InputProbe,
+    ReadingProbe,
+)
+
+
+def log_differences(
+    reference: Candidate,
+    scale: Scale,
+    logs: Sequence[Log],
+    *,
+    before: float,
+    noise: float,
+    own: float = 0.0,
+    zero_counts: bool = False,
+) -> LogDifferences | None:
+    """What differs from log to log and takes away nearly all of the misfit that is more than noise.
+
+    Parameters
+    ----------
+    reference
+        A model whose parameters stay.
+    scale
+        Sizes of the base fit.
+    logs
+        Other logs, with the channels of the model.
+    before, noise
+        Sums of squares of the first output over these logs, and over what belongs to ``own``: of
+        the misfit, and of the noise.
+    own
+        Sum of squares that the reference leaves on what it was fitted to, if that counts.
+    zero_counts
+        Whether a zero of their own is a difference.
+
+    Returns
+    -------
+    LogDifferences or None
+        None where no kind takes so much.
+    """
+    misfit = before - noise
+    if not misfit > 0.0:
+        return None
+    changes = _changes(reference, scale)
+    fitted = in_parallel(lambda change: [change.on(log) for log in logs], changes)
+    falls = [(before - own - sum(left for left, _ in rows)) / misfit for rows in fitted]
+    ranked = np.argsort(falls[1:])[::-1] + 1
+    if zero_counts and falls[0] > ALIKE * falls[ranked[0]]:
+        ranked = np.zeros(1, np.intp)
+    most = falls[ranked[0]]
+    if not most > TAKES:
+        return None
+    alike = [k for k in ranked.tolist() if falls[k] > ALIKE * most]
+    outside = [k for k in alike if changes[k].kind not in reference.problem.free]
+    alike = outside or alike  # what has a name of its own comes before a parameter
+    sizes = tuple(size for _, size in fitted[alike[0]])
+    return LogDifferences(tuple(changes[k].kind for k in alike), sizes, min(falls[alike[0]], 1.0))
+
+
+def squares_of(problem: Problem, z: Array) -> float:
+    """Sum of squares that is left of the first output.
+
+    Parameters
+    ----------
+    problem
+        The logs and their model.
+    z
+        Its unknowns, shape (U,).
+    """
+    blocks = problem.blocks(z, derivatives=False)
+    parts = (b.residual for b in blocks if b.channel == problem.outputs[0])
+    return float(sum(part @ part for part in parts))
+
+
+@dataclass(frozen=True, eq=False)
+class _Change:
+    """One free parameter beside others that stay, or none.
+
+    Attributes
+    ----------
+    kind
+        As in `LogDifferences`.
+    name
+        The parameter; empty where only the zero differs.
+    problem
+        The model over the logs that it was fitted to.
+    values
+        The values that stay, and that of the parameter as it was.
+    """
+
+    kind: str
+    name: str
+    problem: Problem
+    values: Mapping[str, float]
+
+    def on(self, log: Log) -> tuple[float, float]:
+        """What is left of a log, and the change: of a parameter of the model as a share of it."""
+        others = {name: value for name, value in self.values.items() if name != self.name}
+        declared = self.problem.parameters.with_values(self.values).with_fixed(others)
+        problem = Problem(self.problem.model, declared, (log,))
+        z = refit_nuisance(problem).unknowns
+        left = squares_of(problem, z)
+        if not self.name:
+            return left, 0.0
+        value, known = problem.values(z)[self.name], self.values[self.name]
+        return left, float(value / known - 1.0 if known else value)
+
+
+def _changes(reference: Candidate, scale: Scale) -> list[_Change]:
+    """Everything that may differ: the zero, every free parameter, and what the probes change."""
+    problem, values = reference.problem, reference.parameters
+    found = [_Change(ZERO, "", problem, values)]
+    found += [_Change(name, name, problem, values) for name in problem.free]
+    for law in PROBES:
+        probe = law()
+        own = named_values(probe, probe.starts(scale)[0])
+        extended = extend(problem, (probe,), scale)
+        found += [
+            _Change(kind, name, extended, {**values, **own})
+            for kind, name in zip(probe.kinds, own, strict=True)
+        ]
+    return found

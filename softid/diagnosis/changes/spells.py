@@ -1,0 +1,180 @@
+"""Whether a misfit is confined to spells: a gust, a valve that stuck, a load that slipped off.
+
+A fit to the whole of a log bends towards a spell and leaves something everywhere. So the model is
+fitted to a part of the log, what it follows elsewhere is added to that part, and so on: random
+sample consensus (Fischler and Bolles, Comm. ACM 24, 381, 1981) with parts in place of random ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.held_out import HeldOutBlocks
+from softid.errors import IdentificationError
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+PARTS = 3
+"""Parts of a log that a search begins with, each in turn, after the whole of it."""
+
+ROUNDS = 4
+"""Fits from a part to what the model follows."""
+
+LOUD = 4.0
+"""A spell is where the squared residual is larger than so many variances on the average."""
+
+LOUDEST = 12.0
+"""A square counts as no more, or the quiet between two spells would count for nothing."""
+
+SURE = 100.0
+"""Sum of what is beyond that, in variances, from which on a spell is none of noise."""
+
+MOST_SPELLS = 3
+"""More are no spells."""
+
+LESSER = 0.05
+"""A further spell has so large a share of that of the first one."""
+
+QUIET = 1.5
+"""Outside of spells no more is left than so many times the variance of the noise."""
+
+LEAST_OUTSIDE = 0.4
+"""Share of a log that lies outside: what is followed for less is no rule with exceptions."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spells:
+    """Where the misfit of a log is, and a model that follows the rest.
+
+    Attributes
+    ----------
+    spans_s
+        Begin and end of each spell, in time.
+    reference
+        The model as it is fitted outside of them.
+    before, noise
+        Sums of squares of the first output in the spells: what that model leaves, and the noise.
+    """
+
+    spans_s: tuple[tuple[float, float], ...]
+    reference: Candidate
+    before: float
+    noise: float
+
+
+def spells_of(log: Log, fit: Callable[[Log], Candidate], noise: float) -> Spells | None:
+    """The spells to which the misfit of a log is confined, if it is.
+
+    Parameters
+    ----------
+    log
+        The log.
+    fit
+        Fits the model to a log some of whose samples are left out.
+    noise
+        Variance of the noise of the first output.
+    """
+    found: list[Spells] = []
+    for part in range(PARTS + 1):
+        outside = np.ones(len(log), bool)
+        if part > 0:
+            at = np.arange(len(log)) * PARTS // len(log)
+            outside = at == part - 1
+        with suppress(IdentificationError):  # a part may be at rest
+            one = _grown(log, fit, noise, outside)
+            found += [one] if one is not None else []
+    return min(found, key=lambda one: sum(end - begin for begin, end in one.spans_s), default=None)
+
+
+def loudest(excess: Array) -> tuple[int, int, float]:
+    """The stretch of samples with the largest sum (Kadane): begin, end and that sum.
+
+    Parameters
+    ----------
+    excess
+        A number for every sample, shape (n,).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> loudest(np.array([-1.0, 2.0, -1.0, 3.0, -5.0, 1.0]))
+    (1, 4, 4.0)
+    """
+    sums = np.concatenate(([0.0], np.cumsum(excess)))
+    low = np.minimum.accumulate(sums)
+    end = int(np.argmax(sums - low))
+    begin = int(np.argmin(sums[: end + 1]))
+    return begin, end, float(sums[end] - sums[begin])
+
+
+def _grown(
+    log: Log, fit: Callable[[Log], Candidate], noise: float, outside: BoolArray
+) -> Spells | None:
+    """The spells beside a part of a log, after the part has grown by all that the model follows."""
+    model, spans = fit(log.with_masked(~outside)), []
+    for _ in range(ROUNDS):
+        at, residual = _residual(log, model)
+        inside = ~outside[at]
+        if not np.isfinite(residual).all() or inside.all():
+            return None
+        variance = max(float(np.mean(residual[~inside] ** 2)), noise)
+        spans = _loud_stretches(np.minimum(residual**2 / variance, LOUDEST) - LOUD)
+        grown = np.ones(len(log), bool)
+        for begin, end in spans:
+            grown[at[begin] : at[end - 1] + 1] = False
+        if not spans or (grown == outside).all():
+            break
+        outside = grown
+        model = fit(log.with_masked(~outside))
+    return _judged(log, model, outside, noise) if spans else None
+
+
+def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spells | None:
+    """The spells, if outside of them no more than noise is left, in most of the log."""
+    at, residual = _residual(log, model)
+    inside = ~outside[at]
+    if not inside.any() or np.count_nonzero(~inside) < LEAST_OUTSIDE * inside.size:
+        return None
+    variance = float(np.mean(residual[~inside] ** 2))
+    if variance > QUIET * noise:
+        return None
+    before = float(np.sum(residual[inside] ** 2))
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], (~outside).astype(int), [0]))))
+    spans = tuple(
+        (float(log.time_s[begin]), float(log.time_s[end - 1]))
+        for begin, end in edges.reshape(-1, 2).tolist()
+    )
+    return Spells(spans, model, before, variance * np.count_nonzero(inside))
+
+
+def _loud_stretches(excess: Array) -> list[tuple[int, int]]:
+    """Stretches whose sums are no noise, the loudest first."""
+    pieces, least = [(0, excess.size)], SURE
+    found: list[tuple[int, int]] = []
+    while pieces and len(found) < MOST_SPELLS:
+        within = [(loudest(excess[a:b]), a, b) for a, b in pieces]
+        (begin, end, total), a, b = max(within, key=lambda row: row[0][2])
+        if total < least:
+            break
+        found.append((a + begin, a + end))
+        pieces.remove((a, b))
+        pieces += [(a, a + begin), (a + end, b)]
+        least = max(least, LESSER * total)
+    return found
+
+
+def _residual(log: Log, model: Candidate) -> tuple[npt.NDArray[np.intp], Array]:
+    """Places of the used samples and what a model leaves of the first output there."""
+    first = model.problem.outputs[0]
+    everywhere = HeldOutBlocks((log,), (np.ones(len(log), bool),))
+    rows = [row.residual for row in everywhere.errors(model) if row.channel == first]
+    at = [s.start + np.flatnonzero(s.samples_of(s.used[first])) for s in log.segments()]
+    return np.concatenate(at), np.concatenate(rows)

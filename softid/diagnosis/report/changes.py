@@ -1,0 +1,311 @@
+"""What changed within a log or between logs, which is no cause that goes on throughout."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.changes.change_point import change_point
+from softid.diagnosis.changes.log_differences import (
+    ZERO,
+    LogDifferences,
+    log_differences,
+    squares_of,
+)
+from softid.diagnosis.changes.spells import Spells, spells_of
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.report.phrases import listed, percent
+from softid.diagnosis.residual.assessment import excess_of
+from softid.diagnosis_results import Diagnosis, Remainder, Verdict
+from softid.effects.base import Scale
+from softid.errors import IdentificationError, Issue
+from softid.log import Log, LogSet
+
+CHANGE_POINT = "change-point"
+"""Code of the remark that a misfit begins at one moment."""
+
+LOG_DIFFERENCES = "logs-differ"
+"""Code of the remark that a misfit is a difference between logs."""
+
+HELD_OUT_CHANGE = "held-out-change"
+"""Code of the remark that what is held out differs, from a moment on or throughout."""
+
+CHANGE_CODES = (CHANGE_POINT, LOG_DIFFERENCES, HELD_OUT_CHANGE)
+"""All are told where the misfit is."""
+
+CHANGES = {
+    "zero": "its zero jumps there",
+    "clock": "its clock jumps there against that of the input",
+    "gain": "its gain changes there, or the stiffness of the actuator does",
+    "": "there the model changes in more than one way",
+}
+"""Kinds of a change point in words."""
+
+DIFFERENCES = {
+    ZERO: "the zero of the reading",
+    "gain": "the gain of the reading",
+    "delay": "the delay of the reading",
+    "load": "a constant load",
+    "stiffness": "the stiffness",
+    "damping": "the damping",
+    "pressure_gain": "the gain of the pressure",
+    "pressure_zero": "the zero of the pressure",
+}
+"""What may differ from log to log, in words; else it is a parameter of the model."""
+
+SIZES = {
+    "delay": "{0:+.3g} s",
+    "load": "{1:+.1f} % of the elastic force",
+    "pressure_zero": "{1:+.1f} % of the range",
+}
+"""How the size of each is told; else in per cent of it."""
+
+LOOK_THEN = (
+    "look at what happened then, such as a slipped mount, a touched cable, a part that gave way or "
+    "lost samples, and diagnose what comes before and after it apart"
+)
+"""What to do about a moment or a spell."""
+
+MOST_KINDS = 3
+"""A sentence names no more of them."""
+
+REFERENCES = 3
+"""Logs that are tried as the one which the others are compared with."""
+
+
+def with_changes(
+    answer: Diagnosis, recordings: Recordings, request: Request, base: BaseFit
+) -> Diagnosis:
+    """The diagnosis with what changed within a log or between logs, which outweighs what names it.
+
+    What begins at a moment is no cause that goes on throughout and leaves more than noise.
+
+    Parameters
+    ----------
+    answer
+        The diagnosis.
+    recordings
+        The logs.
+    request
+        What the user asked for.
+    base
+        The base fit to these logs.
+    """
+    known = tuple(issue for issue in answer.issues if issue.code in CHANGE_CODES)
+    moments: tuple[Issue, ...] = ()
+    may_begin = answer.verdict is Verdict.UNKNOWN or answer.remainder.structured
+    request = replace(request, model=base.candidate.problem.model)
+    if may_begin and not known:
+        moments = change_issues(base.candidate, excess_of(base.candidate, base.scale))
+        moments = moments or spell_issues(recordings, request, base)
+    if moments and answer.causes:
+        described = (*answer.causes, *answer.descriptive)
+        answer = replace(answer, verdict=Verdict.UNKNOWN, causes=(), descriptive=described)
+    if answer.verdict is Verdict.UNKNOWN and not (known or moments):
+        moments = difference_issues(recordings, request, base)
+    following = [issue.remedy for issue in (*known, *moments)]
+    return replace(
+        answer,
+        issues=(*answer.issues, *moments),
+        next_experiment=following[0] if following else answer.next_experiment,
+    )
+
+
+def held_out_change_issues(
+    model: Candidate, remainder: Remainder, held: HeldOut, scale: Scale
+) -> tuple[Issue, ...]:
+    """How what is held out differs, from a moment on or throughout; nothing where it does not.
+
+    Parameters
+    ----------
+    model
+        The last model.
+    remainder
+        What it leaves.
+    held
+        What was held out.
+    scale
+        Sizes of the base fit.
+    """
+    judged = held.standing(model) if remainder.misses_held_out else None
+    if judged is None:
+        return ()
+    errors = held.first_errors(model)
+    power, noise = float(np.mean(errors**2)), remainder.noise_power
+    moments = change_issues(judged, power / noise - 1.0)
+    if moments:
+        return tuple(replace(issue, code=HELD_OUT_CHANGE) for issue in moments)
+    before = squares_of(judged.problem, judged.minimum.point)
+    found = log_differences(
+        model, scale, judged.problem.logs, before=before, noise=noise * errors.size
+    )
+    told = _told(found, judged.problem.logs, judged.problem.outputs[0], "the fitted logs")
+    return () if told is None else (replace(told, code=HELD_OUT_CHANGE),)
+
+
+def change_issues(model: Candidate, excess: float) -> tuple[Issue, ...]:
+    """The moment at which the misfit of a model begins, if there is one.
+
+    Parameters
+    ----------
+    model
+        A model over its logs.
+    excess
+        Variance of what it leaves above that of the noise, as a share of the latter.
+    """
+    found = change_point(model, excess)
+    if found is None:
+        return ()
+    problem = model.problem
+    log = problem.logs[found.log].name
+    return (
+        Issue(
+            CHANGE_POINT,
+            "warning",
+            f"the misfit of {problem.outputs[0]} begins at {found.time_s:.4g} s of {log}: "
+            f"{CHANGES[found.kind]}, which takes away {percent(min(found.share, 1.0))} of it",
+            LOOK_THEN,
+        ),
+    )
+
+
+def spell_issues(recordings: Recordings, request: Request, base: BaseFit) -> tuple[Issue, ...]:
+    """The spells to which the misfit of a fitted log is confined; nothing where it is not.
+
+    Parameters
+    ----------
+    recordings
+        The logs.
+    request
+        What the user asked for.
+    base
+        The base fit to these logs.
+    """
+    problem = base.candidate.problem
+    first, noise = problem.outputs[0], _noise_of(base)
+
+    def fit(log: Log) -> Candidate:
+        return request.fit_base(LogSet((log,)), recordings.hold_out, thorough=False).candidate
+
+    found = []
+    for log in recordings.logs.logs[:REFERENCES]:
+        spells = spells_of(log, fit, noise)
+        if spells is None:
+            continue
+        within = [log.between(begin, np.nextafter(end, np.inf)) for begin, end in spells.spans_s]
+        change = log_differences(
+            spells.reference,
+            base.scale,
+            within,
+            before=spells.before,
+            noise=spells.noise,
+            zero_counts=True,
+        )
+        found.append(
+            Issue(
+                CHANGE_POINT,
+                "warning",
+                f"the misfit of {first} is confined to {_when(spells, log)} of {log.name}"
+                f"{_as_if(change)}",
+                LOOK_THEN,
+            )
+        )
+    return tuple(found)
+
+
+def _when(spells: Spells, log: Log) -> str:
+    """The spells in words."""
+    last = float(log.time_s[-1])
+    return listed(
+        [
+            f"{begin:.4g} s to the end" if end >= last else f"{begin:.4g} to {end:.4g} s"
+            for begin, end in spells.spans_s
+        ]
+    )
+
+
+def _as_if(change: LogDifferences | None) -> str:
+    """What the change is like in a spell, if it is like one."""
+    if change is None:
+        return ", outside of which no more than noise is left"
+    kind = change.kinds[0]
+    sizes = listed([_size(kind, size) for size in change.sizes])
+    others = listed([_title(other) for other in change.kinds[1:MOST_KINDS]], last=" or ")
+    also = f"; {others} would explain nearly as much" if others else ""
+    return (
+        f": there {_title(kind)} changes{f' by {sizes}' if kind != ZERO else ''}, which takes away "
+        f"{percent(change.share)} of it{also}"
+    )
+
+
+def difference_issues(recordings: Recordings, request: Request, base: BaseFit) -> tuple[Issue, ...]:
+    """What differs from one fitted log to another; nothing where that is not the misfit.
+
+    Parameters
+    ----------
+    recordings
+        The logs.
+    request
+        What the user asked for.
+    base
+        The base fit to these logs.
+    """
+    logs, candidate = recordings.logs.logs, base.candidate
+    if len(logs) < 2:
+        return ()
+    before = squares_of(candidate.problem, candidate.minimum.point)
+    noise = _noise_of(base) * candidate.problem.n_samples / len(candidate.problem.outputs)
+    for k, reference in enumerate(logs[:REFERENCES]):
+        others = (*logs[:k], *logs[k + 1 :])
+        with suppress(IdentificationError):  # one log alone may be too short, or at rest
+            alone = request.fit_base(LogSet((reference,)), recordings.hold_out, thorough=False)
+            own = squares_of(alone.candidate.problem, alone.candidate.minimum.point)
+            found = log_differences(
+                alone.candidate, alone.scale, others, before=before, noise=noise, own=own
+            )
+            told = _told(found, others, candidate.problem.outputs[0], reference.name)
+            if told is not None:
+                return (told,)
+    return ()
+
+
+def _told(
+    found: LogDifferences | None, logs: Sequence[Log], output: str, reference: str
+) -> Issue | None:
+    """A difference in words."""
+    if found is None:
+        return None
+    kind = found.kinds[0]
+    rows = [
+        f"{_size(kind, size)} in {log.name}" for log, size in zip(logs, found.sizes, strict=True)
+    ]
+    rivals = listed([_title(other) for other in found.kinds[1:MOST_KINDS]], last=" or ")
+    also = f"; {rivals} would explain nearly as much" if rivals else ""
+    return Issue(
+        LOG_DIFFERENCES,
+        "warning",
+        f"the logs differ: beside {reference} {_title(kind)} changes by {listed(rows)}, which "
+        f"takes away {percent(found.share)} of the misfit of {output}{also}",
+        "look at what was changed between the logs, such as a load, a mount or a calibration, and "
+        "diagnose each of them apart",
+    )
+
+
+def _title(kind: str) -> str:
+    return DIFFERENCES.get(kind, f"{kind} of the model")
+
+
+def _size(kind: str, size: float) -> str:
+    return SIZES.get(kind, "{1:+.1f} %").format(size, 100.0 * size)
+
+
+def _noise_of(base: BaseFit) -> float:
+    """Variance of the noise of the first output."""
+    problem, z = base.candidate.problem, base.candidate.minimum.point
+    power = squares_of(problem, z) * len(problem.outputs) / problem.n_samples
+    return power / (1.0 + max(excess_of(base.candidate, base.scale), 0.0))

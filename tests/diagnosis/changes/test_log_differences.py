@@ -1,0 +1,137 @@
+"""What was changed between logs, on logs in which one thing was."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
+
+from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.changes.log_differences import (
+    PROBES,
+    LogDifferences,
+    log_differences,
+)
+from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.held_out import HeldOutLogs
+from softid.diagnosis.report.changes import LOG_DIFFERENCES, difference_issues
+from softid.effects import EFFECTS
+from softid.effects.base import Scale
+from softid.log import Log, LogSet
+
+Array = npt.NDArray[np.float64]
+
+N, NOISE, MOVED = 1500, 0.01, 0.2
+TIME_S = np.arange(N) / RATE_HZ
+
+
+def pressure(seed: int) -> Array:
+    levels = np.random.default_rng(100 + seed).uniform(10.0, 100.0, N // 50)
+    smooth = np.convolve(np.repeat(levels, 50), np.ones(10) / 10.0, mode="same")
+    return np.where(TIME_S < 1.0, 0.0, smooth)
+
+
+def log_with(seed: int, kind: str = "", size: float = 0.0) -> Log:
+    """The linear actuator with one change from the first sample on."""
+    truth, u = dict(TRUTH), pressure(seed)
+    if kind in ("stiffness", "damping"):
+        truth["Q" if kind == "stiffness" else "N"] *= 1.0 + size
+    arriving = u * (1.0 + size) if kind == "pressure_gain" else u
+    angle = linear_angle(TIME_S, arriving, truth)
+    angle = angle * (1.0 + size) if kind == "gain" else angle
+    angle = np.interp(TIME_S - size, TIME_S, angle) if kind == "delay" else angle
+    noise = NOISE * np.random.default_rng(seed).standard_normal(N)
+    return Log.from_arrays(TIME_S, {"pressure": u, "angle": angle + noise}, name=f"log-{seed}")
+
+
+def fitted(log: Log) -> tuple[Candidate, Scale]:
+    problem = linear_problem([log])
+    base = advance(standing(problem, problem.unknowns(TRUTH)), {"angle": NOISE}, 40)
+    return base, scale_of(problem, base.minimum.point)
+
+
+def found_in(other: Log, *, zero_counts: bool = False) -> LogDifferences | None:
+    """What another log has beside a fitted one; without a change nothing but noise is left."""
+    base, scale = fitted(log_with(0))
+    left = HeldOutLogs((other,)).first_errors(base)
+    before = float(left @ left)
+    before += N * MOVED**2 if zero_counts else 0.0  # the zero of the fitted log would stay
+    noise = NOISE**2 * N
+    return log_differences(
+        base, scale, [other], before=before, noise=noise, zero_counts=zero_counts
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "alike"),
+    [
+        ("gain", 0.08, {"gain", "pressure_gain"}),
+        ("pressure_gain", -0.1, {"gain", "pressure_gain"}),
+        ("stiffness", 0.3, {"stiffness"}),
+        ("damping", -0.2, {"damping"}),
+        ("delay", 0.06, {"delay"}),
+    ],
+)
+def test_what_differs_is_found(kind: str, size: float, alike: set[str]) -> None:
+    """Known truth; a linear model has one gain for the pressure and the reading."""
+    found = found_in(log_with(1, kind, size))
+    assert found is not None
+    assert alike <= set(found.kinds)
+    assert found.kinds[0] in alike
+    assert found.sizes == pytest.approx((size,), rel=0.1)
+    assert found.share == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_zero_is_each_logs_own_unless_it_counts() -> None:
+    """What only a zero takes away is no difference between logs, and one within a log."""
+    plain = log_with(1)
+    angle = plain.channels["angle"]
+    moved = replace(
+        plain, channels={**plain.channels, "angle": replace(angle, values=angle.values + MOVED)}
+    )
+    found = found_in(moved, zero_counts=True)
+    assert found is not None
+    assert found.kinds == ("zero",)
+
+
+def test_what_one_number_does_not_explain_is_no_difference() -> None:
+    """A drift, a swing, and noise alone."""
+    drift = linear_log(noise=NOISE, seed=3, samples=N, added=0.004 * TIME_S)
+    swing = linear_log(noise=NOISE, seed=3, samples=N, added=0.1 * np.sin(TIME_S))
+    for other in (drift, swing, log_with(1)):
+        assert found_in(other) is None
+
+
+def test_probes_are_in_no_catalogue() -> None:
+    assert not {probe.name for probe in PROBES} & set(EFFECTS)
+
+
+def base_of(*logs: Log) -> tuple[Recordings, Request, BaseFit]:
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    recordings = Recordings(LogSet(logs), ())
+    return recordings, request, request.fit_base(recordings.logs, (), thorough=False)
+
+
+def test_the_differences_of_fitted_logs_are_told() -> None:
+    """Of three logs the second has a gain 10 % larger: that log, the size and the share."""
+    logs = (log_with(0), log_with(1, "gain", 0.1), log_with(2))
+    (issue,) = difference_issues(*base_of(*logs))
+    assert issue.code == LOG_DIFFERENCES
+    told = re.search(
+        r"beside log-0 .* changes by ([+-][0-9.]+) % in log-1 and ([+-][0-9.]+) % in log-2",
+        issue.message,
+    )
+    assert told is not None
+    assert float(told[1]) == pytest.approx(10.0, abs=1.0)
+    assert float(told[2]) == pytest.approx(0.0, abs=1.0)
+
+
+def test_like_logs_do_not_differ() -> None:
+    """Nor does a single one."""
+    assert difference_issues(*base_of(log_with(0), log_with(1))) == ()
+    assert difference_issues(*base_of(log_with(0))) == ()

@@ -1,0 +1,119 @@
+"""Spells to which a misfit is confined, on logs in which something happened at known times."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
+
+from softid.diagnosis import diagnose
+from softid.diagnosis.base.base_fit import Recordings, Request
+from softid.diagnosis.changes.spells import loudest, spells_of
+from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.report.changes import CHANGE_POINT, spell_issues
+from softid.diagnosis_results import Verdict
+from softid.log import Log, LogSet
+
+Array = npt.NDArray[np.float64]
+
+N, NOISE = 2000, 0.01
+TIME_S = np.arange(N) / RATE_HZ
+SOFT = {**TRUTH, "Q": 0.8 * TRUTH["Q"]}
+
+
+def pressure() -> Array:
+    levels = np.random.default_rng(9).uniform(10.0, 100.0, N // 50)
+    smooth = np.convolve(np.repeat(levels, 50), np.ones(10) / 10.0, mode="same")
+    return np.where(TIME_S < 1.0, 0.0, smooth)
+
+
+def between(*spans: tuple[float, float]) -> npt.NDArray[np.bool_]:
+    return np.any([(begin < TIME_S) & (end > TIME_S) for begin, end in spans], axis=0)
+
+
+def log_of(angle: Array, seed: int = 0) -> Log:
+    noise = NOISE * np.random.default_rng(seed).standard_normal(N)
+    channels = {"pressure": pressure(), "angle": angle + noise}
+    return Log.from_arrays(TIME_S, channels, name=f"log-{seed}")
+
+
+def changed(*spans: tuple[float, float]) -> Array:
+    """A fifth less stiff in some spells, as if the actuator had settled there at once."""
+    whole, soft = (linear_angle(TIME_S, pressure(), truth) for truth in (TRUTH, SOFT))
+    return np.where(between(*spans), soft, whole)
+
+
+def fit(log: Log) -> Candidate:
+    problem = linear_problem([log])
+    return advance(standing(problem, problem.unknowns(TRUTH)), {"angle": NOISE}, 40)
+
+
+@pytest.mark.parametrize(
+    "spans",
+    [((12.0, 17.0),), ((25.0, 41.0),), ((-1.0, 14.0),), ((8.0, 11.0), (27.0, 31.0))],
+    ids=str,
+)
+def test_the_spells_are_found(spans: tuple[tuple[float, float], ...]) -> None:
+    """Known truth, to a second, for a soft spring shows where the pressure is high."""
+    found = spells_of(log_of(changed(*spans)), fit, NOISE**2)
+    assert found is not None
+    assert len(found.spans_s) == len(spans)
+    for told, (begin, end) in zip(found.spans_s, spans, strict=True):
+        assert told == pytest.approx((max(begin, 0.0), min(end, TIME_S[-1])), abs=1.5)
+    assert found.reference.parameters["Q"] == pytest.approx(TRUTH["Q"], rel=0.01)
+
+
+THROUGHOUT = {
+    "noise": np.zeros(N),
+    "drift": 0.01 * TIME_S,
+    "swing": 0.1 * np.sin(0.8 * TIME_S),
+    "a law of the position": 0.05 * linear_angle(TIME_S, pressure()) ** 2,
+}
+
+
+@pytest.mark.parametrize("name", THROUGHOUT)
+def test_what_goes_on_throughout_is_in_no_spell(name: str) -> None:
+    log = log_of(linear_angle(TIME_S, pressure()) + THROUGHOUT[name])
+    assert spells_of(log, fit, NOISE**2) is None
+
+
+def test_the_loudest_stretch_of_nothing_is_empty() -> None:
+    begin, end, total = loudest(np.full(5, -1.0))
+    assert begin == end
+    assert total == 0.0
+
+
+def issues_of(log: Log) -> str:
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    recordings = Recordings(LogSet((log,)), ())
+    base = request.fit_base(recordings.logs, (), thorough=False)
+    (issue,) = spell_issues(recordings, request, base)
+    assert issue.code == CHANGE_POINT
+    return issue.message
+
+
+def test_what_changes_there_is_told() -> None:
+    """The stiffness by −20 %, from 25 s to the end; gain and pressure are nearly the same."""
+    message = issues_of(log_of(changed((25.0, 41.0))))
+    assert "s to the end of log-0: there " in message
+    assert "the stiffness" in message
+
+
+def test_a_spell_with_a_shape_of_its_own_is_told_without_a_change() -> None:
+    angle = linear_angle(TIME_S, pressure())
+    angle[between((12.0, 17.0))] += 0.3 * np.sin(3.0 * TIME_S[between((12.0, 17.0))])
+    assert "outside of which no more than noise is left" in issues_of(log_of(angle))
+
+
+def test_a_diagnosis_tells_the_spell_in_place_of_descriptions() -> None:
+    found = diagnose(log_of(changed((12.0, 17.0))), model="oscillator", effects=["creep"])
+    assert found.verdict is Verdict.UNKNOWN
+    assert [issue.code for issue in found.issues].count(CHANGE_POINT) == 1
+    assert "is confined to" in found.summary
+    assert "best description" not in found.summary
+
+
+def test_clean_logs_have_none() -> None:
+    log = linear_log(noise=NOISE, samples=N)
+    assert spells_of(log, fit, NOISE**2) is None

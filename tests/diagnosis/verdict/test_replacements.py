@@ -1,0 +1,115 @@
+"""Named causes, and what explains as much in their place."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from handmade_rounds import ranked
+from linear_motion import TRUTH, linear_log, linear_problem, standing
+
+from softid.diagnosis.base.base_fit import BaseFit, Request
+from softid.diagnosis.refit.candidates import (
+    Candidate,
+    begun,
+    extend,
+    named_values,
+    start_unknowns,
+)
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search.forward_selection import Link, converged
+from softid.diagnosis.verdict.replacements import REPLACEMENTS, with_replacements
+from softid.effects import EFFECTS, effect_of
+from softid.effects.base import Effect
+from softid.log import Log, LogSet
+from softid.synthesis import hidden_pair
+
+
+def link_of(key: str) -> Link:
+    base, chosen = ranked((), 0.0), ranked((key,), -500.0)
+    return Link(base, (chosen, base), chosen, (key.split(".")[0],), (), 100.0)
+
+
+def base_of(log: Log, judge: Log) -> BaseFit:
+    request = Request("muscle", None, 0, lambda message, fraction: None)
+    return request.fit_base(LogSet((log,)), (judge,), thorough=False)
+
+
+def converged_with(base: BaseFit, effects: tuple[Effect, ...]) -> Candidate:
+    """The base with effects at the best optimum from their starts."""
+    known, found = base.candidate.problem, []
+    problem = extend(known, effects, base.scale)
+    for k in range(max(len(effect.starts(base.scale)) for effect in effects)):
+        starts = [effect.starts(base.scale) for effect in effects]
+        rows = [named_values(e, s[k % len(s)]) for e, s in zip(effects, starts, strict=True)]
+        values = {name: value for row in rows for name, value in row.items()}
+        z = start_unknowns(problem, known, base.candidate.minimum.point, values)
+        found.append(converged(begun(base.candidate, effects, problem, z), base.sigma))
+    return min(found, key=lambda candidate: candidate.squares)
+
+
+def test_the_table_speaks_of_the_catalogue() -> None:
+    for row in REPLACEMENTS:
+        assert set(row.causes) <= set(EFFECTS)
+        assert all(laws for laws in row.laws)
+
+
+def test_a_linear_model_has_its_class_for_them() -> None:
+    """Nothing is refitted there: no base is asked for."""
+    problem = linear_problem([linear_log()])
+    z = problem.unknowns(TRUTH)
+    extended = extend(problem, [effect_of("sensor_drift")], scale_of(problem, z))
+    final = standing(extended, start_unknowns(extended, problem, z, {"sensor_drift_rate": 0.01}))
+    link = link_of("sensor_drift")
+    base: Any = None
+    assert with_replacements([link], [True], final, base) == [link]
+
+
+@pytest.mark.parametrize(
+    ("hidden", "drifts"),
+    [
+        ("load_drift", ("sensor_drift", "sensor_gain_drift")),
+        ("pressure_gain_drift", ("sensor_gain_drift",)),
+        ("sensor_drift", ("sensor_drift",)),
+        ("sensor_gain_drift", ("sensor_gain_drift",)),
+    ],
+)
+def test_what_explains_as_much_in_the_place_of_drifts(hidden: str, drifts: tuple[str, ...]) -> None:
+    """Stands on the generator: two drifts of a sensor follow a load where a pressure stiffens the
+    actuator, and the drift that is hidden has no rival."""
+    (log, judge) = hidden_pair([hidden], seed=710001).logs
+    base, effects = base_of(log, judge), tuple(effect_of(name) for name in drifts)
+    final = converged_with(base, effects)
+    links = [link_of(name) for name in drifts]
+    for link in with_replacements(links, [True] * len(links), final, base):
+        assert (hidden in link.rivals[1:]) == (hidden not in drifts)
+        assert len(link.rivals) == 1 or hidden not in drifts
+
+
+@pytest.mark.parametrize(
+    ("hidden", "named", "rival"),
+    [
+        (("saturating_sensor",), ("stiffening",), "bent_reading"),
+        (("stiffening",), ("stiffening",), None),
+        (("rate_limit",), ("valve_flow",), "rate_limit"),
+        (("valve_flow",), ("valve_flow",), None),
+        (("dead_zone", "sensor_clipping"), ("sensor_clipping.both",), "dead_zone"),
+    ],
+)
+def test_what_explains_as_much_in_the_place_of_a_cause(
+    hidden: tuple[str, ...], named: tuple[str, ...], rival: str | None
+) -> None:
+    """Stands on the generator: what is hidden is a rival of what is named, if that is another."""
+    base = base_of(*hidden_pair(hidden, seed=710002, size=2.0).logs)
+    final = converged_with(base, tuple(effect_of(key) for key in named))
+    (link,) = with_replacements([link_of(key) for key in named], [True], final, base)
+    assert link.rivals[1:] == (() if rival is None else (rival,))
+
+
+def test_what_is_not_named_is_not_asked() -> None:
+    """Nothing is refitted then: no base is asked for."""
+    problem = linear_problem([linear_log()])
+    final = standing(problem, problem.unknowns(TRUTH))
+    base: Any = None
+    links = [link_of("stiffening"), link_of("creep")]
+    assert with_replacements(links, [False, True], final, base) == links
