@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -319,10 +320,23 @@ class CauseSearch:
         )
 
 
+class Explanations(Protocol):
+    """What else explains a misfit than a cause."""
+
+    def all(self, recordings: Recordings, base: BaseFit) -> Sequence[object]:
+        """Other explanations of what a base leaves; nothing where there is none."""
+
+
 def search_causes(
-    recordings: Recordings, request: Request, search: CauseSearch, first: Chain | None
+    recordings: Recordings,
+    request: Request,
+    search: CauseSearch,
+    others: Explanations,
+    first: Chain | None = None,
 ) -> tuple[SearchResult, CauseSearch]:
     """What a search finds, and where it came to nothing what one from another beginning does.
+
+    None does where the misfit is explained otherwise.
 
     Parameters
     ----------
@@ -332,6 +346,8 @@ def search_causes(
         What the user asked for.
     search
         The search over the base at hand.
+    others
+        Explanations that are no causes.
     first
         The chain with its first cause, if it was looked for already.
 
@@ -346,6 +362,8 @@ def search_causes(
     alone = search.without_causes()
     if alone is not None and alone.remainder.open_jumps > 0:
         return alone, search
+    if others.all(recordings, search.base):
+        return found, search
     again = request.fit_base(recordings.logs, recordings.hold_out, thorough=True)
     if again.candidate.squares < BETTER_BASE * search.base.candidate.squares:
         search = replace(search, base=again)  # the base was a false optimum

@@ -27,7 +27,7 @@ from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.refit.optimum import optimum_of
-from softid.diagnosis.report.changes import held_out_change_issues, with_changes
+from softid.diagnosis.report.changes import held_out_change_issues
 from softid.diagnosis.report.issues import (
     averaging_issues,
     jump_issues,
@@ -36,6 +36,10 @@ from softid.diagnosis.report.issues import (
     restriction_issues,
     rounding_issues,
     unsure_issues,
+)
+from softid.diagnosis.report.other_explanations import (
+    OtherExplanations,
+    with_other_explanations,
 )
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.disturbances import disturbance_issues
@@ -148,15 +152,18 @@ def diagnose(
     request = Request(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     recordings, base, count = _prepared(recordings, request)
     request, base = reduced_if_better(recordings, request, base)
-    search = CauseSearch(base, effects_of(effects), seed, report)
+    search, others = (
+        CauseSearch(base, effects_of(effects), seed, report),
+        OtherExplanations(request),
+    )
     if is_in_doubt:
-        found, search = _search_with_intersample(recordings, request, search)
+        found, search = _search_with_intersample(recordings, request, search, others)
     else:
-        found, search = search_causes(recordings, request, search, None)
+        found, search = search_causes(recordings, request, search, others)
     report("computing errors", 0.9)
     answer, base = _surest_answer(search, found), search.base
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
-    answer = with_changes(answer, recordings, request, base)
+    answer = with_other_explanations(answer, recordings, base, others)
     issues = (
         *negligible_issues(base),
         *restriction_issues(effects),
@@ -183,7 +190,7 @@ def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
 
 
 def _search_with_intersample(
-    recordings: Recordings, request: Request, search: CauseSearch
+    recordings: Recordings, request: Request, search: CauseSearch, others: OtherExplanations
 ) -> tuple[SearchResult, CauseSearch]:
     """The search where nobody said what the input does between its samples.
 
@@ -199,15 +206,15 @@ def _search_with_intersample(
     first, base = search.first_cause(), search.base
     other = intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma)
     if other is None:
-        found, search = search_causes(recordings, request, search, first)
+        found, search = search_causes(recordings, request, search, others, first)
     else:
         recordings, search = read_otherwise(other)
-        found, search = search_causes(recordings, request, search, None)
+        found, search = search_causes(recordings, request, search, others)
     if len(found.chain.links) > 1:
         other = intersample_after_all_causes(found.chain.final, search.base.sigma)
         if other is not None:
             recordings, search = read_otherwise(other)
-            found, search = search_causes(recordings, request, search, None)
+            found, search = search_causes(recordings, request, search, others)
     return found, search
 
 
@@ -290,7 +297,9 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
             *(after if after is not None and named else before).issues,
             *_issues_of_rest(base, chain, before),
             *refusal_issues(chain, held_out),
-            *held_out_change_issues(chain.final, remainder, held_out, base.scale),
+            *held_out_change_issues(
+                chain.final, remainder, held_out, base.scale, is_sure=all(is_named)
+            ),
         ),
         gain_ci95=whole_gain_of(errors, rng),
     )

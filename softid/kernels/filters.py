@@ -186,6 +186,23 @@ def limit_rate(step_s: Array, values: Array, limit: float) -> None:
 
 
 @kernel
+def play(values: Array, width: float) -> None:
+    """Follow the input with play: move only when it leaves a band of ± a width.
+
+    Parameters
+    ----------
+    values
+        Input, shape (n,); overwritten by the output.
+    width
+        Half width of the band, not negative.
+    """
+    y = values[0]
+    for k in range(values.size):
+        y = min(max(y, values[k] - width), values[k] + width)
+        values[k] = y
+
+
+@kernel
 def resonance(step_s: Array, values: Array, omega: float, zeta: float) -> None:
     """Second-order resonance ÿ/ω² + 2ζ ẏ/ω + y = u at any damping.
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from handmade_diagnosis import diagnosis
 
-from softid.diagnosis.base.base_fit import Request
-from softid.diagnosis.report import changes
-from softid.diagnosis.report.changes import CHANGE_POINT
+from softid.diagnosis import diagnose
+from softid.diagnosis.report.changes import CHANGE_POINT, HELD_OUT_CHANGE
+from softid.diagnosis.report.other_explanations import UNLISTED_LAW, with_other_explanations
 from softid.diagnosis_results import Verdict
 from softid.errors import Issue
+from softid.synthesis import hidden_pair
 
 MOMENT = Issue(CHANGE_POINT, "warning", "the misfit of angle begins at 3 s", "look at it")
 
@@ -27,21 +29,49 @@ MOMENT = Issue(CHANGE_POINT, "warning", "the misfit of angle begins at 3 s", "lo
     ],
 )
 def test_a_moment_outweighs_causes_that_leave_more_than_noise(
-    verdict: Verdict, begins: bool, told: Verdict, monkeypatch: pytest.MonkeyPatch
+    verdict: Verdict, begins: bool, told: Verdict
 ) -> None:
     """What begins at one moment does not go on throughout; what leaves noise is not asked."""
-    monkeypatch.setattr(changes, "change_issues", lambda *args: (MOMENT,) if begins else ())
-    monkeypatch.setattr(changes, "excess_of", lambda *args: 1.0)
-    for other in ("spell_issues", "difference_issues"):
-        monkeypatch.setattr(changes, other, lambda *args: ())
-    problem = SimpleNamespace(model=None)
-    base: Any = SimpleNamespace(candidate=SimpleNamespace(problem=problem), scale=None)
-    recordings: Any = None
-    request = Request(None, None, 0, lambda message, fraction: None)
-    found = diagnosis(verdict)
-    answer = changes.with_changes(found, recordings, request, base)
+    found, told_else = diagnosis(verdict), (MOMENT,) if begins else ()
+    others: Any = SimpleNamespace(events=lambda *args: told_else, all=lambda *args: told_else)
+    nothing: Any = None
+    answer = with_other_explanations(found, nothing, nothing, others)
     assert answer.verdict is told
     is_withheld = told is Verdict.UNKNOWN
     assert len(answer.descriptive) == len((*found.causes, *found.descriptive)) or not is_withheld
     assert bool(answer.causes) is not is_withheld
     assert (MOMENT in answer.issues) is (is_withheld and begins)
+
+
+@pytest.mark.parametrize(
+    ("is_structured", "asked"), [(True, ["events", "all"]), (False, [])], ids=["left", "noise"]
+)
+def test_what_is_held_out_differs_and_the_rest_is_asked_where_it_leaves_something(
+    is_structured: bool, asked: list[str]
+) -> None:
+    """What is told of held-out logs explains no misfit of the fitted ones."""
+    held = Issue(HELD_OUT_CHANGE, "warning", "the logs differ", "diagnose them apart")
+    found = diagnosis(Verdict.UNKNOWN)
+    left = replace(found.remainder, structured=is_structured)
+    found = replace(found, issues=(held,), remainder=left, causes=())
+    met: list[str] = []
+
+    def noted(name: str) -> Any:
+        return lambda *args: met.append(name) or ()
+
+    others: Any = SimpleNamespace(events=noted("events"), all=noted("all"))
+    nothing: Any = None
+    answer = with_other_explanations(found, nothing, nothing, others)
+    assert met == asked
+    assert answer.next_experiment == held.remedy
+
+
+def test_a_law_in_no_catalogue_is_told_in_place_of_descriptions() -> None:
+    """The paragraph of an unknown cause; the verdict stays."""
+    (log, judge) = hidden_pair(["output_backlash"], seed=710008).logs
+    found = diagnose(log, hold_out=[judge], model="muscle", effects=["creep", "delay"])
+    assert found.verdict is Verdict.UNKNOWN
+    assert [issue.code for issue in found.issues].count(UNLISTED_LAW) == 1
+    assert "play between the actuator and its sensor" in found.summary
+    assert found.next_experiment is not None
+    assert "small moves up and down" in found.next_experiment

@@ -211,11 +211,32 @@ def test_other_searches_follow_one_that_came_to_nothing(
     monkeypatch.setattr(CauseSearch, "search_from_other_causes", lambda self, known: None)
     request: Any = SimpleNamespace(fit_base=lambda *args, thorough: base_fit(again))
     recordings: Any = SimpleNamespace(logs=(), hold_out=())
-    answer, search = search_causes(recordings, request, search_over(), None)
+    others: Any = SimpleNamespace(all=lambda recordings, base: ())
+    answer, search = search_causes(recordings, request, search_over(), others)
     answers_by_name = {"first": first, "alone": alone, "again": better, "other": other}
     assert answer is answers_by_name[found]
     assert search.base.candidate.squares == base
     assert by == ["base 100", *(["base 10"] if found == "again" else [])]
+
+
+def test_no_other_search_follows_where_the_misfit_is_explained(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The base is asked about, and is not fitted again."""
+    nothing = SearchResult(Chain((), None, base_fit(100.0).candidate), STRUCTURE, ())
+    monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": nothing}, by=[]))
+    monkeypatch.setattr(CauseSearch, "without_causes", lambda self: None)
+    asked: list[float] = []
+
+    def explained(recordings: object, base: Any) -> tuple[str, ...]:
+        asked.append(base.candidate.squares)
+        return ("a load that slipped",)
+
+    others: Any = SimpleNamespace(all=explained)
+    unused: Any = None
+    answer, _ = search_causes(unused, unused, search_over(), others)
+    assert answer is nothing
+    assert asked == [100.0]
 
 
 def test_a_base_that_leaves_noise_stands_alone(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOutBlocks
+from softid.diagnosis.residual.motion import residual_context
 from softid.errors import IdentificationError
 from softid.log import Log
 
@@ -43,11 +44,19 @@ MOST_SPELLS = 3
 LESSER = 0.05
 """A further spell has so large a share of that of the first one."""
 
-QUIET = 1.5
+QUIET = 1.25
 """Outside of spells no more is left than so many times the variance of the noise."""
+
+CLEAR = 12.0
+"""In them the squares are larger than so many times that on the average."""
 
 LEAST_OUTSIDE = 0.4
 """Share of a log that lies outside: what is followed for less is no rule with exceptions."""
+
+
+WITHIN = 0.95
+"""Share of a spell whose positions lie within those outside, and quantile of its speeds that the
+fastest ones outside reach: else a law may act there alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,15 +153,29 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
     if not inside.any() or np.count_nonzero(~inside) < LEAST_OUTSIDE * inside.size:
         return None
     variance = float(np.mean(residual[~inside] ** 2))
-    if variance > QUIET * noise:
+    if variance > QUIET * noise or not _are_covered(model, outside):
         return None
     before = float(np.sum(residual[inside] ** 2))
+    if before < CLEAR * variance * np.count_nonzero(inside):
+        return None
     edges = np.flatnonzero(np.diff(np.concatenate(([0], (~outside).astype(int), [0]))))
     spans = tuple(
         (float(log.time_s[begin]), float(log.time_s[end - 1]))
         for begin, end in edges.reshape(-1, 2).tolist()
     )
     return Spells(spans, model, before, variance * np.count_nonzero(inside))
+
+
+def _are_covered(model: Candidate, outside: BoolArray) -> bool:
+    """Whether the positions and speeds of the spells are met outside of them, too."""
+    segments, motions = model.problem.segments, residual_context(model)
+    x, v = (np.concatenate([getattr(motion, name) for motion in motions]) for name in "xv")
+    without = np.concatenate([outside[s.start : s.stop] for s in segments])
+    if without.all() or not (np.isfinite(x).all() and np.isfinite(v).all()):
+        return False
+    low, high = x[without].min(), x[without].max()
+    met = np.mean((x[~without] >= low) & (x[~without] <= high)) >= WITHIN
+    return bool(met and np.quantile(np.abs(v[~without]), WITHIN) <= np.abs(v[without]).max())
 
 
 def _loud_stretches(excess: Array) -> list[tuple[int, int]]:

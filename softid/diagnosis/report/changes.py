@@ -20,8 +20,8 @@ from softid.diagnosis.changes.spells import Spells, spells_of
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.report.phrases import listed, percent
-from softid.diagnosis.residual.assessment import excess_of
-from softid.diagnosis_results import Diagnosis, Remainder, Verdict
+from softid.diagnosis.residual.assessment import noise_variance
+from softid.diagnosis_results import Remainder
 from softid.effects.base import Scale
 from softid.errors import IdentificationError, Issue
 from softid.log import Log, LogSet
@@ -34,9 +34,6 @@ LOG_DIFFERENCES = "logs-differ"
 
 HELD_OUT_CHANGE = "held-out-change"
 """Code of the remark that what is held out differs, from a moment on or throughout."""
-
-CHANGE_CODES = (CHANGE_POINT, LOG_DIFFERENCES, HELD_OUT_CHANGE)
-"""All are told where the misfit is."""
 
 CHANGES = {
     "zero": "its zero jumps there",
@@ -74,50 +71,16 @@ LOOK_THEN = (
 MOST_KINDS = 3
 """A sentence names no more of them."""
 
+ALIKE = 0.6
+"""Logs are held against each other whose inputs have so much of their common range in common: what
+differs from level to level is the model, not the log."""
+
 REFERENCES = 3
 """Logs that are tried as the one which the others are compared with."""
 
 
-def with_changes(
-    answer: Diagnosis, recordings: Recordings, request: Request, base: BaseFit
-) -> Diagnosis:
-    """The diagnosis with what changed within a log or between logs, which outweighs what names it.
-
-    What begins at a moment is no cause that goes on throughout and leaves more than noise.
-
-    Parameters
-    ----------
-    answer
-        The diagnosis.
-    recordings
-        The logs.
-    request
-        What the user asked for.
-    base
-        The base fit to these logs.
-    """
-    known = tuple(issue for issue in answer.issues if issue.code in CHANGE_CODES)
-    moments: tuple[Issue, ...] = ()
-    may_begin = answer.verdict is Verdict.UNKNOWN or answer.remainder.structured
-    request = replace(request, model=base.candidate.problem.model)
-    if may_begin and not known:
-        moments = change_issues(base.candidate, excess_of(base.candidate, base.scale))
-        moments = moments or spell_issues(recordings, request, base)
-    if moments and answer.causes:
-        described = (*answer.causes, *answer.descriptive)
-        answer = replace(answer, verdict=Verdict.UNKNOWN, causes=(), descriptive=described)
-    if answer.verdict is Verdict.UNKNOWN and not (known or moments):
-        moments = difference_issues(recordings, request, base)
-    following = [issue.remedy for issue in (*known, *moments)]
-    return replace(
-        answer,
-        issues=(*answer.issues, *moments),
-        next_experiment=following[0] if following else answer.next_experiment,
-    )
-
-
 def held_out_change_issues(
-    model: Candidate, remainder: Remainder, held: HeldOut, scale: Scale
+    model: Candidate, remainder: Remainder, held: HeldOut, scale: Scale, *, is_sure: bool
 ) -> tuple[Issue, ...]:
     """How what is held out differs, from a moment on or throughout; nothing where it does not.
 
@@ -131,6 +94,9 @@ def held_out_change_issues(
         What was held out.
     scale
         Sizes of the base fit.
+    is_sure
+        Whether all that was added to the base is named: a law that is wrong asks for another size
+        in every log.
     """
     judged = held.standing(model) if remainder.misses_held_out else None
     if judged is None:
@@ -140,6 +106,8 @@ def held_out_change_issues(
     moments = change_issues(judged, power / noise - 1.0)
     if moments:
         return tuple(replace(issue, code=HELD_OUT_CHANGE) for issue in moments)
+    if not (is_sure and _are_alike(model.problem.logs, judged.problem.logs)):
+        return ()
     before = squares_of(judged.problem, judged.minimum.point)
     found = log_differences(
         model, scale, judged.problem.logs, before=before, noise=noise * errors.size
@@ -187,7 +155,7 @@ def spell_issues(recordings: Recordings, request: Request, base: BaseFit) -> tup
         The base fit to these logs.
     """
     problem = base.candidate.problem
-    first, noise = problem.outputs[0], _noise_of(base)
+    first, noise = problem.outputs[0], noise_variance(base.candidate, base.scale)
 
     def fit(log: Log) -> Candidate:
         return request.fit_base(LogSet((log,)), recordings.hold_out, thorough=False).candidate
@@ -256,10 +224,11 @@ def difference_issues(recordings: Recordings, request: Request, base: BaseFit) -
         The base fit to these logs.
     """
     logs, candidate = recordings.logs.logs, base.candidate
-    if len(logs) < 2:
+    if len(logs) < 2 or not _are_alike(logs[:1], logs[1:]):
         return ()
     before = squares_of(candidate.problem, candidate.minimum.point)
-    noise = _noise_of(base) * candidate.problem.n_samples / len(candidate.problem.outputs)
+    samples = candidate.problem.n_samples / len(candidate.problem.outputs)
+    noise = samples * noise_variance(candidate, base.scale)
     for k, reference in enumerate(logs[:REFERENCES]):
         others = (*logs[:k], *logs[k + 1 :])
         with suppress(IdentificationError):  # one log alone may be too short, or at rest
@@ -296,16 +265,24 @@ def _told(
     )
 
 
+def _are_alike(known: Sequence[Log], others: Sequence[Log]) -> bool:
+    """Whether the input of every other log has nearly the range of those that are known."""
+
+    def span_of(logs: Sequence[Log]) -> tuple[float, float]:
+        u = np.concatenate([log.channels[log.input].values for log in logs])
+        return float(np.nanmin(u)), float(np.nanmax(u))
+
+    low, high = span_of(known)
+    for begin, end in (span_of([log]) for log in others):
+        common = min(high, end) - max(low, begin)
+        if common < ALIKE * (max(high, end) - min(low, begin)):
+            return False
+    return True
+
+
 def _title(kind: str) -> str:
     return DIFFERENCES.get(kind, f"{kind} of the model")
 
 
 def _size(kind: str, size: float) -> str:
     return SIZES.get(kind, "{1:+.1f} %").format(size, 100.0 * size)
-
-
-def _noise_of(base: BaseFit) -> float:
-    """Variance of the noise of the first output."""
-    problem, z = base.candidate.problem, base.candidate.minimum.point
-    power = squares_of(problem, z) * len(problem.outputs) / problem.n_samples
-    return power / (1.0 + max(excess_of(base.candidate, base.scale), 0.0))

@@ -7,9 +7,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_next, why_tied
-from softid.diagnosis.report.changes import CHANGE_POINT, HELD_OUT_CHANGE, LOG_DIFFERENCES
+from softid.diagnosis.report.changes import (
+    CHANGE_POINT,
+    HELD_OUT_CHANGE,
+    LOG_DIFFERENCES,
+)
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
+from softid.diagnosis.report.other_explanations import UNLISTED_LAW
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLES,
@@ -55,6 +60,9 @@ SAME = 10.0
 """A BIC that is less above another one says no more than it; where it is more, what none of the
 causes explains outweighs that."""
 
+WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW)
+"""Codes of remarks that say what a misfit is for which no cause is named."""
+
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
 
@@ -88,7 +96,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         gain_ci95=found.gain_ci95,
         marks=[issue.message for issue in found.issues if issue.code in CODES],
         refused=[i.message for i in found.issues if i.code in (REFUSED, UNSURE)],
-        changes=[i.message for i in found.issues if i.code in (CHANGE_POINT, LOG_DIFFERENCES)],
+        changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
         held_out_changes=[i.message for i in found.issues if i.code == HELD_OUT_CHANGE],
         dropped=dropped_from(found),
         negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
@@ -135,7 +143,8 @@ def summarise(
     marks, refused
         What `disturbance_issues` found, and `refusal_issues` or `unsure_issues`.
     changes
-        What changed within the fitted logs or between them, which is the misfit then.
+        What changed within the fitted logs or between them, or a law in no catalogue, which is the
+        misfit then.
     held_out_changes
         How what is held out differs from them.
     dropped

@@ -132,6 +132,20 @@ def excess_of(base: Candidate, scale: Scale) -> float:
     return _power(parts) / _least_noise(_floor_of(parts, scale), parts) - 1.0
 
 
+def noise_variance(base: Candidate, scale: Scale) -> float:
+    """Variance of the noise of the first output, as what a base leaves shows it.
+
+    Parameters
+    ----------
+    base
+        The model without effects.
+    scale
+        Its sizes.
+    """
+    parts = residual_context(base)
+    return _least_noise(_floor_of(parts, scale), parts)
+
+
 def held_out_share(before: float, after: float, noise: float) -> float:
     """Share of the held-out misfit above the noise that goes; 1 when only noise is left.
 

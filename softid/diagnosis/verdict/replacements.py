@@ -1,7 +1,8 @@
 """Named causes that others are refitted in the place of, before they are believed.
 
 Some causes of the catalogue follow what a law in no catalogue does, or two causes together do. Each
-of these is refitted in their place, with all other causes kept.
+of these is refitted in their place, with all other causes kept; and each law in no catalogue alone
+in the place of all.
 """
 
 from __future__ import annotations
@@ -24,21 +25,9 @@ from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import INDISTINCT, Link
-from softid.diagnosis.verdict.equivalence import (
-    BENT_READING,
-    CHANGING,
-    DRIFTS,
-    LIMITED_RATE,
-    LOWER_END,
-    EquivalenceClass,
-)
-from softid.diagnosis.verdict.unlisted_laws import (
-    BentReading,
-    LoadDrift,
-    PressureDrift,
-    PressureGainDrift,
-    RateLimit,
-)
+from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
+from softid.diagnosis.verdict.unlisted_drifts import LoadDrift, PressureDrift, PressureGainDrift
+from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS, BentReading, RateLimit
 from softid.effects import effect_of
 from softid.effects.base import Effect
 
@@ -56,16 +45,13 @@ class Replacement:
         Names or keys of the causes.
     laws
         Sets of effects, each put in the place of all of these causes.
-    tie
-        What is told where one of them explains as much.
-    is_told_in_linear
-        Whether the class of a linear model tells it already.
+    behind
+        A BIC that is less above that of the causes says as much.
     """
 
     causes: tuple[str, ...]
     laws: tuple[tuple[Effect, ...], ...]
-    tie: EquivalenceClass
-    is_told_in_linear: bool = False
+    behind: float = INDISTINCT
 
     def takes(self, effect: Effect) -> bool:
         """Whether an effect is one of the causes."""
@@ -73,21 +59,14 @@ class Replacement:
 
 
 REPLACEMENTS: tuple[Replacement, ...] = (
+    Replacement(DRIFTS, ((LoadDrift(),), (PressureGainDrift(),), (PressureDrift(),))),
+    Replacement(("stiffening", "static_curve", "contact"), ((BentReading(),),)),
+    Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),)),
     Replacement(
-        DRIFTS,
-        ((LoadDrift(),), (PressureGainDrift(),), (PressureDrift(),)),
-        CHANGING,
-        is_told_in_linear=True,
-    ),
-    Replacement(("stiffening", "static_curve", "contact"), ((BentReading(),),), BENT_READING),
-    Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),), LIMITED_RATE),
-    Replacement(
-        ("sensor_clipping.both",),
-        ((effect_of("sensor_clipping"), effect_of("dead_zone")),),
-        LOWER_END,
+        ("sensor_clipping.both",), ((effect_of("sensor_clipping"), effect_of("dead_zone")),)
     ),
 )
-"""Causes, what is put in their place, and what is told then."""
+"""Causes, and what is put in their place."""
 
 
 def with_replacements(
@@ -107,24 +86,44 @@ def with_replacements(
         What the chain begins with.
     """
     named = [link.added for link, may in zip(links, is_named, strict=True) if may]
-    asked = [
-        (row, laws)
-        for row in REPLACEMENTS
-        if any(row.takes(effect) for effect in named)
-        and not (row.is_told_in_linear and final.problem.model.is_linear)
-        for laws in row.laws
-    ]
+    asked = _asked(named, is_linear=final.problem.model.is_linear) if named else []
     if not asked:
         return list(links)
-    others = in_parallel(lambda pair: _in_place_of(*pair, named, final, base), asked)
+
+    def refitted(replacement: Replacement, laws: Sequence[Effect]) -> Candidate:
+        out = {effect.key for effect in named if replacement.takes(effect)}
+        kept = [effect for effect in final.effects if effect.key not in out]
+        return refitted_with(final, kept, laws, base)
+
+    others = in_parallel(lambda pair: refitted(*pair), asked)
     ranked = rank([final, *others], base.sigma)
-    least = next(row.bic for row in ranked if row.plain is final) + INDISTINCT
-    alike = {id(row.plain) for row in ranked if row.bic < least}
-    found = list(links)
+    bic = {id(row.plain): row.bic for row in ranked}
+    found, best = list(links), ranked[0].bic + INDISTINCT
     for (row, laws), other in zip(asked, others, strict=True):
-        if id(other) in alike:
+        if bic[id(other)] < min(best, bic[id(final)] + row.behind):
             found = [_with_rivals(link, row, laws) for link in found]
     return found
+
+
+def _asked(
+    named: Sequence[Effect], *, is_linear: bool
+) -> list[tuple[Replacement, tuple[Effect, ...]]]:
+    """Rows of the table that take a named effect, each with its sets of laws one by one."""
+    rows = [row for row in REPLACEMENTS if any(row.takes(effect) for effect in named)]
+    found = [(row, laws) for row in rows for laws in row.laws]
+    known = {laws for _, laws in found}
+    everything = Replacement(
+        tuple(effect.name for effect in named),
+        tuple((law(),) for law in UNLISTED_LAWS if (law(),) not in known),
+        behind=0.0,
+    )
+    found += [(everything, laws) for laws in everything.laws]
+    return [(row, laws) for row, laws in found if not (is_linear and _drifts(laws))]
+
+
+def _drifts(laws: Sequence[Effect]) -> bool:
+    """Whether laws are what the class of a linear model tells already."""
+    return any(law.name in CHANGING.effects for law in laws)
 
 
 def _with_rivals(link: Link, row: Replacement, laws: Sequence[Effect]) -> Link:
@@ -134,24 +133,30 @@ def _with_rivals(link: Link, row: Replacement, laws: Sequence[Effect]) -> Link:
     return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *(law.name for law in laws)))))
 
 
-def _in_place_of(
-    row: Replacement,
-    laws: Sequence[Effect],
-    named: Sequence[Effect],
-    final: Candidate,
-    base: BaseFit,
+def refitted_with(
+    known: Candidate, kept: Sequence[Effect], laws: Sequence[Effect], base: BaseFit
 ) -> Candidate:
-    """The model with laws in the place of the named causes of a row, refitted."""
-    scale, known = base.scale, final.problem
-    out = {effect.key for effect in named if row.takes(effect)}
-    effects = (*(effect for effect in final.effects if effect.key not in out), *laws)
-    problem = extend(base.candidate.problem, effects, scale)
+    """The base with effects of a model that stands, and others from the best of their starts.
+
+    Parameters
+    ----------
+    known
+        That model.
+    kept
+        Those of its effects that stay.
+    laws
+        What is added.
+    base
+        The base fit.
+    """
+    effects = (*kept, *laws)
+    problem = extend(base.candidate.problem, effects, base.scale)
     starts = [
-        start_unknowns(problem, known, final.minimum.point, values)
+        start_unknowns(problem, known.problem, known.minimum.point, values)
         for values in _start_values(laws, base)
     ]
     z = min(starts, key=lambda start: squares_at(problem, start, base.sigma))
-    return advance(begun(final, effects, problem, z), base.sigma, REFITTING)
+    return advance(begun(known, effects, problem, z), base.sigma, REFITTING)
 
 
 def _start_values(laws: Sequence[Effect], base: BaseFit) -> list[dict[str, float]]:

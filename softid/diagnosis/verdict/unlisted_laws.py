@@ -5,7 +5,6 @@ They are in no race: beside every other effect they would make ties of what a lo
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -13,18 +12,19 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.verdict.unlisted_drifts import (
+    DampingDrift,
+    LoadDrift,
+    PressureDrift,
+    PressureGainDrift,
+    one_parameter,
+)
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
-from softid.kernels.filters import limit_rate
-from softid.kernels.terms import FORCE
+from softid.kernels.filters import limit_rate, play
+from softid.kernels.terms import DAMPING
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
-
-LARGEST = 0.8
-"""Bound of what has changed by the end of the longest log, as a share of the force or the input."""
-
-START = 0.1
-"""Start of that, either way."""
 
 SHORTEST, LONGEST = 1e-3, 0.25
 """Bounds of the time that a limit makes the whole range take: in times of the motion, and as a
@@ -39,98 +39,17 @@ MOST_BENT = 0.9
 START_BENT = 0.2
 """Start of that, either way."""
 
+DAMPING_KNOTS = 11
+"""Positions at which a damping is known; the compiled step counts on it."""
 
-@dataclass(frozen=True)
-class ConstantRate(Effect):
-    """What changes with the time has one parameter, the rate, of either sign."""
+MOST_GAINED = 9.0
+"""Bound of what a damping gains somewhere in the range."""
 
-    shown_by: ClassVar[str] = "rests at several levels at the beginning and at the end"
-    source: ClassVar[str] = "a constant rate"
-    amplitude: ClassVar[str] = "rate"
-    changes_sign: ClassVar[bool] = True
+EARLIEST = 0.1
+"""Bound of the time by which a reading runs ahead, as a share of the longest log."""
 
-    @abstractmethod
-    def largest(self, scale: Scale) -> tuple[float, str]:
-        """The rate that changes as much as there is within the longest log, and its unit."""
-
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """The rate."""
-        largest, unit = self.largest(scale)
-        bound, start = LARGEST * largest, START * largest
-        rate = Parameter(
-            "rate", start, unit, -bound, bound, meaning="rate of change", source=self.source
-        )
-        return ParameterSet((rate,))
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Either way."""
-        rate = START * self.largest(scale)[0]
-        return ({"rate": rate}, {"rate": -rate})
-
-
-@dataclass(frozen=True)
-class LoadDrift(ConstantRate, StateEffect):
-    """A load that changes at a constant rate, + f t."""
-
-    name: ClassVar[str] = "load_drift"
-    title: ClassVar[str] = "Load that changes"
-    law: ClassVar[str] = "+ f t"
-    meaning: ClassVar[str] = "What the actuator carries grows or shrinks at a constant rate."
-    signature: ClassVar[str] = "The residual grows with time, most where the actuator is soft."
-    remedy: ClassVar[str] = "weigh the load before and after"
-
-    def largest(self, scale: Scale) -> tuple[float, str]:
-        """The elastic force within the log."""
-        return scale.force / scale.duration_s, f"{scale.force_unit}/s"
-
-    @staticmethod
-    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
-        """Resisting force f t."""
-        out[FORCE] += eta[0] * t
-
-
-@dataclass(frozen=True)
-class PressureGainDrift(ConstantRate, InputEffect):
-    """A pressure that falls behind the recorded one more and more, u (1 + g t)."""
-
-    name: ClassVar[str] = "pressure_gain_drift"
-    title: ClassVar[str] = "Pressure that falls behind"
-    law: ClassVar[str] = "arriving u = u (1 + g t)"
-    meaning: ClassVar[str] = "A leak grows, or the gain of the pressure gauge drifts."
-    signature: ClassVar[str] = "The residual grows with time and with the pressure."
-    remedy: ClassVar[str] = "look for a leak, calibrate the gauge"
-
-    def largest(self, scale: Scale) -> tuple[float, str]:
-        """All of the pressure within the log."""
-        return 1.0 / scale.duration_s, "1/s"
-
-    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
-        """Multiply by 1 + g t."""
-        del scale
-        arriving: Array = u * (1.0 + eta[0] * time_s)
-        return arriving
-
-
-@dataclass(frozen=True)
-class PressureDrift(ConstantRate, InputEffect):
-    """A pressure whose zero drifts, u + d t."""
-
-    name: ClassVar[str] = "pressure_drift"
-    title: ClassVar[str] = "Drift of the pressure's zero"
-    law: ClassVar[str] = "arriving u = u + d t"
-    meaning: ClassVar[str] = "The zero of the pressure gauge drifts at a constant rate."
-    signature: ClassVar[str] = "The residual grows with time, most where the output is steep."
-    remedy: ClassVar[str] = "read the gauge vented before and after"
-
-    def largest(self, scale: Scale) -> tuple[float, str]:
-        """The range of the pressure within the log."""
-        return scale.u_span / scale.duration_s, f"{scale.u_unit}/s"
-
-    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
-        """Add d t."""
-        del scale
-        arriving: Array = u + eta[0] * time_s
-        return arriving
+MOST_PLAY, START_PLAY = 0.3, (0.02, 0.08)
+"""Bound and starts of half a play, as a share of the range."""
 
 
 @dataclass(frozen=True)
@@ -232,10 +151,158 @@ class BentReading(OutputEffect):
         return recorded
 
 
+@dataclass(frozen=True)
+class PositionDamping(StateEffect):
+    """A damping that goes with the position, (1 + d(ξ)) times the model's, ξ from 0 to 1.
+
+    d is straight between `DAMPING_KNOTS` values at equal distances, and constant beyond them.
+    """
+
+    name: ClassVar[str] = "position_damping"
+    title: ClassVar[str] = "Damping that goes with the position"
+    law: ClassVar[str] = "damping (1 + d(xi)), xi the position within its range"
+    meaning: ClassVar[str] = "Air has narrower ways, or folds rub more, the further it is bent."
+    signature: ClassVar[str] = "The residual after a step lasts longer at some positions."
+    remedy: ClassVar[str] = "push the actuator at one pressure, from several positions"
+    shown_by: ClassVar[str] = "steps of one size from many positions"
+    source: ClassVar[str] = "a polygon"
+    amplitude: ClassVar[str] = "d0"
+    changes_sign: ClassVar[bool] = True
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """All vanish together."""
+        return tuple(f"d{k}" for k in range(DAMPING_KNOTS))
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """What the damping gains at each position, as a share of it."""
+        del scale
+        declared = (
+            one_parameter(name, 0.0, "1", -MOST_BENT, MOST_GAINED, "gain there", self.source)[name]
+            for name in self.amplitudes
+        )
+        return ParameterSet(tuple(declared))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """The same everywhere."""
+        del scale
+        return (dict.fromkeys(self.amplitudes, 0.0),)
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """Lower end of the range, and the distance of the knots."""
+        return scale.x_low, scale.x_span / (DAMPING_KNOTS - 1)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Relative change d(ξ) of the damping."""
+        place = min(max((x - eta[11]) / eta[12], 0.0), 9.999999)
+        knot = int(place)
+        part = place - knot
+        out[DAMPING] += (1.0 - part) * eta[knot] + part * eta[knot + 1]
+
+
+@dataclass(frozen=True)
+class EarlyReading(OutputEffect):
+    """A reading that runs ahead of the recorded input, y(t + s)."""
+
+    name: ClassVar[str] = "early_reading"
+    title: ClassVar[str] = "Reading that runs ahead"
+    law: ClassVar[str] = "recorded y(t) = y(t + s)"
+    meaning: ClassVar[str] = "The clocks are offset, or the pressure is recorded late."
+    signature: ClassVar[str] = "The residual goes with the speed; the output moves first."
+    remedy: ClassVar[str] = "both channels with one clock, and the pressure with a faster gauge"
+    shown_by: ClassVar[str] = "fast steps"
+    source: ClassVar[str] = "a constant offset of the clocks"
+    amplitude: ClassVar[str] = "s"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """By how much it runs ahead, up to a tenth of the log."""
+        longest = max(EARLIEST * scale.duration_s, scale.motion_s)
+        return one_parameter(
+            "s", 0.3 * scale.motion_s, "s", 0.0, longest, "time ahead", self.source
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Fractions of the motion's own time."""
+        return tuple({"s": share * scale.motion_s} for share in (0.1, 0.4))
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Read what comes later; the end goes on as it was going."""
+        del scale
+        last = (y[-1] - y[-2]) / (time_s[-1] - time_s[-2])
+        later = time_s + eta[0]
+        beyond = last * np.maximum(later - time_s[-1], 0.0)
+        recorded: Array = np.interp(later, time_s, y) + beyond
+        return recorded
+
+
+@dataclass(frozen=True)
+class Play(Effect):
+    """Play of half the width w, as a share of what moves."""
+
+    law: ClassVar[str] = "it follows only when it is a width away"
+    shown_by: ClassVar[str] = "small moves up and down"
+    signature: ClassVar[str] = "The residual is flat for a while after every turn."
+    source: ClassVar[str] = "Tao and Kokotović, Adaptive Control of Systems, Wiley 1996"
+    amplitude: ClassVar[str] = "w"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Half the width as a share of the range."""
+        del scale
+        return one_parameter(
+            "w", START_PLAY[0], "1", 0.0, MOST_PLAY, "half of the play", self.source
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Small and large."""
+        del scale
+        return tuple({"w": width} for width in START_PLAY)
+
+
+@dataclass(frozen=True)
+class InputPlay(Play, InputEffect):
+    """Play before the actuator."""
+
+    name: ClassVar[str] = "input_play"
+    title: ClassVar[str] = "Play of the valve or the regulator"
+    meaning: ClassVar[str] = "The pressure follows only when it has to move a little way."
+    remedy: ClassVar[str] = "the pressure at the actuator itself, in small moves up and down"
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """The input with play."""
+        del time_s
+        arriving = np.array(u, np.float64)
+        play(arriving, max(float(eta[0]), 0.0) * scale.u_span)
+        return arriving
+
+
+@dataclass(frozen=True)
+class OutputPlay(Play, OutputEffect):
+    """Play behind the actuator."""
+
+    name: ClassVar[str] = "output_play"
+    title: ClassVar[str] = "Play between actuator and sensor"
+    meaning: ClassVar[str] = "The sensor follows only when the actuator has moved a little way."
+    remedy: ClassVar[str] = "the sensor beside another one, in small moves up and down"
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """The reading with play."""
+        del time_s
+        recorded = np.array(y, np.float64)
+        play(recorded, max(float(eta[0]), 0.0) * scale.y_span)
+        return recorded
+
+
 UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     LoadDrift,
     PressureGainDrift,
     PressureDrift,
     RateLimit,
     BentReading,
+    DampingDrift,
+    PositionDamping,
+    EarlyReading,
+    InputPlay,
+    OutputPlay,
 )
+"""All of them."""

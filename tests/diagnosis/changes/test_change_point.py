@@ -127,13 +127,15 @@ def test_what_is_held_out_begins_to_differ_at_a_moment(kind: str) -> None:
     judge = linear_log(noise=NOISE, seed=7, samples=N, added=ADDED[kind])
     left = remainder(structured=False, explained=1.0)
     left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
-    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)), sizes(base))
+    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)), sizes(base), is_sure=True)
     moment = re.search(r"begins at ([0-9.]+) s of linear-7: its (\w+)", mark.message)
     assert moment is not None
     assert float(moment[1]) == pytest.approx(MOMENT_S, abs=0.5)
     assert moment[2] == kind
     found = replace(left, misses_held_out=False)
-    assert held_out_change_issues(base, found, HeldOutLogs((judge,)), sizes(base)) == ()
+    assert (
+        held_out_change_issues(base, found, HeldOutLogs((judge,)), sizes(base), is_sure=True) == ()
+    )
 
 
 def test_another_actuator_differs_at_no_moment() -> None:
@@ -142,7 +144,9 @@ def test_another_actuator_differs_at_no_moment() -> None:
     judge = linear_log(noise=NOISE, seed=7, samples=N, added=-0.5 * ANGLE)
     left = remainder(structured=False, explained=1.0)
     left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
-    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)), sizes(base))
+    (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)), sizes(base), is_sure=True)
+    judged = HeldOutLogs((judge,))
+    assert held_out_change_issues(base, left, judged, sizes(base), is_sure=False) == ()
     assert mark.code == HELD_OUT_CHANGE
     assert "the gain of the reading changes by -50.0 % in linear-7" in mark.message
 

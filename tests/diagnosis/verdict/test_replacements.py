@@ -16,9 +16,9 @@ from softid.diagnosis.refit.candidates import (
     named_values,
     start_unknowns,
 )
-from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.forward_selection import Link, converged
-from softid.diagnosis.verdict.replacements import REPLACEMENTS, with_replacements
+from softid.diagnosis.verdict.equivalence import CHANGING
+from softid.diagnosis.verdict.replacements import REPLACEMENTS, _asked, with_replacements
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.log import Log, LogSet
@@ -54,15 +54,13 @@ def test_the_table_speaks_of_the_catalogue() -> None:
         assert all(laws for laws in row.laws)
 
 
-def test_a_linear_model_has_its_class_for_them() -> None:
-    """Nothing is refitted there: no base is asked for."""
-    problem = linear_problem([linear_log()])
-    z = problem.unknowns(TRUTH)
-    extended = extend(problem, [effect_of("sensor_drift")], scale_of(problem, z))
-    final = standing(extended, start_unknowns(extended, problem, z, {"sensor_drift_rate": 0.01}))
-    link = link_of("sensor_drift")
-    base: Any = None
-    assert with_replacements([link], [True], final, base) == [link]
+@pytest.mark.parametrize("is_linear", [True, False])
+def test_a_linear_model_has_its_class_for_drifts(is_linear: bool) -> None:
+    """No law is asked twice either."""
+    asked = [laws for _, laws in _asked([effect_of("sensor_drift")], is_linear=is_linear)]
+    assert len(set(asked)) == len(asked)
+    drifts = {law.name for laws in asked for law in laws} & set(CHANGING.effects)
+    assert drifts == (set() if is_linear else set(CHANGING.effects))
 
 
 @pytest.mark.parametrize(
@@ -94,6 +92,8 @@ def test_what_explains_as_much_in_the_place_of_drifts(hidden: str, drifts: tuple
         (("rate_limit",), ("valve_flow",), "rate_limit"),
         (("valve_flow",), ("valve_flow",), None),
         (("dead_zone", "sensor_clipping"), ("sensor_clipping.both",), "dead_zone"),
+        (("output_backlash",), ("hysteresis",), "output_play"),
+        (("hysteresis",), ("hysteresis",), None),
     ],
 )
 def test_what_explains_as_much_in_the_place_of_a_cause(
@@ -112,4 +112,4 @@ def test_what_is_not_named_is_not_asked() -> None:
     final = standing(problem, problem.unknowns(TRUTH))
     base: Any = None
     links = [link_of("stiffening"), link_of("creep")]
-    assert with_replacements(links, [False, True], final, base) == links
+    assert with_replacements(links, [False, False], final, base) == links

@@ -1,0 +1,137 @@
+"""What a misfit is that no cause of the catalogue accounts for: a change, or another law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.report.changes import (
+    HELD_OUT_CHANGE,
+    change_issues,
+    difference_issues,
+    spell_issues,
+)
+from softid.diagnosis.report.phrases import listed, percent
+from softid.diagnosis.residual.assessment import excess_of, noise_variance
+from softid.diagnosis.verdict.beyond_catalogue import beyond_catalogue
+from softid.diagnosis.verdict.equivalence import UNLISTED
+from softid.diagnosis_results import Diagnosis, Verdict
+from softid.errors import Issue
+
+UNLISTED_LAW = "unlisted-law"
+"""Code of the remark that a law in no catalogue accounts for a misfit."""
+
+MOST_LAWS = 3
+"""A sentence names no more of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class OtherExplanations:
+    """Explanations of what a base leaves that are no causes; each base is looked at once.
+
+    Attributes
+    ----------
+    request
+        What the user asked for.
+    """
+
+    request: Request
+    _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
+    _others: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
+
+    def events(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
+        """What happened at a moment, or for a while; nothing where nothing did.
+
+        Parameters
+        ----------
+        recordings
+            The logs.
+        base
+            The base fit to them.
+        """
+        if base not in self._events:
+            candidate = base.candidate
+            moments = change_issues(candidate, excess_of(candidate, base.scale))
+            found = moments or spell_issues(recordings, self._of(base), base)
+            self._events[base] = found
+        return self._events[base]
+
+    def all(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
+        """The same, or what differs from log to log, or a law in no catalogue.
+
+        Parameters
+        ----------
+        recordings, base
+            As in `events`.
+        """
+        if base not in self._others:
+            found = self.events(recordings, base)
+            found = found or difference_issues(recordings, self._of(base), base)
+            self._others[base] = found or unlisted_issues(base)
+        return self._others[base]
+
+    def _of(self, base: BaseFit) -> Request:
+        """The request for fits of the same model to parts of the logs."""
+        model = base.candidate.problem.model
+        return replace(self.request, model=model, progress=lambda message, fraction: None)
+
+
+def with_other_explanations(
+    answer: Diagnosis, recordings: Recordings, base: BaseFit, others: OtherExplanations
+) -> Diagnosis:
+    """The diagnosis with what explains a misfit that no cause does, or does only in part.
+
+    What begins at a moment is no cause that goes on throughout and leaves more than noise.
+
+    Parameters
+    ----------
+    answer
+        The diagnosis.
+    recordings
+        The logs.
+    base
+        The base fit to them.
+    others
+        The explanations.
+    """
+    known = tuple(issue for issue in answer.issues if issue.code == HELD_OUT_CHANGE)
+    is_unknown, leaves = answer.verdict is Verdict.UNKNOWN, answer.remainder.structured
+    told: tuple[Issue, ...] = ()
+    if leaves or (is_unknown and not known):
+        told = others.events(recordings, base)
+    if told and answer.causes:
+        described = (*answer.causes, *answer.descriptive)
+        answer = replace(answer, verdict=Verdict.UNKNOWN, causes=(), descriptive=described)
+    elif is_unknown and (leaves or not known):
+        told = others.all(recordings, base)
+    following = [issue.remedy for issue in (*told, *known)]
+    return replace(
+        answer,
+        issues=(*answer.issues, *told),
+        next_experiment=following[0] if following else answer.next_experiment,
+    )
+
+
+def unlisted_issues(base: BaseFit) -> tuple[Issue, ...]:
+    """Which laws in no catalogue account for a misfit; nothing where none does.
+
+    Parameters
+    ----------
+    base
+        The base fit.
+    """
+    found = beyond_catalogue(base, noise_variance(base.candidate, base.scale))
+    if found is None:
+        return ()
+    told = listed([UNLISTED[law.name] for law in found.laws[:MOST_LAWS]], last=" or ")
+    held = percent(found.held_out_share)
+    return (
+        Issue(
+            UNLISTED_LAW,
+            "info",
+            f"what is missing behaves like a law in no catalogue, {told}, which takes away "
+            f"{percent(found.share)} of the misfit above the noise, and {held} of it on what is "
+            "held out",
+            f"record {found.laws[0].shown_by}, where it would show",
+        ),
+    )

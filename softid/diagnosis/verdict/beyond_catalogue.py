@@ -1,0 +1,81 @@
+"""What a misfit is like that no effect of the catalogue accounts for: laws in no catalogue.
+
+None of them is named as a cause. One that takes away nearly all, also on what is held out, is told
+as what is worth looking at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.residual.assessment import held_out_share
+from softid.diagnosis.search.bic_ranking import rank
+from softid.diagnosis.search.forward_selection import INDISTINCT
+from softid.diagnosis.verdict.replacements import refitted_with
+from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS
+from softid.effects.base import Effect
+
+TAKES = 0.9
+"""Such a law takes away so much of the misfit above the noise."""
+
+CARRIES = 0.8
+"""And so much of it on what is held out."""
+
+
+@dataclass(frozen=True)
+class BeyondCatalogue:
+    """Laws in no catalogue that account for a misfit.
+
+    Attributes
+    ----------
+    laws
+        The best first; the others explain as much.
+    share, held_out_share
+        What the best takes away of the misfit above the noise, on the fitted samples and on those
+        held out.
+    """
+
+    laws: tuple[Effect, ...]
+    share: float
+    held_out_share: float
+
+
+def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
+    """The laws in no catalogue that account for the misfit of a base, if there are any.
+
+    Parameters
+    ----------
+    base
+        The base fit.
+    noise
+        Variance of the noise of the first output.
+    """
+    known = base.candidate
+    variance = known.squares / known.problem.n_samples * base.sigma[known.problem.outputs[0]] ** 2
+    if not variance > noise:
+        return None
+    left = noise / variance * known.squares
+    found = in_parallel(lambda law: refitted_with(known, (), (law(),), base), UNLISTED_LAWS)
+    enough = [one for one in found if _share(known, one, left) > TAKES]
+    ranked = rank([known, *enough], base.sigma) if enough else []
+    alike = [row.plain for row in ranked if row.bic < ranked[0].bic + INDISTINCT]
+    carried = [one for one in alike if one is not known and _held(base, one, noise) > CARRIES]
+    if not carried:
+        return None
+    best = carried[0]
+    laws = tuple(one.effects[-1] for one in carried)
+    return BeyondCatalogue(laws, min(_share(known, best, left), 1.0), _held(base, best, noise))
+
+
+def _share(known: Candidate, other: Candidate, noise: float) -> float:
+    """Share of the misfit above the noise that goes."""
+    return (known.squares - other.squares) / (known.squares - noise)
+
+
+def _held(base: BaseFit, other: Candidate, noise: float) -> float:
+    """The same on what is held out."""
+    held = base.held_out
+    return held_out_share(held.rms(base.candidate), held.rms(other), noise)

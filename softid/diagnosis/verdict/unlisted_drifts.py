@@ -1,0 +1,143 @@
+"""Laws in no catalogue that change at a constant rate."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import Effect, InputEffect, Scale, StateEffect
+from softid.kernels.terms import DAMPING, FORCE
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+LARGEST = 0.8
+"""Bound of what has changed by the end of the longest log, as a share of the force or the input."""
+
+START = 0.1
+"""Start of that, either way."""
+
+
+def one_parameter(
+    name: str, value: float, unit: str, lower: float, upper: float, meaning: str, source: str
+) -> ParameterSet:
+    """A single parameter on a linear scale."""
+    return ParameterSet(
+        (Parameter(name, value, unit, lower, upper, meaning=meaning, source=source),)
+    )
+
+
+@dataclass(frozen=True)
+class ConstantRate(Effect):
+    """What changes with the time has one parameter, the rate, of either sign."""
+
+    shown_by: ClassVar[str] = "rests at several levels at the beginning and at the end"
+    source: ClassVar[str] = "a constant rate"
+    amplitude: ClassVar[str] = "rate"
+    changes_sign: ClassVar[bool] = True
+
+    @abstractmethod
+    def largest(self, scale: Scale) -> tuple[float, str]:
+        """The rate that changes as much as there is within the longest log, and its unit."""
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The rate."""
+        largest, unit = self.largest(scale)
+        bound, start = LARGEST * largest, START * largest
+        return one_parameter("rate", start, unit, -bound, bound, "rate of change", self.source)
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Either way."""
+        rate = START * self.largest(scale)[0]
+        return ({"rate": rate}, {"rate": -rate})
+
+
+@dataclass(frozen=True)
+class LoadDrift(ConstantRate, StateEffect):
+    """A load that changes at a constant rate, + f t."""
+
+    name: ClassVar[str] = "load_drift"
+    title: ClassVar[str] = "Load that changes"
+    law: ClassVar[str] = "+ f t"
+    meaning: ClassVar[str] = "What the actuator carries grows or shrinks at a constant rate."
+    signature: ClassVar[str] = "The residual grows with time, most where the actuator is soft."
+    remedy: ClassVar[str] = "weigh the load before and after"
+
+    def largest(self, scale: Scale) -> tuple[float, str]:
+        """The elastic force within the log."""
+        return scale.force / scale.duration_s, f"{scale.force_unit}/s"
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Resisting force f t."""
+        out[FORCE] += eta[0] * t
+
+
+@dataclass(frozen=True)
+class PressureGainDrift(ConstantRate, InputEffect):
+    """A pressure that falls behind the recorded one more and more, u (1 + g t)."""
+
+    name: ClassVar[str] = "pressure_gain_drift"
+    title: ClassVar[str] = "Pressure that falls behind"
+    law: ClassVar[str] = "arriving u = u (1 + g t)"
+    meaning: ClassVar[str] = "A leak grows, or the gain of the pressure gauge drifts."
+    signature: ClassVar[str] = "The residual grows with time and with the pressure."
+    remedy: ClassVar[str] = "look for a leak, calibrate the gauge"
+
+    def largest(self, scale: Scale) -> tuple[float, str]:
+        """All of the pressure within the log."""
+        return 1.0 / scale.duration_s, "1/s"
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """Multiply by 1 + g t."""
+        del scale
+        arriving: Array = u * (1.0 + eta[0] * time_s)
+        return arriving
+
+
+@dataclass(frozen=True)
+class PressureDrift(ConstantRate, InputEffect):
+    """A pressure whose zero drifts, u + d t."""
+
+    name: ClassVar[str] = "pressure_drift"
+    title: ClassVar[str] = "Drift of the pressure's zero"
+    law: ClassVar[str] = "arriving u = u + d t"
+    meaning: ClassVar[str] = "The zero of the pressure gauge drifts at a constant rate."
+    signature: ClassVar[str] = "The residual grows with time, most where the output is steep."
+    remedy: ClassVar[str] = "read the gauge vented before and after"
+
+    def largest(self, scale: Scale) -> tuple[float, str]:
+        """The range of the pressure within the log."""
+        return scale.u_span / scale.duration_s, f"{scale.u_unit}/s"
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """Add d t."""
+        del scale
+        arriving: Array = u + eta[0] * time_s
+        return arriving
+
+
+@dataclass(frozen=True)
+class DampingDrift(ConstantRate, StateEffect):
+    """A damping that changes at a constant rate, (1 + d t) times the model's."""
+
+    name: ClassVar[str] = "damping_drift"
+    title: ClassVar[str] = "Damping that changes"
+    law: ClassVar[str] = "damping (1 + d t)"
+    meaning: ClassVar[str] = "A passage clogs or widens, a lubricant warms up."
+    signature: ClassVar[str] = "The residual after a step grows or shrinks with time."
+    remedy: ClassVar[str] = "repeat the first steps at the end"
+
+    def largest(self, scale: Scale) -> tuple[float, str]:
+        """All of it within the log."""
+        return 1.0 / scale.duration_s, "1/s"
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Relative change d t of the damping."""
+        out[DAMPING] += eta[0] * t
