@@ -94,13 +94,15 @@ def _jobs() -> Iterator[Job]:
 
 def _effects(*, inside: bool) -> Iterator[Job]:
     """Simulations of the effects that act inside the equation of motion, or of all others."""
+    from softid.diagnosis.changes.probes import PROBES
     from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS
     from softid.effects import EFFECTS, StateEffect
     from softid.models.muscle import Muscle
     from softid.models.oscillator import Oscillator
 
     (segment,) = _drawn().segments()
-    for law, base in product((*EFFECTS.values(), *UNLISTED_LAWS), (Muscle(), Oscillator())):
+    laws = (*EFFECTS.values(), *UNLISTED_LAWS, *PROBES)
+    for law, base in product(laws, (Muscle(), Oscillator())):
         if issubclass(law, StateEffect) == inside:
             yield "effects", partial(_extended, base, law(), segment)
 

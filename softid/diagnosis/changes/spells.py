@@ -53,7 +53,6 @@ CLEAR = 12.0
 LEAST_OUTSIDE = 0.4
 """Share of a log that lies outside: what is followed for less is no rule with exceptions."""
 
-
 WITHIN = 0.95
 """Share of a spell whose positions lie within those outside, and quantile of its speeds that the
 fastest ones outside reach: else a law may act there alone."""

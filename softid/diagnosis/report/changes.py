@@ -203,11 +203,10 @@ def _as_if(change: LogDifferences | None) -> str:
         return ", outside of which no more than noise is left"
     kind = change.kinds[0]
     sizes = listed([_size(kind, size) for size in change.sizes])
-    others = listed([_title(other) for other in change.kinds[1:MOST_KINDS]], last=" or ")
-    also = f"; {others} would explain nearly as much" if others else ""
+    by = f" by {sizes}" if kind != ZERO else ""
     return (
-        f": there {_title(kind)} changes{f' by {sizes}' if kind != ZERO else ''}, which takes away "
-        f"{percent(change.share)} of it{also}"
+        f": there {_title(kind)} changes{by}, which takes away {percent(change.share)} of it"
+        f"{_or_else(change)}"
     )
 
 
@@ -253,13 +252,11 @@ def _told(
     rows = [
         f"{_size(kind, size)} in {log.name}" for log, size in zip(logs, found.sizes, strict=True)
     ]
-    rivals = listed([_title(other) for other in found.kinds[1:MOST_KINDS]], last=" or ")
-    also = f"; {rivals} would explain nearly as much" if rivals else ""
     return Issue(
         LOG_DIFFERENCES,
         "warning",
         f"the logs differ: beside {reference} {_title(kind)} changes by {listed(rows)}, which "
-        f"takes away {percent(found.share)} of the misfit of {output}{also}",
+        f"takes away {percent(found.share)} of the misfit of {output}{_or_else(found)}",
         "look at what was changed between the logs, such as a load, a mount or a calibration, and "
         "diagnose each of them apart",
     )
@@ -278,6 +275,12 @@ def _are_alike(known: Sequence[Log], others: Sequence[Log]) -> bool:
         if common < ALIKE * (max(high, end) - min(low, begin)):
             return False
     return True
+
+
+def _or_else(change: LogDifferences) -> str:
+    """What explains nearly as much, if anything does."""
+    others = listed([_title(other) for other in change.kinds[1:MOST_KINDS]], last=" or ")
+    return f"; {others} would explain nearly as much" if others else ""
 
 
 def _title(kind: str) -> str:

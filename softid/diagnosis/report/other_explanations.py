@@ -37,10 +37,11 @@ class OtherExplanations:
 
     request: Request
     _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
-    _others: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
+    _laws: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
+    _differences: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
 
     def events(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
-        """What happened at a moment, or for a while; nothing where nothing did.
+        """What happened at a moment, or for a while; nothing where a law explains it.
 
         Parameters
         ----------
@@ -51,24 +52,38 @@ class OtherExplanations:
         """
         if base not in self._events:
             candidate = base.candidate
-            moments = change_issues(candidate, excess_of(candidate, base.scale))
-            found = moments or spell_issues(recordings, self._of(base), base)
+            found = change_issues(candidate, excess_of(candidate, base.scale))
+            if not (found or self.laws(base)):
+                found = spell_issues(recordings, self._of(base), base)
             self._events[base] = found
         return self._events[base]
 
+    def laws(self, base: BaseFit) -> tuple[Issue, ...]:
+        """A law in no catalogue; nothing where none accounts for the misfit.
+
+        Parameters
+        ----------
+        base
+            The base fit.
+        """
+        if base not in self._laws:
+            self._laws[base] = unlisted_issues(base)
+        return self._laws[base]
+
     def all(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
-        """The same, or what differs from log to log, or a law in no catalogue.
+        """Any of these, or what differs from log to log.
 
         Parameters
         ----------
         recordings, base
             As in `events`.
         """
-        if base not in self._others:
-            found = self.events(recordings, base)
-            found = found or difference_issues(recordings, self._of(base), base)
-            self._others[base] = found or unlisted_issues(base)
-        return self._others[base]
+        found = self.events(recordings, base) or self.laws(base)
+        if found:
+            return found
+        if base not in self._differences:
+            self._differences[base] = difference_issues(recordings, self._of(base), base)
+        return self._differences[base]
 
     def _of(self, base: BaseFit) -> Request:
         """The request for fits of the same model to parts of the logs."""

@@ -18,8 +18,8 @@ from softid.diagnosis.verdict.replacements import refitted_with
 from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS
 from softid.effects.base import Effect
 
-TAKES = 0.9
-"""Such a law takes away so much of the misfit above the noise."""
+NEARLY, TAKES = 0.5, 0.9
+"""Such a law takes away so much of the misfit above the noise: soon, and in the end."""
 
 CARRIES = 0.8
 """And so much of it on what is held out."""
@@ -58,7 +58,10 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     if not variance > noise:
         return None
     left = noise / variance * known.squares
-    found = in_parallel(lambda law: refitted_with(known, (), (law(),), base), UNLISTED_LAWS)
+    near = left + (1.0 - NEARLY) * (known.squares - left)
+    found = in_parallel(
+        lambda law: refitted_with(known, (), (law(),), base, near=near), UNLISTED_LAWS
+    )
     enough = [one for one in found if _share(known, one, left) > TAKES]
     ranked = rank([known, *enough], base.sigma) if enough else []
     alike = [row.plain for row in ranked if row.bic < ranked[0].bic + INDISTINCT]

@@ -31,8 +31,12 @@ from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS, BentReading, R
 from softid.effects import effect_of
 from softid.effects.base import Effect
 
-REFITTING = 40
-"""Evaluations from where a cause stood to the optimum of what is put in its place."""
+FIRST, REFITTING = 8, 40
+"""Evaluations from where a cause stood: of all that is put in its place, and to the optimum of what
+has come near by then."""
+
+NEAR = 2.0
+"""It has where it leaves less than so many times what the causes leave."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +97,7 @@ def with_replacements(
     def refitted(replacement: Replacement, laws: Sequence[Effect]) -> Candidate:
         out = {effect.key for effect in named if replacement.takes(effect)}
         kept = [effect for effect in final.effects if effect.key not in out]
-        return refitted_with(final, kept, laws, base)
+        return refitted_with(final, kept, laws, base, near=NEAR * final.squares)
 
     others = in_parallel(lambda pair: refitted(*pair), asked)
     ranked = rank([final, *others], base.sigma)
@@ -134,7 +138,12 @@ def _with_rivals(link: Link, row: Replacement, laws: Sequence[Effect]) -> Link:
 
 
 def refitted_with(
-    known: Candidate, kept: Sequence[Effect], laws: Sequence[Effect], base: BaseFit
+    known: Candidate,
+    kept: Sequence[Effect],
+    laws: Sequence[Effect],
+    base: BaseFit,
+    *,
+    near: float,
 ) -> Candidate:
     """The base with effects of a model that stands, and others from the best of their starts.
 
@@ -148,6 +157,8 @@ def refitted_with(
         What is added.
     base
         The base fit.
+    near
+        What leaves a larger sum of squares after the first evaluations is left there.
     """
     effects = (*kept, *laws)
     problem = extend(base.candidate.problem, effects, base.scale)
@@ -156,7 +167,8 @@ def refitted_with(
         for values in _start_values(laws, base)
     ]
     z = min(starts, key=lambda start: squares_at(problem, start, base.sigma))
-    return advance(begun(known, effects, problem, z), base.sigma, REFITTING)
+    found = advance(begun(known, effects, problem, z), base.sigma, FIRST)
+    return found if found.squares > near else advance(found, base.sigma, REFITTING)
 
 
 def _start_values(laws: Sequence[Effect], base: BaseFit) -> list[dict[str, float]]:

@@ -11,11 +11,8 @@ import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
-from softid.diagnosis.changes.log_differences import (
-    PROBES,
-    LogDifferences,
-    log_differences,
-)
+from softid.diagnosis.changes.log_differences import LogDifferences, log_differences
+from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOutLogs
