@@ -50,6 +50,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("changes",),
     ("search",),
     ("verdict",),
+    ("cause_search",),
     ("strategy",),
     ("report",),
     ("workflow",),

@@ -20,6 +20,7 @@ from softid.diagnosis.base.intersample_selection import (
     recordings_read_as,
 )
 from softid.diagnosis.base.reduced_base import reduced_base_issues, reduced_if_better
+from softid.diagnosis.cause_search import CauseSearch, SearchResult
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.logs.input_gaps import without_lost_input
@@ -47,7 +48,7 @@ from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.strategy import CauseSearch, SearchResult, search_causes
+from softid.diagnosis.strategy import search_causes
 from softid.diagnosis.verdict.cancelling import cancelling
 from softid.diagnosis.verdict.cause_results import (
     alternatives_of,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.changes import (
     HELD_OUT_CHANGE,
     change_issues,
@@ -13,7 +14,7 @@ from softid.diagnosis.report.changes import (
 )
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import excess_of, noise_variance
-from softid.diagnosis.verdict.beyond_catalogue import beyond_catalogue
+from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
 from softid.diagnosis.verdict.equivalence import UNLISTED
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
@@ -37,7 +38,7 @@ class OtherExplanations:
 
     request: Request
     _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
-    _laws: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
+    _laws: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
     _differences: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
 
     def events(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
@@ -66,9 +67,21 @@ class OtherExplanations:
         base
             The base fit.
         """
-        if base not in self._laws:
-            self._laws[base] = unlisted_issues(base)
-        return self._laws[base]
+        found = self._beyond(base)
+        return (unlisted_issue(found),) if found is not None else ()
+
+    def outdo(self, base: BaseFit, cause: Candidate) -> bool:
+        """Whether a law in no catalogue leaves nothing to look for beside a cause.
+
+        Parameters
+        ----------
+        base
+            The base fit.
+        cause
+            The base with the best cause.
+        """
+        found = self._beyond(base)
+        return found is not None and found.outdoes(cause)
 
     def all(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
         """Any of these, or what differs from log to log.
@@ -84,6 +97,12 @@ class OtherExplanations:
         if base not in self._differences:
             self._differences[base] = difference_issues(recordings, self._of(base), base)
         return self._differences[base]
+
+    def _beyond(self, base: BaseFit) -> BeyondCatalogue | None:
+        if base not in self._laws:
+            noise = noise_variance(base.candidate, base.scale)
+            self._laws[base] = beyond_catalogue(base, noise)
+        return self._laws[base]
 
     def _of(self, base: BaseFit) -> Request:
         """The request for fits of the same model to parts of the logs."""
@@ -127,26 +146,21 @@ def with_other_explanations(
     )
 
 
-def unlisted_issues(base: BaseFit) -> tuple[Issue, ...]:
-    """Which laws in no catalogue account for a misfit; nothing where none does.
+def unlisted_issue(found: BeyondCatalogue) -> Issue:
+    """Laws in no catalogue that account for a misfit, in words.
 
     Parameters
     ----------
-    base
-        The base fit.
+    found
+        The laws.
     """
-    found = beyond_catalogue(base, noise_variance(base.candidate, base.scale))
-    if found is None:
-        return ()
     told = listed([UNLISTED[law.name] for law in found.laws[:MOST_LAWS]], last=" or ")
     held = percent(found.held_out_share)
-    return (
-        Issue(
-            UNLISTED_LAW,
-            "info",
-            f"what is missing behaves like a law in no catalogue, {told}, which takes away "
-            f"{percent(found.share)} of the misfit above the noise, and {held} of it on what is "
-            "held out",
-            f"record {found.laws[0].shown_by}, where it would show",
-        ),
+    return Issue(
+        UNLISTED_LAW,
+        "info",
+        f"what is missing behaves like a law in no catalogue, {told}, which takes away "
+        f"{percent(found.share)} of the misfit above the noise, and {held} of it on what is held "
+        "out",
+        f"record {found.laws[0].shown_by}, where it would show",
     )

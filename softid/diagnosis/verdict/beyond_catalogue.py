@@ -24,6 +24,10 @@ NEARLY, TAKES = 0.5, 0.9
 CARRIES = 0.8
 """And so much of it on what is held out."""
 
+WHOLE, CLEARLY = 0.95, 0.9
+"""It outdoes a cause when it takes so much on both, and leaves less than this share of what the
+cause does."""
+
 
 @dataclass(frozen=True)
 class BeyondCatalogue:
@@ -36,11 +40,25 @@ class BeyondCatalogue:
     share, held_out_share
         What the best takes away of the misfit above the noise, on the fitted samples and on those
         held out.
+    squares
+        Weighted sum of squares that the best leaves.
     """
 
     laws: tuple[Effect, ...]
     share: float
     held_out_share: float
+    squares: float
+
+    def outdoes(self, cause: Candidate) -> bool:
+        """Whether the best explains so much that no second cause need be looked for.
+
+        Parameters
+        ----------
+        cause
+            The base with the best cause of the catalogue.
+        """
+        whole = min(self.share, self.held_out_share) > WHOLE
+        return whole and self.squares < CLEARLY * cause.squares
 
 
 def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
@@ -70,7 +88,8 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
         return None
     best = carried[0]
     laws = tuple(one.effects[-1] for one in carried)
-    return BeyondCatalogue(laws, min(_share(known, best, left), 1.0), _held(base, best, noise))
+    share = min(_share(known, best, left), 1.0)
+    return BeyondCatalogue(laws, share, _held(base, best, noise), best.squares)
 
 
 def _share(known: Candidate, other: Candidate, noise: float) -> float:

@@ -10,9 +10,9 @@ import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 import softid
+from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.residual import jump_timing
 from softid.diagnosis.residual.jump_timing import part_of_jumps, untimed_jumps
-from softid.diagnosis.strategy import CauseSearch
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log
 from softid.models.oscillator import Oscillator

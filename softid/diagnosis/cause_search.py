@@ -1,0 +1,342 @@
+"""Searches for a chain of causes of what one base leaves, from several beginnings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from softid.diagnosis.base.base_fit import BaseFit, Progress
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.held_out import BETTER, NO_WORSE
+from softid.diagnosis.residual.assessment import assess
+from softid.diagnosis.search.alternative_first import alternative_first_links, promises_the_rest
+from softid.diagnosis.search.backward_revision import revised
+from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, select_forward
+from softid.diagnosis.search.indistinct import with_rivals_in_misfit
+from softid.diagnosis.search.multistart import has_vanished, multistart_candidates
+from softid.diagnosis.verdict.held_out_error import with_held_out
+from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, nameable
+from softid.diagnosis_results import Remainder
+from softid.effects.base import Effect
+
+SAME_OPTIMUM = 1e-3
+"""Models of the same structure whose sums of squares differ by less are at the same optimum."""
+
+BETTER_START = 0.99
+"""Candidates from a multistart join the race when one leaves less than this share of what the first
+cause does."""
+
+NEAR_CURVE = 1.02
+"""The same where the first cause is a curve, which has more unknowns than they."""
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """What a search found.
+
+    Attributes
+    ----------
+    chain
+        The causes.
+    remainder
+        What they leave.
+    is_named
+        Which of them may be named.
+    first
+        The model with the cause that was found first, as it was then; None without a cause.
+    met_multistart
+        Whether candidates from a multistart took part.
+    """
+
+    chain: Chain
+    remainder: Remainder
+    is_named: tuple[bool, ...]
+    first: Candidate | None = None
+    met_multistart: bool = False
+
+    @property
+    def came_to_nothing(self) -> bool:
+        """Whether structure is left, there or on what is held out, and no cause explains it."""
+        missed = self.remainder.misses_held_out and bool(self.chain.links)
+        return (self.remainder.structured or missed) and not any(self.is_named)
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether causes may be named that leave noise and next to nothing of the misfit.
+
+        Many tries find something that explains most of any misfit, so no less will do.
+        """
+        whole = self.remainder.explained_share > EXPLAINED
+        return any(self.is_named) and whole and not self.remainder.leaves_something
+
+
+@dataclass(frozen=True, eq=False)
+class CauseSearch:
+    """Searches for the causes of what one base leaves.
+
+    Attributes
+    ----------
+    base
+        The base fit, and what it is judged by.
+    effects
+        The effects to consider.
+    seed
+        Of the shifts that say what chance would make of noise.
+    report
+        Called with a sentence and the fraction done.
+    """
+
+    base: BaseFit
+    effects: tuple[Effect, ...]
+    seed: int
+    report: Progress
+    _known: dict[Candidate, Remainder] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def multistart(self) -> list[Candidate]:
+        """Candidates from other starts of the base, sought once."""
+        base = self.base
+        return multistart_candidates(base.candidate, self.effects, base.scale, base.sigma)
+
+    def remainder_of(self, model: Candidate) -> Remainder:
+        """What a model leaves; looked at once, for the moments of jumps ask for many simulations.
+
+        Parameters
+        ----------
+        model
+            The base with causes.
+        """
+        if model not in self._known:
+            rng = np.random.default_rng(self.seed)
+            self._known[model] = assess(self.base.candidate, model, self.base.scale, rng=rng)
+        return self._known[model]
+
+    def first_cause(self, extra: Sequence[Candidate] = ()) -> Chain:
+        """The base with one cause, if what is held out does not speak against any.
+
+        Candidates from a multistart take part where a term of the base has vanished: it is no place
+        to start from. A curve with free values bends to much that it is not: before it is believed
+        the others are tried from a multistart, too.
+
+        Parameters
+        ----------
+        extra
+            Candidates of which it is known that they take part.
+        """
+        if self.base.is_negligible:
+            return self._nothing
+        if not extra and has_vanished(self.base.candidate):
+            extra = self.multistart
+        chain = self.grow(self._nothing, max_links=1, extra=extra)
+        if not extra and chain.links and len(chain.links[0].added.amplitudes) > 1:
+            return self._raced_with_multistart(chain, NEAR_CURVE)
+        return chain
+
+    def grow(
+        self,
+        chain: Chain,
+        *,
+        max_links: int = MAX_LINKS,
+        extra: Sequence[Candidate] = (),
+        raced: Link | None = None,
+    ) -> Chain:
+        """A chain with further causes that what is held out does not speak against.
+
+        Parameters
+        ----------
+        chain
+            What is known already.
+        max_links, extra, raced
+            As in `select_forward`.
+        """
+        held_out = self.base.held_out
+
+        def is_no_worse(before: Candidate, after: Candidate) -> bool:
+            limit = BETTER if before.effects else NO_WORSE
+            return held_out.rms(after) <= limit * held_out.rms(before)
+
+        return select_forward(
+            chain.final,
+            self.effects,
+            self.base.scale,
+            self.base.sigma,
+            is_no_worse=is_no_worse,
+            is_noise=lambda model: not self.remainder_of(model).structured,
+            report=lambda message, fraction: self.report(message, 0.3 + 0.4 * fraction),
+            known_links=chain.links,
+            extra=extra,
+            raced=raced,
+            max_links=max_links,
+        )
+
+    def search(self, first: Chain | None = None) -> SearchResult:
+        """The chain of causes, what it leaves, and what may be named.
+
+        Parameters
+        ----------
+        first
+            The chain with its first cause, where that is known.
+        """
+        if self.base.is_negligible:
+            left = self.remainder_of(self.base.candidate)
+            return SearchResult(self._nothing, replace(left, structured=False), ())
+        chain = first or self.first_cause()
+        chain = self.grow(chain, max_links=2) if chain.links else chain
+        met_multistart = False
+        if self._may_stand_for_another(chain):
+            other = self._raced_with_multistart(chain, BETTER_START)
+            met_multistart = other is not chain
+            chain = self.grow(other, max_links=2) if met_multistart else chain
+        first_model = chain.links[0].found if chain.links else None
+        if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
+            chain = self._revise(chain)
+            longer = self.grow(chain)
+            if len(longer.links) > len(chain.links):
+                chain = self._revise(longer)
+            else:
+                chain = replace(chain, last=longer.last)
+        return replace(self._judged(chain, first_model), met_multistart=met_multistart)
+
+    def search_from_multistart(self, known: SearchResult) -> SearchResult | None:
+        """What a search with candidates from a multistart finds, if that is sure.
+
+        Parameters
+        ----------
+        known
+            What was found without them: where they lead to the same first cause, the rest is known.
+        """
+        if known.met_multistart or has_vanished(self.base.candidate):
+            return None
+        chain = self._first_from_multistart
+        if known.first is not None and _is_same(chain.final, known.first):
+            return None
+        return self._found_from_multistart if self._found_from_multistart.is_sure else None
+
+    @cached_property
+    def _first_from_multistart(self) -> Chain:
+        return self.first_cause(extra=self.multistart)
+
+    @cached_property
+    def _found_from_multistart(self) -> SearchResult:
+        return self.search(self._first_from_multistart)
+
+    def search_from_other_causes(self, known: Chain) -> SearchResult | None:
+        """What a search from another first cause finds, if that is sure.
+
+        Parameters
+        ----------
+        known
+            The chain from the best first cause.
+        """
+        name = known.links[0].added.name if known.links else None
+        base = self.base
+        for other in alternative_first_links(
+            name, base.candidate, self.effects, base.scale, base.sigma
+        ):
+            left = self.remainder_of(other.final)
+            if not promises_the_rest(other, left, self.effects, base.scale, base.sigma):
+                continue
+            longer = self.grow(other, max_links=2)
+            if len(longer.links) == 1 and longer.final.squares >= known.final.squares:
+                continue  # it was raced with its own forms only
+            left = self.remainder_of(longer.final)
+            if not left.structured and left.explained_share > EXPLAINED:
+                found = self.search(longer)
+                if found.is_sure:
+                    return found
+        return None
+
+    @cached_property
+    def _left_by_base(self) -> Remainder:
+        return self.remainder_of(self.base.candidate)
+
+    def leaves_structure(self, chain: Chain) -> bool:
+        """Whether causes leave more than noise.
+
+        Parameters
+        ----------
+        chain
+            The causes.
+        """
+        return bool(chain.links) and self.remainder_of(chain.final).structured
+
+    def without_names(self, chain: Chain) -> SearchResult:
+        """A chain that is no more than a description.
+
+        Parameters
+        ----------
+        chain
+            The chain.
+        """
+        found = self._judged(chain, None)
+        return replace(found, is_named=(False,) * len(found.is_named))
+
+    def without_causes(self) -> SearchResult | None:
+        """The base alone, if it leaves no more than what tells the noise.
+
+        What explains a part of that, and may not be named, is no more than chance then.
+        """
+        left = self._left_by_base
+        if left.structured or left.colour_s is not None:
+            return None
+        if left.open_jumps == 0:
+            base, held_out = self.base, self.base.held_out
+            before = held_out.rms(base.candidate)
+            left = with_held_out(left, before, base.candidate, held_out, base.sigma)
+        return None if left.misses_held_out else SearchResult(self._nothing, left, ())
+
+    @property
+    def _nothing(self) -> Chain:
+        return Chain((), None, self.base.candidate)
+
+    def _raced_with_multistart(self, chain: Chain, share: float) -> Chain:
+        """A chain of one link, or another where one from a multistart leaves less than a share."""
+        least = min((c.squares for c in self.multistart), default=np.inf)
+        if least > share * chain.final.squares:
+            return chain
+        return self.grow(self._nothing, max_links=1, extra=self.multistart, raced=chain.links[0])
+
+    def _may_stand_for_another(self, chain: Chain) -> bool:
+        """Whether a single cause leaves structure, and was not raced with a multistart."""
+        if len(chain.links) != 1 or len(chain.links[0].added.amplitudes) > 1:
+            return False
+        return not has_vanished(self.base.candidate) and self.remainder_of(chain.final).structured
+
+    def _revise(self, chain: Chain) -> Chain:
+        """The chain with its earlier causes revised, unless that is worse on what is held out."""
+        self.report("checking the first causes again", 0.75)
+        base = self.base
+        again = revised(chain, base.candidate, self.effects, base.scale, base.sigma)
+        if base.held_out.rms(again.final) <= NO_WORSE * base.held_out.rms(chain.final):
+            return again
+        return chain
+
+    def _judged(self, chain: Chain, first: Candidate | None) -> SearchResult:
+        """What a chain leaves, and which of its causes may be named, the largest first."""
+        held_out = self.base.held_out
+        before, after = held_out.rms(self.base.candidate), held_out.rms(chain.final)
+        if chain.links and after > (1.0 - LEAST_GAIN) * before:
+            # A chain that gains nothing is chance.
+            chain, after = Chain((), chain.links[0], self.base.candidate), before
+        self.report("looking at what is left", 0.85)
+        remainder = self.remainder_of(chain.final)
+        links = chain.links
+        if remainder.structured:
+            links = tuple(with_rivals_in_misfit(link) for link in links)
+        remainder = with_held_out(remainder, before, chain.final, held_out, self.base.sigma)
+        is_named = nameable(links, chain.final, remainder, gain=1.0 - after / before)
+        pairs = sorted(zip(links, is_named, strict=True), key=lambda pair: -pair[0].squares_before)
+        return SearchResult(
+            replace(chain, links=tuple(link for link, _ in pairs)),
+            remainder,
+            tuple(sure for _, sure in pairs),
+            first,
+        )
+
+
+def _is_same(one: Candidate, other: Candidate) -> bool:
+    """Whether two models have the same causes and explain as much."""
+    return one.keys == other.keys and abs(one.squares / other.squares - 1.0) < SAME_OPTIMUM

@@ -1,0 +1,208 @@
+"""Searches for the causes of what one base leaves; what each step does is written by hand here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from handmade_rounds import candidate
+from handmade_searches import (
+    GIVEN,
+    LITTLE,
+    NAMED,
+    NOISE,
+    NOTHING,
+    STRUCTURE,
+    chain_of,
+    search_over,
+    searched_as,
+)
+
+from softid.diagnosis import cause_search
+from softid.diagnosis.cause_search import CauseSearch, SearchResult
+from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis_results import Remainder
+from softid.effects import effect_of
+
+
+@pytest.mark.parametrize(
+    ("left", "is_named", "nothing"),
+    [
+        (STRUCTURE, (), True),
+        (STRUCTURE, (False, False), True),
+        (STRUCTURE, (False, True), False),
+        (NOISE, (), False),
+        (NOISE, (False,), False),
+    ],
+)
+def test_a_search_that_came_to_nothing(
+    left: Remainder, is_named: tuple[bool, ...], nothing: bool
+) -> None:
+    """Structure is left, and no cause may be named; noise with no name is an answer."""
+    keys = ("delay", "creep")[: len(is_named)]
+    assert SearchResult(chain_of(*keys), left, is_named).came_to_nothing is nothing
+
+
+def from_multistart(squares: float) -> tuple[Any, ...]:
+    """Candidates beside a first cause that leaves 100."""
+    return candidate(("creep",), squares), candidate(("ageing",), 2.0 * squares)
+
+
+NEAR, FAR = from_multistart(101.9), from_multistart(102.1)
+
+
+@pytest.mark.parametrize(
+    ("first", "vanished", "given", "others", "raced"),
+    [
+        ("delay", False, (), NEAR, [()]),
+        ("static_curve", False, (), NEAR, [(), NEAR]),
+        ("static_curve", False, (), FAR, [()]),
+        ("static_curve", False, (), (), [()]),
+        ("delay", True, (), NEAR, [NEAR]),
+        ("static_curve", True, (), NEAR, [NEAR]),
+        ("static_curve", False, GIVEN, NEAR, [GIVEN]),
+        (None, False, (), NEAR, [()]),
+    ],
+)
+def test_a_curve_with_free_knots_is_raced_again(
+    first: str | None,
+    vanished: bool,
+    given: Sequence[Any],
+    others: tuple[Any, ...],
+    raced: list[Sequence[Any]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The rule: a curve, which has more unknowns, is believed when no candidate from a multistart
+    comes within 2 % of it; any first cause of a base of which a term has vanished is raced beside
+    them at once; never are they sought twice. The last answer counts."""
+    told: list[Sequence[Any]] = []
+    answers: list[Chain] = []
+
+    def grow(
+        self: CauseSearch, chain: Chain, *, max_links: int, extra: Sequence[Any], **raced: Any
+    ) -> Chain:
+        assert max_links == 1
+        assert chain.links == ()
+        told.append(extra)
+        answers.append(chain_of(first) if first else chain_of())
+        return answers[-1]
+
+    monkeypatch.setattr(CauseSearch, "grow", grow)
+    monkeypatch.setattr(cause_search, "has_vanished", lambda base: vanished)
+    monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: others)
+    assert len(effect_of("static_curve").amplitudes) > 1
+    found = search_over().first_cause(given)
+    assert told == raced
+    assert found is answers[-1]
+
+
+def test_a_multistart_runs_once_for_each_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its candidates are remembered with the base and the effects that it ran for."""
+    asked: list[Any] = []
+
+    def sought(base: Any, effects: Any, scale: Any, sigma: Any) -> tuple[Any, ...]:
+        asked.append((base, [effect.key for effect in effects]))
+        return NEAR
+
+    monkeypatch.setattr(cause_search, "multistart_candidates", sought)
+    one, other = search_over(effects=["delay", "creep"]), search_over(effects=["delay"])
+    for _ in range(2):
+        assert one.multistart is NEAR
+        assert other.multistart is NEAR
+    assert replace(other, base=one.base).multistart is NEAR
+    assert asked == [
+        (one.base.candidate, ["delay", "creep"]),
+        (other.base.candidate, ["delay"]),
+        (one.base.candidate, ["delay"]),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("keys", "vanished", "left", "may"),
+    [
+        (("delay",), False, STRUCTURE, True),
+        (("delay",), False, NOISE, False),
+        (("delay",), True, STRUCTURE, False),
+        (("static_curve",), False, STRUCTURE, False),
+        (("delay", "creep"), False, STRUCTURE, False),
+        ((), False, STRUCTURE, False),
+    ],
+)
+def test_a_single_cause_that_leaves_structure_may_stand_for_another(
+    keys: tuple[str, ...],
+    vanished: bool,
+    left: Remainder,
+    may: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where nothing followed it; a curve was raced against a multistart already, and so was any
+    cause of a base of which a term has vanished."""
+    monkeypatch.setattr(cause_search, "has_vanished", lambda base: vanished)
+    monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
+    assert search_over()._may_stand_for_another(chain_of(*keys)) is may
+
+
+def test_a_base_that_leaves_noise_stands_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not where that is noise by its marks alone, or where it misses what is held out."""
+    left: dict[str, Remainder] = {}
+    monkeypatch.setattr(CauseSearch, "_left_by_base", property(lambda self: left["fitted"]))
+    monkeypatch.setattr(cause_search, "with_held_out", lambda *args: left["held out"])
+    for fitted, held_out, stands in (
+        (NOISE, NOISE, True),
+        (STRUCTURE, NOISE, False),
+        (replace(NOISE, colour_s=1.0), NOISE, False),
+        (NOISE, replace(NOISE, misses_held_out=True), False),
+        (replace(NOISE, open_jumps=9), replace(NOISE, misses_held_out=True), True),
+    ):
+        left["fitted"], left["held out"] = fitted, held_out
+        alone = search_over().without_causes()
+        assert (alone is not None and not alone.chain.links) is stands
+
+
+@pytest.mark.parametrize(
+    ("vanished", "answer", "counts"),
+    [
+        (False, NAMED, True),
+        (True, NAMED, False),
+        (False, NOTHING, False),
+        (False, SearchResult(chain_of("delay"), STRUCTURE, (True,)), False),
+        (False, SearchResult(chain_of("delay"), NOISE, (False,)), False),
+        (False, SearchResult(chain_of("delay"), LITTLE, (True,)), False),
+    ],
+)
+def test_only_a_whole_answer_from_a_multistart_counts(
+    vanished: bool, answer: SearchResult, counts: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It leaves noise, less than 7 % of the misfit, and a name; and where a term had vanished the
+    multistart ran at first."""
+    monkeypatch.setattr(cause_search, "has_vanished", lambda base: vanished)
+    monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: NEAR)
+    monkeypatch.setattr(CauseSearch, "first_cause", lambda self, extra: chain_of("delay"))
+    monkeypatch.setattr(CauseSearch, "search", searched_as({"known": answer}, by=[]))
+    found = search_over().search_from_multistart(NOTHING)
+    assert found is (answer if counts else None)
+
+
+def test_a_multistart_that_took_part_has_nothing_new(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The race that chose the first cause held its candidates."""
+    monkeypatch.setattr(cause_search, "has_vanished", lambda base: False)
+    known = replace(NOTHING, met_multistart=True)
+    assert search_over().search_from_multistart(known) is None
+
+
+@pytest.mark.parametrize(
+    ("first", "again"), [(("delay",), False), (("creep",), True), (None, True)]
+)
+def test_the_same_first_cause_leads_to_the_same_answer(
+    first: tuple[str, ...] | None, again: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where a multistart leads to where the search began the rest is known."""
+    monkeypatch.setattr(cause_search, "has_vanished", lambda base: False)
+    monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: NEAR)
+    monkeypatch.setattr(CauseSearch, "first_cause", lambda self, extra: chain_of("delay"))
+    monkeypatch.setattr(CauseSearch, "search", searched_as({"known": NAMED}, by=[]))
+    known = None if first is None else candidate(first, chain_of("delay").final.squares)
+    found = search_over().search_from_multistart(replace(NOTHING, first=known))
+    assert found is (NAMED if again else None)
