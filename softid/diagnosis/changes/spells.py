@@ -17,7 +17,7 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOutBlocks
 from softid.diagnosis.residual.motion import residual_context
-from softid.errors import IdentificationError
+from softid.errors import IdentificationError, InputError
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -96,7 +96,7 @@ def spells_of(log: Log, fit: Callable[[Log], Candidate], noise: float) -> Spells
         if part > 0:
             at = np.arange(len(log)) * PARTS // len(log)
             outside = at == part - 1
-        with suppress(IdentificationError):  # a part may be at rest
+        with suppress(IdentificationError, InputError):  # a part may be at rest, or not measured
             one = _grown(log, fit, noise, outside)
             found += [one] if one is not None else []
     return min(found, key=lambda one: sum(end - begin for begin, end in one.spans_s), default=None)
@@ -138,6 +138,8 @@ def _grown(
         grown = np.ones(len(log), bool)
         for begin, end in spans:
             grown[at[begin] : at[end - 1] + 1] = False
+        if np.count_nonzero(grown) < LEAST_OUTSIDE * grown.size / PARTS:
+            return None
         if not spans or (grown == outside).all():
             break
         outside = grown

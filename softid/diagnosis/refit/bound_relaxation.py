@@ -1,24 +1,30 @@
-"""Bounds of effects that go by the force of a base that misses the actuator.
+"""Effects at their bounds: because of a base that misses the actuator, or of a cause still missing.
 
 A law that is known up to a common factor of its forces, or a base that another effect bends, may
 have a small part of the force that the same model has with its cause. An effect that runs into its
-bound then asks for bounds that go by the force of its own model.
+bound then asks for bounds that go by the force of its own model. And what runs into its bound while
+another cause is missing may be held there, for a law at its limit hardly feels its parameter.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.candidates import Candidate, advance, standing_at
 from softid.diagnosis.refit.characteristic_scales import elastic_force
-from softid.effects import ExtendedModel, extended_name
+from softid.effects import ExtendedModel, belongs_to, extended_name
+from softid.effects.base import Effect
 from softid.fitters.problem import Problem
 from softid.parameters import Parameter
 
 GROWN = 1.2
 """So much more force makes the bounds worth moving."""
+
+RELEASED = 30
+"""Evaluations from there."""
 
 NEAR = 1e-3
 """Distance from a bound, as a share of the way between both, that is at it."""
@@ -52,6 +58,43 @@ def with_own_bounds(candidate: Candidate) -> Candidate:
     for known in problem.parameters.values():
         declared = declared.replacing(_united(known, declared[known.name]))
     return replace(candidate, problem=Problem(wider, declared, problem.logs))
+
+
+def released(
+    candidate: Candidate, earlier: Sequence[Effect], sigma: Mapping[str, float]
+) -> Candidate:
+    """The candidate, or what a start away from the bounds of its earlier effects leads to.
+
+    Parameters
+    ----------
+    candidate
+        A model with one effect more than before, at its optimum.
+    earlier
+        The effects that it had before.
+    sigma
+        Output channel → scale that its residual is divided by.
+
+    Returns
+    -------
+    Candidate
+        The candidate itself where none of their parameters is at a bound, or nothing is won.
+    """
+    problem = candidate.problem
+    held = [
+        name
+        for name in candidate.at_bound
+        if name in problem.free and any(belongs_to(effect, name) for effect in earlier)
+    ]
+    if not held:
+        return candidate
+    usual = problem.free_unknowns(
+        {**candidate.parameters, **{name: problem.parameters[name].value for name in held}}
+    )
+    z = candidate.minimum.point.copy()
+    z[: len(problem.free)] = usual[: len(problem.free)]
+    placed = standing_at(z, candidate.minimum, candidate.prior, candidate.squares)
+    found = advance(replace(candidate, minimum=placed), sigma, RELEASED)
+    return found if found.squares < candidate.squares else candidate
 
 
 def _is_held(candidate: Candidate) -> bool:

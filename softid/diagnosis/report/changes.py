@@ -23,7 +23,7 @@ from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis_results import Remainder
 from softid.effects.base import Scale
-from softid.errors import IdentificationError, Issue
+from softid.errors import IdentificationError, InputError, Issue
 from softid.log import Log, LogSet
 
 CHANGE_POINT = "change-point"
@@ -230,7 +230,7 @@ def difference_issues(recordings: Recordings, request: Request, base: BaseFit) -
     noise = samples * noise_variance(candidate, base.scale)
     for k, reference in enumerate(logs[:REFERENCES]):
         others = (*logs[:k], *logs[k + 1 :])
-        with suppress(IdentificationError):  # one log alone may be too short, or at rest
+        with suppress(IdentificationError, InputError):  # one log may be too short, or at rest
             alone = request.fit_base(LogSet((reference,)), recordings.hold_out, thorough=False)
             own = squares_of(alone.candidate.problem, alone.candidate.minimum.point)
             found = log_differences(

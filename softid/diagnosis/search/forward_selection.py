@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from softid.diagnosis.refit.bound_relaxation import with_own_bounds
+from softid.diagnosis.refit.bound_relaxation import released, with_own_bounds
 from softid.diagnosis.refit.candidates import Candidate, advance, prior_about, standing_at
+from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.search.bic_ranking import Ranked, rank
 from softid.diagnosis.search.racing import UNCONVERGED, race
 from softid.diagnosis.search.screening import Signature, screen
@@ -270,6 +271,7 @@ def next_link(
         extra=extra,
         again=raced is not None,
     )
+    contenders = in_parallel(lambda one: released(one, now.effects, sigma), contenders)
     ranked = rank([*contenders, now], sigma)
     before = next(r for r in ranked if r.candidate.keys == now.keys)
     others = [r for r in ranked if r is not before]

@@ -13,6 +13,7 @@ from softid.diagnosis.changes.spells import loudest, spells_of
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.report.changes import CHANGE_POINT, spell_issues
 from softid.diagnosis_results import Verdict
+from softid.errors import InputError
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
@@ -76,6 +77,20 @@ THROUGHOUT = {
 def test_what_goes_on_throughout_is_in_no_spell(name: str) -> None:
     log = log_of(linear_angle(TIME_S, pressure()) + THROUGHOUT[name])
     assert spells_of(log, fit, NOISE**2) is None
+
+
+def test_a_model_that_follows_nothing_has_no_spells() -> None:
+    """What is loud everywhere, and a third that nothing was measured in."""
+    far = linear_angle(TIME_S, pressure()) + 5.0 * np.sin(7.0 * TIME_S) * np.exp(TIME_S / 20.0)
+    assert spells_of(log_of(far), fit, NOISE**2) is None
+    far[: N // 3 + 1] = np.nan
+
+    def refusing(log: Log) -> Candidate:
+        if not any(segment.used["angle"].any() for segment in log.segments()):
+            raise InputError("the output has 0 usable samples")
+        return fit(log)
+
+    assert spells_of(log_of(far), refusing, NOISE**2) is None
 
 
 def test_the_loudest_stretch_of_nothing_is_empty() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
-from softid.diagnosis.refit.bound_relaxation import with_own_bounds
+from softid.diagnosis.refit.bound_relaxation import released, with_own_bounds
 from softid.diagnosis.refit.candidates import Candidate, extend, start_unknowns
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.forward_selection import converged
@@ -53,6 +53,22 @@ def test_others_keep_theirs(share: float, force: float) -> None:
     """A size within its bounds is not held, and a base with the true force knows its bounds."""
     candidate = standing_at(share, force=force)
     assert with_own_bounds(candidate) is candidate
+
+
+def test_what_an_earlier_effect_needed_at_its_bound_is_let_go() -> None:
+    """The log has no stiffening: a start away from the bound leads back to what leaves less."""
+    held = standing_at(1.0, force=1.0)
+    free = released(held, (EFFECT,), SIGMA)
+    assert "stiffening_k3" in held.at_bound
+    assert "stiffening_k3" not in free.at_bound
+    assert free.squares < held.squares
+
+
+def test_only_earlier_effects_at_their_bounds_are_let_go() -> None:
+    """Not one that was added last, nor one within its bounds."""
+    held, within = standing_at(1.0, force=1.0), standing_at(0.5, force=1.0)
+    assert released(held, (), SIGMA) is held
+    assert released(within, (EFFECT,), SIGMA) is within
 
 
 def test_settling_goes_on_behind_the_bound() -> None:
