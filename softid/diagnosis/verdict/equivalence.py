@@ -97,7 +97,8 @@ UNLISTED: dict[str, str] = {
     "gauge_lag": "a pressure gauge that lags behind",
     "sensor_lead": "a sensor that runs ahead of the motion",
     "load_drift": "a load that changes at a constant rate",
-    "pressure_drift": "a drift of the zero of the pressure gauge",
+    "pressure_drift": "a drift of the zero of the pressure gauge, or of the stiffness that an "
+    "actuator has without pressure",
     "pressure_gain_drift": "a pressure that falls behind what is recorded, by a leak that grows or "
     "a gauge whose gain drifts",
     "rate_limit": "a supply that fills and vents at no more than one rate",

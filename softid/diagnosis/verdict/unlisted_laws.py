@@ -36,8 +36,8 @@ START_TIMES = (0.2, 0.7, 2.5)
 MOST_BENT = 0.9
 """Bound of what a bend adds to the slope of a reading at the ends of its range: it still rises."""
 
-START_BENT = 0.2
-"""Start of that, either way."""
+START_BENT = 0.03
+"""Start of the first bend, either way, as a share of the range."""
 
 DAMPING_KNOTS = 11
 """Positions at which a damping is known; the compiled step counts on it."""
@@ -98,56 +98,52 @@ class RateLimit(InputEffect):
 
 @dataclass(frozen=True)
 class BentReading(OutputEffect):
-    """A sensor that is not straight, y + y_span ξ (ξ − 1) (bend + skew (ξ − ½)).
+    """A sensor that is not straight, y + y_span Σ bₖ sin(kπξ), k from 1 to 3.
 
     ξ is y within its range, from 0 to 1: the ends stay, for the model takes up zero and gain.
     """
 
     name: ClassVar[str] = "bent_reading"
     title: ClassVar[str] = "Sensor that is not straight"
-    law: ClassVar[str] = "recorded y = y + y_span xi (xi - 1) (bend + skew (xi - 1/2))"
+    law: ClassVar[str] = "recorded y = y + y_span sum of bk sin(k pi xi), xi y within its range"
     meaning: ClassVar[str] = (
         "The gain of the sensor differs from one end of its range to the other."
     )
     signature: ClassVar[str] = "The residual is a function of the position, at rest and in motion."
     shown_by: ClassVar[str] = "the sensor beside another one, by hand"
     source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.2"
-    amplitude: ClassVar[str] = "bend"
+    amplitude: ClassVar[str] = "b1"
     changes_sign: ClassVar[bool] = True
 
     @property
     def amplitudes(self) -> tuple[str, ...]:
-        """Both vanish together."""
-        return ("bend", "skew")
+        """All vanish together."""
+        return ("b1", "b2", "b3")
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The two bends."""
+        """The waves; each alone leaves a reading that still rises."""
         del scale
 
-        def own(name: str, bound: float, meaning: str) -> Parameter:
-            return Parameter(name, 0.0, "1", -bound, bound, meaning=meaning, source=self.source)
-
-        return ParameterSet(
-            (
-                own(
-                    "bend",
-                    MOST_BENT,
-                    "what the slope gains at the upper end and loses at the lower",
-                ),
-                own("skew", 2.0 * MOST_BENT, "twice what the slope gains at both ends"),
+        def wave(k: int, name: str) -> Parameter:
+            bound = MOST_BENT / (k * np.pi)
+            return Parameter(
+                name, 0.0, "1", -bound, bound, meaning="share of the range", source=self.source
             )
-        )
+
+        return ParameterSet(tuple(wave(k, name) for k, name in enumerate(self.amplitudes, 1)))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Bent either way."""
         del scale
-        return tuple({"bend": bend, "skew": 0.0} for bend in (START_BENT, -START_BENT))
+        straight = dict.fromkeys(self.amplitudes, 0.0)
+        return tuple({**straight, "b1": bend} for bend in (START_BENT, -START_BENT))
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """Bend the reading between the ends of its range."""
         del time_s
-        xi = (y - scale.y_low) / scale.y_span
-        recorded: Array = y + scale.y_span * xi * (xi - 1.0) * (eta[0] + eta[1] * (xi - 0.5))
+        phase = np.pi * (y - scale.y_low) / scale.y_span
+        waves = sum(eta[k] * np.sin((k + 1) * phase) for k in range(len(self.amplitudes)))
+        recorded: Array = y + scale.y_span * waves
         return recorded
 
 

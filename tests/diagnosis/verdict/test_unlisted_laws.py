@@ -66,16 +66,18 @@ def test_a_limit_is_followed() -> None:
 
 
 def test_a_bent_reading_keeps_the_ends_of_its_range() -> None:
-    """Closed form: −bend/4 of the span in the middle, and skew·3/64 of it at a quarter."""
+    """Closed form: waves of one, two and three half periods over the range."""
     scale = sizes_of("muscle")
-    y = scale.y_low + scale.y_span * np.array([0.0, 0.25, 0.5, 1.0])
+    y = scale.y_low + scale.y_span * np.array([0.0, 1.0 / 6.0, 0.25, 0.5, 1.0])
 
-    def bent(bend: float, skew: float) -> np.ndarray:
-        found = BentReading().apply(np.array([bend, skew]), np.zeros(4), y, scale)
+    def bent(*waves: float) -> np.ndarray:
+        found = BentReading().apply(np.array(waves), np.zeros(5), y, scale)
         return np.asarray((found - y) / scale.y_span)
 
-    np.testing.assert_allclose(bent(0.4, 0.0), [0.0, -0.075, -0.1, 0.0], atol=1e-12)
-    np.testing.assert_allclose(bent(0.0, 0.64), [0.0, 0.03, 0.0, 0.0], atol=1e-12)
+    half = 0.05 * 0.5**0.5
+    np.testing.assert_allclose(bent(0.05, 0.0, 0.0), [0, 0.025, half, 0.05, 0], atol=1e-12)
+    np.testing.assert_allclose(bent(0.0, 0.05, 0.0)[[0, 2, 3, 4]], [0, 0.05, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(bent(0.0, 0.0, 0.05), [0, 0.05, half, -0.05, 0], atol=1e-12)
 
 
 def test_a_reading_runs_ahead() -> None:
