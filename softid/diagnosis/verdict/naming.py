@@ -165,8 +165,8 @@ def doubt_of(
     judged by that alone, with a size that is the same throughout. Where its size may have either
     sign, an interval over zero is no effect, and a size at its bound stands for something else; so
     does a time of a relaxation: at its shortest it is a damper, and a drift at its longest, or if
-    its interval reaches that; and so does a speed at which friction has come up when it is as large
-    as the motion's own.
+    its interval reaches that; so does a place of which nothing is known; and so does a speed at
+    which friction has come up when it is as large as the motion's own.
     Several sizes, such as the knots of a curve, are judged together: one of them may be as good as
     unknown beside the base's own parameters, or run into its bound with their common slope, and
     their shape well known.
@@ -223,6 +223,7 @@ def _doubt_of_values(cause: Cause, effect: Effect, extended: FitResult) -> Doubt
     essential = {extended_name(effect, name) for name in effect.essential}
     held = [p for p in cause.parameters if p.name in essential]
     bounded = any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held)))
+    bounded = bounded or any(_is_anywhere(p) for p in held)
     if bounded or any(_is_at_ceiling(p) for p in cause.parameters if p.name in ceilings):
         return Doubt.AT_BOUND
     if any(p.unit == "s" and _reaches_upper(p) for p in held):
@@ -254,6 +255,13 @@ def _reaches_upper(parameter: ParameterEstimate) -> bool:
     """Whether the interval of a value holds its upper bound."""
     interval, upper = parameter.ci95, parameter.upper
     return interval is not None and upper is not None and interval[1] >= upper
+
+
+def _is_anywhere(parameter: ParameterEstimate) -> bool:
+    """Whether the interval of a value holds both of its bounds."""
+    interval, lower = parameter.ci95, parameter.lower
+    reaches = interval is not None and lower is not None and interval[0] <= lower
+    return reaches and _reaches_upper(parameter)
 
 
 def _covers_zero(parameter: ParameterEstimate) -> bool:

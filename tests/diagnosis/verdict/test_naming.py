@@ -289,6 +289,19 @@ def test_a_cause_that_may_gain_nothing_is_none(
     assert (doubt_of(told, DRIFT, fit_result(), WHOLE) is None) is named
 
 
+@pytest.mark.parametrize(
+    ("interval", "named"), [((0.3, 0.9), True), ((0.3, 1.4), True), ((0.1, 1.4), False)]
+)
+def test_a_contact_anywhere_is_none(interval: tuple[float, float], named: bool) -> None:
+    """Its place lies within 0.2 to 1.2 mm, and an interval that holds both says nothing."""
+    place = replace(
+        estimate("contact_xw", 0.6, "mm"), ci95=interval, lower=0.2, upper=1.2, at_bound=False
+    )
+    told = cause("contact", [estimate("contact_kw", 2.0, "1/mm"), place], before=2.0, after=1.0)
+    found = doubt_of(told, effect_of("contact"), fit_result(), WHOLE)
+    assert found is (None if named else Doubt.AT_BOUND)
+
+
 @pytest.mark.parametrize(("longest", "named"), [(40.0, True), (50.0, False)])
 def test_a_time_that_may_be_the_longest_is_no_creep(longest: float, named: bool) -> None:
     """A log that tells times up to 45 s, and an interval that ends before or beyond that."""
