@@ -28,6 +28,10 @@ TAKES = 0.9
 ALIKE = 0.97
 """Kinds that take away so much of what the best does are told beside it."""
 
+LARGEST = 0.55
+"""A change by a larger share is no small difference of one rig, and a change at the bound of a
+probe is none."""
+
 ZERO = "zero"
 """Kind of a difference that every log has anyway."""
 
@@ -92,7 +96,12 @@ def log_differences(
         return None
     changes = _changes(reference, scale)
     fitted = in_parallel(lambda change: [change.on(log) for log in logs], changes)
-    falls = [(before - own - sum(left for left, _ in rows)) / misfit for rows in fitted]
+    falls = [
+        (before - own - sum(left for left, _ in rows)) / misfit
+        if all(abs(size) <= LARGEST for _, size in rows)
+        else -np.inf
+        for rows in fitted
+    ]
     ranked = np.argsort(falls[1:])[::-1] + 1
     if zero_counts and falls[0] > ALIKE * falls[ranked[0]]:
         ranked = np.zeros(1, np.intp)

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOutBlocks
 from softid.diagnosis.residual.motion import residual_context
+from softid.diagnosis.residual.noise_floor import fastest_part
 from softid.errors import IdentificationError, InputError
 from softid.log import Log
 
@@ -154,7 +155,8 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
     if not inside.any() or np.count_nonzero(~inside) < LEAST_OUTSIDE * inside.size:
         return None
     variance = float(np.mean(residual[~inside] ** 2))
-    if variance > QUIET * noise or not _are_covered(model, outside):
+    own = max(noise, fastest_part([residual[~inside]]).variance)  # logs differ in their noise
+    if variance > QUIET * own or not _are_covered(model, outside):
         return None
     before = float(np.sum(residual[inside] ** 2))
     if before < CLEAR * variance * np.count_nonzero(inside):
