@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from softid.diagnosis import diagnose
+from softid.diagnosis.report.summary import WHAT_IT_IS
 from softid.diagnosis_results import Diagnosis
 from softid.effects import EFFECTS
 from softid.identification import fit
@@ -258,6 +259,8 @@ class Score:
         Of the diagnosis, by the clock and of the processor.
     values
         Parameters of the causes.
+    told
+        What the misfit is beside them: what changed, or a law in no catalogue, in words.
     explained, structure, structure_limit
         Of the remainder.
     """
@@ -279,6 +282,7 @@ class Score:
     structure: float
     structure_limit: float
     values: dict[str, float] = field(default_factory=dict)
+    told: tuple[str, ...] = ()
 
     @property
     def hidden(self) -> tuple[str, ...]:
@@ -327,6 +331,7 @@ def run(case: Case) -> Score:
         structure=float(found.remainder.structure_share),
         structure_limit=float(found.remainder.structure_limit),
         values={p.name: float(p.value) for c in found.causes for p in c.parameters},
+        told=tuple(issue.message for issue in found.issues if issue.code in WHAT_IT_IS),
     )
 
 

@@ -92,8 +92,8 @@ def _read(path: Path) -> dict[str, Score]:
     found = {}
     for line in path.read_text().splitlines():
         row = json.loads(line)
-        for name in ("names", "causes", "described", "tied"):
-            row[name] = tuple(row[name])
+        for name in ("names", "causes", "described", "tied", "told"):
+            row[name] = tuple(row.get(name, ()))
         found[row["key"]] = Score(**row)
     return found
 
@@ -126,6 +126,8 @@ def _tell(score: Score) -> None:
         f" ({score.cpu_seconds:.1f} s CPU)",
         flush=True,
     )
+    for message in score.told:
+        print(f"    told: {message}", flush=True)
 
 
 def is_right(score: Score) -> bool:
