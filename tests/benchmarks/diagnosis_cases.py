@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from softid.diagnosis import diagnose
+from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW
 from softid.diagnosis.report.summary import WHAT_IT_IS
 from softid.diagnosis_results import Diagnosis
 from softid.effects import EFFECTS
@@ -56,6 +57,10 @@ times."""
 
 TIES = (("delay", "sine"), ("pneumatic_lag", "sine"))
 """Effects whose neighbours a protocol cannot split from them."""
+
+
+TOLD = (*WHAT_IT_IS, LIKE_UNLISTED_LAW)
+"""Codes of what a misfit is told to be beside causes."""
 
 
 @dataclass(frozen=True)
@@ -331,7 +336,7 @@ def run(case: Case) -> Score:
         structure=float(found.remainder.structure_share),
         structure_limit=float(found.remainder.structure_limit),
         values={p.name: float(p.value) for c in found.causes for p in c.parameters},
-        told=tuple(issue.message for issue in found.issues if issue.code in WHAT_IT_IS),
+        told=tuple(issue.message for issue in found.issues if issue.code in TOLD),
     )
 
 

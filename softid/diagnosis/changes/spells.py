@@ -54,6 +54,9 @@ CLEAR = 12.0
 LEAST_OUTSIDE = 0.4
 """Share of a log that lies outside: what is followed for less is no rule with exceptions."""
 
+BEGINNING = 0.1
+"""What begins in this share of a log is no spell, for much relaxes after the first motion."""
+
 WITHIN = 0.95
 """Share of a spell whose positions lie within those outside, and quantile of its speeds that the
 fastest ones outside reach: else a law may act there alone."""
@@ -162,6 +165,8 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
     if before < CLEAR * variance * np.count_nonzero(inside):
         return None
     edges = np.flatnonzero(np.diff(np.concatenate(([0], (~outside).astype(int), [0]))))
+    if edges[0] < BEGINNING * len(log):
+        return None
     spans = tuple(
         (float(log.time_s[begin]), float(log.time_s[end - 1]))
         for begin, end in edges.reshape(-1, 2).tolist()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -75,6 +75,9 @@ ALIKE = 0.6
 """Logs are held against each other whose inputs have so much of their common range in common: what
 differs from level to level is the model, not the log."""
 
+QUIET = 2.0
+"""A log is followed where no more than so many times the noise of all logs is left."""
+
 REFERENCES = 3
 """Logs that are tried as the one which the others are compared with."""
 
@@ -106,7 +109,8 @@ def held_out_change_issues(
     moments = change_issues(judged, power / noise - 1.0)
     if moments:
         return tuple(replace(issue, code=HELD_OUT_CHANGE) for issue in moments)
-    if not (is_sure and _are_alike(model.problem.logs, judged.problem.logs)):
+    is_right = is_sure and not remainder.structured  # else it fits none of the logs
+    if not (is_right and _are_alike(model.problem.logs, judged.problem.logs)):
         return ()
     before = squares_of(judged.problem, judged.minimum.point)
     found = log_differences(
@@ -116,7 +120,7 @@ def held_out_change_issues(
     return () if told is None else (replace(told, code=HELD_OUT_CHANGE),)
 
 
-def change_issues(model: Candidate, excess: float) -> tuple[Issue, ...]:
+def change_issues(model: Candidate, excess: float, *, alone: bool = False) -> tuple[Issue, ...]:
     """The moment at which the misfit of a model begins, if there is one.
 
     Parameters
@@ -125,9 +129,11 @@ def change_issues(model: Candidate, excess: float) -> tuple[Issue, ...]:
         A model over its logs.
     excess
         Variance of what it leaves above that of the noise, as a share of the latter.
+    alone
+        Whether only what changes in one known way counts.
     """
     found = change_point(model, excess)
-    if found is None:
+    if found is None or (alone and not found.kind):
         return ()
     problem = model.problem
     log = problem.logs[found.log].name
@@ -135,7 +141,7 @@ def change_issues(model: Candidate, excess: float) -> tuple[Issue, ...]:
         Issue(
             CHANGE_POINT,
             "warning",
-            f"the misfit of {problem.outputs[0]} begins at {found.time_s:.4g} s of {log}: "
+            f"the misfit of {problem.outputs[0]} begins at {found.time_s:.3g} s of {log}: "
             f"{CHANGES[found.kind]}, which takes away {percent(min(found.share, 1.0))} of it",
             LOOK_THEN,
         ),
@@ -161,9 +167,11 @@ def spell_issues(recordings: Recordings, request: Request, base: BaseFit) -> tup
         return request.fit_base(LogSet((log,)), recordings.hold_out, thorough=False).candidate
 
     found = []
-    for log in recordings.logs.logs[:REFERENCES]:
+    for log in recordings.logs.logs:
         spells = spells_of(log, fit, noise)
         if spells is None:
+            if not _is_followed(log, fit, noise):
+                return ()  # what one log has throughout is no event in another
             continue
         within = [log.between(begin, np.nextafter(end, np.inf)) for begin, end in spells.spans_s]
         change = log_differences(
@@ -186,12 +194,19 @@ def spell_issues(recordings: Recordings, request: Request, base: BaseFit) -> tup
     return tuple(found)
 
 
+def _is_followed(log: Log, fit: Callable[[Log], Candidate], noise: float) -> bool:
+    """Whether a model that is fitted to a log alone leaves noise."""
+    alone = fit(log)
+    left = squares_of(alone.problem, alone.minimum.point)
+    return left < QUIET * noise * alone.problem.n_samples / len(alone.problem.outputs)
+
+
 def _when(spells: Spells, log: Log) -> str:
     """The spells in words."""
     last = float(log.time_s[-1])
     return listed(
         [
-            f"{begin:.4g} s to the end" if end >= last else f"{begin:.4g} to {end:.4g} s"
+            f"{begin:.3g} s to the end" if end >= last else f"{begin:.3g} to {end:.3g} s"
             for begin, end in spells.spans_s
         ]
     )

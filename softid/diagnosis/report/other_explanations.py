@@ -19,8 +19,8 @@ from softid.diagnosis.verdict.equivalence import UNLISTED
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 
-UNLISTED_LAW = "unlisted-law"
-"""Code of the remark that a law in no catalogue accounts for a misfit."""
+UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
+"""Codes of the remark that a law in no catalogue accounts for a misfit, or for most of it."""
 
 MOST_LAWS = 3
 """A sentence names no more of them."""
@@ -39,10 +39,12 @@ class OtherExplanations:
     request: Request
     _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
     _laws: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
-    _differences: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
 
     def events(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
-        """What happened at a moment, or for a while; nothing where a law explains it.
+        """What differs from log to log, or happened at a moment or for a while.
+
+        What one law explains, or one number for each log, needs no event: a gain that is another
+        one in a whole log would pass for one that changed near its beginning.
 
         Parameters
         ----------
@@ -52,12 +54,17 @@ class OtherExplanations:
             The base fit to them.
         """
         if base not in self._events:
-            candidate = base.candidate
-            found = change_issues(candidate, excess_of(candidate, base.scale))
-            if not (found or self.laws(base)):
-                found = spell_issues(recordings, self._of(base), base)
-            self._events[base] = found
+            self._events[base] = self._look_for_events(recordings, base)
         return self._events[base]
+
+    def _look_for_events(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
+        candidate, request = base.candidate, self._of(base)
+        excess = excess_of(candidate, base.scale)
+        found = difference_issues(recordings, request, base)
+        found = found or change_issues(candidate, excess, alone=True)
+        if found or self.laws(base):
+            return found
+        return spell_issues(recordings, request, base) or change_issues(candidate, excess)
 
     def laws(self, base: BaseFit) -> tuple[Issue, ...]:
         """A law in no catalogue; nothing where none accounts for the misfit.
@@ -84,19 +91,14 @@ class OtherExplanations:
         return found is not None and found.outdoes(cause)
 
     def all(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
-        """Any of these, or what differs from log to log.
+        """Any of these, or a law in no catalogue.
 
         Parameters
         ----------
         recordings, base
             As in `events`.
         """
-        found = self.events(recordings, base) or self.laws(base)
-        if found:
-            return found
-        if base not in self._differences:
-            self._differences[base] = difference_issues(recordings, self._of(base), base)
-        return self._differences[base]
+        return self.events(recordings, base) or self.laws(base)
 
     def _beyond(self, base: BaseFit) -> BeyondCatalogue | None:
         if base not in self._laws:
@@ -154,13 +156,24 @@ def unlisted_issue(found: BeyondCatalogue) -> Issue:
     found
         The laws.
     """
-    told = listed([UNLISTED[law.name] for law in found.laws[:MOST_LAWS]], last=" or ")
+    first, *others = [UNLISTED[law.name] for law in found.laws[:MOST_LAWS]]
+    told = listed([f"{first}{_size_of(found)}", *others], last=" or ")
     held = percent(found.held_out_share)
     return Issue(
-        UNLISTED_LAW,
+        UNLISTED_LAW if found.is_whole else LIKE_UNLISTED_LAW,
         "info",
         f"what is missing behaves like a law in no catalogue, {told}, which takes away "
         f"{percent(found.share)} of the misfit above the noise, and {held} of it on what is held "
         "out",
         f"record {found.laws[0].shown_by}, where it would show",
     )
+
+
+def _size_of(found: BeyondCatalogue) -> str:
+    """The size of the first law, where it has a single one."""
+    if len(found.sizes) != 1:
+        return ""
+    ((value, unit),) = found.sizes
+    if unit == "1":
+        return f" ({100.0 * value:.2g} % of the range)"
+    return f" ({value:.3g} {unit})"

@@ -14,7 +14,7 @@ from softid.diagnosis.report.changes import (
 )
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
-from softid.diagnosis.report.other_explanations import UNLISTED_LAW
+from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW, UNLISTED_LAW
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLES,
@@ -94,7 +94,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         evidence=found.evidence,
         next_experiment=following,
         gain_ci95=found.gain_ci95,
-        marks=[issue.message for issue in found.issues if issue.code in CODES],
+        marks=[i.message for i in found.issues if i.code in (*CODES, LIKE_UNLISTED_LAW)],
         refused=[i.message for i in found.issues if i.code in (REFUSED, UNSURE)],
         changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
         held_out_changes=[i.message for i in found.issues if i.code == HELD_OUT_CHANGE],
@@ -162,10 +162,10 @@ def summarise(
     if verdict is Verdict.ADEQUATE:
         told += [sentence(negligible)] if negligible else _adequate(teller, remainder, refused)
     elif verdict is Verdict.UNKNOWN:
-        told.append(what_is_unknown(remainder))
         if changes:
             told += [sentence(change) for change in changes]
         else:
+            told.append(what_is_unknown(remainder))
             told += _unknown(teller, descriptive or causes, alternatives, remainder)
         told += [sentence(change) for change in held_out_changes]
     else:

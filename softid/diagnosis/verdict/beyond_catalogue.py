@@ -16,6 +16,7 @@ from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.forward_selection import INDISTINCT
 from softid.diagnosis.verdict.replacements import refitted_with
 from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS
+from softid.effects import belongs_to
 from softid.effects.base import Effect
 
 NEARLY, TAKES = 0.5, 0.9
@@ -24,9 +25,9 @@ NEARLY, TAKES = 0.5, 0.9
 CARRIES = 0.8
 """And so much of it on what is held out."""
 
-WHOLE, CLEARLY = 0.95, 0.9
-"""It outdoes a cause when it takes so much on both, and leaves less than this share of what the
-cause does."""
+WHOLE, CLEARLY = 0.96, 0.9
+"""It is all that is missing when it takes so much on both, and outdoes a cause when it leaves less
+than this share of what the cause does."""
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,20 @@ class BeyondCatalogue:
         held out.
     squares
         Weighted sum of squares that the best leaves.
+    sizes
+        Values and units of the parameters of the best.
     """
 
     laws: tuple[Effect, ...]
     share: float
     held_out_share: float
     squares: float
+    sizes: tuple[tuple[float, str], ...] = ()
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether next to nothing is left for anything else."""
+        return min(self.share, self.held_out_share) > WHOLE
 
     def outdoes(self, cause: Candidate) -> bool:
         """Whether the best explains so much that no second cause need be looked for.
@@ -57,8 +66,7 @@ class BeyondCatalogue:
         cause
             The base with the best cause of the catalogue.
         """
-        whole = min(self.share, self.held_out_share) > WHOLE
-        return whole and self.squares < CLEARLY * cause.squares
+        return self.is_whole and self.squares < CLEARLY * cause.squares
 
 
 def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
@@ -89,7 +97,10 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     best = carried[0]
     laws = tuple(one.effects[-1] for one in carried)
     share = min(_share(known, best, left), 1.0)
-    return BeyondCatalogue(laws, share, _held(base, best, noise), best.squares)
+    declared, values = best.problem.parameters, best.parameters
+    own = [name for name in declared.names if belongs_to(laws[0], name)]
+    sizes = tuple((values[name], declared[name].unit) for name in own)
+    return BeyondCatalogue(laws, share, _held(base, best, noise), best.squares, sizes)
 
 
 def _share(known: Candidate, other: Candidate, noise: float) -> float:

@@ -132,6 +132,7 @@ class DampingDrift(ConstantRate, StateEffect):
     meaning: ClassVar[str] = "A passage clogs or widens, a lubricant warms up."
     signature: ClassVar[str] = "The residual after a step grows or shrinks with time."
     remedy: ClassVar[str] = "repeat the first steps at the end"
+    shown_by: ClassVar[str] = "the same steps at the beginning and at the end"
 
     def largest(self, scale: Scale) -> tuple[float, str]:
         """All of it within the log."""

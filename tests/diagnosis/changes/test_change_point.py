@@ -120,6 +120,15 @@ def test_what_goes_on_throughout_begins_at_no_moment(name: str) -> None:
     assert change_point(base, excess(base)) is None
 
 
+def test_a_change_in_no_known_way_is_told_if_nothing_else_is() -> None:
+    """A zero and a gain that jump at once are neither alone."""
+    both = ADDED["zero"] + 2.0 * ADDED["gain"]
+    base = fitted(linear_log(noise=NOISE, samples=N, added=both))
+    (mark,) = change_issues(base, excess(base))
+    assert "in more than one way" in mark.message
+    assert change_issues(base, excess(base), alone=True) == ()
+
+
 @pytest.mark.parametrize("kind", ADDED)
 def test_what_is_held_out_begins_to_differ_at_a_moment(kind: str) -> None:
     """Known truth: the fitted log is whole, and the other jumps at its own moment."""
@@ -147,6 +156,8 @@ def test_another_actuator_differs_at_no_moment() -> None:
     (mark,) = held_out_change_issues(base, left, HeldOutLogs((judge,)), sizes(base), is_sure=True)
     judged = HeldOutLogs((judge,))
     assert held_out_change_issues(base, left, judged, sizes(base), is_sure=False) == ()
+    loud = replace(left, structured=True)  # the model is right on none of the logs
+    assert held_out_change_issues(base, loud, judged, sizes(base), is_sure=True) == ()
     assert mark.code == HELD_OUT_CHANGE
     assert "the gain of the reading changes by -50.0 % in linear-7" in mark.message
 

@@ -52,7 +52,7 @@ def fit(log: Log) -> Candidate:
 
 @pytest.mark.parametrize(
     "spans",
-    [((12.0, 17.0),), ((25.0, 41.0),), ((-1.0, 14.0),), ((8.0, 11.0), (27.0, 31.0))],
+    [((12.0, 17.0),), ((25.0, 41.0),), ((8.0, 11.0), (27.0, 31.0))],
     ids=str,
 )
 def test_the_spells_are_found(spans: tuple[tuple[float, float], ...]) -> None:
@@ -77,6 +77,11 @@ THROUGHOUT = {
 def test_what_goes_on_throughout_is_in_no_spell(name: str) -> None:
     log = log_of(linear_angle(TIME_S, pressure()) + THROUGHOUT[name])
     assert spells_of(log, fit, NOISE**2) is None
+
+
+def test_what_begins_with_the_log_is_no_spell() -> None:
+    """It may as well be something that relaxes."""
+    assert spells_of(log_of(changed((-1.0, 14.0))), fit, NOISE**2) is None
 
 
 def test_a_model_that_follows_nothing_has_no_spells() -> None:
@@ -132,3 +137,15 @@ def test_a_diagnosis_tells_the_spell_in_place_of_descriptions() -> None:
 def test_clean_logs_have_none() -> None:
     log = linear_log(noise=NOISE, samples=N)
     assert spells_of(log, fit, NOISE**2) is None
+
+
+@pytest.mark.parametrize("swings", [False, True])
+def test_what_another_log_has_throughout_is_no_event(swings: bool) -> None:
+    """A spell in one log is told while the other follows the model, and not beside a swing."""
+    one = log_of(changed((12.0, 17.0)))
+    swing = 0.1 * np.sin(0.8 * TIME_S) if swings else np.zeros(N)
+    other = log_of(linear_angle(TIME_S, pressure()) + swing, seed=1)
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    recordings = Recordings(LogSet((one, other)), ())
+    base = request.fit_base(recordings.logs, (), thorough=False)
+    assert len(spell_issues(recordings, request, base)) == (0 if swings else 1)

@@ -1,0 +1,101 @@
+"""What explains a misfit that no cause does, and in which order it is asked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from softid.diagnosis.report import other_explanations
+from softid.diagnosis.report.other_explanations import (
+    LIKE_UNLISTED_LAW,
+    UNLISTED_LAW,
+    OtherExplanations,
+    unlisted_issue,
+)
+from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue
+from softid.diagnosis.verdict.unlisted_laws import EarlyReading, InputPlay, OutputPlay
+from softid.errors import Issue
+
+
+class Base:
+    """What no explanation here looks at."""
+
+    candidate = scale = None
+
+
+DIFFERS, JUMPS, SPELL, MIXED = (Issue(name, "warning", name) for name in "abcd")
+LAW = BeyondCatalogue((OutputPlay(),), 0.99, 0.98, 1.0, ((0.03, "1"),))
+
+
+@pytest.mark.parametrize(
+    ("answers", "events", "everything"),
+    [
+        ({"difference", "change", "law", "spell"}, [DIFFERS], [DIFFERS.code]),
+        ({"change", "law", "spell"}, [JUMPS], [JUMPS.code]),
+        ({"law", "spell", "mixed"}, [], [UNLISTED_LAW]),
+        ({"spell", "mixed"}, [SPELL], [SPELL.code]),
+        ({"mixed"}, [MIXED], [MIXED.code]),
+        (set(), [], []),
+    ],
+)
+def test_the_order_in_which_they_are_asked(
+    answers: set[str],
+    events: list[Issue],
+    everything: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One number for each log, one moment, one law, then what needs more; each is asked once."""
+    asked: list[str] = []
+
+    def told(name: str, issue: Issue) -> tuple[Issue, ...]:
+        asked.append(name)
+        return (issue,) if name in answers else ()
+
+    def change(model: Any, excess: float, *, alone: bool = False) -> tuple[Issue, ...]:
+        return told("change", JUMPS) if alone else told("mixed", MIXED)
+
+    def law(base: Any, noise: float) -> BeyondCatalogue | None:
+        return LAW if told("law", MIXED) else None
+
+    monkeypatch.setattr(
+        other_explanations, "difference_issues", lambda *a: told("difference", DIFFERS)
+    )
+    monkeypatch.setattr(other_explanations, "change_issues", change)
+    monkeypatch.setattr(other_explanations, "spell_issues", lambda *a: told("spell", SPELL))
+    monkeypatch.setattr(other_explanations, "beyond_catalogue", law)
+    monkeypatch.setattr(other_explanations, "excess_of", lambda *a: 1.0)
+    monkeypatch.setattr(other_explanations, "noise_variance", lambda *a: 1.0)
+    request: Any = None
+    base: Any = Base()
+    others = OtherExplanations(request)
+    monkeypatch.setattr(OtherExplanations, "_of", lambda self, base: None)
+    logs: Any = None
+    for _ in range(2):
+        assert list(others.events(logs, base)) == events
+        assert [issue.code for issue in others.all(logs, base)] == everything
+    assert len(asked) == len(set(asked))
+
+
+@pytest.mark.parametrize(
+    ("found", "code", "told"),
+    [
+        (LAW, UNLISTED_LAW, "sensor (3 % of the range), which takes away 99 %"),
+        (
+            BeyondCatalogue((EarlyReading(), InputPlay()), 0.93, 0.9, 1.0, ((0.0498, "s"),)),
+            LIKE_UNLISTED_LAW,
+            "late (0.0498 s) or play of the valve",
+        ),
+        (
+            BeyondCatalogue((OutputPlay(),), 0.99, 0.9, 1.0, ((0.1, "1"), (0.2, "1"))),
+            LIKE_UNLISTED_LAW,
+            "sensor, which takes",
+        ),
+    ],
+)
+def test_a_law_is_told_with_its_size(found: BeyondCatalogue, code: str, told: str) -> None:
+    """That of the best one, where it has a single one."""
+    issue = unlisted_issue(found)
+    assert issue.code == code
+    assert told in issue.message
+    assert found.laws[0].shown_by in (issue.remedy or "")
