@@ -141,7 +141,7 @@ def change_issues(model: Candidate, excess: float, *, alone: bool = False) -> tu
         Issue(
             CHANGE_POINT,
             "warning",
-            f"the misfit of {problem.outputs[0]} begins at {found.time_s:.3g} s of {log}: "
+            f"the misfit of {problem.outputs[0]} begins at {found.time_s:.1f} s of {log}: "
             f"{CHANGES[found.kind]}, which takes away {percent(min(found.share, 1.0))} of it",
             LOOK_THEN,
         ),
@@ -195,10 +195,12 @@ def spell_issues(recordings: Recordings, request: Request, base: BaseFit) -> tup
 
 
 def _is_followed(log: Log, fit: Callable[[Log], Candidate], noise: float) -> bool:
-    """Whether a model that is fitted to a log alone leaves noise."""
-    alone = fit(log)
-    left = squares_of(alone.problem, alone.minimum.point)
-    return left < QUIET * noise * alone.problem.n_samples / len(alone.problem.outputs)
+    """Whether a model that is fitted to a log alone leaves noise, or there is nothing to fit."""
+    with suppress(IdentificationError, InputError):
+        alone = fit(log)
+        left = squares_of(alone.problem, alone.minimum.point)
+        return left < QUIET * noise * alone.problem.n_samples / len(alone.problem.outputs)
+    return True
 
 
 def _when(spells: Spells, log: Log) -> str:
@@ -206,7 +208,7 @@ def _when(spells: Spells, log: Log) -> str:
     last = float(log.time_s[-1])
     return listed(
         [
-            f"{begin:.3g} s to the end" if end >= last else f"{begin:.3g} to {end:.3g} s"
+            f"{begin:.1f} s to the end" if end >= last else f"{begin:.1f} to {end:.1f} s"
             for begin, end in spells.spans_s
         ]
     )

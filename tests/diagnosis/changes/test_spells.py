@@ -149,3 +149,16 @@ def test_what_another_log_has_throughout_is_no_event(swings: bool) -> None:
     recordings = Recordings(LogSet((one, other)), ())
     base = request.fit_base(recordings.logs, (), thorough=False)
     assert len(spell_issues(recordings, request, base)) == (0 if swings else 1)
+
+
+def test_a_log_with_nothing_to_fit_is_in_nobodys_way() -> None:
+    """Two seconds at rest beside the log with the spell."""
+    one = log_of(changed((12.0, 17.0)))
+    noise = NOISE * np.random.default_rng(2).standard_normal(100)
+    resting = {"pressure": np.zeros(100), "angle": noise}
+    other = Log.from_arrays(TIME_S[:100], resting, name="resting")
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    recordings = Recordings(LogSet((one, other)), ())
+    base = request.fit_base(LogSet((one,)), (), thorough=False)
+    (issue,) = spell_issues(recordings, request, base)
+    assert "of log-0" in issue.message
