@@ -153,10 +153,8 @@ def diagnose(
     request = Request(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     recordings, base, count = _prepared(recordings, request)
     request, base = reduced_if_better(recordings, request, base)
-    search, others = (
-        CauseSearch(base, effects_of(effects), seed, report),
-        OtherExplanations(request),
-    )
+    search = CauseSearch(base, effects_of(effects), seed, report)
+    others = OtherExplanations(request)
     if is_in_doubt:
         found, search = _search_with_intersample(recordings, request, search, others)
     else:

@@ -24,7 +24,7 @@ GROWN = 1.2
 """So much more force makes the bounds worth moving."""
 
 RELEASED = 30
-"""Evaluations from there."""
+"""Evaluations from a start away from the bounds."""
 
 NEAR = 1e-3
 """Distance from a bound, as a share of the way between both, that is at it."""

@@ -71,11 +71,11 @@ LOOK_THEN = (
 MOST_KINDS = 3
 """A sentence names no more of them."""
 
-ALIKE = 0.6
+SAME_RANGE = 0.6
 """Logs are held against each other whose inputs have so much of their common range in common: what
 differs from level to level is the model, not the log."""
 
-QUIET = 2.0
+FOLLOWED = 2.0
 """A log is followed where no more than so many times the noise of all logs is left."""
 
 REFERENCES = 3
@@ -199,7 +199,7 @@ def _is_followed(log: Log, fit: Callable[[Log], Candidate], noise: float) -> boo
     with suppress(IdentificationError, InputError):
         alone = fit(log)
         left = squares_of(alone.problem, alone.minimum.point)
-        return left < QUIET * noise * alone.problem.n_samples / len(alone.problem.outputs)
+        return left < FOLLOWED * noise * alone.problem.n_samples / len(alone.problem.outputs)
     return True
 
 
@@ -289,7 +289,7 @@ def _are_alike(known: Sequence[Log], others: Sequence[Log]) -> bool:
     low, high = span_of(known)
     for begin, end in (span_of([log]) for log in others):
         common = min(high, end) - max(low, begin)
-        if common < ALIKE * (max(high, end) - min(low, begin)):
+        if common < SAME_RANGE * (max(high, end) - min(low, begin)):
             return False
     return True
 
