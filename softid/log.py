@@ -191,6 +191,10 @@ class Log:
 
     def segments(self) -> tuple[Segment, ...]:
         """Stretches between stalls, in order; single samples between two stalls are dropped."""
+        return self._segments
+
+    @cached_property
+    def _segments(self) -> tuple[Segment, ...]:
         breaks = np.flatnonzero(np.diff(self.time_s) > self.stall_s) + 1
         edges = [0, *breaks.tolist(), len(self)]
         spans = [(a, b) for a, b in pairwise(edges) if b - a >= 2]

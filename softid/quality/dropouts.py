@@ -84,7 +84,7 @@ def find_dropouts(trace: Trace) -> tuple[Dropout, ...]:
 def may_drop_out(values: Array) -> bool:
     """Whether `find_dropouts` can find anything in a channel that is measured, however it is read.
 
-    It needs no more than the range and the excursions, whatever the noise, the quantisation and the
+    It needs no more than the range and the moves, whatever the noise, the quantisation and the
     holds are, which take ten times as long to find.
 
     Parameters
@@ -97,8 +97,7 @@ def may_drop_out(values: Array) -> bool:
     runs = Runs.of(values)
     if runs.start.size < MIN_DISTINCT:
         return False
-    low, high = np.quantile(values, BULK)
-    return bool(_depth(runs).max() > SPIKE_OF_RANGE * float(high - low))
+    return _far_off(values, runs).size > 0
 
 
 def _depth(runs: Runs) -> Array:
@@ -138,25 +137,17 @@ def _dropout(
 
 
 def _excursions(trace: Trace, runs: Runs) -> list[Dropout]:
-    before = runs.value[1:-1] - runs.value[:-2]
-    after = runs.value[1:-1] - runs.value[2:]
-    depth = _depth(runs)
-    low, high = np.quantile(trace.values[np.isfinite(trace.values)], BULK)
-    threshold = max(
-        SPIKE_OVER_USUAL * float(np.quantile(depth, USUAL_DEPTH)),
-        SPIKE_OF_RANGE * float(high - low),
-        SPIKE_STEPS * trace.step,
-    )
-    nearby = _moves_nearby(runs.value)
-    returns = np.abs(before - after) <= RETURNS_WITHIN * depth
+    far = _far_off(trace.values[np.isfinite(trace.values)], runs)
+    if not far.size:
+        return []
     limit_s = LONGEST_STEP_BACK * max(
         float(np.median(np.diff(trace.time_s))), trace.hold.hold_s if trace.hold else 0
     )
-    near = (trace.time_s[runs.start[1:-1]] - trace.time_s[runs.start[1:-1] - 1] <= limit_s) & (
-        trace.time_s[runs.stop[1:-1]] - trace.time_s[runs.stop[1:-1] - 1] <= limit_s
+    first, last = runs.start[far], runs.stop[far]
+    near = (trace.time_s[first] - trace.time_s[first - 1] <= limit_s) & (
+        trace.time_s[last] - trace.time_s[last - 1] <= limit_s
     )
-    deep = (depth > threshold) & (depth > SPIKE_OVER_USUAL * nearby)
-    candidates = np.flatnonzero(deep & returns & near) + 1
+    candidates = far[near & (_depth(runs)[far - 1] > SPIKE_STEPS * trace.step)]
     found = []
     for k in candidates:
         cause = _cause(trace, runs, int(k), candidates)
@@ -169,13 +160,29 @@ def _excursions(trace: Trace, runs: Runs) -> list[Dropout]:
     return found
 
 
-def _moves_nearby(values: Array) -> Array:
-    """Median size of the moves near each inner run, its own two left out, shape (r − 2,)."""
+def _far_off(values: Array, runs: Runs) -> IntArray:
+    """Inner runs that lie further off neighbours which agree than is usual, here and everywhere.
+
+    Those that lie near enough by the channel's bulk are left out before others are looked at, for
+    hardly any is left then.
+    """
+    depth = _depth(runs)
+    low, high = np.quantile(values, BULK)
+    usual = float(np.quantile(depth, USUAL_DEPTH))
+    deep = depth > max(SPIKE_OVER_USUAL * usual, SPIKE_OF_RANGE * float(high - low))
+    far = np.flatnonzero(deep) + 1
+    depth, value = depth[far - 1], runs.value
+    returns = np.abs(value[far + 1] - value[far - 1]) <= RETURNS_WITHIN * depth
+    clear = depth > SPIKE_OVER_USUAL * _moves_nearby(value, far)
+    return far[returns & clear]
+
+
+def _moves_nearby(values: Array, at: IntArray) -> Array:
+    """Median size of the moves near some of the runs, their own two left out, shape of ``at``."""
     moves = np.abs(np.diff(values))
     padded = np.pad(moves, NEARBY, mode="reflect")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEARBY)[1:-1]
-    others = np.delete(windows, [NEARBY - 1, NEARBY], axis=1)
-    nearby: Array = np.median(others, axis=1)
+    around = np.delete(np.arange(2 * NEARBY), [NEARBY - 1, NEARBY])
+    nearby: Array = np.median(padded[at[:, None] + around], axis=1)
     return nearby
 
 
