@@ -18,7 +18,7 @@ BETTER_BASE = 0.98
 class Explanations(Protocol):
     """What else explains a misfit than a cause."""
 
-    def all(self, recordings: Recordings, base: BaseFit) -> Sequence[object]:
+    def all(self, base: BaseFit) -> Sequence[object]:
         """Other explanations of what a base leaves; nothing where there is none."""
 
     def outdo(self, base: BaseFit, cause: Candidate) -> bool:
@@ -63,7 +63,7 @@ def search_causes(
     alone = search.without_causes()
     if alone is not None and alone.remainder.open_jumps > 0:
         return alone, search
-    if others.all(recordings, search.base):
+    if others.all(search.base):
         return found, search
     again = request.fit_base(recordings.logs, recordings.hold_out, thorough=True)
     if again.candidate.squares < BETTER_BASE * search.base.candidate.squares:

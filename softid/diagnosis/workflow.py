@@ -154,7 +154,7 @@ def diagnose(
     recordings, base, count = _prepared(recordings, request)
     request, base = reduced_if_better(recordings, request, base)
     search = CauseSearch(base, effects_of(effects), seed, report)
-    others = OtherExplanations(request)
+    others = OtherExplanations()
     if is_in_doubt:
         found, search = _search_with_intersample(recordings, request, search, others)
     else:
@@ -162,7 +162,7 @@ def diagnose(
     report("computing errors", 0.9)
     answer, base = _surest_answer(search, found), search.base
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
-    answer = with_other_explanations(answer, recordings, base, others)
+    answer = with_other_explanations(answer, base, others)
     issues = (
         *negligible_issues(base),
         *restriction_issues(effects),

@@ -35,7 +35,7 @@ def test_a_moment_outweighs_causes_that_leave_more_than_noise(
     found, told_else = diagnosis(verdict), (MOMENT,) if begins else ()
     others: Any = SimpleNamespace(events=lambda *args: told_else, all=lambda *args: told_else)
     nothing: Any = None
-    answer = with_other_explanations(found, nothing, nothing, others)
+    answer = with_other_explanations(found, nothing, others)
     assert answer.verdict is told
     is_withheld = told is Verdict.UNKNOWN
     assert len(answer.descriptive) == len((*found.causes, *found.descriptive)) or not is_withheld
@@ -61,7 +61,7 @@ def test_what_is_held_out_differs_and_the_rest_is_asked_where_it_leaves_somethin
 
     others: Any = SimpleNamespace(events=noted("events"), all=noted("all"))
     nothing: Any = None
-    answer = with_other_explanations(found, nothing, nothing, others)
+    answer = with_other_explanations(found, nothing, others)
     assert met == asked
     assert answer.next_experiment == held.remedy
 

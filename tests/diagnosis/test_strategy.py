@@ -56,7 +56,7 @@ def test_other_searches_follow_one_that_came_to_nothing(
     monkeypatch.setattr(CauseSearch, "search_from_other_causes", lambda self, known: None)
     request: Any = SimpleNamespace(fit_base=lambda *args, thorough: base_fit(again))
     recordings: Any = SimpleNamespace(logs=(), hold_out=())
-    others: Any = SimpleNamespace(all=lambda recordings, base: (), outdo=lambda base, cause: False)
+    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
     monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
     answer, search = search_causes(recordings, request, search_over(), others)
     answers_by_name = {"first": first, "alone": alone, "again": better, "other": other}
@@ -74,7 +74,7 @@ def test_no_other_search_follows_where_the_misfit_is_explained(
     monkeypatch.setattr(CauseSearch, "without_causes", lambda self: None)
     asked: list[float] = []
 
-    def explained(recordings: object, base: Any) -> tuple[str, ...]:
+    def explained(base: Any) -> tuple[str, ...]:
         asked.append(base.candidate.squares)
         return ("a load that slipped",)
 

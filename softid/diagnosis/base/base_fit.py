@@ -10,7 +10,7 @@ import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, hold_out_blocks
+from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs, hold_out_blocks
 from softid.effects.base import Scale
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.levenberg_marquardt import Minimum, Normal
@@ -128,6 +128,12 @@ class BaseFit:
     def asked_for(self) -> BaseFit:
         """The fit that a user compares with."""
         return self.instead_of or self
+
+    @property
+    def whole_logs(self) -> tuple[Log, ...]:
+        """The fitted logs, with the blocks that are held out of them."""
+        logs = self.candidate.problem.logs
+        return self.held_out.put_back(logs) if isinstance(self.held_out, HeldOutBlocks) else logs
 
     @property
     def is_negligible(self) -> bool:

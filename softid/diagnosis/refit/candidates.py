@@ -12,12 +12,14 @@ import numpy.typing as npt
 from softid.diagnosis.refit.whitening import Whitener
 from softid.effects import ExtendedModel, divided, extended_name
 from softid.effects.base import Effect, Scale
+from softid.errors import IdentificationError
 from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
 from softid.fitters.objective import Objective, Prior
 from softid.fitters.problem import Problem
 from softid.segment import Segment
 
 if TYPE_CHECKING:
+    from softid.log import Log
     from softid.models.division import Division
     from softid.models.second_order import Law
 
@@ -262,6 +264,35 @@ def begun(known: Candidate, effects: Sequence[Effect], problem: Problem, z: Arra
     prior = prior_about(problem, z, known.problem.free, variance)
     placed = standing_at(z, known.minimum, prior, known.squares)
     return Candidate(tuple(effects), problem, placed, prior)
+
+
+def refitted(
+    known: Candidate, sigma: Mapping[str, float], logs: Sequence[Log], evaluations: int
+) -> Candidate:
+    """A model refitted to other logs, from where it stands.
+
+    Parameters
+    ----------
+    known
+        The model; its parameters are where the refit begins, zeros and states come from the logs.
+    sigma, evaluations
+        As in `advance`.
+    logs
+        What it is fitted to.
+
+    Raises
+    ------
+    IdentificationError
+        The logs have no more samples than there are unknowns.
+    """
+    problem = Problem(known.problem.model, known.problem.parameters, logs)
+    if problem.n_samples <= problem.size:
+        raise IdentificationError(
+            f"{problem.n_samples} samples cannot tell {problem.size} unknowns",
+            where=", ".join(log.place for log in logs),
+        )
+    z = problem.unknowns(known.parameters)
+    return advance(begun(known, known.effects, problem, z), sigma, evaluations)
 
 
 def advance(

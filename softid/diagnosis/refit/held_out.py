@@ -207,6 +207,21 @@ class HeldOutBlocks(HeldOut):
     whole: tuple[Log, ...]
     blocks: tuple[BoolArray, ...]
 
+    def put_back(self, logs: Sequence[Log]) -> tuple[Log, ...]:
+        """The fitted logs with what is held out of them.
+
+        Parameters
+        ----------
+        logs
+            The logs as they are fitted, in the order of ``whole``.
+        """
+        found = []
+        for log, whole, held in zip(logs, self.whole, self.blocks, strict=True):
+            before = np.zeros(len(log), bool) if whole.masked is None else whole.masked
+            now = before if log.masked is None else np.where(held, before, log.masked)
+            found.append(replace(log, masked=now))
+        return tuple(found)
+
     def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
         """From the initial states of the fit: without the mask another start may count as rest.
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.changes.log_differences import (
     ZERO,
@@ -17,14 +17,14 @@ from softid.diagnosis.changes.log_differences import (
     squares_of,
 )
 from softid.diagnosis.changes.spells import Spells, spells_of
-from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.candidates import Candidate, refitted
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis_results import Remainder
 from softid.effects.base import Scale
 from softid.errors import IdentificationError, InputError, Issue
-from softid.log import Log, LogSet
+from softid.log import Log
 
 CHANGE_POINT = "change-point"
 """Code of the remark that a misfit begins at one moment."""
@@ -77,6 +77,9 @@ differs from level to level is the model, not the log."""
 
 FOLLOWED = 2.0
 """A log is followed where no more than so many times the noise of all logs is left."""
+
+REFIT_EVALUATIONS = 40
+"""Simulations with derivatives of a refit to a part of what the base was fitted to."""
 
 REFERENCES = 3
 """Logs that are tried as the one which the others are compared with."""
@@ -148,26 +151,22 @@ def change_issues(model: Candidate, excess: float, *, alone: bool = False) -> tu
     )
 
 
-def spell_issues(recordings: Recordings, request: Request, base: BaseFit) -> tuple[Issue, ...]:
+def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
     """The spells to which the misfit of a fitted log is confined; nothing where it is not.
 
     Parameters
     ----------
-    recordings
-        The logs.
-    request
-        What the user asked for.
     base
-        The base fit to these logs.
+        The base fit to the logs.
     """
     problem = base.candidate.problem
     first, noise = problem.outputs[0], noise_variance(base.candidate, base.scale)
 
     def fit(log: Log) -> Candidate:
-        return request.fit_base(LogSet((log,)), recordings.hold_out, thorough=False).candidate
+        return refitted(base.candidate, base.sigma, [log], REFIT_EVALUATIONS)
 
     found = []
-    for log in recordings.logs.logs:
+    for log in base.whole_logs:
         spells = spells_of(log, fit, noise)
         if spells is None:
             if not _is_followed(log, fit, noise):
@@ -227,19 +226,16 @@ def _as_if(change: LogDifferences | None) -> str:
     )
 
 
-def difference_issues(recordings: Recordings, request: Request, base: BaseFit) -> tuple[Issue, ...]:
+def difference_issues(base: BaseFit) -> tuple[Issue, ...]:
     """What differs from one fitted log to another; nothing where that is not the misfit.
 
     Parameters
     ----------
-    recordings
-        The logs.
-    request
-        What the user asked for.
     base
-        The base fit to these logs.
+        The base fit to the logs.
     """
-    logs, candidate = recordings.logs.logs, base.candidate
+    candidate = base.candidate
+    logs = base.whole_logs
     if len(logs) < 2 or not _are_alike(logs[:1], logs[1:]):
         return ()
     before = squares_of(candidate.problem, candidate.minimum.point)
@@ -248,11 +244,9 @@ def difference_issues(recordings: Recordings, request: Request, base: BaseFit) -
     for k, reference in enumerate(logs[:REFERENCES]):
         others = (*logs[:k], *logs[k + 1 :])
         with suppress(IdentificationError, InputError):  # one log may be too short, or at rest
-            alone = request.fit_base(LogSet((reference,)), recordings.hold_out, thorough=False)
-            own = squares_of(alone.candidate.problem, alone.candidate.minimum.point)
-            found = log_differences(
-                alone.candidate, alone.scale, others, before=before, noise=noise, own=own
-            )
+            alone = refitted(candidate, base.sigma, [reference], REFIT_EVALUATIONS)
+            own = squares_of(alone.problem, alone.minimum.point)
+            found = log_differences(alone, base.scale, others, before=before, noise=noise, own=own)
             told = _told(found, others, candidate.problem.outputs[0], reference.name)
             if told is not None:
                 return (told,)

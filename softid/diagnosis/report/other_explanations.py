@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.changes import (
     HELD_OUT_CHANGE,
@@ -28,19 +28,12 @@ MOST_LAWS = 3
 
 @dataclass(frozen=True, eq=False)
 class OtherExplanations:
-    """Explanations of what a base leaves that are no causes; each base is looked at once.
+    """Explanations of what a base leaves that are no causes; each base is looked at once."""
 
-    Attributes
-    ----------
-    request
-        What the user asked for.
-    """
-
-    request: Request
     _events: dict[BaseFit, tuple[Issue, ...]] = field(default_factory=dict, repr=False)
     _laws: dict[BaseFit, BeyondCatalogue | None] = field(default_factory=dict, repr=False)
 
-    def events(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
+    def events(self, base: BaseFit) -> tuple[Issue, ...]:
         """What differs from log to log, or happened at a moment or for a while.
 
         What one law explains, or one number for each log, needs no event: a gain that is another
@@ -48,23 +41,21 @@ class OtherExplanations:
 
         Parameters
         ----------
-        recordings
-            The logs.
         base
-            The base fit to them.
+            The base fit.
         """
         if base not in self._events:
-            self._events[base] = self._look_for_events(recordings, base)
+            self._events[base] = self._look_for_events(base)
         return self._events[base]
 
-    def _look_for_events(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
-        candidate, request = base.candidate, self._of(base)
+    def _look_for_events(self, base: BaseFit) -> tuple[Issue, ...]:
+        candidate = base.candidate
         excess = excess_of(candidate, base.scale)
-        found = difference_issues(recordings, request, base)
+        found = difference_issues(base)
         found = found or change_issues(candidate, excess, alone=True)
         if found or self.laws(base):
             return found
-        return spell_issues(recordings, request, base) or change_issues(candidate, excess)
+        return spell_issues(base) or change_issues(candidate, excess)
 
     def laws(self, base: BaseFit) -> tuple[Issue, ...]:
         """A law in no catalogue; nothing where none accounts for the misfit.
@@ -90,15 +81,15 @@ class OtherExplanations:
         found = self._beyond(base)
         return found is not None and found.outdoes(cause)
 
-    def all(self, recordings: Recordings, base: BaseFit) -> tuple[Issue, ...]:
+    def all(self, base: BaseFit) -> tuple[Issue, ...]:
         """Any of these, or a law in no catalogue.
 
         Parameters
         ----------
-        recordings, base
-            As in `events`.
+        base
+            The base fit.
         """
-        return self.events(recordings, base) or self.laws(base)
+        return self.events(base) or self.laws(base)
 
     def _beyond(self, base: BaseFit) -> BeyondCatalogue | None:
         if base not in self._laws:
@@ -106,14 +97,9 @@ class OtherExplanations:
             self._laws[base] = beyond_catalogue(base, noise)
         return self._laws[base]
 
-    def _of(self, base: BaseFit) -> Request:
-        """The request for fits of the same model to parts of the logs."""
-        model = base.candidate.problem.model
-        return replace(self.request, model=model, progress=lambda message, fraction: None)
-
 
 def with_other_explanations(
-    answer: Diagnosis, recordings: Recordings, base: BaseFit, others: OtherExplanations
+    answer: Diagnosis, base: BaseFit, others: OtherExplanations
 ) -> Diagnosis:
     """The diagnosis with what explains a misfit that no cause does, or does only in part.
 
@@ -123,10 +109,8 @@ def with_other_explanations(
     ----------
     answer
         The diagnosis.
-    recordings
-        The logs.
     base
-        The base fit to them.
+        The base fit to the logs.
     others
         The explanations.
     """
@@ -134,12 +118,12 @@ def with_other_explanations(
     is_unknown, leaves = answer.verdict is Verdict.UNKNOWN, answer.remainder.structured
     told: tuple[Issue, ...] = ()
     if leaves or (is_unknown and not known):
-        told = others.events(recordings, base)
+        told = others.events(base)
     if told and answer.causes:
         described = (*answer.causes, *answer.descriptive)
         answer = replace(answer, verdict=Verdict.UNKNOWN, causes=(), descriptive=described)
     elif is_unknown and (leaves or not known):
-        told = others.all(recordings, base)
+        told = others.all(base)
     following = [issue.remedy for issue in (*told, *known)]
     return replace(
         answer,

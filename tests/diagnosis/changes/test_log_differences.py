@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
-from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.changes.log_differences import LogDifferences, log_differences
 from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, advance
@@ -108,16 +108,15 @@ def test_probes_are_in_no_catalogue() -> None:
     assert not {probe.name for probe in PROBES} & set(EFFECTS)
 
 
-def base_of(*logs: Log) -> tuple[Recordings, Request, BaseFit]:
+def base_of(*logs: Log) -> BaseFit:
     request = Request("oscillator", None, 0, lambda message, fraction: None)
-    recordings = Recordings(LogSet(logs), ())
-    return recordings, request, request.fit_base(recordings.logs, (), thorough=False)
+    return request.fit_base(LogSet(logs), (), thorough=False)
 
 
 def test_the_differences_of_fitted_logs_are_told() -> None:
     """Of three logs the second has a gain 10 % larger: that log, the size and the share."""
     logs = (log_with(0), log_with(1, "gain", 0.1), log_with(2))
-    (issue,) = difference_issues(*base_of(*logs))
+    (issue,) = difference_issues(base_of(*logs))
     assert issue.code == LOG_DIFFERENCES
     told = re.search(
         r"beside log-0 .* changes by ([+-][0-9.]+) % in log-1 and ([+-][0-9.]+) % in log-2",
@@ -130,5 +129,5 @@ def test_the_differences_of_fitted_logs_are_told() -> None:
 
 def test_like_logs_do_not_differ() -> None:
     """Nor does a single one."""
-    assert difference_issues(*base_of(log_with(0), log_with(1))) == ()
-    assert difference_issues(*base_of(log_with(0))) == ()
+    assert difference_issues(base_of(log_with(0), log_with(1))) == ()
+    assert difference_issues(base_of(log_with(0))) == ()

@@ -8,7 +8,7 @@ import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.base.base_fit import Recordings, Request
+from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.changes.spells import loudest, spells_of
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.report.changes import CHANGE_POINT, spell_issues
@@ -106,9 +106,8 @@ def test_the_loudest_stretch_of_nothing_is_empty() -> None:
 
 def issues_of(log: Log) -> str:
     request = Request("oscillator", None, 0, lambda message, fraction: None)
-    recordings = Recordings(LogSet((log,)), ())
-    base = request.fit_base(recordings.logs, (), thorough=False)
-    (issue,) = spell_issues(recordings, request, base)
+    base = request.fit_base(LogSet((log,)), (), thorough=False)
+    (issue,) = spell_issues(base)
     assert issue.code == CHANGE_POINT
     return issue.message
 
@@ -146,9 +145,8 @@ def test_what_another_log_has_throughout_is_no_event(swings: bool) -> None:
     swing = 0.1 * np.sin(0.8 * TIME_S) if swings else np.zeros(N)
     other = log_of(linear_angle(TIME_S, pressure()) + swing, seed=1)
     request = Request("oscillator", None, 0, lambda message, fraction: None)
-    recordings = Recordings(LogSet((one, other)), ())
-    base = request.fit_base(recordings.logs, (), thorough=False)
-    assert len(spell_issues(recordings, request, base)) == (0 if swings else 1)
+    base = request.fit_base(LogSet((one, other)), (), thorough=False)
+    assert len(spell_issues(base)) == (0 if swings else 1)
 
 
 def test_a_log_with_nothing_to_fit_is_in_nobodys_way() -> None:
@@ -158,7 +156,6 @@ def test_a_log_with_nothing_to_fit_is_in_nobodys_way() -> None:
     resting = {"pressure": np.zeros(100), "angle": noise}
     other = Log.from_arrays(TIME_S[:100], resting, name="resting")
     request = Request("oscillator", None, 0, lambda message, fraction: None)
-    recordings = Recordings(LogSet((one, other)), ())
-    base = request.fit_base(LogSet((one,)), (), thorough=False)
-    (issue,) = spell_issues(recordings, request, base)
+    base = request.fit_base(LogSet((one, other)), (), thorough=False)
+    (issue,) = spell_issues(base)
     assert "of log-0" in issue.message

@@ -66,14 +66,11 @@ def test_the_order_in_which_they_are_asked(
     monkeypatch.setattr(other_explanations, "beyond_catalogue", law)
     monkeypatch.setattr(other_explanations, "excess_of", lambda *a: 1.0)
     monkeypatch.setattr(other_explanations, "noise_variance", lambda *a: 1.0)
-    request: Any = None
     base: Any = Base()
-    others = OtherExplanations(request)
-    monkeypatch.setattr(OtherExplanations, "_of", lambda self, base: None)
-    logs: Any = None
+    others = OtherExplanations()
     for _ in range(2):
-        assert list(others.events(logs, base)) == events
-        assert [issue.code for issue in others.all(logs, base)] == everything
+        assert list(others.events(base)) == events
+        assert [issue.code for issue in others.all(base)] == everything
     assert len(asked) == len(set(asked))
 
 
