@@ -40,6 +40,12 @@ what this costs."""
 FINE = 2
 """The same while they are compared."""
 
+EXACT = 1000
+"""The same where what is left is held against noise: as many as the law asks for."""
+
+SETTLED = 0.99
+"""A refit goes on under a lighter prior while a run leaves less than this share of the squares."""
+
 EFFECT_SD = 3.0
 """Standard deviation of the prior of an effect's parameters about their start, in logarithms: a
 start knows a size to a factor of twenty, and a time constant hardly better."""
@@ -269,12 +275,14 @@ def begun(known: Candidate, effects: Sequence[Effect], problem: Problem, z: Arra
 def refitted(
     known: Candidate, sigma: Mapping[str, float], logs: Sequence[Log], evaluations: int
 ) -> Candidate:
-    """A model refitted to other logs, from where it stands.
+    """A model refitted to other logs, from where it stands and from a guess.
+
+    A term that has vanished where it stands, on a logarithmic scale, finds no way back.
 
     Parameters
     ----------
     known
-        The model; its parameters are where the refit begins, zeros and states come from the logs.
+        The model without effects; zeros and initial states come from the logs.
     sigma, evaluations
         As in `advance`.
     logs
@@ -291,8 +299,16 @@ def refitted(
             f"{problem.n_samples} samples cannot tell {problem.size} unknowns",
             where=", ".join(log.place for log in logs),
         )
-    z = problem.unknowns(known.parameters)
-    return advance(begun(known, known.effects, problem, z), sigma, evaluations)
+    guesses = problem.model.guess(problem.plain_segments, problem.outputs[0])
+    starts = [known.parameters, *(guess.values_dict() for guess in guesses[:1])]
+    ends = []
+    for start in starts:
+        end, before = begun(known, known.effects, problem, problem.unknowns(start)), np.inf
+        while end.squares < SETTLED * before:  # the prior gets lighter as the residual does
+            before = end.squares
+            end = advance(end, sigma, evaluations, substeps=EXACT)
+        ends.append(end)
+    return min(ends, key=lambda end: end.squares)
 
 
 def advance(
