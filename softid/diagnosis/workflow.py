@@ -38,6 +38,7 @@ from softid.diagnosis.report.issues import (
     rounding_issues,
     unsure_issues,
 )
+from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
     with_other_explanations,
@@ -169,6 +170,7 @@ def diagnose(
         *averaging_issues(count),
         *rounded,
         *(permanent_set_issues(recordings.logs) if base.candidate.has_spring else ()),
+        *motion_shown_issues(base, answer),
         *jump_issues(answer.remainder, base.candidate.problem),
     )
     return write_summary(replace(answer, issues=(*answer.issues, *issues)))

@@ -15,6 +15,9 @@ from softid.log import Log
 
 Array = npt.NDArray[np.float64]
 
+RESIDUAL_SET = "residual-set"
+"""Code of the remark that the first cycle of a log leaves a set."""
+
 SAME_LEVEL = 0.05
 """Two inputs count as the same within this share of the input's span."""
 
@@ -138,7 +141,7 @@ def permanent_set_issues(logs: Iterable[Log]) -> tuple[Issue, ...]:
 def _told(log: Log, output: str, left: ResidualSet) -> Issue:
     channel, driving = log.channels[output], log.channels[log.input]
     return Issue(
-        "residual-set",
+        RESIDUAL_SET,
         "info",
         f"{log.name}: {output} begins at {_shown(channel, left.before)} and rests at "
         f"{_shown(channel, left.after)} after the first cycle, with the {log.input} back at "

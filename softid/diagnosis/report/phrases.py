@@ -130,6 +130,14 @@ def percent(value: float) -> str:
     return f"{100.0 * value:.0f} %"
 
 
+def percent_below(value: float, bound: float) -> str:
+    """A share in per cent, with a decimal where it would read like the bound that it is below."""
+    told = percent(value)
+    if value >= bound or told != percent(bound):
+        return told
+    return f"{math.floor(1000.0 * value) / 10.0:.1f} %"
+
+
 def percent_range(interval: tuple[float, float]) -> str:
     """An interval of shares in per cent."""
     return f"{100.0 * interval[0]:z.0f} to {100.0 * interval[1]:z.0f} %"
@@ -191,12 +199,12 @@ def _value(p: ParameterEstimate) -> str:
 def taken_by(remainder: Remainder) -> str:
     """How much of the misfit goes, and why that names no cause."""
     fitted, held_out = remainder.explained_share, remainder.held_out_share
-    taken = f"{percent(fitted)} of the misfit above the noise"
+    taken = f"{percent_below(fitted, EXPLAINED)} of the misfit above the noise"
     if not remainder.carries_over and (fitted > CARRIED or held_out < CARRIED * fitted):
         held = percent(held_out)
         return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
     if not carries_over_whole(remainder):
-        held, least = percent(held_out), percent(EXPLAINED)
+        held, least = percent_below(held_out, EXPLAINED), percent(EXPLAINED)
         return (
             f"{taken} on the fitted samples and {held} on those held out, which is too little for "
             f"a cause: where more than noise stays, {least} or more must go"

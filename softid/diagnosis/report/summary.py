@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
 from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_next, why_tied
 from softid.diagnosis.report.changes import (
     CHANGE_POINT,
@@ -14,6 +15,7 @@ from softid.diagnosis.report.changes import (
 )
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
+from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
 from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW, UNLISTED_LAW
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
@@ -66,6 +68,9 @@ WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW)
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
 
+WORTH_DOUBTS = 0.5
+"""What is doubtful about a description is told where it takes away so much of the misfit."""
+
 
 def write_summary(found: Diagnosis) -> Diagnosis:
     """The diagnosis with its paragraph, what to record next, and why ties are ties.
@@ -97,11 +102,19 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         marks=[i.message for i in found.issues if i.code in (*CODES, LIKE_UNLISTED_LAW)],
         refused=[i.message for i in found.issues if i.code in (REFUSED, UNSURE)],
         changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
+        seen=[i.message for i in found.issues if i.code in _seen_beside(found.verdict)],
         held_out_changes=[i.message for i in found.issues if i.code == HELD_OUT_CHANGE],
         dropped=dropped_from(found),
         negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
+
+
+def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
+    """Codes of the remarks on the logs that belong into the paragraph: a cause explains a set."""
+    if verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
+        return ONE_FREQUENCY, NEARLY_STATIC, RESIDUAL_SET
+    return (ONE_FREQUENCY,)
 
 
 def _remedy_of_disturbance(found: Diagnosis) -> str | None:
@@ -127,6 +140,7 @@ def summarise(
     refused: Sequence[str] = (),
     changes: Sequence[str] = (),
     held_out_changes: Sequence[str] = (),
+    seen: Sequence[str] = (),
     dropped: Sequence[str] = (),
     negligible: str = "",
 ) -> str:
@@ -147,6 +161,8 @@ def summarise(
         misfit then.
     held_out_changes
         How what is held out differs from them.
+    seen
+        What the logs show by themselves, without a model.
     dropped
         Parameters of the base that the extended model does without.
     negligible
@@ -158,7 +174,7 @@ def summarise(
         A few plain sentences, numbers in the units of the logs.
     """
     teller = ErrorTexts(base, gains, gain_ci95, dropped)
-    told = [teller.misfit(), given_up(dropped)]
+    told = [teller.misfit(), given_up(dropped), *(sentence(remark) for remark in seen)]
     if verdict is Verdict.ADEQUATE:
         told += [sentence(negligible)] if negligible else _adequate(teller, remainder, refused)
     elif verdict is Verdict.UNKNOWN:
@@ -220,18 +236,20 @@ def _unknown(
         names = listed([lowered(cause.title) for cause in tried])
         takes = "takes" if len(tried) == 1 else "take"
         told.append(f"The best description, {names}, {takes} away {taken_by(remainder)}.")
-        told += [part for cause in tried for part in doubts_about(cause)]
-        for tie in alternatives:
-            first, *others = tie.keys
-            told.append(
-                f"These logs do not tell {title_of(first)} from {titles_of(others, last=' or ')}."
-            )
+        if remainder.explained_share >= WORTH_DOUBTS:
+            told += [part for cause in tried for part in doubts_about(cause)]
+            told += [_not_told_apart(tie) for tie in alternatives]
     if not remainder.structured:
         left = teller.size(remainder.rms)
         looks = noise_like(remainder)
         told.append(f"What is left on the fitted samples, {left} rms, {looks}.")
         return [*told, teller.more_held_out(remainder)]
     return [*told, _left(teller, remainder)]
+
+
+def _not_told_apart(tie: Alternative) -> str:
+    first, *others = tie.keys
+    return f"These logs do not tell {title_of(first)} from {titles_of(others, last=' or ')}."
 
 
 def _partial(teller: ErrorTexts, remainder: Remainder) -> list[str]:

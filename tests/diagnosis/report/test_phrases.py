@@ -12,6 +12,7 @@ from softid.diagnosis.report.phrases import (
     PREDICTORS,
     UNLIKE_NOISE,
     doubts_about,
+    percent_below,
     taken_by,
     unsteady,
     values_of,
@@ -34,6 +35,23 @@ def test_an_interval_beyond_both_bounds_is_not_printed() -> None:
     text = values_of([open_one, replace(ratio, ci95=(-0.5, 0.5))])
     assert "b, which is not known within its bounds of 0.1 to 0.528" in text
     assert "b = 0.3 [0.1, 0.5]" in text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.9299, "92.9 %"), (0.926, "92.6 %"), (0.92, "92 %"), (0.934, "93 %")]
+)
+def test_a_share_below_a_bound_does_not_read_like_it(value: float, text: str) -> None:
+    """By hand, with a bound of 93 %."""
+    assert percent_below(value, 0.93) == text
+
+
+@pytest.mark.parametrize(("share", "are_told"), [(0.4, False), (0.6, True)])
+def test_doubts_are_told_of_descriptions_that_take_away_half(share: float, are_told: bool) -> None:
+    found = diagnosis(Verdict.UNKNOWN)
+    doubted = tuple(replace(c, doubt=Doubt.CANCELS) for c in found.descriptive)
+    left = replace(found.remainder, explained_share=share)
+    text = told(replace(found, descriptive=doubted, remainder=left))
+    assert (doubts_about(doubted[0])[0] in text) is are_told
 
 
 def test_values_that_only_count_together_are_told_as_such() -> None:

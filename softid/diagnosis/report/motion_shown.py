@@ -1,0 +1,191 @@
+"""How much of a motion the logs show: a single frequency, or next to nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.report.phrases import percent
+from softid.diagnosis_results import Diagnosis
+from softid.errors import Issue
+from softid.excitation import Stretch, segment_excitation
+from softid.fitters.problem import Problem
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+
+ONE_FREQUENCY = "one-frequency"
+"""Code of the remark that the input is a sine of one frequency, with the lag behind it."""
+
+NEARLY_STATIC = "nearly-static"
+"""Code of the remark that a static curve explains nearly as much as the model."""
+
+SAME_FREQUENCY = 1.05
+"""Largest ratio of frequencies that count as one."""
+
+NOTABLE_DEG = 5.0
+"""A smaller lag of phase is not told."""
+
+LITTLE = 0.98
+"""From this share of what the model explains on, a static curve explains nearly as much."""
+
+ORDER = 4
+"""Of the polynomial that stands for the static curve."""
+
+
+LAGS = frozenset(("delay", "pneumatic_lag", "valve_flow", "sensor_lag"))
+"""Effects that are a lag behind one frequency, and little else."""
+
+
+def motion_shown_issues(base: BaseFit, answer: Diagnosis) -> tuple[Issue, ...]:
+    """What the logs leave open of the motion, whatever the model.
+
+    Parameters
+    ----------
+    base
+        The base fit; a model without a spring has no static curve, and no rest to lag behind.
+    answer
+        The diagnosis; one that names a lag, or ties of one, tells of it.
+    """
+    if not base.candidate.has_spring:
+        return ()
+    told = {cause.effect for cause in answer.causes}
+    told |= {name for tie in answer.alternatives if told & set(tie.effects) for name in tie.effects}
+    lag = () if LAGS & told else _one_frequency(base.candidate.problem)
+    return (*lag, *_nearly_static(base))
+
+
+def sine_lag(logs: Sequence[Log], output: str) -> tuple[float, float] | None:
+    """Frequency of the only sine that the inputs hold, and the time by which an output lags behind.
+
+    The lag is that of the ratio of the two sines fitted to output and input; an output that falls
+    as the input rises is turned over. It is negative where the output leads.
+
+    Parameters
+    ----------
+    logs
+        The logs.
+    output
+        Channel that lags.
+
+    Returns
+    -------
+    tuple of float, or None
+        Hz and s; None where an input is anything but rests and sines of one frequency.
+
+    Examples
+    --------
+    >>> t = np.arange(0.0, 20.0, 0.02)
+    >>> u, y = (np.sin(np.pi * (t - lag)) for lag in (0.0, 0.1))
+    >>> log = Log.from_arrays(t, {"pressure": 50.0 + 40.0 * u, "angle": 0.5 * y})
+    >>> [round(value, 3) for value in sine_lag([log], "angle")]
+    [0.5, 0.1]
+    """
+    stretches = [(log, stretch) for log in logs for stretch in _moving(log)]
+    frequencies = [s.frequency_hz for _, s in stretches if s.kind == "sine" and s.frequency_hz]
+    if not frequencies or len(frequencies) < len(stretches):
+        return None
+    if max(frequencies) > SAME_FREQUENCY * min(frequencies):
+        return None
+    hz = float(np.median(frequencies))
+    cross = sum(_cross(log, stretch, output, hz) for log, stretch in stretches)
+    turned = cross if cross.real >= 0.0 else -cross
+    return hz, -float(np.angle(turned)) / (2.0 * np.pi * hz)
+
+
+def static_share(problem: Problem, squares: float) -> float:
+    """What a static curve explains of the first output, as a share of what a model explains.
+
+    1 − SS over the sum of squares about the mean of every log, for the polynomial of order 4 with a
+    zero for every log and for the model.
+
+    Parameters
+    ----------
+    problem
+        The model's problem.
+    squares
+        Sum of squares that the model leaves.
+    """
+    first = problem.outputs[0]
+    u, y, owner = (
+        np.concatenate(rows)
+        for rows in zip(
+            *(
+                (segment.input[used], segment.outputs[first][used], np.full(used.sum(), log))
+                for log, segment in zip(problem.owner, problem.segments, strict=True)
+                for used in [segment.used[first]]
+            ),
+            strict=True,
+        )
+    )
+    zeros = (owner[:, None] == np.unique(owner)).astype(float)
+    scaled = (u - u.mean()) / max(float(np.std(u)), np.finfo(float).tiny)
+    curve = np.column_stack([zeros, *(scaled**k for k in range(1, ORDER + 1))])
+    left = [y - columns @ np.linalg.lstsq(columns, y)[0] for columns in (zeros, curve)]
+    whole, static = (float(r @ r) for r in left)
+    return (whole - static) / (whole - squares) if whole > squares else 0.0
+
+
+def _one_frequency(problem: Problem) -> tuple[Issue, ...]:
+    first = problem.outputs[0]
+    found = sine_lag(problem.logs, first)
+    if found is None:
+        return ()
+    hz, lag_s = found
+    degrees = 360.0 * hz * lag_s
+    if degrees < NOTABLE_DEG:
+        return ()
+    return (
+        Issue(
+            ONE_FREQUENCY,
+            "info",
+            f"{first} lags {lag_s:.2g} s ({degrees:.0f} degrees) behind {problem.logs[0].input}, "
+            f"which is a sine of {hz:.3g} Hz and nothing else: one frequency does not tell whether "
+            "that is a delay, a lag before the actuator, or the damping and inertia of the model",
+            "record steps or a chirp",
+        ),
+    )
+
+
+def _nearly_static(base: BaseFit) -> tuple[Issue, ...]:
+    problem = base.candidate.problem
+    if len(problem.outputs) > 1:
+        return ()
+    first = problem.outputs[0]
+    share = static_share(problem, base.candidate.squares * base.sigma[first] ** 2)
+    if share < LITTLE:
+        return ()
+    told = percent(share) if share < 0.995 else "nearly all"
+    return (
+        Issue(
+            NEARLY_STATIC,
+            "info",
+            f"{first} is nearly static: a curve of {problem.logs[0].input} alone explains {told} "
+            "of what the model explains, so these logs show little of the motion",
+            "record faster changes of the input, sampled faster, to see the motion",
+        ),
+    )
+
+
+def _moving(log: Log) -> list[Stretch]:
+    u = log.channels[log.input].values
+    if not np.isfinite(u).all():
+        return []
+    return [stretch for stretch in segment_excitation(log.time_s, u) if stretch.kind != "rest"]
+
+
+def _cross(log: Log, stretch: Stretch, output: str, hz: float) -> complex:
+    """Amplitude of the output's sine times the conjugate of that of the input's."""
+    span = slice(stretch.start, stretch.stop)
+    u, y = log.channels[log.input].values[span], log.channels[output].values[span]
+    used = np.isfinite(y)
+    if log.masked is not None:
+        used &= ~log.masked[span]
+    angle = 2.0 * np.pi * hz * log.time_s[span][used]
+    columns = np.column_stack((np.cos(angle), np.sin(angle), np.ones(angle.size)))
+    fitted = np.linalg.lstsq(columns, np.column_stack((u[used], y[used])))[0]
+    (u_amplitude, y_amplitude) = fitted[0] - 1j * fitted[1]
+    return complex(y_amplitude * np.conj(u_amplitude))
