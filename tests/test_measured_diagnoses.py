@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 from scipy import signal
 
 from softid.diagnosis import diagnose
+from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
+from softid.diagnosis.report.motion_shown import NEARLY_STATIC, sine_lag
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log
 from softid.models import Oscillator
@@ -133,3 +136,43 @@ def test_the_arm_is_predicted_at_a_pressure_between_those_fitted(measured: Path)
     assert held.rmse_after < 0.5 * held.rmse_before
     assert found.extended is not None
     assert found.extended.parameter("b2").fixed
+
+
+def test_one_sine_does_not_split_a_delay_from_a_lag(measured: Path) -> None:
+    """Command to pressure of the fabric arm at 0.1 Hz: a delay of 0.94 s was computed apart."""
+    log = load(
+        measured / "fabric-arm" / "oct25_axial.csv",
+        input="pressure_command",
+        outputs=("pressure",),
+    )
+    found = sine_lag([log], "pressure")
+    assert found == pytest.approx((0.1, 0.94), rel=0.1)
+    answer = diagnose([log], model="oscillator", effects=["delay", "pneumatic_lag"])
+    assert not {"delay", "pneumatic_lag"} & {cause.effect for cause in answer.causes}
+    assert "one frequency does not tell whether that is a delay, a lag" in answer.summary
+
+
+@pytest.mark.slow
+def test_the_gripper_is_nearly_static_and_has_no_hysteresis(measured: Path) -> None:
+    """Pressure to angle: a gain explains 94 % of it, computed apart."""
+    fitted, held = (
+        [load(measured / "gripper-finger" / f"calibration_flex_{k}.csv") for k in levels]
+        for levels in ((60, 100, 140, 180, 200), (80, 120, 160))
+    )
+    found = diagnose(fitted, hold_out=held, model="muscle")
+    assert "hysteresis" not in {cause.effect for cause in found.causes}
+    assert NEARLY_STATIC in {issue.code for issue in found.issues}
+
+
+@pytest.mark.slow
+def test_the_two_segment_arm_keeps_a_bend_after_its_first_cycle(measured: Path) -> None:
+    """About 10 degrees, computed apart."""
+    folder = measured / "two-segment-arm"
+    found = diagnose(
+        [load(folder / "Jan5_1.csv")], hold_out=[load(folder / "Jan5_2.csv")], model="muscle"
+    )
+    (told,) = [issue for issue in found.issues if issue.code == RESIDUAL_SET]
+    bend = re.search(r"begins at (\S+) deg and rests at (\S+) deg after the first", told.message)
+    assert bend is not None
+    assert float(bend[2]) - float(bend[1]) == pytest.approx(10.0, abs=2.0)
+    assert found.causes or bend[0] in found.summary
