@@ -32,6 +32,9 @@ cause does."""
 NEAR_CURVE = 1.02
 """The same where the first cause is a curve, which has more unknowns than they."""
 
+WORTH_A_THIRD = 0.5
+"""Share of the misfit that two causes explain at least where a third is looked for."""
+
 
 @dataclass(frozen=True)
 class SearchResult:
@@ -192,12 +195,7 @@ class CauseSearch:
             chain = self.grow(other, max_links=2) if met_multistart else chain
         first_model = chain.links[0].found if chain.links else None
         if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
-            chain = self._revise(chain)
-            longer = self.grow(chain)
-            if len(longer.links) > len(chain.links):
-                chain = self._revise(longer)
-            else:
-                chain = replace(chain, last=longer.last)
+            chain = self._with_third(self._revise(chain))
         return replace(self._judged(chain, first_model), met_multistart=met_multistart)
 
     def search_from_multistart(self, known: SearchResult) -> SearchResult | None:
@@ -304,6 +302,15 @@ class CauseSearch:
         if len(chain.links) != 1 or len(chain.links[0].added.amplitudes) > 1:
             return False
         return not has_vanished(self.base.candidate) and self.remainder_of(chain.final).structured
+
+    def _with_third(self, chain: Chain) -> Chain:
+        """The chain with a third cause, unless the first two explain so little that it is none."""
+        if self.remainder_of(chain.final).explained_share < WORTH_A_THIRD:
+            return chain
+        longer = self.grow(chain)
+        if len(longer.links) > len(chain.links):
+            return self._revise(longer)
+        return replace(chain, last=longer.last)
 
     def _revise(self, chain: Chain) -> Chain:
         """The chain with its earlier causes revised, unless that is worse on what is held out."""

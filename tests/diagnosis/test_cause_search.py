@@ -206,3 +206,18 @@ def test_the_same_first_cause_leads_to_the_same_answer(
     known = None if first is None else candidate(first, chain_of("delay").final.squares)
     found = search_over().search_from_multistart(replace(NOTHING, first=known))
     assert found is (NAMED if again else None)
+
+
+@pytest.mark.parametrize(("share", "is_sought"), [(0.3, False), (0.7, True)])
+def test_a_third_cause_is_sought_beside_two_that_explain_half(
+    share: float, is_sought: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And the whole chain is revised with it."""
+    two, three = chain_of("delay", "creep"), chain_of("delay", "creep", "ageing")
+    left = replace(STRUCTURE, explained_share=share)
+    revised: list[Chain] = []
+    monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
+    monkeypatch.setattr(CauseSearch, "grow", lambda self, chain: three)
+    monkeypatch.setattr(CauseSearch, "_revise", lambda self, c: revised.append(c) or c)
+    assert search_over()._with_third(two) is (three if is_sought else two)
+    assert revised == ([three] if is_sought else [])
