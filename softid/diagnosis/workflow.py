@@ -198,25 +198,23 @@ def _search_with_intersample(
     With the wrong answer a delay hides in the first cause, or in all of them: where another one
     explains more, the base is fitted and searched again with it.
     """
+    base, first = search.base, search.first_cause()
 
-    def read_otherwise(intersample: Intersample) -> tuple[Recordings, CauseSearch]:
-        changed = recordings_read_as(recordings, intersample)
-        base = request.fit_base(changed.logs, changed.hold_out, thorough=False)
-        return changed, replace(search, base=base)
+    def searched_as(reading: Intersample | None) -> tuple[SearchResult, CauseSearch]:
+        if reading in (None, base.candidate.problem.logs[0].between_samples):
+            return search_causes(recordings, request, search, others, first)
+        changed = recordings_read_as(recordings, reading)
+        again = request.fit_base(changed.logs, changed.hold_out, thorough=False)
+        return search_causes(changed, request, replace(search, base=again), others)
 
-    first, base = search.first_cause(), search.base
-    other = intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma)
-    if other is None:
-        found, search = search_causes(recordings, request, search, others, first)
-    else:
-        recordings, search = read_otherwise(other)
-        found, search = search_causes(recordings, request, search, others)
+    found, last = searched_as(
+        intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma)
+    )
     if len(found.chain.links) > 1:
-        other = intersample_after_all_causes(found.chain.final, search.base.sigma)
-        if other is not None:
-            recordings, search = read_otherwise(other)
-            found, search = search_causes(recordings, request, search, others)
-    return found, search
+        reading = intersample_after_all_causes(found.chain.final, last.base.sigma)
+        if reading is not None:
+            return searched_as(reading)
+    return found, last
 
 
 def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, BaseFit, int]:
