@@ -32,8 +32,9 @@ cause does."""
 NEAR_CURVE = 1.02
 """The same where the first cause is a curve, which has more unknowns than they."""
 
-WORTH_A_THIRD = 0.5
-"""Share of the misfit that two causes explain at least where a third is looked for."""
+HALF = 0.5
+"""A first cause that explains a smaller share of the misfit is raced with a multistart before a
+second one is looked for, and beside two that explain less no third is."""
 
 
 @dataclass(frozen=True)
@@ -187,9 +188,12 @@ class CauseSearch:
             left = self.remainder_of(self.base.candidate)
             return SearchResult(self._nothing, replace(left, structured=False), ())
         chain = first or self.first_cause()
+        known = chain
+        if self._explains_little(chain):
+            chain = self._raced_with_multistart(chain, BETTER_START)
+        met_multistart = chain is not known
         chain = self.grow(chain, max_links=2) if chain.links else chain
-        met_multistart = False
-        if self._may_stand_for_another(chain):
+        if not met_multistart and self._may_stand_for_another(chain):
             other = self._raced_with_multistart(chain, BETTER_START)
             met_multistart = other is not chain
             chain = self.grow(other, max_links=2) if met_multistart else chain
@@ -303,9 +307,16 @@ class CauseSearch:
             return False
         return not has_vanished(self.base.candidate) and self.remainder_of(chain.final).structured
 
+    def _explains_little(self, chain: Chain) -> bool:
+        """Whether a first cause may stand for another, and does not explain half of the misfit."""
+        return self._may_stand_for_another(chain) and self._share_of(chain) < HALF
+
+    def _share_of(self, chain: Chain) -> float:
+        return self.remainder_of(chain.final).explained_share
+
     def _with_third(self, chain: Chain) -> Chain:
         """The chain with a third cause, unless the first two explain so little that it is none."""
-        if self.remainder_of(chain.final).explained_share < WORTH_A_THIRD:
+        if self._share_of(chain) < HALF:
             return chain
         longer = self.grow(chain)
         if len(longer.links) > len(chain.links):

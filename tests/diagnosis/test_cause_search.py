@@ -221,3 +221,34 @@ def test_a_third_cause_is_sought_beside_two_that_explain_half(
     monkeypatch.setattr(CauseSearch, "_revise", lambda self, c: revised.append(c) or c)
     assert search_over()._with_third(two) is (three if is_sought else two)
     assert revised == ([three] if is_sought else [])
+
+
+@pytest.mark.parametrize(
+    ("share", "squares", "second"),
+    [(0.3, 50.0, "other"), (0.7, 50.0, "first"), (0.3, 99.5, "first")],
+)
+def test_a_first_cause_that_explains_little_is_raced_before_a_second_is_sought(
+    share: float, squares: float, second: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A candidate from the multistart that leaves less takes its place; the answer knows of it."""
+    first, other = chain_of("delay"), chain_of("creep")
+    left = replace(STRUCTURE, explained_share=share)
+    begun: list[Chain] = []
+
+    def grow(self: CauseSearch, chain: Chain, **options: Any) -> Chain:
+        if not chain.links:
+            return other
+        begun.append(chain)
+        return chain_of(*chain.final.keys, "ageing")
+
+    monkeypatch.setattr(cause_search, "has_vanished", lambda base: False)
+    monkeypatch.setattr(cause_search, "multistart_candidates", lambda *a: from_multistart(squares))
+    monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
+    monkeypatch.setattr(CauseSearch, "grow", grow)
+    monkeypatch.setattr(CauseSearch, "_revise", lambda self, chain: chain)
+    monkeypatch.setattr(
+        CauseSearch, "_judged", lambda self, chain, model: SearchResult(chain, left, (False,) * 2)
+    )
+    found = search_over().search(first)
+    assert begun[0] is (other if second == "other" else first)
+    assert found.met_multistart is (second == "other")
