@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -295,14 +295,15 @@ def _packed(model: Model, theta: Array, u: Array, derivatives: bool) -> tuple[Ar
     return law.packed(u, derivatives=derivatives)
 
 
-def _unbalanced(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: float) -> float:
-    """Force that is left at rest at a position."""
+def _unbalanced(
+    model: Model, terms: _Terms, theta: Array, u: float, t: float
+) -> Callable[[float], float]:
+    """Position → force that is left at rest there."""
     from softid.kernels.term_integrator import unbalanced_at_rest
 
     packed, _ = _packed(model, theta, np.array([[u]]), False)
-    z = np.array([x if follows else 0.0 for follows in terms.follows])
     equation = terms.equation(theta, model.motion_term(theta))
-    return float(unbalanced_at_rest(equation, packed[0, 0], x, z, u, t))
+    return unbalanced_at_rest(equation, packed[0, 0], terms.follows, u, t)
 
 
 def _rest_position(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> float:
@@ -313,9 +314,10 @@ def _rest_position(model: Model, terms: _Terms, theta: Array, u: float, t: float
     if not terms.addresses.size:
         return x
     h = DIFFERENCE * terms.scale[0]
+    balance = _unbalanced(model, terms, theta, u, t)
     for _ in range(REST_ITERATIONS):
-        left = _unbalanced(model, terms, theta, x, u, t)
-        slope = (_unbalanced(model, terms, theta, x + h, u, t) - left) / h
+        left = balance(x)
+        slope = (balance(x + h) - left) / h
         move = left / slope if slope != 0.0 else np.nan
         x -= float(np.clip(move, -terms.scale[0], terms.scale[0]))
         if not np.isfinite(x) or abs(move) < REST_TOLERANCE * terms.scale[0]:
@@ -325,9 +327,10 @@ def _rest_position(model: Model, terms: _Terms, theta: Array, u: float, t: float
 
 def _rest_by(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: float) -> Array:
     """Derivatives of the position at rest by (θ, η), from the balance of forces."""
-    left = _unbalanced(model, terms, theta, x, u, t)
+    balance = _unbalanced(model, terms, theta, u, t)
+    left = balance(x)
     h = DIFFERENCE * terms.scale[0]
-    slope = (_unbalanced(model, terms, theta, x + h, u, t) - left) / h
+    slope = (balance(x + h) - left) / h
     by = np.zeros(theta.size + terms.eta.size)
     law = model.motion_law(theta)
     if law is not None and not terms.addresses.size:
@@ -338,11 +341,11 @@ def _rest_by(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: f
         if k < theta.size:
             moved = theta.copy()
             moved[k] += step
-            there = _unbalanced(model, terms, moved, x, u, t)
+            there = _unbalanced(model, terms, moved, u, t)(x)
         else:
             eta = terms.eta.copy()
             eta[k - theta.size] += step
-            there = _unbalanced(model, replace(terms, eta=eta), theta, x, u, t)
+            there = _unbalanced(model, replace(terms, eta=eta), theta, u, t)(x)
         by[k] = -(there - left) / step / slope
     return by
 

@@ -8,6 +8,7 @@ where differences of whole simulations would leave four.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -106,9 +107,9 @@ def _left_at_rest(equation: Equation, at: Instants) -> float:
 
 
 def unbalanced_at_rest(
-    equation: Equation, coefficients: Array, x: float, z: Array, u: float, t: float
-) -> float:
-    """Force that is left when nothing moves.
+    equation: Equation, coefficients: Array, follows: Sequence[bool], u: float, t: float
+) -> Callable[[float], float]:
+    """Position → force that is left when nothing moves there.
 
     Parameters
     ----------
@@ -116,16 +117,23 @@ def unbalanced_at_rest(
         The terms.
     coefficients
         m, n, q and f of an affine law, shape (4,).
-    x, z, u, t
-        Position, own states of shape (Z,), input and time.
+    follows
+        Which of the own states lie at the position, Z of them; the others are zero.
+    u, t
+        Input and time.
     """
-    at = _room(np.empty(2 + z.size)).at
+    at = _room(np.empty(2 + len(follows))).at
     at.place[0, 0], at.place[1, 0] = t, u
     at.coefficients[0] = coefficients
     at.points[0] = 0.0
-    at.points[0, 0] = x
-    at.points[0, 2 : 2 + z.size] = z
-    return _left_at_rest(equation, at)
+    moved = [0, *(2 + k for k, does in enumerate(follows) if does)]
+
+    def left(x: float) -> float:
+        for k in moved:
+            at.points[0, k] = x
+        return float(_left_at_rest(equation, at))
+
+    return left
 
 
 @inner
