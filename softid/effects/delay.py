@@ -12,6 +12,7 @@ import numpy.typing as npt
 from softid.effects.base import InputEffect, Scale
 from softid.effects.stage_input import holds_jumps
 from softid.effects.time_constants import first_time
+from softid.kernels.earlier_input import means_between, read_at
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -89,7 +90,8 @@ class Delay(InputEffect):
         del scale
         if holds_jumps(time_s):
             return _means_before(eta[0], time_s, u)
-        arriving: Array = np.interp(time_s - eta[0], time_s, u)
+        arriving = np.empty(u.size)
+        read_at(time_s - eta[0], time_s, u, arriving)
         return arriving
 
 
@@ -97,12 +99,6 @@ def _means_before(tau: float, time_s: Array, u: Array) -> Array:
     """Mean of the straight-line input around every time, half way to its neighbours, τ earlier."""
     middle = 0.5 * (time_s[1:] + time_s[:-1])
     edges = np.concatenate((time_s[:1], middle, time_s[-1:])) - tau
-    steps = np.diff(time_s)
-    area = np.concatenate(([0.0], np.cumsum(0.5 * (u[1:] + u[:-1]) * steps)))
-    k = np.clip(np.searchsorted(time_s, edges, side="right") - 1, 0, time_s.size - 2)
-    since = np.maximum(edges - time_s[k], 0.0)
-    slope = (u[k + 1] - u[k]) / steps[k]
-    before = u[0] * np.minimum(edges - time_s[0], 0.0)
-    found = area[k] + u[k] * since + 0.5 * slope * since**2 + before
-    means: Array = np.diff(found) / np.diff(edges)
+    means = np.empty(u.size)
+    means_between(edges, time_s, u, means)
     return means

@@ -177,17 +177,8 @@ def test_pairs_are_found(names: list[str]) -> None:
     assert sum(o.is_misnamed for o in drawn) <= 1
 
 
-LIKE_A_LAG = pytest.mark.xfail(
-    reason="filling at a limited rate is often taken for a lag of the pneumatics, which it is like"
-)
-OUTSIDE = [
-    pytest.param(name, marks=LIKE_A_LAG if name == "rate_limit" else ())
-    for name in names_of("outside")
-]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", OUTSIDE)
+@pytest.mark.parametrize("name", names_of("outside"))
 def test_nothing_outside_the_catalogue_is_misnamed(name: str) -> None:
     """Eight draws; none of these laws is in the catalogue, and 95 % may not be misnamed."""
     drawn = [outcome_of([name], seed) for seed in DRAWS]

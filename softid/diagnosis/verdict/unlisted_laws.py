@@ -20,6 +20,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     one_parameter,
 )
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
+from softid.kernels.earlier_input import read_at
 from softid.kernels.filters import limit_rate, play
 from softid.kernels.terms import DAMPING
 from softid.parameters import Parameter, ParameterSet
@@ -228,7 +229,9 @@ class EarlyReading(OutputEffect):
         last = (y[-1] - y[-2]) / (time_s[-1] - time_s[-2])
         later = time_s + eta[0]
         beyond = last * np.maximum(later - time_s[-1], 0.0)
-        recorded: Array = np.interp(later, time_s, y) + beyond
+        recorded = np.empty(y.size)
+        read_at(later, time_s, y, recorded)
+        recorded += beyond
         return recorded
 
 
