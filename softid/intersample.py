@@ -123,18 +123,16 @@ def _bends(time_s: Array, values: Array) -> tuple[Array, Array]:
     least = LEAST_BEND * float(np.ptp(values))
     if values.size < 4 or least == 0.0:
         return np.empty(0), np.empty(0)
-    interval = np.diff(time_s)
-    slope = np.diff(values) / interval
-    second = np.diff(slope) / (time_s[2:] - time_s[:-2])
-    third = np.diff(second) / (time_s[3:] - time_s[:-3])
-    before, after = np.abs(second[:-1]), np.abs(second[1:])
-    alike = (second[:-1] * second[1:] > 0.0) & (
-        np.maximum(before, after) <= RESOLVED * np.minimum(before, after)
-    )
-    half = 0.5 * interval[1:-1]
-    # Newton's form on the samples 0 to 3, half way between the samples 1 and 2.
-    bend = -(second[:-1] + third * (interval[:-2] + half)) * half**2
-    noise = np.median(np.abs(third * interval[1:-1] ** 3)) * OF_THIRD_DIFFERENCE
-    found = np.flatnonzero(alike & (np.abs(bend) >= max(least, ABOVE_ITS_NOISE * noise)))
-    straight = 0.5 * (values[found + 1] + values[found + 2])
-    return time_s[found + 1] + half[found], straight + SAME_AREA * bend[found]
+    from softid.kernels.bends import bends_in_the_middle, third_steps
+
+    time_s, values = np.ascontiguousarray(time_s), np.ascontiguousarray(values)
+    steps = np.empty(values.size - 3)
+    third_steps(time_s, values, steps)
+    noise = float(np.median(steps)) * OF_THIRD_DIFFERENCE
+    least = max(least, ABOVE_ITS_NOISE * noise)
+    nothing = np.empty(0, np.int64), np.empty(0)
+    count = bends_in_the_middle(time_s, values, RESOLVED, least, *nothing)
+    at, bend = np.empty(count, np.int64), np.empty(count)
+    bends_in_the_middle(time_s, values, RESOLVED, least, at, bend)
+    middle_s = time_s[at] + 0.5 * (time_s[at + 1] - time_s[at])
+    return middle_s, 0.5 * (values[at] + values[at + 1]) + SAME_AREA * bend

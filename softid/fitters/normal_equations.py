@@ -106,7 +106,7 @@ def linearise(
     sigma: Mapping[str, float],
     *,
     plans: Sequence[Division | None] | None,
-    keep: bool,
+    keep: int,
 ) -> Linearised:
     """Cost ½Σ(r/σ)² and its normal equations with every sensor zero moved to its optimum.
 
@@ -121,7 +121,7 @@ def linearise(
     plans
         Steps per segment, held still by an optimiser; None plans anew.
     keep
-        Whether to keep the columns at every sample; those that are there anyway, for a law whose
+        As in `Model.products`; the columns that are there anyway at every sample, for a law whose
         products no kernel sums, are kept unless they are too many.
     """
     with np.errstate(all="ignore"):
@@ -202,7 +202,7 @@ def _bend(
 
 
 def _pieces(
-    problem: Problem, z: Array, plans: Sequence[Division | None] | None, *, keep: bool
+    problem: Problem, z: Array, plans: Sequence[Division | None] | None, *, keep: int
 ) -> list[Piece]:
     found: list[Piece] = []
     theta = problem.theta(z)
@@ -231,7 +231,7 @@ def _products(
     channel: str,
     plan: Division | None,
     *,
-    keep: bool,
+    keep: int,
 ) -> Products | None:
     place = problem.zero_position(problem.owner[segment], channel)
     return problem.model.products(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from softid.fitters.normal_equations import KEPT_ENTRIES, Piece, linearise
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Block, Problem
 from softid.results import NoiseModel
@@ -16,6 +18,7 @@ from softid.uncertainty import (
     Covariance,
     FactoredRows,
     ResidualBlock,
+    Stretches,
     fit_ar,
     log_likelihood,
     noise_model,
@@ -25,6 +28,9 @@ from softid.uncertainty import (
 
 Array = npt.NDArray[np.float64]
 IndexArray = npt.NDArray[np.intp]
+
+Group = tuple[str, set[int]]
+"""An output channel, and the logs that share its noise model."""
 
 OWN_NOISE_SAMPLES = 100
 """A log with at least this many samples gets a noise model of its own; shorter ones share one.
@@ -68,44 +74,57 @@ def unknown_names(problem: Problem) -> list[str]:
 
 
 def errors_of(problem: Problem, optimum: Optimum) -> Errors:
-    """Covariance, noise models and information criteria at an optimum."""
-    blocks = _rows_at(problem, optimum)
+    """Covariance, noise models and information criteria at an optimum.
+
+    Where derivatives at every sample are too many to be kept, and a kernel sums them, the
+    covariance is that of averages over a few samples, each of which weighs as much as they do: it
+    misses what a parameter does within so short a time. Noise models and criteria are of the
+    samples all the same.
+    """
+    pieces = _sums_over_stretches(problem, optimum)
+    rows = _rows_at(problem, optimum, derivatives=pieces is None)
+    groups = [(name, logs) for name in problem.outputs for logs in _noise_groups(problem, name)]
+    shared = [_of(problem, rows, *group) for group in groups]
+    residuals = [[r.residual for r in own] for own in shared]
+    models = [fit_ar(own) for own in residuals]
+    likelihood = sum(log_likelihood(ar, own) for ar, own in zip(models, residuals, strict=True))
     stuck = optimum.at_bound.copy()
     stuck[len(problem.free) :] = False
     columns = np.flatnonzero(~stuck)
-    shared = [
-        _residual_block(problem, blocks, group, name, columns, optimum)
-        for name in problem.outputs
-        for group in _noise_groups(problem, name)
-    ]
-    models = [fit_ar(block.residuals) for block in shared]
-    likelihood = sum(
-        log_likelihood(ar, block.residuals) for ar, block in zip(models, shared, strict=True)
-    )
     n = problem.n_samples
-    names = unknown_names(problem)
     covariance = None
     if columns.size and n > columns.size:
-        covariance = sandwich_covariance(shared, [names[k] for k in columns], noise=models)
-    noise = tuple(_noise(problem, shared, models, name) for name in problem.outputs)
+        if pieces is None:
+            parts = zip(groups, shared, strict=True)
+            blocks = [_block_of(own, *group, columns, optimum) for group, own in parts]
+        else:
+            summed = [(group, _of(problem, pieces, *group)) for group in groups]
+            blocks = [_means_of(own, *group, columns, optimum) for group, own in summed]
+        every = unknown_names(problem)
+        names = [every[k] for k in columns]
+        covariance = sandwich_covariance(blocks, names, noise=models if pieces is None else None)
     finite = bool(np.isfinite(likelihood))
     return Errors(
         covariance,
         tuple(int(k) for k in columns),
-        noise,
+        tuple(_noise(problem, groups, residuals, models, name) for name in problem.outputs),
         2.0 * problem.size - 2.0 * likelihood if finite else None,
         float(np.log(n)) * problem.size - 2.0 * likelihood if finite else None,
     )
 
 
 def _noise(
-    problem: Problem, blocks: Sequence[ResidualBlock], models: Sequence[AutoRegression], name: str
+    problem: Problem,
+    groups: Sequence[Group],
+    residuals: Sequence[Sequence[Array]],
+    models: Sequence[AutoRegression],
+    name: str,
 ) -> NoiseModel:
     """What one channel leaves over, in all logs together."""
-    own = [k for k, block in enumerate(blocks) if block.channel == name]
+    own = [k for k, (channel, _) in enumerate(groups) if channel == name]
     return noise_model(
         name,
-        [r for k in own for r in blocks[k].residuals],
+        [r for k in own for r in residuals[k]],
         fitted_parameters=problem.size,
         ar=models[own[0]] if len(own) == 1 else None,
     )
@@ -126,16 +145,17 @@ class _Rows:
     """Residuals and derivatives of one channel over all samples of one segment; NaN where unused.
 
     The derivatives are by all unknowns: an array of shape (n, U), or columns of shape (C, n), their
-    products and their weights, of shapes (C, C) and (C, U).
+    products and their weights, of shapes (C, C) and (C, U). None where they are not asked for.
     """
 
     channel: str
     segment: int
     residual: Array
-    jacobian: Array | tuple[Array, Array, Array]
+    jacobian: Array | tuple[Array, Array, Array] | None
 
     def by(self, columns: IndexArray) -> Array | FactoredRows:
         """Derivatives by some of the unknowns, with zeros where a sample is not used."""
+        assert self.jacobian is not None
         if not isinstance(self.jacobian, tuple):
             whole = len(columns) == self.jacobian.shape[1]
             return self.jacobian if whole else self.jacobian[:, columns]
@@ -144,10 +164,26 @@ class _Rows:
         return FactoredRows(values, weights, weights.T @ products @ weights)
 
 
-def _rows_at(problem: Problem, optimum: Optimum) -> list[_Rows]:
+Part = TypeVar("Part", _Rows, Piece)
+
+
+def _sums_over_stretches(problem: Problem, optimum: Optimum) -> tuple[Piece, ...] | None:
+    """Columns summed over stretches, so long that their sums are few enough to keep.
+
+    None where the columns are there, or few enough at every sample, or no kernel sums them.
+    """
+    stretch = -(-problem.n_samples * problem.size // KEPT_ENTRIES)
+    if optimum.linearised is not None or stretch <= 1:
+        return None
+    found = linearise(problem, optimum.unknowns, optimum.sigma, plans=None, keep=stretch)
+    return found.pieces if found.affine else None
+
+
+def _rows_at(problem: Problem, optimum: Optimum, *, derivatives: bool) -> list[_Rows]:
     """Residuals used spread over all samples of their segments, so that gaps stay gaps."""
     if optimum.linearised is None:
-        return [_spread(problem, block) for block in optimum.blocks(problem)]
+        blocks = problem.blocks(optimum.unknowns, derivatives=derivatives)
+        return [_spread(problem, block) for block in blocks]
     found = []
     for piece in optimum.linearised.pieces:
         assert piece.columns is not None
@@ -162,27 +198,44 @@ def _rows_at(problem: Problem, optimum: Optimum) -> list[_Rows]:
 
 
 def _spread(problem: Problem, block: Block) -> _Rows:
-    assert block.jacobian is not None
     segment = problem.segments[block.segment]
     used = segment.samples_of(segment.used[block.channel])
-    jacobian, residual = np.zeros((used.size, problem.size)), np.full(used.size, np.nan)
-    jacobian[used], residual[used] = block.jacobian, block.residual
+    residual = np.full(used.size, np.nan)
+    residual[used] = block.residual
+    jacobian = None
+    if block.jacobian is not None:
+        jacobian = np.zeros((used.size, problem.size))
+        jacobian[used] = block.jacobian
     return _Rows(block.channel, block.segment, residual, jacobian)
 
 
-def _residual_block(
-    problem: Problem,
-    rows: Sequence[_Rows],
-    logs: set[int],
-    channel: str,
-    columns: IndexArray,
-    optimum: Optimum,
+def _of(problem: Problem, parts: Iterable[Part], channel: str, logs: set[int]) -> list[Part]:
+    """What belongs to one channel of some logs."""
+    return [p for p in parts if p.channel == channel and problem.owner[p.segment] in logs]
+
+
+def _block_of(
+    rows: Sequence[_Rows], channel: str, logs: set[int], columns: IndexArray, optimum: Optimum
 ) -> ResidualBlock:
     """What shares a noise model, by the unknowns that are not stuck."""
-    own = [r for r in rows if r.channel == channel and problem.owner[r.segment] in logs]
     weight = 1.0 / optimum.sigma[channel]
-    jacobians, residuals = tuple(r.by(columns) for r in own), tuple(r.residual for r in own)
+    jacobians, residuals = tuple(r.by(columns) for r in rows), tuple(r.residual for r in rows)
     return ResidualBlock(channel, jacobians, residuals, weight, min(logs))
+
+
+def _means_of(
+    pieces: Sequence[Piece], channel: str, logs: set[int], columns: IndexArray, optimum: Optimum
+) -> ResidualBlock:
+    """The same of means over stretches, each with the weight of its samples."""
+    kept = [(piece, piece.columns) for piece in pieces if piece.columns is not None]
+    sums = Stretches(
+        tuple(values.T @ piece.jacobian[:, columns] for piece, values in kept),
+        tuple(piece.residual @ values for piece, values in kept),
+        tuple(values[-2] for _, values in kept),  # the column of ones
+    )
+    counts = np.concatenate(sums.counts)
+    weight = float(np.sqrt(counts[counts > 0.0].mean())) / optimum.sigma[channel]
+    return sums.means(channel, weight, min(logs))
 
 
 def free_covariance(

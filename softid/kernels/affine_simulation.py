@@ -123,6 +123,19 @@ def _store(w: Array, ends: Ends, columns: Array) -> None:
                 columns[p, ends[i]] = w[BY + p * POINTS + i]
 
 
+@njit(nogil=True, error_model="numpy")
+def _add(w: Array, ends: Ends, stretch: int, columns: Array) -> None:
+    """Add to the columns of the stretches in which the samples lie; ``ends`` is used up."""
+    if stretch > 1:
+        for i in range(LANES, POINTS):
+            if ends[i] >= 0:
+                ends[i] //= stretch
+    for p in range(columns.shape[0]):
+        for i in range(LANES, POINTS):
+            if ends[i] >= 0:
+                columns[p, ends[i]] += w[BY + p * POINTS + i]
+
+
 @kernel
 def move(
     law: int,
@@ -223,6 +236,7 @@ def sum_products(
     level: float,
     state: Array,
     tangent: Array,
+    stretch: int,
     kept: Array,
     gram: Array,
 ) -> None:
@@ -236,9 +250,12 @@ def sum_products(
         Measured output and whether it counts, each of shape (n,).
     gain, level
         The simulated output is gain·x + level.
+    stretch
+        Number of samples over which the columns that are kept are summed.
     kept
-        Receives ∂x by the parameters and the initial state, 1 and the residual at every sample,
-        shape (11, n), zero where it does not count; of shape (11, 0) to keep nothing.
+        Receives ∂x by the parameters and the initial state, 1 and the residual at every sample, or
+        their sums over stretches of samples, shape (11, ⌈n/stretch⌉), zero where a sample does not
+        count; zero when it is given, and of shape (11, 0) to keep nothing.
     gram
         Receives Σ cᵢcⱼ for the columns of ``kept`` in its first 11 rows, shape (12, 12).
     """
@@ -257,7 +274,7 @@ def sum_products(
             gram[a, b] = first[a] * first[b]
     if kept.shape[1]:
         for a in range(N_COLUMNS):
-            kept[a, 0] = first[a]
+            kept[a, 0] += first[a]
     while at[0] < time_s.size - 1:
         _load(w, ends, time_s, u, counts, at)
         _run(w, law, rule, theta, now)
@@ -270,7 +287,7 @@ def sum_products(
         select_ends(w, gain, level)
         add_gram(w, gram)
         if kept.shape[1]:
-            _store(w, ends, kept)
+            _add(w, ends, stretch, kept)
     for a in range(N_COLUMNS):
         for b in range(a):
             gram[b, a] = gram[a, b]

@@ -263,7 +263,7 @@ class Model(ABC):
         relative: bool,
         plan: Division | None,
         zero: float,
-        keep: bool,
+        keep: int,
     ) -> Products | None:
         """Summed products of residual and derivatives, without a Jacobian; None if it needs one.
 
@@ -276,7 +276,8 @@ class Model(ABC):
         zero
             Its sensor zero.
         keep
-            Whether to keep the columns at every sample.
+            Number of samples over which the columns that are kept are summed: 1 to keep them at
+            every sample, 0 to keep none.
         """
         del theta, segment, channel, start, relative, plan, zero, keep
         return None

@@ -272,7 +272,7 @@ class Muscle(Model):
         relative: bool,
         plan: Division | None,
         zero: float,
-        keep: bool,
+        keep: int,
     ) -> Products | None:
         """Summed unless the output is a distance, no line in x; see `Model.products`."""
         if channel == "distance" and self.geometry is not None:

@@ -258,7 +258,7 @@ class Oscillator(Model):
         relative: bool,
         plan: Division | None,
         zero: float,
-        keep: bool,
+        keep: int,
     ) -> Products | None:
         """Summed: every output is x itself; see `Model.products`."""
         return sum_law(

@@ -24,8 +24,8 @@ class Products:
     by_state
         Weights with which the next S₀ make up ∂y/∂(initial state), shape (S₀, S).
     columns
-        The columns at every sample, zero where it is not used, shape (P + S₀ + 2, n); None where
-        they were only summed.
+        The columns at every sample, zero where it is not used, shape (P + S₀ + 2, n), or their sums
+        over stretches of samples; None where nothing was kept.
     """
 
     gram: Array

@@ -239,7 +239,7 @@ def sum_law(
     plan: Division | None,
     gain: float,
     level: float,
-    keep: bool,
+    keep: int,
 ) -> Products | None:
     """Summed products for an output gain·x + level; None for a law that the kernels do not know.
 
@@ -254,7 +254,7 @@ def sum_law(
     gain, level
         Output per position, and output at x = 0 with its sensor zero.
     keep
-        Whether to keep the columns at every sample.
+        As in `Model.products`.
     """
     form = law.affine()
     if form is None:
@@ -264,11 +264,10 @@ def sum_law(
     state = initial_state(law, float(segment.input[0]), start, relative=relative)
     run = affine_run(form, plan, state, from_rest=start is None or relative)
     y, used = held(segment.outputs[channel]), held(segment.used[channel])
-    columns = np.empty((N_COLUMNS, segment.time_s.size if keep else 0))
+    columns = np.zeros((N_COLUMNS, -(-segment.time_s.size // keep) if keep else 0))
     gram = np.empty((N_PADDED, N_PADDED))
-    sum_products(
-        *run.arguments[:6], y, used, gain, level, run.arguments[6], run.tangent, columns, gram
-    )
+    course, state = run.arguments[:6], run.arguments[6]
+    sum_products(*course, y, used, gain, level, state, run.tangent, int(keep), columns, gram)
     gram = gram[:N_COLUMNS, :N_COLUMNS]
     by_state = gain * np.eye(N_STATES)
     return Products(gram, gain * form.by_theta, by_state, columns if keep else None)

@@ -144,16 +144,21 @@ def test_products_are_those_of_the_columns(rule: int, n: int) -> None:
     how = (MUSCLE, rule, THETA, time_s, u, counts)
     move_with_derivatives(*how, START, tangent_of_start(), x, v, by)
     columns = np.vstack([by, np.ones(n), y - (-0.05 * x + 0.3)]) * used
-    kept = np.empty((11, n))
+    kept = np.zeros((11, n))
     ends = (START, tangent_of_start())
     gram, again = np.empty((12, 12)), np.empty((12, 12))
-    sum_products(*how, y, used, -0.05, 0.3, *ends, kept, gram)
+    sum_products(*how, y, used, -0.05, 0.3, *ends, 1, kept, gram)
     np.testing.assert_allclose(kept, columns, rtol=1e-13, atol=1e-13)
     expected = columns @ columns.T
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     assert np.all(np.abs(gram[:11, :11] - expected) <= 1e-12 * scale)
-    sum_products(*how, y, used, -0.05, 0.3, *ends, np.empty((11, 0)), again)
+    sum_products(*how, y, used, -0.05, 0.3, *ends, 1, np.empty((11, 0)), again)
     np.testing.assert_array_equal(gram, again)
+    sums = np.zeros((11, -(-n // 7)))
+    sum_products(*how, y, used, -0.05, 0.3, *ends, 7, sums, again)
+    np.testing.assert_array_equal(gram, again)
+    whole = np.add.reduceat(kept, np.arange(0, n, 7), axis=1)
+    np.testing.assert_allclose(sums, whole, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize(("mass", "damping"), [(0.0, 0.28), (0.0, 0.0), (1e-12, 0.28)])
@@ -183,6 +188,6 @@ def test_what_overflows_is_not_finite_and_does_not_hang() -> None:
         gram = np.empty((12, 12))
         sum_products(
             MUSCLE, RK4, theta, time_s, u, counts, u, np.ones(400, bool), 1.0, 0.0,
-            START, np.zeros((2, 9)), np.empty((11, 0)), gram,
+            START, np.zeros((2, 9)), 1, np.empty((11, 0)), gram,
         )  # fmt: skip
         assert not np.isfinite(gram).all() or np.abs(gram).max() > 1e60

@@ -78,7 +78,7 @@ gram, kept = np.empty((12, 12)), np.empty((11, 0))
 given = time_s, u, np.ones(998, np.int16), np.cos(u), np.ones(999, np.bool_)
 for values in given:
     values.flags.writeable = False
-sum_products(0, 1, theta, *given, 1.0, 0.0, np.array([3.0, 0.0]), np.eye(2, 9), kept, gram)
+sum_products(0, 1, theta, *given, 1.0, 0.0, np.array([3.0, 0.0]), np.eye(2, 9), 1, kept, gram)
 print(gram.tobytes().hex(), sum(sum_products.stats.cache_hits.values()))
 """
 

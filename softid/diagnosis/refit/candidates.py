@@ -12,14 +12,12 @@ import numpy.typing as npt
 from softid.diagnosis.refit.whitening import Whitener
 from softid.effects import ExtendedModel, divided, extended_name
 from softid.effects.base import Effect, Scale
-from softid.errors import IdentificationError
 from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
 from softid.fitters.objective import Objective, Prior
 from softid.fitters.problem import Problem
 from softid.segment import Segment
 
 if TYPE_CHECKING:
-    from softid.log import Log
     from softid.models.division import Division
     from softid.models.second_order import Law
 
@@ -39,12 +37,6 @@ what this costs."""
 
 FINE = 2
 """The same while they are compared."""
-
-EXACT = 1000
-"""The same where what is left is held against noise: as many as the law asks for."""
-
-SETTLED = 0.99
-"""A refit goes on under a lighter prior while a run leaves less than this share of the squares."""
 
 EFFECT_SD = 3.0
 """Standard deviation of the prior of an effect's parameters about their start, in logarithms: a
@@ -270,45 +262,6 @@ def begun(known: Candidate, effects: Sequence[Effect], problem: Problem, z: Arra
     prior = prior_about(problem, z, known.problem.free, variance)
     placed = standing_at(z, known.minimum, prior, known.squares)
     return Candidate(tuple(effects), problem, placed, prior)
-
-
-def refitted(
-    known: Candidate, sigma: Mapping[str, float], logs: Sequence[Log], evaluations: int
-) -> Candidate:
-    """A model refitted to other logs, from where it stands and from a guess.
-
-    A term that has vanished where it stands, on a logarithmic scale, finds no way back.
-
-    Parameters
-    ----------
-    known
-        The model without effects; zeros and initial states come from the logs.
-    sigma, evaluations
-        As in `advance`.
-    logs
-        What it is fitted to.
-
-    Raises
-    ------
-    IdentificationError
-        The logs have no more samples than there are unknowns.
-    """
-    problem = Problem(known.problem.model, known.problem.parameters, logs)
-    if problem.n_samples <= problem.size:
-        raise IdentificationError(
-            f"{problem.n_samples} samples cannot tell {problem.size} unknowns",
-            where=", ".join(log.place for log in logs),
-        )
-    guesses = problem.model.guess(problem.plain_segments, problem.outputs[0])
-    starts = [known.parameters, *(guess.values_dict() for guess in guesses[:1])]
-    ends = []
-    for start in starts:
-        end, before = begun(known, known.effects, problem, problem.unknowns(start)), np.inf
-        while end.squares < SETTLED * before:  # the prior gets lighter as the residual does
-            before = end.squares
-            end = advance(end, sigma, evaluations, substeps=EXACT)
-        ends.append(end)
-    return min(ends, key=lambda end: end.squares)
 
 
 def advance(

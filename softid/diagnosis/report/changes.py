@@ -17,8 +17,9 @@ from softid.diagnosis.changes.log_differences import (
     squares_of,
 )
 from softid.diagnosis.changes.spells import Spells, spells_of
-from softid.diagnosis.refit.candidates import Candidate, refitted
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.refit.parts_of_logs import refitted
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis_results import Remainder

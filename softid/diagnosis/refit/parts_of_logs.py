@@ -1,0 +1,57 @@
+"""A model refitted to parts of its logs, of which another model may be true."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from softid.diagnosis.refit.candidates import Candidate, advance, begun
+from softid.errors import IdentificationError
+from softid.fitters.problem import Problem
+from softid.log import Log
+
+EXACT = 1000
+"""Most steps in a sampling interval: as many as the law asks for, since noise is what is left."""
+
+SETTLED = 0.99
+"""A refit goes on under a lighter prior while a run leaves less than this share of the squares."""
+
+
+def refitted(
+    known: Candidate, sigma: Mapping[str, float], logs: Sequence[Log], evaluations: int
+) -> Candidate:
+    """A model refitted to other logs, from where it stands and from a guess.
+
+    A term that has vanished where it stands, on a logarithmic scale, finds no way back.
+
+    Parameters
+    ----------
+    known
+        The model without effects; zeros and initial states come from the logs.
+    sigma, evaluations
+        As in `advance`.
+    logs
+        What it is fitted to.
+
+    Raises
+    ------
+    IdentificationError
+        The logs have no more samples than there are unknowns.
+    """
+    problem = Problem(known.problem.model, known.problem.parameters, logs)
+    if problem.n_samples <= problem.size:
+        raise IdentificationError(
+            f"{problem.n_samples} samples cannot tell {problem.size} unknowns",
+            where=", ".join(log.place for log in logs),
+        )
+    guesses = problem.model.guess(problem.plain_segments, problem.outputs[0])
+    starts = [known.parameters, *(guess.values_dict() for guess in guesses[:1])]
+    ends = []
+    for start in starts:
+        end, before = begun(known, known.effects, problem, problem.unknowns(start)), np.inf
+        while end.squares < SETTLED * before:  # the prior gets lighter as the residual does
+            before = end.squares
+            end = advance(end, sigma, evaluations, substeps=EXACT)
+        ends.append(end)
+    return min(ends, key=lambda end: end.squares)

@@ -1,0 +1,71 @@
+"""Where a course bends within its intervals, and how far a cubic lies above the straight line."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.kernels.decorators import kernel
+
+Array = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+
+@kernel
+def third_steps(time_s: Array, values: Array, found: Array) -> None:
+    """Size of the third divided difference times the interval cubed.
+
+    Parameters
+    ----------
+    time_s, values
+        The course, each of shape (n,), times rising.
+    found
+        Room for the sizes of samples k to k + 3, times the cube of the middle interval, shape
+        (n − 3,).
+    """
+    for k in range(found.size):
+        t0, t1, t2, t3 = time_s[k], time_s[k + 1], time_s[k + 2], time_s[k + 3]
+        first = (values[k + 1] - values[k]) / (t1 - t0)
+        middle = (values[k + 2] - values[k + 1]) / (t2 - t1)
+        last = (values[k + 3] - values[k + 2]) / (t3 - t2)
+        third = ((last - middle) / (t3 - t1) - (middle - first) / (t2 - t0)) / (t3 - t0)
+        found[k] = abs(third * (t2 - t1) ** 3)
+
+
+@kernel
+def bends_in_the_middle(
+    time_s: Array, values: Array, resolved: float, least: float, at: IntArray, bend: Array
+) -> int:
+    """Bends of the cubic through four samples, half way between the inner two; how many there are.
+
+    Parameters
+    ----------
+    time_s, values
+        The course, each of shape (n,), times rising.
+    resolved
+        Largest ratio of the second divided differences at both ends of an interval.
+    least
+        Smallest bend that counts.
+    at, bend
+        Receive the sample k before each interval that bends, and by how much; of shape (0,) to
+        count alone.
+    """
+    count = 0
+    for k in range(1, time_s.size - 2):
+        t0, t1, t2, t3 = time_s[k - 1], time_s[k], time_s[k + 1], time_s[k + 2]
+        first = (values[k] - values[k - 1]) / (t1 - t0)
+        middle = (values[k + 1] - values[k]) / (t2 - t1)
+        last = (values[k + 2] - values[k + 1]) / (t3 - t2)
+        before, after = (middle - first) / (t2 - t0), (last - middle) / (t3 - t1)
+        smaller, larger = min(abs(before), abs(after)), max(abs(before), abs(after))
+        if not (before * after > 0.0 and larger <= resolved * smaller):
+            continue
+        half = 0.5 * (t2 - t1)
+        # Newton's form on four samples, half way between the inner two.
+        third = (after - before) / (t3 - t0)
+        found = -(before + third * ((t1 - t0) + half)) * half**2
+        if abs(found) >= least:
+            if at.size:
+                at[count], bend[count] = k, found
+            count += 1
+    return count
