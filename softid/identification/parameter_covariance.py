@@ -18,7 +18,6 @@ from softid.uncertainty import (
     Covariance,
     FactoredRows,
     ResidualBlock,
-    Stretches,
     fit_ar,
     log_likelihood,
     noise_model,
@@ -37,6 +36,9 @@ OWN_NOISE_SAMPLES = 100
 
 Logs whose residuals differ in size, pooled into one model, had intervals that covered 84 % in place
 of 97 %."""
+
+MOST_MISSING = 0.5
+"""A mean counts where so large a share of the samples is there that the fullest one has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,15 +229,31 @@ def _means_of(
     pieces: Sequence[Piece], channel: str, logs: set[int], columns: IndexArray, optimum: Optimum
 ) -> ResidualBlock:
     """The same of means over stretches, each with the weight of its samples."""
-    kept = [(piece, piece.columns) for piece in pieces if piece.columns is not None]
-    sums = Stretches(
-        tuple(values.T @ piece.jacobian[:, columns] for piece, values in kept),
-        tuple(piece.residual @ values for piece, values in kept),
-        tuple(values[-2] for _, values in kept),  # the column of ones
+    rows, residuals, counts = zip(*(_means(piece, columns) for piece in pieces), strict=True)
+    used = np.concatenate(counts)
+    weight = float(np.sqrt(used[used > 0.0].mean())) / optimum.sigma[channel]
+    return ResidualBlock(channel, rows, residuals, weight, min(logs))
+
+
+def _means(piece: Piece, columns: IndexArray) -> tuple[FactoredRows, Array, Array]:
+    """Means of derivatives and residual, NaN where many samples are missing, and sample counts.
+
+    The sums turn into means where they stand.
+    """
+    values = piece.columns
+    assert values is not None
+    counts = values[-2].copy()  # the column of ones
+    missing = counts < max(1.0, MOST_MISSING * counts.max(initial=0.0))
+    values /= np.maximum(counts, 1.0)
+    residual = piece.residual @ values
+    residual[missing] = np.nan
+    values[:, missing] = 0.0
+    weights = piece.jacobian[:, columns]
+    return (
+        FactoredRows(values, weights, weights.T @ (values @ values.T) @ weights),
+        residual,
+        counts,
     )
-    counts = np.concatenate(sums.counts)
-    weight = float(np.sqrt(counts[counts > 0.0].mean())) / optimum.sigma[channel]
-    return sums.means(channel, weight, min(logs))
 
 
 def free_covariance(

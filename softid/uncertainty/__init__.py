@@ -31,7 +31,7 @@ from softid.uncertainty.identifiability import (
     relative_sd,
     strongest_partner,
 )
-from softid.uncertainty.linearisation import ResidualBlock, Stretches
+from softid.uncertainty.linearisation import ResidualBlock
 from softid.uncertainty.noise import effective_n, noise_model
 from softid.uncertainty.profile import ProfileResult, profile
 from softid.uncertainty.propagation import propagated_errors
@@ -44,7 +44,6 @@ __all__ = [
     "MeanInterval",
     "ProfileResult",
     "ResidualBlock",
-    "Stretches",
     "autocovariance",
     "block_bootstrap_mean_ci",
     "block_length",

@@ -192,19 +192,10 @@ class Stretches:
         return Stretches(rows, residuals, counts)
 
     def averaged(self, block: ResidualBlock) -> ResidualBlock:
-        """Means over the stretches of a block, as `means`."""
-        return self.means(block.channel, block.weight, block.recording)
-
-    def means(self, channel: str, weight: float, recording: int | None) -> ResidualBlock:
-        """Means over the stretches, unused where many samples are missing.
+        """Means over the stretches of a block, unused where many samples are missing.
 
         Many is more than half of those that the fullest stretch of the segment has: a channel with
         a slower clock than the log is missing most samples everywhere, and is used all the same.
-
-        Parameters
-        ----------
-        channel, weight, recording
-            As in `ResidualBlock`.
         """
         jacobians, residuals = [], []
         for rows, sums, counts in zip(self.rows, self.residuals, self.counts, strict=True):
@@ -212,7 +203,9 @@ class Stretches:
             enough = counts >= max(1.0, counts.max(initial=0.0) / 2.0)
             jacobians.append(_dense(rows) / divisor[:, None])
             residuals.append(np.where(enough, sums / divisor, np.nan))
-        return ResidualBlock(channel, tuple(jacobians), tuple(residuals), weight, recording)
+        return ResidualBlock(
+            block.channel, tuple(jacobians), tuple(residuals), block.weight, block.recording
+        )
 
 
 def stretch_sums(values: Array, length: int) -> Array:
