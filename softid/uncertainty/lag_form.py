@@ -93,11 +93,12 @@ class LagForm:
     @cached_property
     def _products(self) -> Array:
         """Σ_s Σ_t W_t W_{t+l} of every column, twice for l > 0, shape (K, lags)."""
-        squares = np.sum([parts**2 for parts in self._spectra], axis=0)
-        products = np.fft.irfft(squares[:, ::2] + squares[:, 1::2], self.size, axis=1)
-        twice = 2.0 * products[:, : self.lags]
+        twice = np.empty((self.squares.shape[0], self.lags))
+        for k, row in enumerate(twice):  # one at a time, for the transforms of long logs are large
+            squares = np.sum([parts[k] ** 2 for parts in self._spectra], axis=0)
+            row[:] = 2.0 * np.fft.irfft(squares[::2] + squares[1::2], self.size)[: self.lags]
         twice[:, 0] /= 2.0
-        return np.asarray(twice, np.float64)
+        return twice
 
     def _weights(self, toeplitz: Array) -> Array:
         circulant = np.zeros(self.size)
