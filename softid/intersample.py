@@ -123,7 +123,7 @@ def _bends(time_s: Array, values: Array) -> tuple[Array, Array]:
     least = LEAST_BEND * float(np.ptp(values))
     if values.size < 4 or least == 0.0:
         return np.empty(0), np.empty(0)
-    from softid.kernels.bends import bends_in_the_middle, third_steps
+    from softid.kernels.input_bends import bends_in_the_middle, third_steps
 
     time_s, values = np.ascontiguousarray(time_s), np.ascontiguousarray(values)
     steps = np.empty(values.size - 3)
