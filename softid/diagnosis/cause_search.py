@@ -187,10 +187,9 @@ class CauseSearch:
         if self.base.is_negligible:
             left = self.remainder_of(self.base.candidate)
             return SearchResult(self._nothing, replace(left, structured=False), ())
-        chain = first or self.first_cause()
-        known = chain
-        if self._explains_little(chain):
-            chain = self._raced_with_multistart(chain, BETTER_START)
+        known = chain = first or self.first_cause()
+        if self._explains_little(known):
+            chain = self._raced_with_multistart(known, BETTER_START)
         met_multistart = chain is not known
         chain = self.grow(chain, max_links=2) if chain.links else chain
         if not met_multistart and self._may_stand_for_another(chain):

@@ -37,7 +37,7 @@ OWN_NOISE_SAMPLES = 100
 Logs whose residuals differ in size, pooled into one model, had intervals that covered 84 % in place
 of 97 %."""
 
-MOST_MISSING = 0.5
+LEAST_THERE = 0.5
 """A mean counts where so large a share of the samples is there that the fullest one has."""
 
 
@@ -243,7 +243,7 @@ def _means(piece: Piece, columns: IndexArray) -> tuple[FactoredRows, Array, Arra
     values = piece.columns
     assert values is not None
     counts = values[-2].copy()  # the column of ones
-    missing = counts < max(1.0, MOST_MISSING * counts.max(initial=0.0))
+    missing = counts < max(1.0, LEAST_THERE * counts.max(initial=0.0))
     values /= np.maximum(counts, 1.0)
     residual = piece.residual @ values
     residual[missing] = np.nan

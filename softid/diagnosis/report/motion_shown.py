@@ -35,7 +35,6 @@ LITTLE = 0.98
 ORDER = 4
 """Of the polynomial that stands for the static curve."""
 
-
 LAGS = frozenset(("delay", "pneumatic_lag", "valve_flow", "sensor_lag"))
 """Effects that are a lag behind one frequency, and little else."""
 
@@ -110,17 +109,11 @@ def static_share(problem: Problem, squares: float) -> float:
         Sum of squares that the model leaves.
     """
     first = problem.outputs[0]
-    u, y, owner = (
-        np.concatenate(rows)
-        for rows in zip(
-            *(
-                (segment.input[used], segment.outputs[first][used], np.full(used.sum(), log))
-                for log, segment in zip(problem.owner, problem.segments, strict=True)
-                for used in [segment.used[first]]
-            ),
-            strict=True,
-        )
-    )
+    used = [segment.used[first] for segment in problem.segments]
+    parts = list(zip(problem.segments, used, strict=True))
+    u = np.concatenate([segment.input[own] for segment, own in parts])
+    y = np.concatenate([segment.outputs[first][own] for segment, own in parts])
+    owner = np.repeat(problem.owner, [int(own.sum()) for own in used])
     zeros = (owner[:, None] == np.unique(owner)).astype(float)
     scaled = (u - u.mean()) / max(float(np.std(u)), np.finfo(float).tiny)
     curve = np.column_stack([zeros, *(scaled**k for k in range(1, ORDER + 1))])
