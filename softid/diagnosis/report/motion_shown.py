@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
-from softid.diagnosis.report.phrases import percent
+from softid.diagnosis.refit.held_out import HeldOutLogs
+from softid.diagnosis.report.phrases import lowered, percent
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
 from softid.excitation import Stretch, segment_excitation
@@ -35,7 +36,7 @@ LITTLE = 0.98
 ORDER = 4
 """Of the polynomial that stands for the static curve."""
 
-LAGS = frozenset(("delay", "pneumatic_lag", "valve_flow", "sensor_lag"))
+LAGS = ("delay", "pneumatic_lag", "valve_flow", "line_resonance", "sensor_lag", "sensor_resonance")
 """Effects that are a lag behind one frequency, and little else."""
 
 
@@ -47,21 +48,20 @@ def motion_shown_issues(base: BaseFit, answer: Diagnosis) -> tuple[Issue, ...]:
     base
         The base fit; a model without a spring has no static curve, and no rest to lag behind.
     answer
-        The diagnosis; one that names a lag, or ties of one, tells of it.
+        The diagnosis; one with a tie of lags tells of them.
     """
     if not base.candidate.has_spring:
         return ()
-    told = {cause.effect for cause in answer.causes}
-    told |= {name for tie in answer.alternatives if told & set(tie.effects) for name in tie.effects}
-    lag = () if LAGS & told else _one_frequency(base.candidate.problem)
-    return (*lag, *_nearly_static(base))
+    return (*_one_frequency(base, answer), *_nearly_static(base))
 
 
-def sine_lag(logs: Sequence[Log], output: str) -> tuple[float, float] | None:
+def sine_lag(
+    logs: Sequence[Log], output: str, *, falls: bool = False
+) -> tuple[float, float] | None:
     """Frequency of the only sine that the inputs hold, and the time by which an output lags behind.
 
-    The lag is that of the ratio of the two sines fitted to output and input; an output that falls
-    as the input rises is turned over. It is negative where the output leads.
+    The lag is that of the ratio of the two sines fitted to output and input, and negative where the
+    output leads by less than half a turn.
 
     Parameters
     ----------
@@ -69,6 +69,8 @@ def sine_lag(logs: Sequence[Log], output: str) -> tuple[float, float] | None:
         The logs.
     output
         Channel that lags.
+    falls
+        Whether the output falls as the input rises slowly.
 
     Returns
     -------
@@ -91,8 +93,7 @@ def sine_lag(logs: Sequence[Log], output: str) -> tuple[float, float] | None:
         return None
     hz = float(np.median(frequencies))
     cross = sum(_cross(log, stretch, output, hz) for log, stretch in stretches)
-    turned = cross if cross.real >= 0.0 else -cross
-    return hz, -float(np.angle(turned)) / (2.0 * np.pi * hz)
+    return hz, -float(np.angle(-cross if falls else cross)) / (2.0 * np.pi * hz)
 
 
 def static_share(problem: Problem, squares: float) -> float:
@@ -122,25 +123,45 @@ def static_share(problem: Problem, squares: float) -> float:
     return (whole - static) / (whole - squares) if whole > squares else 0.0
 
 
-def _one_frequency(problem: Problem) -> tuple[Issue, ...]:
-    first = problem.outputs[0]
-    found = sine_lag(problem.logs, first)
-    if found is None:
+def _one_frequency(base: BaseFit, answer: Diagnosis) -> tuple[Issue, ...]:
+    problem = base.candidate.problem
+    first, driving = problem.outputs[0], problem.logs[0].input
+    named = [cause for cause in answer.causes if cause.effect in LAGS]
+    tied = {name for tie in answer.alternatives for name in tie.effects}
+    found = sine_lag(problem.logs, first, falls=_falls(base))
+    if found is None or any(cause.effect in tied for cause in named):
         return ()
     hz, lag_s = found
     degrees = 360.0 * hz * lag_s
     if degrees < NOTABLE_DEG:
         return ()
-    return (
-        Issue(
-            ONE_FREQUENCY,
-            "info",
-            f"{first} lags {lag_s:.2g} s ({degrees:.0f} degrees) behind {problem.logs[0].input}, "
-            f"which is a sine of {hz:.3g} Hz and nothing else: one frequency does not tell whether "
-            "that is a delay, a lag before the actuator, or the damping and inertia of the model",
-            "record steps or a chirp",
-        ),
+    told = (
+        f"{first} lags {lag_s:.2g} s ({degrees:.0f} degrees) behind {driving}, which is a sine of "
     )
+    told += f"{hz:.3g} Hz and nothing else: "
+    if named:
+        told += (
+            f"that {lowered(named[0].title)} is a part of it, and not another lag or the damping "
+            "of the model, rests on little"
+        )
+    else:
+        told += (
+            "one frequency does not tell whether that is a delay, a lag before the actuator, or "
+            "the damping and inertia of the model"
+        )
+    held = base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
+    more = bool(held) and sine_lag((*problem.logs, *held), first) is None
+    remedy = "fit what is held out, too, which holds more" if more else "record steps or a chirp"
+    return (Issue(ONE_FREQUENCY, "info", told, remedy),)
+
+
+def _falls(base: BaseFit) -> bool:
+    """Whether the model's output falls as the input rises slowly."""
+    problem = base.candidate.problem
+    theta = problem.theta(base.candidate.minimum.point)
+    u = np.concatenate([segment.input for segment in problem.segments])
+    ends = problem.model.static_output(theta, np.array([u.min(), u.max()]), problem.outputs[0])
+    return bool(ends[1] < ends[0])
 
 
 def _nearly_static(base: BaseFit) -> tuple[Issue, ...]:

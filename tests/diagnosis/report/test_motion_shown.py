@@ -20,7 +20,7 @@ from softid.diagnosis.report.motion_shown import (
     static_share,
 )
 from softid.diagnosis.report.summary import write_summary
-from softid.diagnosis_results import Diagnosis, Verdict
+from softid.diagnosis_results import Alternative, Diagnosis, Verdict
 from softid.errors import Issue
 from softid.log import Log, LogSet
 from softid.models.oscillator import Oscillator
@@ -38,7 +38,7 @@ def sine(hz: float, rest_s: float = 0.0) -> Array:
 
 
 def lagging(lag_s: float, *, sign: float = 1.0, hz: float = 0.5) -> Log:
-    angle = 0.01 * sign * np.interp(TIME_S - lag_s, TIME_S, sine(hz))
+    angle = 0.01 * sign * (50.0 - 40.0 * np.cos(2.0 * np.pi * hz * (TIME_S - lag_s)))
     return Log.from_arrays(TIME_S, {"pressure": sine(hz), "angle": angle})
 
 
@@ -56,10 +56,10 @@ def fitted(*logs: Log) -> BaseFit:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("lag_s", [0.05, 0.3])
+@pytest.mark.parametrize("lag_s", [0.05, 0.3, 0.8])
 def test_the_lag_of_a_sine_is_found(lag_s: float, sign: float) -> None:
     """By hand: what is read later by so much, falling or rising."""
-    found = sine_lag([lagging(lag_s, sign=sign)], "angle")
+    found = sine_lag([lagging(lag_s, sign=sign)], "angle", falls=sign < 0.0)
     assert found == pytest.approx((0.5, lag_s), abs=0.005)
 
 
@@ -110,14 +110,26 @@ def test_the_share_of_a_static_curve_by_hand() -> None:
 
 
 def test_what_the_logs_show_is_told() -> None:
-    """One frequency with a lag of more than 5 degrees, not beside a cause that is a lag."""
+    """One frequency with a lag of more than 5 degrees; with care beside a lag, not beside a tie."""
     base = fitted(moving(sine(0.5)))
     (issue,) = motion_shown_issues(base, NOTHING)
     assert issue.code == ONE_FREQUENCY
     assert "which is a sine of 0.5 Hz and nothing else" in issue.message
     lag = cause("delay", (), before=1.0, after=0.5)
     named = replace(diagnosis(Verdict.NAMED), causes=(lag,), alternatives=())
-    assert motion_shown_issues(base, named) == ()
+    (cautious,) = motion_shown_issues(base, named)
+    assert "that delay of the input is a part of it, and not another lag" in cautious.message
+    tie = Alternative(("delay", "pneumatic_lag"), {"pneumatic_lag": 1.0}, "")
+    assert motion_shown_issues(base, replace(named, alternatives=(tie,))) == ()
+
+
+def test_what_is_held_out_may_hold_more() -> None:
+    """A sine of another frequency there."""
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    held = moving(sine(0.9), seed=1)
+    base = request.fit_base(LogSet((moving(sine(0.5)),)), (held,), thorough=False)
+    (issue,) = motion_shown_issues(base, NOTHING)
+    assert issue.remedy == "fit what is held out, too, which holds more"
 
 
 def test_a_slow_input_is_nearly_static() -> None:
