@@ -304,8 +304,8 @@ def _explained(
                 reason = f"{law.why}. As {lowered(cause.title)} it"
             else:
                 behind = max(tie.delta_bic.values(), default=0.0)
-                by = "by a little" if behind < SAME else "by less than the rest"
-                reason = f"The first {by}, {lowered(cause.title)},"
+                by = "a little" if behind < SAME else "less than what none of them explains"
+                reason = f"The best by {by}, {lowered(cause.title)},"
             told.append(
                 f"{opening} one of these, and the logs do not say which: {named}. {reason} would "
                 f"have {values}."

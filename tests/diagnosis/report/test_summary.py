@@ -298,7 +298,7 @@ def test_a_tie_is_told_in_the_form_that_is_meant() -> None:
     made = replace(diagnosis(Verdict.AMBIGUOUS), causes=(lower,), alternatives=(tie,))
     made = write_summary(replace(made, next_experiment=None, summary=""))
     limit = "clipping of the sensor at its lower limit"
-    assert f"{limit} or warm-up of the sensor. The first by a little, {limit}," in made.summary
+    assert f"{limit} or warm-up of the sensor. The best by a little, {limit}," in made.summary
     assert "upper" not in made.summary
     assert made.next_experiment is not None
     assert f"to tell {limit} from" in made.next_experiment
