@@ -21,7 +21,7 @@ from softid.fitters.levenberg_marquardt import Minimum, attainable_offset, movab
 from softid.fitters.noise_level import at_noise_level
 from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
-from softid.fitters.problem import Block, Problem
+from softid.fitters.problem import Problem
 from softid.fitters.rivals import best_rival
 from softid.fitters.thinned import Lead, leads, led, rough_problem
 from softid.results import FitStatus
@@ -118,12 +118,6 @@ class Optimum:
     at_bound: npt.NDArray[np.bool_]
     start: Array
     linearised: Linearised | None = None
-
-    def blocks(self, problem: Problem) -> list[Block]:
-        """Residuals and Jacobians at the optimum, as `Problem.blocks` gives them."""
-        if self.linearised is not None:
-            return self.linearised.blocks(problem, derivatives=True)
-        return list(problem.blocks(self.unknowns, derivatives=True))
 
 
 def output_error(

@@ -131,7 +131,7 @@ def _grown(
     log: Log, fit: Callable[[Log], Candidate], noise: float, outside: BoolArray
 ) -> Spells | None:
     """The spells beside a part of a log, after the part has grown by all that the model follows."""
-    model, spans = fit(log.with_masked(~outside)), []
+    model, spans = fit(log if outside.all() else log.with_masked(~outside)), []
     for _ in range(ROUNDS):
         at, residual = _residual(log, model)
         inside = ~outside[at]

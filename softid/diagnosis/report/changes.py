@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -163,6 +164,7 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
     problem = base.candidate.problem
     first, noise = problem.outputs[0], noise_variance(base.candidate, base.scale)
 
+    @cache  # the whole of a log is fitted as its first part, and to see that it is followed
     def fit(log: Log) -> Candidate:
         return refitted(base.candidate, base.sigma, [log], REFIT_EVALUATIONS)
 

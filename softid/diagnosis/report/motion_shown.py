@@ -135,20 +135,20 @@ def _one_frequency(base: BaseFit, answer: Diagnosis) -> tuple[Issue, ...]:
     degrees = 360.0 * hz * lag_s
     if degrees < NOTABLE_DEG:
         return ()
-    told = (
-        f"{first} lags {lag_s:.2g} s ({degrees:.0f} degrees) behind {driving}, which is a sine of "
-    )
-    told += f"{hz:.3g} Hz and nothing else: "
     if named:
-        told += (
+        open_is = (
             f"that {lowered(named[0].title)} is a part of it, and not another lag or the damping "
             "of the model, rests on little"
         )
     else:
-        told += (
+        open_is = (
             "one frequency does not tell whether that is a delay, a lag before the actuator, or "
             "the damping and inertia of the model"
         )
+    told = (
+        f"{first} lags {lag_s:.2g} s ({degrees:.0f} degrees) behind {driving}, which is a sine of "
+        f"{hz:.3g} Hz and nothing else: {open_is}"
+    )
     held = base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
     more = bool(held) and sine_lag((*problem.logs, *held), first) is None
     remedy = "fit what is held out, too, which holds more" if more else "record steps or a chirp"
