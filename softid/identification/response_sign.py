@@ -17,6 +17,10 @@ from softid.models.base import Model
 CLEAR = 0.5
 """From this correlation on an output goes one way with the input."""
 
+CLEARLY_LESS = 0.5
+"""Share of the squares of the rising model that the falling one may leave where the correlation is
+positive: such an output lags by more than a quarter turn, and is not merely noisy."""
+
 BASELINE = "oscillator"
 """The model with which both directions are tried: linear, quick, and it takes any channels."""
 
@@ -24,9 +28,9 @@ BASELINE = "oscillator"
 def falls_with_input(logs: LogSet, *, rng: np.random.Generator) -> bool:
     """Whether the first output falls as the input rises.
 
-    A negative correlation is not enough: past its natural frequency any actuator moves against its
-    input. Then the oscillator is tried in both directions and the one that explains the logs better
-    counts.
+    The sign of the correlation is not enough: past its natural frequency any actuator moves against
+    its input, and one that falls may then move with it. Unless it is clearly positive, the
+    oscillator is tried in both directions and the one that explains the logs better counts.
 
     Parameters
     ----------
@@ -44,14 +48,16 @@ def falls_with_input(logs: LogSet, *, rng: np.random.Generator) -> bool:
     >>> falls_with_input(LogSet((log,)), rng=np.random.default_rng(0))
     True
     """
-    if correlation(logs) >= 0.0:
+    found = correlation(logs)
+    if found == 0.0 or found >= CLEAR:
         return False
     first = LogSet(tuple(log.with_roles(outputs=log.outputs[:1]) for log in logs))
     baseline: Model = MODELS[BASELINE]()
     rising, falling = (
         baseline.adapted(units_of(first), inverted=inverted) for inverted in (False, True)
     )
-    return _cost(falling, first, rng) <= _cost(rising, first, rng)
+    share = 1.0 if found < 0.0 else CLEARLY_LESS
+    return _cost(falling, first, rng) <= share * _cost(rising, first, rng)
 
 
 def opposed(logs: LogSet, held: Sequence[Log]) -> tuple[Issue, ...]:

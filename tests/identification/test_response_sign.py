@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linear_motion import linear_log
+from linear_motion import linear_angle, linear_log
 
 from softid.errors import IdentificationError
 from softid.identification import fit
-from softid.identification.response_sign import opposed
+from softid.identification.response_sign import correlation, falls_with_input, opposed
 from softid.log import Log, LogSet
 
 
@@ -63,3 +63,29 @@ def test_a_weak_answer_is_explained() -> None:
     sd = float(np.std(linear_log().channels["angle"].values))
     found = fit(linear_log(noise=3.0 * sd), model="oscillator")
     assert 2.0 < found.statistics[0].fit_percent < 10.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("lag_s", [0.0, 0.4])
+def test_the_way_of_an_output_that_lags_by_more_than_a_quarter_turn(
+    sign: float, lag_s: float
+) -> None:
+    """One that falls then moves with the input, and one that rises against it.
+
+    A single sine that begins in mid-motion is any free motion without damping.
+    """
+    time_s = np.arange(0.0, 30.0, 0.02)
+    pressure = 50.0 + 20.0 * (np.sin(0.9 * np.pi * time_s) + np.sin(1.1 * np.pi * time_s))
+    late = linear_angle(time_s, np.interp(time_s - lag_s, time_s, pressure))
+    angle = sign * late + 0.01 * np.random.default_rng(6).standard_normal(time_s.size)
+    log = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
+    whole = LogSet((log.between(5.0, 30.0),))
+    assert (correlation(whole) * sign < 0.0) == (lag_s > 0.0)
+    assert falls_with_input(whole, rng=np.random.default_rng(0)) == (sign < 0.0)
+
+
+def test_an_output_that_does_not_move_goes_no_way() -> None:
+    log = linear_log()
+    angle = replace(log.channels["angle"], values=np.zeros(len(log)))
+    same = replace(log, channels={**log.channels, "angle": angle})
+    assert not falls_with_input(LogSet((same,)), rng=np.random.default_rng(0))
