@@ -24,6 +24,7 @@ from softid.diagnosis.cause_search import CauseSearch, SearchResult
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.logs.input_gaps import without_lost_input
+from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
@@ -235,6 +236,8 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
         if kept.logs.logs[0].intersample is None:
             kept = recordings_read_as(kept, base.candidate.problem.logs[0].between_samples)
         kept = kept.each(partial(decimated, count=count))
+    states = len(problem.model.start_states)
+    kept = kept.each(partial(without_moving_start, motion_s=base.scale.motion_s, states=states))
     if kept is not recordings:
         base = request.fit_base(kept.logs, kept.hold_out, thorough=False)
     return kept, base, count

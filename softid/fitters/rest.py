@@ -52,7 +52,15 @@ def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
         seen = SURE * _noise(still) * float(np.sqrt(2.0 / few))
         if moved > np.clip(seen, LEAST_FRACTION * spans[name], REST_FRACTION * spans[name]):
             return False
+        if _swing(still) > REST_FRACTION * spans[name]:
+            return False
     return True
+
+
+def _swing(still: npt.NDArray[np.float64]) -> float:
+    """Standard deviation of what is surely no noise, for what swings ends where it began."""
+    most_noise = _noise(still) ** 2 * (1.0 + SURE * (2.0 / still.size) ** 0.5)
+    return float(np.sqrt(max(np.var(still) - most_noise, 0.0)))
 
 
 def _noise(values: npt.NDArray[np.float64]) -> float:

@@ -232,6 +232,31 @@ def test_how_far_an_output_may_move_at_rest(fall: float, noise: float, rests: bo
     assert starts_at_rest(made.segments()[0], spans) is rests
 
 
+@pytest.mark.parametrize(("swing", "rests"), [(2.0, False), (1.0, True)])
+@pytest.mark.parametrize("noise", [0.01, 0.6])
+def test_what_swings_about_one_place_does_not_rest(swing: float, noise: float, rests: bool) -> None:
+    """Of a range of 50, by a standard deviation of more than 2 %; both ends have the same mean."""
+    time_s = np.arange(200) * 0.02
+    still = time_s < 1.2
+    values = np.where(
+        still, np.sqrt(2.0) * swing * 0.72 * np.sin(2.0 * np.pi * time_s / 0.15), 50.0
+    )
+    values += noise * np.random.default_rng(3).standard_normal(200)
+    made = Log.from_arrays(time_s, {"pressure": 100.0 * ~still, "contraction": values})
+    spans = {"input": 100.0, "contraction": 50.0}
+    assert starts_at_rest(made.segments()[0], spans) is rests
+
+
+def test_a_spike_does_not_end_a_rest() -> None:
+    """It is in the noise between neighbours as much as in the whole variance."""
+    time_s = np.arange(200) * 0.02
+    values = np.where(time_s < 1.2, 0.0, 50.0)
+    values += 0.1 * np.random.default_rng(5).standard_normal(200)
+    values[30] += 10.0
+    made = Log.from_arrays(time_s, {"pressure": 2.0 * (time_s >= 1.2), "contraction": values})
+    assert starts_at_rest(made.segments()[0], {"input": 2.0, "contraction": 50.0})
+
+
 def test_a_log_whose_outputs_are_missing_at_first_is_not_at_rest() -> None:
     """No finite sample in the window: nothing shows that it rests."""
     t = np.arange(200) * 0.02

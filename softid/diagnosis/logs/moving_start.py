@@ -1,0 +1,95 @@
+"""Samples that depend on what the input did before the log began.
+
+Every effect that remembers takes the input before the first sample as constant, and itself as
+settled. Where a log begins in mid-motion, or just after it, that is wrong: what a delayed or a
+lagged input does at first follows from samples that nobody recorded, and a cause that is true is
+refuted by them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.delay import LONGEST_S, LONGEST_SHARE
+from softid.errors import Issue
+from softid.excitation.motion import turning_points
+from softid.fitters.rest import REST_FRACTION, spans_of
+from softid.log import Log
+from softid.segment import Segment
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+Places = npt.NDArray[np.intp]
+
+MOST_TRAVEL = 0.2
+"""Where the input travels more than this share of its way in a beginning, that is kept: a log of
+few steps would lose one of them."""
+
+
+def without_moving_start(log: Log, motion_s: float, *, states: int) -> Log:
+    """Leave out, and say so, the beginning of every stretch that does not begin at rest.
+
+    That is as long as the longest delay that is looked for, or as the actuator's own motion, but no
+    more than a tenth of the stretch; and a rest is as long as that, or what was before it still
+    acts. As many samples as there are initial states stay at the very start: they determine these
+    states, which could be anything else, and nothing besides.
+
+    Parameters
+    ----------
+    log
+        A log.
+    motion_s
+        Time that the actuator's motion takes [s].
+    states
+        Number of initial states of the model.
+    """
+    unknown, first_s = np.zeros(len(log), bool), []
+    least = REST_FRACTION * spans_of(log)["input"]
+    for segment in log.segments():
+        begins = _beginning(segment, max(LONGEST_S, motion_s))
+        moves = np.ptp(segment.input[begins]) > least
+        if moves and _is_small_part(segment, begins, least):
+            left_out = segment.samples_of(begins)
+            left_out[_first_seen(segment, states)] = False
+            unknown[segment.start : segment.stop] = left_out
+            first_s.append(float(segment.time_s[0]))
+    if not first_s:
+        return log
+    others = f" and of {len(first_s) - 1} more stretches" if len(first_s) > 1 else ""
+    issue = Issue(
+        "moving-start",
+        "info",
+        f"{log.name}: {log.input} moves from the beginning, {first_s[0]:.4g} s{others}, on; what "
+        f"it did before is not known, and {unknown.sum()} samples that may depend on it are left "
+        "out of the residuals",
+        "begin to record a few seconds before the motion",
+    )
+    return replace(log.with_masked(unknown), issues=(*log.issues, issue))
+
+
+def _beginning(segment: Segment, longest_s: float) -> BoolArray:
+    """Which rows lie in the first of a stretch."""
+    since_s = segment.time_s - segment.time_s[0]
+    found: BoolArray = since_s <= min(longest_s, LONGEST_SHARE * float(since_s[-1]))
+    return found
+
+
+def _is_small_part(segment: Segment, begins: BoolArray, least: float) -> bool:
+    """Whether the input travels little in the beginning, beside all of its way."""
+    return _travel(segment.input[begins], least) <= MOST_TRAVEL * _travel(segment.input, least)
+
+
+def _travel(u: Array, least: float) -> float:
+    """Way from each turning point to the next, where turns of less are none."""
+    at = np.unique(np.concatenate(([0], turning_points(u, least), [u.size - 1])))
+    return float(np.abs(np.diff(u[at])).sum())
+
+
+def _first_seen(segment: Segment, count: int) -> Places:
+    """The first samples of a stretch that have an output."""
+    seen = np.any([segment.samples_of(used) for used in segment.used.values()], axis=0)
+    found: Places = np.flatnonzero(seen)[:count]
+    return found
