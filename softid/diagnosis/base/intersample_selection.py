@@ -24,7 +24,7 @@ from softid.diagnosis.refit.candidates import (
     start_unknowns,
 )
 from softid.diagnosis.refit.parallel import in_parallel
-from softid.effects import ExtendedModel, effect_of
+from softid.effects import ExtendedModel, effect_of, own_values
 from softid.effects.base import Scale
 from softid.fitters.problem import Problem
 from softid.fitters.rivals import residuals_by_channel, squared_autocorrelation
@@ -38,6 +38,9 @@ from softid.identification.intersample_choice import (
 )
 from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
+
+SINGLE_DELAYS = ("delay", "pneumatic_lag", "sensor_lag")
+"""Causes that make the response late by a single number."""
 
 REFITTING = 15
 """Evaluations from the optimum of one reading to that of the other."""
@@ -111,7 +114,8 @@ def intersample_after_first_cause(
 
     Holding it at every sample is a delay of half an interval. Where a cause that takes time stays
     in the model it would take that half from it, so the base alone must then explain as much; and
-    without one, no other delay may explain more.
+    without one, no other delay may explain more. Where with a held input the base explains as much
+    as a cause that takes time, or a single delay as one of second order, that one is not needed.
 
     Parameters
     ----------
@@ -124,10 +128,14 @@ def intersample_after_first_cause(
     sigma
         Output channel → scale that its residual is divided by.
     """
-    reading = better_intersample(candidate, sigma)
-    if reading != "zoh" or not is_measured(candidate.problem.logs):
+    reading, is_late = better_intersample(candidate, sigma), _is_late(candidate)
+    if not is_measured(candidate.problem.logs):
         return reading
-    if _is_late(candidate):
+    if reading is None and is_late:
+        return _held_with_less(base, candidate, scale, sigma)
+    if reading != "zoh":
+        return reading
+    if is_late:
         read, other = _read_as(base, sigma, reading), candidate
     else:
         read, other = _read_as(candidate, sigma, reading), _delayed(candidate, scale, sigma)
@@ -136,14 +144,45 @@ def intersample_after_first_cause(
     return reading
 
 
-def _delayed(candidate: Candidate, scale: Scale, sigma: Mapping[str, float]) -> Candidate:
-    """The model refitted with a delay, from half a sampling interval on."""
-    known, effect = candidate.problem, effect_of("delay")
+def _held_with_less(
+    base: Candidate, candidate: Candidate, scale: Scale, sigma: Mapping[str, float]
+) -> Intersample | None:
+    """How the input may be held, so that the base or a single delay explains as much."""
+    needed = BETTER_BY / _independent_share(candidate)
+    delay_s = _delay_of_second_order(candidate)
+    for reading in (r for r in readings_of(candidate.problem.logs) if r in HELD):
+        held = _read_as(base, sigma, reading)
+        if held is None:
+            continue
+        if _fall(held, candidate) <= needed:
+            return reading
+        late = [_delayed(held, scale, sigma, name, delay_s) for name in SINGLE_DELAYS if delay_s]
+        if any(_fall(model, candidate) <= needed for model in late):
+            return reading
+    return None
+
+
+def _delayed(
+    candidate: Candidate,
+    scale: Scale,
+    sigma: Mapping[str, float],
+    name: str = "delay",
+    tau: float = 0.0,
+) -> Candidate:
+    """The model refitted with a delay or a lag, from half a sampling interval on at least."""
+    known, effect = candidate.problem, effect_of(name)
     problem = extend(known, (effect,), scale)
-    values = named_values(effect, {"tau": 0.5 * known.logs[0].period_s})
+    values = named_values(effect, {"tau": max(tau, 0.5 * known.logs[0].period_s)})
     z = start_unknowns(problem, known, candidate.minimum.point, values)
     late = begun(candidate, (*candidate.effects, effect), problem, z)
     return advance(late, sigma, REFITTING)
+
+
+def _delay_of_second_order(candidate: Candidate) -> float:
+    """What a cause of second order makes late at low frequencies, 2 ζ/ω; 0 for another one."""
+    *_, effect = candidate.effects
+    values = own_values(effect, candidate.problem.values(candidate.minimum.point))
+    return values["zeta"] * values["period"] / np.pi if "zeta" in values else 0.0
 
 
 def _is_late(candidate: Candidate) -> bool:
@@ -209,18 +248,18 @@ def _fall(candidate: Candidate, other: Candidate) -> float:
 
 def with_intersample(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
     """The logs with a declared reading of the input in place of another; a held one is told."""
-    read = tuple(
-        replace(
-            read_as(log, reading),
-            issues=tuple(issue for issue in log.issues if issue.code != HELD_INPUT),
-        )
-        for log in logs
-    )
+    read = tuple(_quietly_read_as(log, reading) for log in logs)
     return as_held(read, reading) if reading in HELD and read else read
 
 
+def _quietly_read_as(log: Log, reading: Intersample) -> Log:
+    """The log with another reading of the input, and no word of it."""
+    issues = tuple(issue for issue in log.issues if issue.code != HELD_INPUT)
+    return replace(read_as(log, reading), issues=issues)
+
+
 def recordings_read_as(recordings: Recordings, reading: Intersample) -> Recordings:
-    """As `with_intersample`, of the logs to explain and of those that judge.
+    """As `with_intersample`, of the logs to explain; those that judge are read alike.
 
     Parameters
     ----------
@@ -231,5 +270,5 @@ def recordings_read_as(recordings: Recordings, reading: Intersample) -> Recordin
     """
     return Recordings(
         LogSet(with_intersample(recordings.logs.logs, reading)),
-        with_intersample(recordings.hold_out, reading),
+        tuple(_quietly_read_as(log, reading) for log in recordings.hold_out),
     )

@@ -16,6 +16,7 @@ from linear_motion import (
     standing,
     swinging_log,
 )
+from scipy.signal import lsim
 
 import softid
 from softid.diagnosis.base import intersample_selection
@@ -35,7 +36,7 @@ from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis_results import Verdict
 from softid.effects import effect_of
 from softid.intersample import Intersample
-from softid.log import LogSet
+from softid.log import Log, LogSet
 
 LOG = linear_log(noise=0.01)
 """Its pressure jumps every 5 s, and its answer is exact for straight lines between samples."""
@@ -134,6 +135,45 @@ def test_a_cause_that_takes_time_keeps_its_time(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(intersample_selection, "better_intersample", lambda candidate, sigma: "zoh")
     assert intersample_after_first_cause(base, delayed, scale, SIGMA) is None
     assert intersample_after_first_cause(base, base, scale, SIGMA) is None
+
+
+@pytest.mark.parametrize(("seconds", "is_held", "found"), [(0.0, True, "zoh"), (0.05, False, None)])
+def test_an_input_that_may_be_held_needs_no_delay_of_half_an_interval(
+    seconds: float, is_held: bool, found: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Though the delayed model is no better with a held input: the base alone is as good with one.
+
+    More than half an interval is no holding.
+    """
+    base, delayed = late(seconds, held=is_held, reading="straight")
+    scale = scale_of(base.problem, base.minimum.point)
+    monkeypatch.setattr(intersample_selection, "better_intersample", lambda candidate, sigma: None)
+    assert intersample_after_first_cause(base, delayed, scale, SIGMA) == found
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_steps_that_were_held_are_no_lag(seed: int) -> None:
+    """The pressure jumps every 3 s, at a sample; the same log with a lag of 60 ms has one."""
+    time_s = np.arange(0.0, 36.0, 1.0 / RATE_HZ)
+    fine_s = np.arange(time_s.size * 20) / (20 * RATE_HZ)
+
+    def log(at: int, lag_s: float) -> Log:
+        held = 50.0 + 30.0 * ((fine_s + 1e-6) // 3.0 % 2.0)
+        if lag_s > 0.0:
+            held = lsim(([1.0], [lag_s, 1.0]), held - held[0], fine_s)[1] + held[0]
+        pressure = 50.0 + 30.0 * ((time_s + 1e-6) // 3.0 % 2.0)
+        noise = 0.004 * np.random.default_rng(at).standard_normal(time_s.size)
+        angle = linear_angle(fine_s, held)[::20] + noise
+        return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name=f"steps-{at}")
+
+    clean, lagged = (
+        softid.diagnose(log(seed, lag_s), hold_out=[log(seed + 10, lag_s)], model="oscillator")
+        for lag_s in (0.0, 0.06)
+    )
+    assert clean.verdict is Verdict.ADEQUATE
+    assert [issue.code for issue in clean.issues] == ["held-input"]
+    tied = {name for tie in lagged.alternatives for name in tie.effects}
+    assert "pneumatic_lag" in tied | {cause.effect for cause in lagged.causes}
 
 
 def test_only_what_nobody_declared_is_open() -> None:
