@@ -17,7 +17,6 @@ from softid.effects import effect_of
 NOISE = remainder(structured=False, explained=1.0)
 STRUCTURE = remainder(structured=True, explained=0.7)
 LITTLE = replace(NOISE, explained_share=0.9)
-GIVEN = (candidate(("delay",)),)
 
 
 def chain_of(*keys: str) -> Chain:

@@ -118,26 +118,25 @@ class CauseSearch:
             self._known[model] = assess(self.base.candidate, model, self.base.scale, rng=rng)
         return self._known[model]
 
-    def first_cause(self, extra: Sequence[Candidate] = ()) -> Chain:
+    def first_cause(self) -> Chain:
         """The base with one cause, if what is held out does not speak against any.
 
         Candidates from a multistart take part where a term of the base has vanished: it is no place
         to start from. A curve with free values bends to much that it is not: before it is believed
         the others are tried from a multistart, too.
-
-        Parameters
-        ----------
-        extra
-            Candidates of which it is known that they take part.
         """
         if self.base.is_negligible:
             return self._nothing
-        if not extra and has_vanished(self.base.candidate):
-            extra = self.multistart
-        chain = self.grow(self._nothing, max_links=1, extra=extra)
-        if not extra and chain.links and len(chain.links[0].added.amplitudes) > 1:
+        if has_vanished(self.base.candidate):
+            return self.grow(self._nothing, max_links=1, extra=self.multistart)
+        chain = self._first_where_base_stands
+        if chain.links and len(chain.links[0].added.amplitudes) > 1:
             return self._raced_with_multistart(chain, NEAR_CURVE)
         return chain
+
+    @cached_property
+    def _first_where_base_stands(self) -> Chain:
+        return self.grow(self._nothing, max_links=1)
 
     def grow(
         self,
@@ -218,7 +217,9 @@ class CauseSearch:
 
     @cached_property
     def _first_from_multistart(self) -> Chain:
-        return self.first_cause(extra=self.multistart)
+        known = self._first_where_base_stands
+        raced = known.links[0] if known.links else known.last
+        return self.grow(self._nothing, max_links=1, extra=self.multistart, raced=raced)
 
     @cached_property
     def _found_from_multistart(self) -> SearchResult:

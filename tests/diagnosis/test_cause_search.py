@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import pytest
 from handmade_rounds import candidate
 from handmade_searches import (
-    GIVEN,
     LITTLE,
     NAMED,
     NOISE,
@@ -54,22 +53,20 @@ NEAR, FAR = from_multistart(101.9), from_multistart(102.1)
 
 
 @pytest.mark.parametrize(
-    ("first", "vanished", "given", "others", "raced"),
+    ("first", "vanished", "others", "raced"),
     [
-        ("delay", False, (), NEAR, [()]),
-        ("static_curve", False, (), NEAR, [(), NEAR]),
-        ("static_curve", False, (), FAR, [()]),
-        ("static_curve", False, (), (), [()]),
-        ("delay", True, (), NEAR, [NEAR]),
-        ("static_curve", True, (), NEAR, [NEAR]),
-        ("static_curve", False, GIVEN, NEAR, [GIVEN]),
-        (None, False, (), NEAR, [()]),
+        ("delay", False, NEAR, [()]),
+        ("static_curve", False, NEAR, [(), NEAR]),
+        ("static_curve", False, FAR, [()]),
+        ("static_curve", False, (), [()]),
+        ("delay", True, NEAR, [NEAR]),
+        ("static_curve", True, NEAR, [NEAR]),
+        (None, False, NEAR, [()]),
     ],
 )
 def test_a_curve_with_free_knots_is_raced_again(
     first: str | None,
     vanished: bool,
-    given: Sequence[Any],
     others: tuple[Any, ...],
     raced: list[Sequence[Any]],
     monkeypatch: pytest.MonkeyPatch,
@@ -81,7 +78,7 @@ def test_a_curve_with_free_knots_is_raced_again(
     answers: list[Chain] = []
 
     def grow(
-        self: CauseSearch, chain: Chain, *, max_links: int, extra: Sequence[Any], **raced: Any
+        self: CauseSearch, chain: Chain, *, max_links: int, extra: Sequence[Any] = (), **raced: Any
     ) -> Chain:
         assert max_links == 1
         assert chain.links == ()
@@ -93,7 +90,7 @@ def test_a_curve_with_free_knots_is_raced_again(
     monkeypatch.setattr(cause_search, "has_vanished", lambda base: vanished)
     monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: others)
     assert len(effect_of("static_curve").amplitudes) > 1
-    found = search_over().first_cause(given)
+    found = search_over().first_cause()
     assert told == raced
     assert found is answers[-1]
 
@@ -179,7 +176,7 @@ def test_only_a_whole_answer_from_a_multistart_counts(
     multistart ran at first."""
     monkeypatch.setattr(cause_search, "has_vanished", lambda base: vanished)
     monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: NEAR)
-    monkeypatch.setattr(CauseSearch, "first_cause", lambda self, extra: chain_of("delay"))
+    monkeypatch.setattr(CauseSearch, "grow", lambda self, chain, **options: chain_of("delay"))
     monkeypatch.setattr(CauseSearch, "search", searched_as({"known": answer}, by=[]))
     found = search_over().search_from_multistart(NOTHING)
     assert found is (answer if counts else None)
@@ -201,11 +198,34 @@ def test_the_same_first_cause_leads_to_the_same_answer(
     """Where a multistart leads to where the search began the rest is known."""
     monkeypatch.setattr(cause_search, "has_vanished", lambda base: False)
     monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: NEAR)
-    monkeypatch.setattr(CauseSearch, "first_cause", lambda self, extra: chain_of("delay"))
+    monkeypatch.setattr(CauseSearch, "grow", lambda self, chain, **options: chain_of("delay"))
     monkeypatch.setattr(CauseSearch, "search", searched_as({"known": NAMED}, by=[]))
     known = None if first is None else candidate(first, chain_of("delay").final.squares)
     found = search_over().search_from_multistart(replace(NOTHING, first=known))
     assert found is (NAMED if again else None)
+
+
+@pytest.mark.parametrize("is_found", [True, False])
+def test_a_multistart_meets_what_the_first_round_left(
+    is_found: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether its best cause was taken or what is held out refused it: it does not run again."""
+    best = chain_of("delay").links[0]
+    told: list[Mapping[str, Any]] = []
+
+    def grow(self: CauseSearch, chain: Chain, **options: Any) -> Chain:
+        told.append(options)
+        return chain_of("delay") if is_found else Chain((), best, chain.final)
+
+    monkeypatch.setattr(cause_search, "has_vanished", lambda base: False)
+    monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: NEAR)
+    monkeypatch.setattr(CauseSearch, "grow", grow)
+    monkeypatch.setattr(CauseSearch, "search", lambda self, first: NAMED)
+    search = search_over()
+    first = search.first_cause()
+    search.search_from_multistart(NOTHING)
+    assert [options.get("extra", ()) for options in told] == [(), NEAR]
+    assert told[1]["raced"] is (first.links[0] if is_found else best)
 
 
 @pytest.mark.parametrize(("share", "is_sought"), [(0.3, False), (0.7, True)])
