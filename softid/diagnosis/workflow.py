@@ -212,7 +212,9 @@ def _search_with_intersample(
         intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma)
     )
     if len(found.chain.links) > 1:
-        reading = intersample_after_all_causes(found.chain.final, last.base.sigma)
+        reading = intersample_after_all_causes(
+            found.chain.final, last.base.sigma, found.remainder.excess
+        )
         if reading is not None:
             return searched_as(reading)
     return found, last

@@ -45,6 +45,9 @@ SINGLE_DELAYS = ("delay", "pneumatic_lag", "sensor_lag")
 REFITTING = 15
 """Evaluations from the optimum of one reading to that of the other."""
 
+LEAST_OF_REST = 0.25
+"""Share of what causes leave above the noise that another reading of the input takes away."""
+
 MOST_LAGS = 1000
 """Samples over which what is left may go on; beyond them its correlations hardly add."""
 
@@ -75,7 +78,9 @@ def reading_unless_held(logs: Iterable[Log]) -> Intersample:
     return "smooth" if "smooth" in readings_of(logs) else "straight"
 
 
-def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Intersample | None:
+def better_intersample(
+    candidate: Candidate, sigma: Mapping[str, float], *, least: float = 0.0
+) -> Intersample | None:
     """Another reading of the input where it explains the logs better with the same effects.
 
     What another reading leaves may go on for long, as what no cause has explained yet does: the
@@ -87,6 +92,8 @@ def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Inte
         A model with its first cause, at its optimum.
     sigma
         Output channel → scale that its residual is divided by.
+    least
+        Share of the sum of squares that another reading has to take away.
 
     Returns
     -------
@@ -99,9 +106,14 @@ def better_intersample(candidate: Candidate, sigma: Mapping[str, float]) -> Inte
     if not others:
         return None
 
+    needed = -candidate.problem.n_samples * float(np.log1p(-least))
+
     def fall(reading: Intersample) -> float:
         read = _read_as(candidate, sigma, reading)
-        return _fall(candidate, read) * _independent_share(read) if read else -np.inf
+        if read is None:
+            return -np.inf
+        found = _fall(candidate, read)
+        return found * _independent_share(read) if found >= needed else -np.inf
 
     most, best = max(zip(in_parallel(fall, others), others, strict=True))
     return best if most > BETTER_BY else None
@@ -194,23 +206,27 @@ def _is_late(candidate: Candidate) -> bool:
 
 
 def intersample_after_all_causes(
-    candidate: Candidate, sigma: Mapping[str, float]
+    candidate: Candidate, sigma: Mapping[str, float], excess: float = 0.0
 ) -> Intersample | None:
     """As `better_intersample` with all causes known; a measured input is held if that is better.
 
-    Nor is it held at every sample beside a cause that takes time, as after the first cause.
+    Nor is it held at every sample beside a cause that takes time, as after the first cause. Where
+    more than noise is left a reading takes away a fair part of that, or it is not what is missing.
 
     Parameters
     ----------
     candidate, sigma
         As in `better_intersample`.
+    excess
+        What the candidate leaves above the noise, as a multiple of it.
     """
     logs = candidate.problem.logs
     if logs[0].intersample in HELD and is_measured(logs):
         plain = reading_unless_held(logs)
         read = _read_as(candidate, sigma, plain)
         return plain if read and _fall(candidate, read) > -BETTER_BY else None
-    reading = better_intersample(candidate, sigma)
+    above = max(excess, 0.0)
+    reading = better_intersample(candidate, sigma, least=LEAST_OF_REST * above / (1.0 + above))
     if reading == "zoh" and is_measured(logs) and _is_late(candidate):
         return None
     return reading

@@ -85,6 +85,26 @@ def test_what_is_left_for_long_counts_for_few_samples(
     assert (first is not None) == (last is not None) == bool(counts)
 
 
+@pytest.mark.parametrize(("excess", "counts"), [(0.0, True), (0.05, True), (20.0, False)])
+def test_a_reading_that_takes_little_of_what_is_left_is_not_what_is_missing(
+    excess: float, counts: bool
+) -> None:
+    """Straight lines take away 10 to 20 % of what a held input leaves: all of what is 5 % above the
+    noise, and little of what is 20 times the noise."""
+    log = linear_log(noise=0.02)
+    command = replace(log, channels={
+        "pressure_command": log.channels["pressure"], "angle": log.channels["angle"]
+    }, input="pressure_command")  # fmt: skip
+    held, straight = (
+        converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
+        for problem in (
+            linear_problem(with_intersample([command], reading)) for reading in ("held", "straight")
+        )
+    )
+    assert 0.1 < 1.0 - straight.squares / held.squares < 0.2
+    assert (intersample_after_all_causes(held, SIGMA, excess) == "straight") is counts
+
+
 def late(seconds: float, *, held: bool, reading: Intersample) -> tuple[Candidate, Candidate]:
     """Base and delayed model of a log whose input goes on so late, straight or held, at the truth.
 
