@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
+
 from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
@@ -25,6 +27,9 @@ GROWTH = 2.0**0.5
 
 DRAFT_EVALUATIONS = 60
 """Evaluations on the whole at the end of a way."""
+
+LEAST_WAY = 0.5
+"""A beginning tells enough when its input travels so large a part of what its length would have."""
 
 LEAST_SAMPLES = 50
 """A beginning is no shorter."""
@@ -51,6 +56,37 @@ class BeginningProblem(Problem):
             kept = slice(max(LEAST_SAMPLES, round(share * segment.time_s.size)))
             self.segments.append(segment.part(kept))
         self._layout()
+
+
+def informative_beginning(problem: Problem, enough: int) -> Problem:
+    """A problem over as short a beginning of all segments as tells enough; itself where all does.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    enough
+        Samples to keep at least, over all segments.
+    """
+    share = enough / max(problem.n_samples, 1)
+    while share < 1.0:
+        if _travels_enough(problem, share):
+            return BeginningProblem(problem, share)
+        share *= 2.0
+    return problem
+
+
+def _travels_enough(problem: Problem, share: float) -> bool:
+    """Whether the beginnings hold nearly their share of the way of the input.
+
+    A log may begin with a long rest, of which nothing is learnt.
+    """
+    way = within = 0.0
+    for segment in problem.segments:
+        moves = np.abs(np.diff(segment.input))
+        way += float(moves.sum())
+        within += float(moves[: round(share * moves.size)].sum())
+    return within >= LEAST_WAY * share * way
 
 
 def led_from_beginnings(

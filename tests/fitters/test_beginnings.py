@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import softid.fitters.rivals as rivals
-from softid.fitters.beginnings import BeginningProblem, led_from_beginnings
+from softid.fitters.beginnings import BeginningProblem, informative_beginning, led_from_beginnings
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
+from softid.log import Log
 from softid.models.muscle import Muscle
 from softid.synthesis import muscle_log
 from softid.synthesis.waveforms import Sine, Steps
@@ -55,6 +56,24 @@ def test_a_beginning_of_a_short_log_is_all_of_it() -> None:
     log = muscle_log(HARDENING, Steps((0.0, 60.0), 0.2), seed=0, name="short").to_log()
     problem = Problem(Muscle(), Muscle().parameters(), [log])
     assert BeginningProblem(problem, 0.1).n_samples == min(50, problem.n_samples)
+
+
+def test_a_beginning_that_tells_enough_is_no_longer_than_needed(whole: Problem) -> None:
+    """Itself where there are no more samples than are asked for."""
+    assert informative_beginning(whole, whole.n_samples) is whole
+    part = informative_beginning(whole, 500)
+    assert 500 <= part.n_samples < 0.6 * whole.n_samples
+
+
+@pytest.mark.parametrize(("rest_s", "least"), [(0.0, 200), (12.0, 1200)])
+def test_a_beginning_at_rest_tells_nothing(rest_s: float, least: int) -> None:
+    """A log of 100 Hz that rests for so long, of which 200 samples would do elsewhere."""
+    time_s = np.arange(0.0, 20.0, 0.01)
+    pressure = 100.0 * (1.0 - np.cos(2.0 * np.pi * np.maximum(time_s - rest_s, 0.0)))
+    data = {"pressure": pressure, "contraction": 0.1 * pressure}
+    problem = Problem(Muscle(), Muscle().parameters(), [Log.from_arrays(time_s, data)])
+    part = informative_beginning(problem, 200)
+    assert least <= part.n_samples <= 1.4 * least
 
 
 def test_the_beginning_leads_to_the_optimum(whole: Problem) -> None:

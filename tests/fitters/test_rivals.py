@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -87,6 +88,29 @@ def test_a_ringing_muscle_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(fitter, "best_rival", no_rival)
     assert searched(whole, SWINGING)[1] > 5.0
+
+
+@pytest.mark.parametrize("enough", [500, 1000])
+def test_a_ringing_muscle_is_found_on_a_part_of_a_long_log(
+    enough: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As good as a start at the truth over all samples, of which a rival saw a part."""
+    whole = problem(SWINGING)
+    assert whole.n_samples > 2 * enough
+    monkeypatch.setattr(rivals, "ENOUGH", enough)
+    seen: list[int] = []
+    through = rivals._ringing_rival
+
+    def watched(problem: Problem, *others: Any) -> tuple[npt.NDArray[np.float64], int]:
+        seen.append(problem.n_samples)
+        return through(problem, *others)
+
+    monkeypatch.setattr(rivals, "_ringing_rival", watched)
+    found, ratio = searched(whole, SWINGING)
+    assert found.status.success
+    assert ratio == pytest.approx(1.0, abs=1e-4)
+    assert seen
+    assert enough <= max(seen) < whole.n_samples
 
 
 def test_a_false_optimum_is_left_by_way_of_the_pieces() -> None:
