@@ -18,8 +18,9 @@ CLEAR = 0.5
 """From this correlation on an output goes one way with the input."""
 
 CLEARLY_LESS = 0.5
-"""Share of the squares of the rising model that the falling one may leave where the correlation is
-positive: such an output lags by more than a quarter turn, and is not merely noisy."""
+"""Share of the squares of the other model that one leaves which is clearly better: else both are
+fitted further than to a draft. The falling one has to be where the correlation is positive, for
+such an output lags by more than a quarter turn, and is not merely noisy."""
 
 BASELINE = "oscillator"
 """The model with which both directions are tried: linear, quick, and it takes any channels."""
@@ -56,8 +57,11 @@ def falls_with_input(logs: LogSet, *, rng: np.random.Generator) -> bool:
     rising, falling = (
         baseline.adapted(units_of(first), inverted=inverted) for inverted in (False, True)
     )
+    costs = [_cost(model, first, rng, rounds=0) for model in (rising, falling)]
+    if min(costs) > CLEARLY_LESS * max(costs):
+        costs = [_cost(model, first, rng, rounds=1) for model in (rising, falling)]
     share = 1.0 if found < 0.0 else CLEARLY_LESS
-    return _cost(falling, first, rng) <= share * _cost(rising, first, rng)
+    return costs[1] <= share * costs[0]
 
 
 def opposed(logs: LogSet, held: Sequence[Log]) -> tuple[Issue, ...]:
@@ -103,10 +107,10 @@ def correlation(logs: LogSet) -> float:
     return float(cross / np.sqrt(inputs * outputs))
 
 
-def _cost(model: Model, logs: LogSet, rng: np.random.Generator) -> float:
-    """Sum of squares that a draft of the model leaves over."""
+def _cost(model: Model, logs: LogSet, rng: np.random.Generator, *, rounds: int) -> float:
+    """Sum of squares that a fit of the model leaves over, or a draft of one without any rounds."""
     problem = Problem(model, model.parameters(), logs.logs)
     starts: Sequence[dict[str, float]] = [
         guess.values_dict() for guess in model.guess(problem.segments, logs.outputs[0])
     ] or [model.parameters().values_dict()]
-    return output_error(problem, starts, rng=rng, rounds=0).cost
+    return output_error(problem, starts, rng=rng, rounds=rounds, thorough=False).cost

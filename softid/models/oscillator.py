@@ -184,9 +184,9 @@ class Oscillator(Model):
                 segments, output, window, gain=sign, spring=self.spring == "linear"
             )
         ]
-        if self.spring == "linear":
-            candidates += self._grid(segments, output, sign)
         scored = [(_score(segments, output, theta, declared), theta) for theta in candidates]
+        if self.spring == "linear":
+            scored += _grid(segments, output, sign)
         scored = sorted((row for row in scored if np.isfinite(row[0])), key=lambda row: row[0])
         starts = []
         for _, theta in scored[:N_STARTS]:
@@ -195,19 +195,6 @@ class Oscillator(Model):
                 declared.with_values({k: v for k, v in named.items() if not declared[k].fixed})
             )
         return tuple(starts)
-
-    def _grid(self, segments: Sequence[Segment], output: str, sign: float) -> list[Array]:
-        """Static gain by regression, speeds and damping ratios by a grid."""
-        slope = _static_slope(segments, output)
-        stiffness = 1.0 / max(sign * slope, 1e-12)
-        shortest = min(float(np.median(np.diff(s.time_s))) for s in segments)
-        longest = max(float(s.time_s[-1] - s.time_s[0]) for s in segments)
-        grid = []
-        for tau, ratio in product(np.geomspace(shortest, longest / 4, SPEEDS), DAMPING_RATIOS):
-            damping = stiffness * tau
-            mass = damping**2 / (4 * ratio**2 * stiffness)
-            grid.append(np.array([mass, damping, stiffness, sign, 0.0]))
-        return grid
 
     def response(
         self,
@@ -301,16 +288,37 @@ class Oscillator(Model):
         return (replace(self, order=found[0]), found[1]) if found else None
 
 
-def _static_slope(segments: Sequence[Segment], output: str) -> float:
-    cross = power = 0.0
+def _grid(segments: Sequence[Segment], output: str, sign: float) -> list[tuple[float, Array]]:
+    """Speeds and damping ratios on a grid, each with the stiffness that explains most, scored.
+
+    A stiffness from the slope of the output over the input would be none past the natural
+    frequency, where the output moves against its input.
+    """
+    shortest = min(float(np.median(np.diff(s.time_s))) for s in segments)
+    longest = max(float(s.time_s[-1] - s.time_s[0]) for s in segments)
+    scored = []
+    for tau, ratio in product(np.geomspace(shortest, longest / 4, SPEEDS), DAMPING_RATIOS):
+        theta = np.array([tau**2 / (4 * ratio**2), tau, 1.0, sign, 0.0])
+        left, gain = _at_best_gain(segments, output, theta)
+        if gain > 0.0:
+            theta[:3] /= gain
+            scored.append((left, theta))
+    return scored
+
+
+def _at_best_gain(segments: Sequence[Segment], output: str, theta: Array) -> tuple[float, float]:
+    """Residual sum of squares with zeros and a common gain projected out, and that gain."""
+    cross = power = whole = 0.0
     for s in segments:
         used = s.used[output]
-        if used.sum() < 2:
+        if not used.any():
             continue
-        u, y = s.input[used], s.outputs[output][used]
-        cross += float((u - u.mean()) @ (y - y.mean()))
-        power += float((u - u.mean()) @ (u - u.mean()))
-    return cross / power if power > 0 else 0.0
+        x = simulate_law(OscillatorLaw(theta), s.time_s, s.input, None, derivatives=False).x[used]
+        y = s.outputs[output][used]
+        x, y = x - x.mean(), y - y.mean()
+        cross, power, whole = cross + float(x @ y), power + float(x @ x), whole + float(y @ y)
+    gain = cross / power if power > 0.0 else 0.0
+    return whole - gain * cross, gain
 
 
 def _score(segments: Sequence[Segment], output: str, theta: Array, declared: ParameterSet) -> float:

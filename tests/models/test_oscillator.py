@@ -94,6 +94,33 @@ def test_starts_are_usable_with_noise_of_a_tenth() -> None:
     assert np.var(y - x) < 0.25 * np.var(y)
 
 
+@pytest.mark.parametrize("inverted", [False, True])
+def test_starts_past_the_natural_frequency_know_the_direction(inverted: bool) -> None:
+    """A sine of 4 Hz and noise of 7 % of its swing: an actuator of 1.3 Hz moves against it.
+
+    The slope of the output over the input then has the wrong sign. The closed form of the swing is
+    that of the frequency response, and the first start explains most of it.
+    """
+    hz, sign = 4.0, -1.0 if inverted else 1.0
+    omega, own = 2.0 * np.pi * hz, 8.0
+    response = 1.0 / (1.0 - (omega / own) ** 2 + 1.8j * omega / own)
+    assert response.real < 0.0
+    time_s = np.arange(1200) * 0.02
+    swing = sign * np.imag(response * np.exp(1j * omega * time_s))
+    noise = 0.07 * abs(response) * np.random.default_rng(5).standard_normal(time_s.size)
+    log = Log.from_arrays(
+        time_s,
+        {"force": 1.2 + np.sin(omega * time_s), "position": 1.2 * sign + swing + noise},
+        input="force",
+        outputs=("position",),
+    )
+    (segment,) = log.with_intersample("smooth").segments()
+    model = Oscillator(inverted=inverted)
+    m, n, q, gain, _ = model.guess([segment], "position")[0].values_vector()
+    found = gain / (q - m * omega**2 + 1j * n * omega)
+    assert abs(found - sign * response) < 0.5 * abs(response)
+
+
 def test_guess_without_a_spring_finds_mass_and_damping() -> None:
     """M ẍ + N ẋ = u − offset: the regression gives N, M and the offset within 25 %."""
     model = Oscillator(spring="none")
