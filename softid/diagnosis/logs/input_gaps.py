@@ -34,7 +34,7 @@ MATTERS = 0.5
 """Share of the output's noise that the course of the input in the gaps may change."""
 
 MOST_LEFT_OUT = 0.2
-"""Where more than this share depends on it the log is taken as it is."""
+"""Where more than this share of the samples depends on it, those are left out that do the most."""
 
 
 def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> Log:
@@ -56,14 +56,15 @@ def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> L
         return log
     above, below = (simulate(model, values, _through(log, gaps, side)) for side in (1.0, -1.0))
     recorded = np.searchsorted(above.time_s, log.time_s)
-    depends = np.zeros(len(log), bool)
+    differs = np.zeros(len(log))
     for name in log.outputs:
         measured = log.channels[name].values
         seen = np.isfinite(measured)
-        sigma = noise_std(log.time_s[seen], measured[seen]) or 0.0
-        differs = np.abs(above.outputs[name] - below.outputs[name])[recorded]
-        depends |= differs > MATTERS * sigma
-    if not 0 < depends.sum() <= MOST_LEFT_OUT * len(log):
+        sigma = noise_std(log.time_s[seen], measured[seen]) or np.finfo(float).tiny
+        apart = np.abs(above.outputs[name] - below.outputs[name])[recorded] / sigma
+        differs = np.fmax(differs, apart)
+    depends = differs > max(MATTERS, float(np.quantile(differs, 1.0 - MOST_LEFT_OUT)))
+    if not depends.any():
         return log
     first_s = float(log.time_s[np.flatnonzero(depends)[0]])
     issue = Issue(
