@@ -21,7 +21,7 @@ from softid.fitters.problem import Problem
 ENOUGH = 1200
 """Up to so many samples nothing is averaged, and of many more about so many averages are left."""
 
-SAMPLES_PER_MOTION = 5.0
+SAMPLES_PER_MOTION = 3.0
 """Averages in a time constant of the motion at least."""
 
 

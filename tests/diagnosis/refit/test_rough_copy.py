@@ -31,6 +31,12 @@ SAMPLES = 3000
 DRIFT = effect_of("sensor_drift")
 
 
+@pytest.fixture(autouse=True)
+def halves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Five averages in a time constant, so that they are of two samples: by hand that is easy."""
+    monkeypatch.setattr(module, "SAMPLES_PER_MOTION", 5.0)
+
+
 def slow_misfit(size: float) -> np.ndarray:
     """A sine of 10 s that no linear actuator has."""
     return size * np.sin(2.0 * np.pi * np.arange(SAMPLES) / (10.0 * RATE_HZ))
@@ -56,6 +62,16 @@ def test_a_misfit_weighs_as_much_over_averages_and_noise_half_as_much() -> None:
         assert weights["angle"] == pytest.approx(SIGMA["angle"] / np.sqrt(2.0))
         assert rough.squares == pytest.approx(expected, abs=tolerance)
         assert {name: rough.parameters[name] for name in TRUTH} == pytest.approx(TRUTH)
+
+
+def test_a_time_constant_holds_three_averages(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.2 s at 50 Hz has ten samples; three averages of three are as many as fit in whole."""
+    monkeypatch.undo()
+    problem = linear_problem([linear_log(samples=2 * SAMPLES, noise=0.01)])
+    z = problem.unknowns(TRUTH)
+    rough, weights = rough_copy(standing(problem, z), scale_of(problem, z), SIGMA)
+    assert rough.problem.n_samples == 2 * SAMPLES // 3
+    assert weights["angle"] == pytest.approx(SIGMA["angle"] / np.sqrt(3.0))
 
 
 def test_a_bend_of_the_input_within_a_mean_counts_once() -> None:
