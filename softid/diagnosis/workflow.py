@@ -153,7 +153,7 @@ def diagnose(
         recordings = recordings.each(lambda log: log.with_intersample(usual))
     require_enough(recordings.logs, recordings.hold_out)
     request = Request(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
-    recordings, base, count = _prepared(recordings, request)
+    whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)
     request, base = reduced_if_better(recordings, request, base)
     search = CauseSearch(base, effects_of(effects), seed, report)
     others = OtherExplanations()
@@ -170,7 +170,7 @@ def diagnose(
         *restriction_issues(effects),
         *averaging_issues(count),
         *rounded,
-        *(permanent_set_issues(recordings.logs) if base.candidate.has_spring else ()),
+        *(permanent_set_issues(whole) if base.candidate.has_spring else ()),
         *motion_shown_issues(base, answer),
         *jump_issues(answer.remainder, base.candidate.problem),
     )

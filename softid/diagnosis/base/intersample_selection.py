@@ -39,8 +39,18 @@ from softid.identification.intersample_choice import (
 from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
 
+ALIKE = 1.0
+"""Readings whose n·ln(mean square) differ by less explain alike, and the plainest is taken."""
+
+LITTLE_OF_GAIN = 0.02
+"""Share of what a cause that takes time gains, in n·ln(mean square), that is as much as nothing
+beside a held input: lost samples and other causes blur the half of an interval."""
+
 SINGLE_DELAYS = ("delay", "pneumatic_lag", "sensor_lag")
 """Causes that make the response late by a single number."""
+
+REFITTING_FROM_AFAR = 60
+"""The same from a base that has made room for what the delay explains."""
 
 REFITTING = 15
 """Evaluations from the optimum of one reading to that of the other."""
@@ -115,8 +125,10 @@ def better_intersample(
         found = _fall(candidate, read)
         return found * _independent_share(read) if found >= needed else -np.inf
 
-    most, best = max(zip(in_parallel(fall, others), others, strict=True))
-    return best if most > BETTER_BY else None
+    falls = in_parallel(fall, others)
+    if max(falls) <= BETTER_BY:
+        return None
+    return next(r for r, found in zip(others, falls, strict=True) if found > max(falls) - ALIKE)
 
 
 def intersample_after_first_cause(
@@ -143,14 +155,11 @@ def intersample_after_first_cause(
     reading, is_late = better_intersample(candidate, sigma), _is_late(candidate)
     if not is_measured(candidate.problem.logs):
         return reading
-    if reading is None and is_late:
+    if reading in (None, "zoh") and is_late:
         return _held_with_less(base, candidate, scale, sigma)
     if reading != "zoh":
         return reading
-    if is_late:
-        read, other = _read_as(base, sigma, reading), candidate
-    else:
-        read, other = _read_as(candidate, sigma, reading), _delayed(candidate, scale, sigma)
+    read, other = _read_as(candidate, sigma, reading), _delayed(candidate, scale, sigma)
     if read is None or _fall(read, other) * _independent_share(other) > BETTER_BY:
         return None
     return reading
@@ -160,7 +169,8 @@ def _held_with_less(
     base: Candidate, candidate: Candidate, scale: Scale, sigma: Mapping[str, float]
 ) -> Intersample | None:
     """How the input may be held, so that the base or a single delay explains as much."""
-    needed = BETTER_BY / _independent_share(candidate)
+    gained = max(_fall(base, candidate), 0.0)
+    needed = max(BETTER_BY / _independent_share(candidate), LITTLE_OF_GAIN * gained)
     delay_s = _delay_of_second_order(candidate)
     for reading in (r for r in readings_of(candidate.problem.logs) if r in HELD):
         held = _read_as(base, sigma, reading)
@@ -187,7 +197,7 @@ def _delayed(
     values = named_values(effect, {"tau": max(tau, 0.5 * known.logs[0].period_s)})
     z = start_unknowns(problem, known, candidate.minimum.point, values)
     late = begun(candidate, (*candidate.effects, effect), problem, z)
-    return advance(late, sigma, REFITTING)
+    return advance(late, sigma, REFITTING_FROM_AFAR if tau > 0.0 else REFITTING)
 
 
 def _delay_of_second_order(candidate: Candidate) -> float:

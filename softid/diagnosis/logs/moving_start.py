@@ -16,7 +16,7 @@ import numpy.typing as npt
 from softid.effects.delay import LONGEST_S, LONGEST_SHARE
 from softid.errors import Issue
 from softid.excitation.motion import turning_points
-from softid.fitters.rest import REST_FRACTION, spans_of
+from softid.fitters.rest import REST_FRACTION, spans_of, starts_at_rest
 from softid.log import Log
 from softid.segment import Segment
 
@@ -34,8 +34,9 @@ def without_moving_start(log: Log, motion_s: float, *, states: int) -> Log:
 
     That is as long as the longest delay that is looked for, or as the actuator's own motion, but no
     more than a tenth of the stretch; and a rest is as long as that, or what was before it still
-    acts. As many samples as there are initial states stay at the very start: they determine these
-    states, which could be anything else, and nothing besides.
+    acts, as it does where the input stays and the output moves. As many samples as there are
+    initial states stay at the very start: they determine these states, which could be anything
+    else, and nothing besides.
 
     Parameters
     ----------
@@ -47,11 +48,12 @@ def without_moving_start(log: Log, motion_s: float, *, states: int) -> Log:
         Number of initial states of the model.
     """
     unknown, first_s = np.zeros(len(log), bool), []
-    least = REST_FRACTION * spans_of(log)["input"]
+    spans = spans_of(log)
+    least = REST_FRACTION * spans["input"]
     for segment in log.segments():
         begins = _beginning(segment, max(LONGEST_S, motion_s))
-        moves = np.ptp(segment.input[begins]) > least
-        if moves and _is_small_part(segment, begins, least):
+        rests = np.ptp(segment.input[begins]) <= least and starts_at_rest(segment, spans)
+        if not rests and _is_small_part(segment, begins, least):
             left_out = segment.samples_of(begins)
             left_out[_first_seen(segment, states)] = False
             unknown[segment.start : segment.stop] = left_out
@@ -62,9 +64,9 @@ def without_moving_start(log: Log, motion_s: float, *, states: int) -> Log:
     issue = Issue(
         "moving-start",
         "info",
-        f"{log.name}: {log.input} moves from the beginning, {first_s[0]:.4g} s{others}, on; what "
-        f"it did before is not known, and {unknown.sum()} samples that may depend on it are left "
-        "out of the residuals",
+        f"{log.name}: at the beginning, {first_s[0]:.4g} s{others}, a motion goes on or has just "
+        f"ended; what {log.input} did before is not known, and {unknown.sum()} samples that may "
+        "depend on it are left out of the residuals",
         "begin to record a few seconds before the motion",
     )
     return replace(log.with_masked(unknown), issues=(*log.issues, issue))
@@ -78,8 +80,9 @@ def _beginning(segment: Segment, longest_s: float) -> BoolArray:
 
 
 def _is_small_part(segment: Segment, begins: BoolArray, least: float) -> bool:
-    """Whether the input travels little in the beginning, beside all of its way."""
-    return _travel(segment.input[begins], least) <= MOST_TRAVEL * _travel(segment.input, least)
+    """Whether the input travels little in the beginning, beside a way that is more than noise."""
+    whole = _travel(segment.input, least)
+    return least < whole and _travel(segment.input[begins], least) <= MOST_TRAVEL * whole
 
 
 def _travel(u: Array, least: float) -> float:

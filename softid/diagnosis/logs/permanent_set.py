@@ -111,14 +111,24 @@ def _set_of(y: Array, start: slice, tail: slice, level: float, apart: float) -> 
     ``apart`` is the difference of the two inputs as a share of the input's span.
     """
     before, after = float(np.median(y[start])), float(np.median(y[tail]))
-    middle = (tail.start + tail.stop) // 2
-    going = abs(float(np.median(y[tail.start : middle]) - np.median(y[middle : tail.stop])))
     size = abs(after - before)
     noise = float(np.median(np.abs(np.diff(y, 2)))) if y.size > 2 else 0.0
     span = float(np.ptp(y))
-    if going > STILL_GOING * size or size <= NOISE_STEPS * noise + STEEPEST * apart * span:
+    if (
+        _change(y, tail) > STILL_GOING * size
+        or size <= NOISE_STEPS * noise + STEEPEST * apart * span
+    ):
         return None
+    if _change(y, start) > STILL_GOING * size + NOISE_STEPS * noise:
+        return None  # a log that begins in mid-motion
     return ResidualSet(level, before, after, size / span)
+
+
+def _change(y: Array, part: slice) -> float:
+    """From one half of a stretch to the other; 0 for a single sample."""
+    middle = (part.start + part.stop) // 2
+    first, second = y[part.start : middle], y[middle : part.stop]
+    return abs(float(np.median(first) - np.median(second))) if first.size else 0.0
 
 
 def permanent_set_issues(logs: Iterable[Log]) -> tuple[Issue, ...]:

@@ -51,6 +51,15 @@ def test_an_input_that_stays_is_known() -> None:
     assert without_moving_start(log, MOTION_S, states=STATES) is log
 
 
+@pytest.mark.parametrize(("later", "counts"), [(True, True), (False, False)])
+def test_a_motion_that_has_just_lost_its_drive_goes_on(later: bool, counts: bool) -> None:
+    """The input stays, the output decays; where nothing else moves, the decay is all there is."""
+    pressure = np.where(later & (TIME_S > 5.0), 80.0, 0.0) * (TIME_S % 4.0 < 2.0)
+    angle = 0.01 * pressure + np.exp(-TIME_S / 0.4)
+    log = Log.from_arrays(TIME_S, {"pressure": pressure, "angle": angle})
+    assert (left_out(log).size > 0) is counts
+
+
 @pytest.mark.parametrize("rest_s", [0.0, 0.4])
 def test_what_moves_at_once_is_left_out_but_for_its_states(rest_s: float) -> None:
     """By definition: up to the longest delay, but for as many samples as there are states."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,15 @@ def test_what_is_no_set(log: Log) -> None:
     2 kPa of 48 bring an eighth of the range where the curve is three times as steep as on average.
     """
     assert residual_set(log, "angle") is None
+
+
+def test_a_motion_that_ends_at_the_beginning_leaves_no_set() -> None:
+    """The log begins while the output still comes down from 1, and is back at rest later."""
+    log = cycled(0.0, noise=0.001)
+    angle = log.channels["angle"]
+    ending = np.where(TIME_S < 10.0, np.exp(-TIME_S / 0.3), angle.values)
+    begun = replace(log, channels={**log.channels, "angle": replace(angle, values=ending)})
+    assert residual_set(begun, "angle") is None
 
 
 def test_the_remark_tells_the_numbers() -> None:
