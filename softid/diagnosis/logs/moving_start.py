@@ -8,21 +8,35 @@ refuted by them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.delay import LONGEST_S, LONGEST_SHARE
 from softid.errors import Issue
 from softid.excitation.motion import turning_points
-from softid.fitters.rest import REST_FRACTION, spans_of, starts_at_rest
+from softid.excitation.noise import noise_std
+from softid.fitters.rest import REST_FRACTION, spans_of
 from softid.log import Log
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 Places = npt.NDArray[np.intp]
+
+LONGEST_S, LONGEST_SHARE = 1.0, 0.1
+"""A delay is no longer than this, and than this share of a log."""
+
+AT_ENDS = 5
+"""Samples that are averaged for where an output is."""
+
+SURE = 5.0
+"""Standard errors by which it has moved at least."""
+
+DIES_AWAY = 2.0
+"""In the first half of the beginning a motion that dies away goes so many times as far as in the
+second."""
 
 MOST_TRAVEL = 0.2
 """Where the input travels more than this share of its way in a beginning, that is kept: a log of
@@ -52,8 +66,8 @@ def without_moving_start(log: Log, motion_s: float, *, states: int) -> Log:
     least = REST_FRACTION * spans["input"]
     for segment in log.segments():
         begins = _beginning(segment, max(LONGEST_S, motion_s))
-        rests = np.ptp(segment.input[begins]) <= least and starts_at_rest(segment, spans)
-        if not rests and _is_small_part(segment, begins, least):
+        moves = np.ptp(segment.input[begins]) > least or _dies_away(segment, begins, spans)
+        if moves and _is_small_part(segment, begins, least):
             left_out = segment.samples_of(begins)
             left_out[_first_seen(segment, states)] = False
             unknown[segment.start : segment.stop] = left_out
@@ -77,6 +91,26 @@ def _beginning(segment: Segment, longest_s: float) -> BoolArray:
     since_s = segment.time_s - segment.time_s[0]
     found: BoolArray = since_s <= min(longest_s, LONGEST_SHARE * float(since_s[-1]))
     return found
+
+
+def _dies_away(segment: Segment, begins: BoolArray, spans: Mapping[str, float]) -> bool:
+    """Whether an output moves in the first half of the beginning, and less in the second.
+
+    A drift goes on as it began.
+    """
+    for name, values in segment.outputs.items():
+        seen = values[begins & segment.used[name]]
+        if seen.size < 2 * AT_ENDS:
+            continue
+        middle = (seen.size - AT_ENDS) // 2
+        first, second, last = (
+            float(seen[k : k + AT_ENDS].mean()) for k in (0, middle, seen.size - AT_ENDS)
+        )
+        sigma = noise_std(segment.time_s[begins & segment.used[name]], seen) or 0.0
+        least = max(REST_FRACTION * spans[name], SURE * sigma * (2.0 / AT_ENDS) ** 0.5)
+        if abs(second - first) > max(least, DIES_AWAY * abs(last - second)):
+            return True
+    return False
 
 
 def _is_small_part(segment: Segment, begins: BoolArray, least: float) -> bool:

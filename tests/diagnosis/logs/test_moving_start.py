@@ -10,9 +10,14 @@ import pytest
 from linear_motion import linear_angle
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.logs.moving_start import MOST_TRAVEL, without_moving_start
+from softid.diagnosis.logs.moving_start import (
+    LONGEST_S,
+    LONGEST_SHARE,
+    MOST_TRAVEL,
+    without_moving_start,
+)
 from softid.diagnosis_results import Verdict
-from softid.effects.delay import LONGEST_S, LONGEST_SHARE
+from softid.effects import delay
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -37,6 +42,32 @@ def left_out(log: Log, motion_s: float = MOTION_S) -> Array:
     masked = without_moving_start(log, motion_s, states=STATES).masked
     assert masked is not None
     return log.time_s[masked]
+
+
+def test_it_is_as_long_as_the_longest_delay() -> None:
+    assert (LONGEST_S, LONGEST_SHARE) == (delay.LONGEST_S, delay.LONGEST_SHARE)
+
+
+def test_a_drift_through_a_rest_is_no_motion() -> None:
+    """The output creeps by a tenth of its range in ten seconds of rest, by a hundredth in the first
+    one."""
+    log = log_of(sine(rest_s=10.0))
+    angle = log.channels["angle"]
+    drifting = replace(angle, values=angle.values + 0.0075 * TIME_S)
+    drifts = replace(log, channels={**log.channels, "angle": drifting})
+    trembling = 0.004 * np.random.default_rng(1).standard_normal(TIME_S.size)
+    noisy = replace(drifting, values=drifting.values + trembling)
+    assert left_out(replace(drifts, channels={**log.channels, "angle": noisy})).size == 0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_loud_noise_at_rest_is_no_motion(seed: int) -> None:
+    """A twentieth of the range, of which averages of five samples still have a fiftieth."""
+    log = log_of(sine(rest_s=3.0))
+    angle = log.channels["angle"]
+    noise = 0.04 * np.random.default_rng(seed).standard_normal(TIME_S.size)
+    loud = replace(angle, values=angle.values + noise)
+    assert left_out(replace(log, channels={**log.channels, "angle": loud})).size == 0
 
 
 def test_a_log_that_begins_at_rest_is_itself() -> None:
