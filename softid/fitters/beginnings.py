@@ -77,7 +77,7 @@ def informative_beginning(problem: Problem, enough: int) -> Problem:
 
 
 def _travels_enough(problem: Problem, share: float) -> bool:
-    """Whether the beginnings hold nearly their share of the way of the input.
+    """Whether the beginnings hold half of their share of the way of the input.
 
     A log may begin with a long rest, of which nothing is learnt.
     """

@@ -49,11 +49,11 @@ beside a held input: lost samples and other causes blur the half of an interval.
 SINGLE_DELAYS = ("delay", "pneumatic_lag", "sensor_lag")
 """Causes that make the response late by a single number."""
 
-REFITTING_FROM_AFAR = 60
-"""The same from a base that has made room for what the delay explains."""
-
 REFITTING = 15
 """Evaluations from the optimum of one reading to that of the other."""
+
+REFITTING_FROM_AFAR = 60
+"""The same with a delay, from a base that has made room for what it explains."""
 
 LEAST_OF_REST = 0.25
 """Share of what causes leave above the noise that another reading of the input takes away."""

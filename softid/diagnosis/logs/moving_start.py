@@ -99,14 +99,15 @@ def _dies_away(segment: Segment, begins: BoolArray, spans: Mapping[str, float]) 
     A drift goes on as it began.
     """
     for name, values in segment.outputs.items():
-        seen = values[begins & segment.used[name]]
+        counts = begins & segment.used[name]
+        seen = values[counts]
         if seen.size < 2 * AT_ENDS:
             continue
         middle = (seen.size - AT_ENDS) // 2
         first, second, last = (
             float(seen[k : k + AT_ENDS].mean()) for k in (0, middle, seen.size - AT_ENDS)
         )
-        sigma = noise_std(segment.time_s[begins & segment.used[name]], seen) or 0.0
+        sigma = noise_std(segment.time_s[counts], seen) or 0.0
         least = max(REST_FRACTION * spans[name], SURE * sigma * (2.0 / AT_ENDS) ** 0.5)
         if abs(second - first) > max(least, DIES_AWAY * abs(last - second)):
             return True
