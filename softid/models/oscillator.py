@@ -133,8 +133,12 @@ class Oscillator(Model):
         return self.name if self.spring == "linear" else f"{self.name} without spring"
 
     def variants(self, input_name: str) -> tuple[Oscillator, ...]:
-        """With a spring, and for a force also without one: a drive has none."""
-        return (self, replace(self, spring="none")) if input_name == "force" else (self,)
+        """With a spring, and for a force also without one: a drive has none.
+
+        Without one first, for it is the limit Q → 0, −Q·zero → −offset of the other: a spring that
+        explains no more than this is none, whatever stiffness was found.
+        """
+        return (replace(self, spring="none"), self) if input_name == "force" else (self,)
 
     def adapted(self, units: Mapping[str, str], *, inverted: bool = False) -> Oscillator:
         """The model with the units of the logs."""

@@ -62,3 +62,37 @@ def test_channels_that_no_model_links_are_refused() -> None:
     log = load(DATA / "muscle_steps.csv", outputs=("contraction", "distance"))
     with pytest.raises(UsageError, match="no model explains contraction and distance"):
         choose_model(LogSet((log,)), rng=np.random.default_rng(0))
+
+
+def moved_by_force(stiffness: float, *, friction: float, seed: int) -> Log:
+    """A carriage of 2 kg pushed to and fro; no model has its Coulomb friction."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(0.0, 24.0, 0.01)
+    levels = rng.uniform(20.0, 60.0, 16) * np.where(np.arange(16) % 2, -1.0, 1.0)
+    force = np.interp(time, np.linspace(0.0, 24.0, 16), levels)
+    place, speed, steps = 0.0, 0.0, 20
+    position = np.empty_like(time)
+    for k, pushed in enumerate(force):
+        position[k] = place
+        for _ in range(steps):
+            drag = 80.0 * speed + friction * np.tanh(speed / 1e-3) + stiffness * place
+            speed += 0.01 / steps * (pushed - 3.0 - drag) / 2.0
+            place += 0.01 / steps * speed
+    noise = 2e-4 * rng.standard_normal(time.size)
+    return Log.from_arrays(
+        time, {"force": force, "position": 1e3 * (position + noise)}, input="force"
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    ("stiffness", "expected"), [(0.0, "oscillator without spring"), (400.0, "oscillator")]
+)
+@pytest.mark.parametrize("friction", [0.0, 8.0])
+def test_a_spring_is_found_where_there_is_one(
+    stiffness: float, expected: str, friction: float, seed: int
+) -> None:
+    """One so soft that it explains no more than none is none: Q → 0 with −Q·zero → −offset."""
+    log = moved_by_force(stiffness, friction=friction, seed=seed)
+    choice = choose_model(LogSet((log,)), rng=np.random.default_rng(seed))
+    assert choice.model.label == expected, choice.reason
