@@ -18,6 +18,9 @@ from softid.errors import InputError, UsageError
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
+FEW_LAGS = 32
+"""Below so many lags their sums are taken one by one."""
+
 NORMAL_95 = 1.959963984540054
 """Two-sided 95 % quantile of the normal law."""
 
@@ -129,7 +132,7 @@ def autocorrelation(residual: Array, max_lag: int) -> Autocorrelation:
     centred, used = _centred(residual, "residual")
     n = int(used.sum())
     sums = _lagged_sums(centred, centred, max_lag)
-    pairs = np.rint(_lagged_sums(used.astype(float), used.astype(float), max_lag))
+    pairs = _lagged_pairs(used, used, max_lag)
     lags = np.arange(max_lag + 1)
     mean = np.divide(sums, pairs, out=np.zeros_like(sums), where=pairs > 0)
     values = np.clip(1.0 - lags / n, 0.0, None) * mean * n / sums[0]
@@ -252,9 +255,10 @@ def ljung_box(residual: Array, lags: int, fitted_parameters: int = 0) -> Whitene
     freedom = lags - fitted_parameters
     if float(np.ptp(residual[used])) == 0.0:
         return WhitenessTest(0.0, 1.0, freedom)
-    centred = np.where(used, residual - residual[used].mean(), 0.0)
+    centred = residual - np.mean(residual, where=used)
+    centred[~used] = 0.0
     sums = _lagged_sums(centred, centred, lags)
-    pairs = np.rint(_lagged_sums(used.astype(float), used.astype(float), lags))
+    pairs = _lagged_pairs(used, used, lags)
     there = pairs[1:] > 0
     q = float(n * (n + 2.0) * np.sum((sums[1:][there] / sums[0]) ** 2 / pairs[1:][there]))
     return WhitenessTest(q, chi_square_tail(q, freedom), freedom)
@@ -286,14 +290,22 @@ def _mean_product(
 ) -> Array:
     """Mean of first_t second_{t+k} over the available pairs, k = 0 … max_lag."""
     sums = _lagged_sums(first, second, max_lag)
-    pairs = np.rint(_lagged_sums(used_first.astype(float), used_second.astype(float), max_lag))
+    pairs = _lagged_pairs(used_first, used_second, max_lag)
     return np.divide(sums, pairs, out=np.zeros_like(sums), where=pairs > 0)
 
 
 def _lagged_sums(first: Array, second: Array, max_lag: int) -> Array:
     """Σ_t first_t second_{t+k}, k = 0 … max_lag, by a zero-padded transform unless k are few."""
-    if max_lag < min(first.size, 32):
+    if max_lag < min(first.size, FEW_LAGS):
         return np.array([first[: first.size - k] @ second[k:] for k in range(max_lag + 1)])
     size = 1 << int(first.size + max_lag).bit_length()
     spectrum = np.conj(np.fft.rfft(first, size)) * np.fft.rfft(second, size)
     return np.fft.irfft(spectrum, size)[: max_lag + 1]
+
+
+def _lagged_pairs(first: BoolArray, second: BoolArray, max_lag: int) -> Array:
+    """How many samples of the first have one of the second k later, k = 0 … max_lag."""
+    if max_lag < min(first.size, FEW_LAGS):
+        there = (first[: first.size - k] & second[k:] for k in range(max_lag + 1))
+        return np.array([float(np.count_nonzero(each)) for each in there])
+    return np.rint(_lagged_sums(first.astype(float), second.astype(float), max_lag))

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
 from softid.fitters.levenberg_marquardt import Normal
-from softid.fitters.normal_equations import Linearised
-from softid.fitters.objective import Objective
-from softid.fitters.output_error import output_error
+from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
+from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
 from softid.intersample import HELD, Intersample, jumps, knots
 from softid.log import Log, LogSet
@@ -29,6 +28,12 @@ SMOOTH_INPUT = "smooth-input"
 
 BETTER_BY = 10.0
 """n·ln(mean square) must fall by this much: both readings have the same number of unknowns."""
+
+LONG = 100_000
+"""A log of more samples is looked at up to there: how an input is recorded does not change."""
+
+LEAST_WAY = 0.5
+"""Or farther, until the input has travelled half of what it does elsewhere in as many samples."""
 
 LOOKS = 2
 """Evaluations before the promise of the normal equations is asked."""
@@ -109,9 +114,41 @@ def as_held(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
     return (replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:])
 
 
-def explains_better(
-    problem: Problem, unknowns: Array, other: LogSet, *, known: Linearised | None = None
-) -> bool:
+@dataclass(frozen=True, eq=False)
+class Explained:
+    """What a fit leaves over in as much of its logs as tells what an input does between samples.
+
+    Attributes
+    ----------
+    problem, unknowns
+        A fit and its optimum.
+    misfit
+        n·ln(mean square) there.
+    """
+
+    problem: Problem
+    unknowns: Array
+    misfit: float
+
+    @classmethod
+    def by(cls, problem: Problem, optimum: Optimum) -> Explained:
+        """What an optimum explains; of long logs, what one of their beginnings does.
+
+        Parameters
+        ----------
+        problem, optimum
+            A fit.
+        """
+        cut = tuple(_beginning(log) for log in problem.logs)
+        if cut == tuple(problem.logs):
+            return cls(problem, optimum.unknowns, _misfit(problem, optimum))
+        part = Problem(problem.model, problem.parameters, cut)
+        start = part.unknowns(problem.values(optimum.unknowns))
+        there = Objective(part, optimum.sigma).solve(start, SCOUT_EVALUATIONS)
+        return cls(part, there.point, _misfit_of(part, there.point))
+
+
+def explains_better(own: Explained, other: LogSet) -> bool:
     """Whether a model explains other logs better than its own, of as many samples.
 
     A step from the optimum of its own logs often settles it: where `TRUSTED` times what the normal
@@ -119,26 +156,32 @@ def explains_better(
 
     Parameters
     ----------
-    problem, unknowns
-        A fit and its optimum; the search for the other one begins there.
+    own
+        A fit; the search for the other one begins at its optimum.
     other
         The logs with another input.
-    known
-        Normal equations at the optimum, which may hold its residuals.
     """
-    changed = Problem(problem.model, problem.parameters, other.logs)
-    wanted = _misfit(problem, unknowns, known) - BETTER_BY
+    problem = own.problem
+    changed = Problem(problem.model, problem.parameters, [_beginning(log) for log in other])
+    wanted = own.misfit - BETTER_BY
     if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:
         looking = Objective(changed, dict.fromkeys(problem.outputs, 1.0))
-        there = looking.solve(unknowns, LOOKS, bends=False).normal
+        there = looking.solve(own.unknowns, LOOKS, bends=False).normal
         if np.isfinite(there.cost) and _promised(there) > wanted:
             return False
-    values = dict(zip(problem.parameters.names, problem.theta(unknowns).tolist(), strict=True))
+    values = problem.values(own.unknowns)
     rng = np.random.default_rng(0)
     draft = output_error(changed, [values], rng=rng, rounds=0, far=False)
-    if not np.isfinite(draft.cost):
-        return False
-    return _misfit(changed, draft.unknowns, draft.linearised) < wanted
+    return bool(np.isfinite(draft.cost)) and _misfit(changed, draft) < wanted
+
+
+def _beginning(log: Log) -> Log:
+    """The first `LONG` samples, or as many more as hold half of their share of the input's way."""
+    count = LONG
+    way = np.cumsum(np.abs(np.diff(log.channels[log.input].values)))
+    while count < len(log) and way[count - 1] < LEAST_WAY * count / len(log) * way[-1]:
+        count *= 2
+    return log if count >= len(log) else log.between(log.time_s[0], log.time_s[count])
 
 
 def _promised(there: Normal) -> float:
@@ -148,13 +191,21 @@ def _promised(there: Normal) -> float:
     return there.n * float(np.log(2.0 * cost / there.n + np.finfo(float).tiny))
 
 
-def _misfit(problem: Problem, unknowns: Array, known: Linearised | None) -> float:
-    """n·ln(mean square) over all channels."""
-    if known is not None:
-        sums = [(p.channel, p.squares) for p in known.pieces]
-    else:
-        blocks = problem.blocks(unknowns, derivatives=False)
-        sums = [(b.channel, (float(b.residual @ b.residual), b.residual.size)) for b in blocks]
+def _misfit(problem: Problem, optimum: Optimum) -> float:
+    """n·ln(mean square) over all channels, of the residuals that an optimum may hold."""
+    known = optimum.linearised
+    if known is None:
+        return _misfit_of(problem, optimum.unknowns)
+    return _summed(problem, [(piece.channel, piece.squares) for piece in known.pieces])
+
+
+def _misfit_of(problem: Problem, unknowns: Array) -> float:
+    blocks = problem.blocks(unknowns, derivatives=False)
+    squares = [(b.channel, (float(b.residual @ b.residual), b.residual.size)) for b in blocks]
+    return _summed(problem, squares)
+
+
+def _summed(problem: Problem, sums: Sequence[tuple[str, tuple[float, int]]]) -> float:
     total = 0.0
     for name in problem.outputs:
         squares, n = np.sum([own for channel, own in sums if channel == name], axis=0).tolist()

@@ -83,28 +83,22 @@ def errors_of(problem: Problem, optimum: Optimum) -> Errors:
     misses what a parameter does within so short a time. Noise models and criteria are of the
     samples all the same.
     """
-    pieces = _sums_over_stretches(problem, optimum)
-    rows = _rows_at(problem, optimum, derivatives=pieces is None)
-    groups = [(name, logs) for name in problem.outputs for logs in _noise_groups(problem, name)]
-    shared = [_of(problem, rows, *group) for group in groups]
-    residuals = [[r.residual for r in own] for own in shared]
-    models = [fit_ar(own) for own in residuals]
-    likelihood = sum(log_likelihood(ar, own) for ar, own in zip(models, residuals, strict=True))
     stuck = optimum.at_bound.copy()
     stuck[len(problem.free) :] = False
     columns = np.flatnonzero(~stuck)
+    groups = [(name, logs) for name in problem.outputs for logs in _noise_groups(problem, name)]
     n = problem.n_samples
-    covariance = None
-    if columns.size and n > columns.size:
-        if pieces is None:
-            parts = zip(groups, shared, strict=True)
-            blocks = [_block_of(own, *group, columns, optimum) for group, own in parts]
-        else:
-            summed = [(group, _of(problem, pieces, *group)) for group in groups]
-            blocks = [_means_of(own, *group, columns, optimum) for group, own in summed]
-        every = unknown_names(problem)
-        names = [every[k] for k in columns]
-        covariance = sandwich_covariance(blocks, names, noise=models if pieces is None else None)
+    there = columns.size > 0 and n > columns.size
+    covariance = _covariance_of_means(problem, optimum, groups, columns) if there else None
+    rows = _rows_at(problem, optimum, derivatives=there and covariance is None)
+    shared = [_of(problem, rows, *group) for group in groups]
+    residuals = [[r.residual for r in own] for own in shared]
+    models = [fit_ar(own) for own in residuals]
+    if there and covariance is None:
+        parts = zip(groups, shared, strict=True)
+        blocks = [_block_of(own, *group, columns, optimum) for group, own in parts]
+        covariance = sandwich_covariance(blocks, _names_of(problem, columns), noise=models)
+    likelihood = sum(log_likelihood(ar, own) for ar, own in zip(models, residuals, strict=True))
     finite = bool(np.isfinite(likelihood))
     return Errors(
         covariance,
@@ -169,16 +163,30 @@ class _Rows:
 Part = TypeVar("Part", _Rows, Piece)
 
 
-def _sums_over_stretches(problem: Problem, optimum: Optimum) -> tuple[Piece, ...] | None:
-    """Columns summed over stretches, so long that their sums are few enough to keep.
+def _covariance_of_means(
+    problem: Problem, optimum: Optimum, groups: Sequence[Group], columns: IndexArray
+) -> Covariance | None:
+    """That of averages over a few samples, which take no more memory than the logs do.
 
     None where the columns are there, or few enough at every sample, or no kernel sums them.
     """
-    stretch = -(-problem.n_samples * problem.size // KEPT_ENTRIES)
-    if optimum.linearised is not None or stretch <= 1:
+    entries = problem.n_samples * problem.size
+    if optimum.linearised is not None or entries <= KEPT_ENTRIES:
         return None
+    own = sum(s.time_s.size * (2 + len(problem.outputs)) for s in problem.segments)
+    stretch = -(-entries // min(KEPT_ENTRIES, own))
     found = linearise(problem, optimum.unknowns, optimum.sigma, plans=None, keep=stretch)
-    return found.pieces if found.affine else None
+    if not found.affine:
+        return None
+    blocks = [
+        _means_of(_of(problem, found.pieces, *group), *group, columns, optimum) for group in groups
+    ]
+    return sandwich_covariance(blocks, _names_of(problem, columns))
+
+
+def _names_of(problem: Problem, columns: IndexArray) -> list[str]:
+    every = unknown_names(problem)
+    return [every[k] for k in columns]
 
 
 def _rows_at(problem: Problem, optimum: Optimum, *, derivatives: bool) -> list[_Rows]:

@@ -13,6 +13,7 @@ from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.intersample_choice import (
+    Explained,
     as_held,
     as_smooth,
     explains_better,
@@ -211,10 +212,11 @@ def identify(
     found = _identify(adapted, log_set, constraints, starts, rng, report, thorough=thorough)
     read = log_set
     others = (LogSet(logs) for logs in _otherwise_read(recorded, log_set.logs))
+    own = None
     for other in others if np.isfinite(found.optimum.cost) else ():
-        known = found.optimum.linearised
-        if explains_better(found.problem, found.optimum.unknowns, other, known=known):
-            read = other
+        own = own or Explained.by(found.problem, found.optimum)
+        if explains_better(own, other):
+            read, own = other, None
             found = _identify(adapted, read, constraints, starts, rng, report, thorough=thorough)
     if read is not log_set:
         reading = read.logs[0].intersample

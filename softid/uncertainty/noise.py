@@ -28,6 +28,9 @@ WHITENESS_LEVEL = 0.01
 LJUNG_BOX_LAGS = 20
 """Lags of the whiteness test, fewer on short records (a fifth of the samples)."""
 
+FIRST_LAGS, MORE_LAGS = 4096, 8
+"""Autocovariances are made for so many lags, and so many times more until they have faded."""
+
 
 def effective_n(ar: AutoRegression, lengths: Sequence[int]) -> float:
     """Independent samples whose mean would be as uncertain as that of the coloured ones.
@@ -51,12 +54,22 @@ def effective_n(ar: AutoRegression, lengths: Sequence[int]) -> float:
     total = int(sum(lengths))
     if ar.sigma == 0.0 or total == 0:
         return float(total)
-    gamma = autocovariance(ar, max(lengths))
+    gamma = _until_faded(ar, max(lengths))
     variance = 0.0
     for n in lengths:
-        lags = np.arange(1, n)
-        variance += n * gamma[0] + 2.0 * float((n - lags) @ gamma[1:n])
+        lags = np.arange(1, min(n, gamma.size))
+        variance += n * gamma[0] + 2.0 * float((n - lags) @ gamma[lags])
     return float(total**2 * gamma[0] / variance)
+
+
+def _until_faded(ar: AutoRegression, n: int) -> Array:
+    """Autocovariance at the lags below n, without the zeros at the end."""
+    lags = min(n, FIRST_LAGS)
+    gamma = autocovariance(ar, lags)
+    while lags < n and np.any(gamma[-max(ar.order, 1) :]):
+        lags = min(n, MORE_LAGS * lags)
+        gamma = autocovariance(ar, lags)
+    return gamma
 
 
 def noise_model(
@@ -95,7 +108,8 @@ def noise_model(
     n = sum(run.size for run in runs)
     power = sum(float(run @ run) for run in runs)
     gap = np.full(LJUNG_BOX_LAGS, np.nan)
-    joined = np.concatenate([part for residual in residuals for part in (residual, gap)])
+    apart = [part for residual in residuals for part in (residual, gap)][:-1]
+    joined = np.concatenate(apart) if len(apart) > 1 else apart[0]
     test = ljung_box(joined, max(1, min(LJUNG_BOX_LAGS, n // 5)))
     return NoiseModel(
         channel=channel,

@@ -9,9 +9,15 @@ import numpy as np
 import pytest
 from linear_motion import TRUTH, swinging_log
 
+from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification import fit
-from softid.identification.intersample_choice import explains_better, held_readings
+from softid.identification.intersample_choice import (
+    LONG,
+    Explained,
+    explains_better,
+    held_readings,
+)
 from softid.log import Log, LogSet
 from softid.models import Oscillator
 from softid.records import load_params, save_fit
@@ -20,10 +26,11 @@ from softid.validation import validate
 PERIOD_S, TAU_S, NOISE = 0.02, 0.1, 0.005
 
 
-def stepped(seed: int, *, is_held: bool) -> Log:
+def stepped(seed: int, *, is_held: bool, levels: int = 16, rest: int = 0) -> Log:
     """A first-order lag of 0.1 s behind random levels that jump at samples, in closed form."""
     rng = np.random.default_rng(seed)
-    u = np.repeat(rng.uniform(0.0, 100.0, 16), 50)
+    u = np.repeat(rng.uniform(0.0, 100.0, levels), 50)
+    u = np.concatenate([np.full(rest, u[0]), u])
     decay = np.exp(-PERIOD_S / TAU_S)
     x = np.empty(u.size)
     x[0] = u[0]
@@ -102,10 +109,22 @@ def test_a_command_may_be_held_at_every_sample(name: str, reading: str | None) -
     assert (interval[0] <= 100.0 * TAU_S <= interval[1]) is (reading == "zoh")
 
 
+@pytest.mark.parametrize("rest", [0, 110_000])
+@pytest.mark.parametrize("is_held", [True, False])
+def test_a_long_log_is_told_by_a_beginning_that_moves(is_held: bool, rest: int) -> None:
+    """However long it rests first: what is looked at holds half of its share of the way."""
+    log = stepped(3, is_held=is_held, levels=2400, rest=rest)
+    found = fit(log, model=Oscillator(order="first"))
+    assert len(log) > LONG
+    assert (found.options["intersample"] == "held") is is_held
+    assert found.parameter("N").value == pytest.approx(100.0 * TAU_S, rel=0.01)
+
+
 def test_the_same_logs_explain_nothing_better() -> None:
     """No gain without a jump that is read otherwise."""
     logs = LogSet((stepped(0, is_held=False),))
     model = Oscillator(order="first", x_unit="rad", u_unit="kPa")
     problem = Problem(model, model.parameters(), logs.logs)
-    unknowns = problem.unknowns({"N": 100.0 * TAU_S, "Q": 100.0})
-    assert not explains_better(problem, unknowns, logs)
+    values = {"N": 100.0 * TAU_S, "Q": 100.0}
+    optimum = output_error(problem, [values], rng=np.random.default_rng(0), rounds=0)
+    assert not explains_better(Explained.by(problem, optimum), logs)
