@@ -3,7 +3,8 @@
 A recorded command, or an input that was written as steps, changes within one sampling interval and
 is flat before and after. Taken as straight it comes half an interval early, which looks like a
 delay of the actuator. It may be held at its jumps alone, where the rest of it is a measured course,
-or at every sample, as a digital controller holds it (zero-order hold).
+or at every sample, as a digital controller holds it (zero-order hold). Where samples were lost it
+changed at any of them: held over the gap it would come late.
 
 A measured course that swings within a few samples is cut short by straight lines: a sine of ω by
 (ω h)²/12 of its amplitude, at an interval of h. What is taken from it grows with the frequency, as
@@ -41,6 +42,15 @@ SMALLEST = 0.005
 BEFORE = 1e-3
 """A held input jumps this share of the interval before the next sample."""
 
+GAP_PERIODS = 1.5
+"""An interval has lost a sample when it is so many sampling periods long."""
+
+GAP_SPREADS = 3.0
+"""And so many of the usual spreads longer than one: where a clock trembles, long intervals are as
+usual as short ones."""
+
+MAD_TO_STD = 1.4826
+"""Standard deviation over median absolute deviation, for a normal law."""
 
 LEAST_BEND = 1e-3
 """Share of the input's range by which a cubic leaves the straight line at least: a lesser bend
@@ -90,6 +100,8 @@ def jumps(values: Array) -> IntArray:
 def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array, Array]:
     """Times and values to be put in just before the samples at which a held input changes.
 
+    Where samples were lost it changes at each of them, by as much every time.
+
     Parameters
     ----------
     time_s, values
@@ -108,14 +120,57 @@ def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array
     if intersample == "smooth":
         return _bends(time_s, values)
     at = np.flatnonzero(np.diff(values)) if intersample == "zoh" else jumps(values)
-    stop_s = time_s[at + 1]
-    held_s, held = stop_s - BEFORE * (stop_s - time_s[at]), values[at]
-    if intersample == "zoh":
-        return held_s, held
-    bend_s, bend = _bends(time_s, values)
-    knot_s = np.concatenate((held_s, bend_s))
+    is_lost = np.isin(at, lost_intervals(time_s))
+    whole = at[~is_lost]
+    stop_s = time_s[whole + 1]
+    parts = [(stop_s - BEFORE * (stop_s - time_s[whole]), values[whole])]
+    period_s = float(np.median(np.diff(time_s)))
+    parts += [_staircase(time_s[k : k + 2], values[k : k + 2], period_s) for k in at[is_lost]]
+    if intersample == "held":
+        parts.append(_bends(time_s, values))
+    knot_s, level = (np.concatenate(each) for each in zip(*parts, strict=True))
     order = np.argsort(knot_s)
-    return knot_s[order], np.concatenate((held, bend))[order]
+    return knot_s[order], level[order]
+
+
+def lost_intervals(time_s: Array) -> IntArray:
+    """Indices k such that samples were lost between k and k + 1.
+
+    Parameters
+    ----------
+    time_s
+        Sample times, shape (n,).
+
+    Examples
+    --------
+    >>> lost_intervals(np.array([0.0, 0.1, 0.2, 0.3, 0.5, 0.6])).tolist()
+    [3]
+    """
+    interval_s = np.diff(time_s)
+    period_s = float(np.median(interval_s))
+    spread_s = MAD_TO_STD * float(np.median(np.abs(interval_s - period_s)))
+    longest_s = max(GAP_PERIODS * period_s, period_s + GAP_SPREADS * spread_s)
+    found: IntArray = np.flatnonzero(interval_s > longest_s)
+    return found
+
+
+def _staircase(time_s: Array, values: Array, period_s: float) -> tuple[Array, Array]:
+    """A step at each sample that was lost, as high as the next: what is expected of one somewhere.
+
+    Parameters
+    ----------
+    time_s, values
+        The samples before and after, each of shape (2,).
+    """
+    count = max(round((time_s[1] - time_s[0]) / period_s), 1)
+    share = np.arange(1, count + 1) / count
+    stop_s = time_s[0] + (time_s[1] - time_s[0]) * share
+    stop = values[0] + (values[1] - values[0]) * share
+    start = np.append(values[0], stop[:-1])
+    before_s = stop_s - BEFORE * (time_s[1] - time_s[0]) / count
+    knot_s = np.column_stack((before_s, stop_s)).ravel()
+    level = np.column_stack((start, stop)).ravel()
+    return knot_s[:-1], level[:-1]
 
 
 def _bends(time_s: Array, values: Array) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.intersample import BEFORE, jumps, knots
+from softid.intersample import BEFORE, Intersample, jumps, knots, lost_intervals
 from softid.log import Log
 from softid.models import Oscillator
 from softid.simulation import simulate
@@ -138,3 +138,29 @@ def test_rows_of_a_held_log_are_its_samples_again() -> None:
     np.testing.assert_allclose(found.outputs["angle"], exact, atol=1e-4)
     early = simulate(model, values, log).outputs["angle"] - exact
     assert early.max() > 0.03  # half a sample of 10 ms on a time constant of 100 ms
+
+
+@pytest.mark.parametrize("intersample", ["held", "zoh"])
+def test_a_jump_while_samples_were_lost_is_expected_in_their_middle(
+    intersample: Intersample,
+) -> None:
+    """By construction: its step is at each of four places, as high, and the mean lies half way."""
+    lost = (TIME_S > 1.965) & (TIME_S < 1.995)
+    time_s, u = TIME_S[~lost], STEP[~lost]
+    knot_s, level = knots(time_s, u, intersample)
+    assert knot_s.size == 2 * 4 - 1
+    course_s = np.concatenate((time_s, knot_s))
+    course = np.concatenate((u, level))[np.argsort(course_s)]
+    course_s = np.sort(course_s)
+    for when, value in ((1.965, 0.0), (1.975, 25.0), (1.985, 50.0), (1.995, 75.0), (2.005, 100.0)):
+        assert np.interp(when, course_s, course) == pytest.approx(value, abs=1e-9)
+
+
+def test_an_irregular_clock_has_lost_nothing() -> None:
+    """Written when it changes: intervals are of all lengths, and it is held over each."""
+    time_s = np.cumsum(np.random.default_rng(0).uniform(0.1, 2.0, 40))
+    u = np.arange(40.0) % 7
+    assert lost_intervals(time_s).size == 0
+    knot_s, level = knots(time_s, u, "zoh")
+    assert np.array_equal(level, u[:-1])
+    assert np.allclose(knot_s, time_s[1:], atol=1e-2)

@@ -8,6 +8,7 @@ from math import floor, log10
 import numpy as np
 import numpy.typing as npt
 
+from softid.intersample import MAD_TO_STD
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -31,9 +32,6 @@ FINE_CLOCK = 0.9
 
 ON_THE_TICK = 1e-3
 """Distance from a tick, in ticks, within which a time lies on it: the rounding of large times."""
-
-MAD_TO_STD = 1.4826
-"""Standard deviation over median absolute deviation, for a normal law."""
 
 
 @dataclass(frozen=True)

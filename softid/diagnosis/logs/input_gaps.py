@@ -15,20 +15,13 @@ import numpy.typing as npt
 
 from softid.errors import Issue
 from softid.excitation.noise import noise_std
+from softid.intersample import lost_intervals
 from softid.log import Log
 from softid.models.base import Model
-from softid.quality.sampling import describe_sampling
 from softid.simulation import simulate
 
 Array = npt.NDArray[np.float64]
 Places = npt.NDArray[np.intp]
-
-GAP_PERIODS = 1.5
-"""An interval has lost a sample when it is so many sampling periods long."""
-
-GAP_SPREADS = 3.0
-"""And so many of the usual spreads longer than one: where a clock trembles, long intervals are as
-usual as short ones."""
 
 MATTERS = 0.5
 """Share of the output's noise that the course of the input in the gaps may change."""
@@ -79,9 +72,8 @@ def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> L
 
 def _gaps(log: Log) -> Places:
     """Last samples before an interval that has lost others, and is none between two segments."""
-    interval_s, jitter = np.diff(log.time_s), describe_sampling(log).jitter
-    longest_s = max(GAP_PERIODS, 1.0 + GAP_SPREADS * jitter) * log.period_s
-    found: Places = np.flatnonzero((interval_s > longest_s) & (interval_s <= log.stall_s))
+    lost = lost_intervals(log.time_s)
+    found: Places = lost[np.diff(log.time_s)[lost] <= log.stall_s]
     return found
 
 

@@ -197,6 +197,27 @@ def test_steps_that_were_held_are_no_lag(seed: int) -> None:
     assert "pneumatic_lag" in tied | {cause.effect for cause in lagged.causes}
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_steps_that_were_held_and_partly_lost_are_no_delay(seed: int) -> None:
+    """Nobody knows when it jumped while samples were lost: held over the gap it would be late."""
+
+    def log(at: int) -> Log:
+        rng = np.random.default_rng(at)
+        samples, fine = 2000, 20
+        lengths = rng.integers(8, 60, 400)
+        pressure = np.repeat(rng.uniform(10.0, 100.0, 400), lengths)[:samples]
+        time_s = np.arange(samples) / RATE_HZ
+        fine_s = np.arange(samples * fine) / (fine * RATE_HZ)
+        angle = linear_angle(fine_s, np.repeat(pressure, fine) - pressure[0])[::fine]
+        angle += 0.002 * rng.standard_normal(samples)
+        kept = np.convolve(rng.uniform(size=samples) < 0.04, np.ones(3), "same") < 0.5
+        channels = {"pressure": pressure[kept], "angle": angle[kept]}
+        return Log.from_arrays(time_s[kept], channels, name=f"lost-{at}")
+
+    found = softid.diagnose(log(seed), hold_out=[log(seed + 10)], model="oscillator")
+    assert found.verdict is Verdict.ADEQUATE, found.summary
+
+
 def test_only_what_nobody_declared_is_open() -> None:
     """Declared readings stay, and an input without a jump has but one."""
     assert is_open(LogSet((LOG,)))
