@@ -13,6 +13,7 @@ from softid.fitters.levenberg_marquardt import Normal
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
+from softid.identification.log_beginning import beginning
 from softid.intersample import HELD, Intersample, jumps, knots
 from softid.log import Log, LogSet
 
@@ -30,10 +31,7 @@ BETTER_BY = 10.0
 """n·ln(mean square) must fall by this much: both readings have the same number of unknowns."""
 
 LONG = 100_000
-"""A log of more samples is looked at up to there: how an input is recorded does not change."""
-
-LEAST_WAY = 0.5
-"""Or farther, until the input has travelled half of what it does elsewhere in as many samples."""
+"""Of a log with more samples a beginning is looked at: how an input is recorded does not change."""
 
 LOOKS = 2
 """Evaluations before the promise of the normal equations is asked."""
@@ -139,7 +137,7 @@ class Explained:
         problem, optimum
             A fit.
         """
-        cut = tuple(_beginning(log) for log in problem.logs)
+        cut = tuple(beginning(log, LONG) for log in problem.logs)
         if cut == tuple(problem.logs):
             return cls(problem, optimum.unknowns, _misfit(problem, optimum))
         part = Problem(problem.model, problem.parameters, cut)
@@ -162,7 +160,7 @@ def explains_better(own: Explained, other: LogSet) -> bool:
         The logs with another input.
     """
     problem = own.problem
-    changed = Problem(problem.model, problem.parameters, [_beginning(log) for log in other])
+    changed = Problem(problem.model, problem.parameters, [beginning(log, LONG) for log in other])
     wanted = own.misfit - BETTER_BY
     if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:
         looking = Objective(changed, dict.fromkeys(problem.outputs, 1.0))
@@ -173,15 +171,6 @@ def explains_better(own: Explained, other: LogSet) -> bool:
     rng = np.random.default_rng(0)
     draft = output_error(changed, [values], rng=rng, rounds=0, far=False)
     return bool(np.isfinite(draft.cost)) and _misfit(changed, draft) < wanted
-
-
-def _beginning(log: Log) -> Log:
-    """The first `LONG` samples, or as many more as hold half of their share of the input's way."""
-    count = LONG
-    way = np.cumsum(np.abs(np.diff(log.channels[log.input].values)))
-    while count < len(log) and way[count - 1] < LEAST_WAY * count / len(log) * way[-1]:
-        count *= 2
-    return log if count >= len(log) else log.between(log.time_s[0], log.time_s[count])
 
 
 def _promised(there: Normal) -> float:

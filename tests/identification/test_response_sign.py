@@ -84,6 +84,23 @@ def test_the_way_of_an_output_that_lags_by_more_than_a_quarter_turn(
     assert falls_with_input(whole, rng=np.random.default_rng(0)) == (sign < 0.0)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("mass", "least"), [(6.0, 0.55), (8.0, 0.7), (12.0, 0.8)])
+def test_a_heavy_actuator_past_its_natural_frequency_moves_against_its_input(
+    sign: float, mass: float, least: float
+) -> None:
+    """One that falls follows it then as closely as one that rises under steps."""
+    time_s = np.arange(0.0, 40.0, 0.02)
+    turns = 2.0 * np.pi * time_s[:, None] * (0.7, 1.0, 1.3)
+    pressure = 50.0 + 20.0 * np.sin(turns + (0.0, 1.0, 2.0)).sum(axis=1)
+    angle = sign * linear_angle(time_s, pressure - pressure[0], {"M": mass, "N": 20.0, "Q": 50.0})
+    angle += 0.01 * np.random.default_rng(6).standard_normal(time_s.size)
+    whole = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
+    logs = LogSet((whole.between(10.0, 40.0),))
+    assert -sign * correlation(logs) > least
+    assert falls_with_input(logs, rng=np.random.default_rng(0)) == (sign < 0.0)
+
+
 def test_an_output_that_does_not_move_goes_no_way() -> None:
     log = linear_log()
     angle = replace(log.channels["angle"], values=np.zeros(len(log)))
