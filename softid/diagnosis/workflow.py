@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request, require_enough
 from softid.diagnosis.base.intersample_selection import (
+    hold_out_read_as_explained,
     intersample_after_all_causes,
     intersample_after_first_cause,
     is_measured,
@@ -206,6 +207,10 @@ def _search_with_intersample(
             return search_causes(recordings, request, search, others, first)
         changed = recordings_read_as(recordings, reading)
         again = request.fit_base(changed.logs, changed.hold_out, thorough=False)
+        judges = hold_out_read_as_explained(again.candidate, changed.hold_out)
+        if judges != changed.hold_out:
+            changed = replace(changed, hold_out=judges)
+            again = request.fit_base(changed.logs, judges, thorough=False)
         return search_causes(changed, request, replace(search, base=again), others)
 
     found, last = searched_as(

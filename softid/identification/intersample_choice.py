@@ -143,7 +143,7 @@ class Explained:
         part = Problem(problem.model, problem.parameters, cut)
         start = part.unknowns(problem.values(optimum.unknowns))
         there = Objective(part, optimum.sigma).solve(start, SCOUT_EVALUATIONS)
-        return cls(part, there.point, _misfit_of(part, there.point))
+        return cls(part, there.point, misfit_of(part, there.point))
 
 
 def explains_better(own: Explained, other: LogSet) -> bool:
@@ -180,18 +180,27 @@ def _promised(there: Normal) -> float:
     return there.n * float(np.log(2.0 * cost / there.n + np.finfo(float).tiny))
 
 
+def misfit_of(problem: Problem, unknowns: Array) -> float:
+    """n·ln(mean square) of the residuals, summed over all channels.
+
+    Parameters
+    ----------
+    problem
+        Model and logs.
+    unknowns
+        Shape (U,).
+    """
+    blocks = problem.blocks(unknowns, derivatives=False)
+    squares = [(b.channel, (float(b.residual @ b.residual), b.residual.size)) for b in blocks]
+    return _summed(problem, squares)
+
+
 def _misfit(problem: Problem, optimum: Optimum) -> float:
     """n·ln(mean square) over all channels, of the residuals that an optimum may hold."""
     known = optimum.linearised
     if known is None:
-        return _misfit_of(problem, optimum.unknowns)
+        return misfit_of(problem, optimum.unknowns)
     return _summed(problem, [(piece.channel, piece.squares) for piece in known.pieces])
-
-
-def _misfit_of(problem: Problem, unknowns: Array) -> float:
-    blocks = problem.blocks(unknowns, derivatives=False)
-    squares = [(b.channel, (float(b.residual @ b.residual), b.residual.size)) for b in blocks]
-    return _summed(problem, squares)
 
 
 def _summed(problem: Problem, sums: Sequence[tuple[str, tuple[float, int]]]) -> float:

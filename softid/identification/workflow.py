@@ -23,6 +23,7 @@ from softid.identification.intersample_choice import (
 from softid.identification.issues import fitted_range, require_explained
 from softid.identification.model_reduction import simpler_model
 from softid.identification.model_selection import ModelChoice, choose_model
+from softid.identification.new_log_reading import read_as_fitted
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.preparation import (
     adapted_model,
@@ -221,7 +222,8 @@ def identify(
     if read is not log_set:
         reading = read.logs[0].intersample
         bridged = recorded_held if reading in HELD else held
-        held = tuple(log.with_intersample(reading) for log in bridged)
+        problem, unknowns = found.problem, found.optimum.unknowns
+        held = read_as_fitted(bridged, reading, problem.model, problem.values(unknowns))
     return Identification(found, read, held, choice)
 
 

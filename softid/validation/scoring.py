@@ -10,6 +10,7 @@ from softid.errors import Issue, UsageError
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.issues import extrapolation
+from softid.identification.new_log_reading import read_as_fitted
 from softid.identification.preparation import as_log_set, without_dropouts
 from softid.identification.repeated_input import without_repeats
 from softid.intersample import HELD
@@ -70,8 +71,8 @@ def validate(
     cleaned = (without_dropouts(log) for log in as_log_set(logs))
     is_held = scored.intersample in HELD
     bridged = (log if is_held else without_repeats(log) for log in cleaned)
-    log_set = LogSet(tuple(log.with_intersample(scored.intersample) for log in bridged))
-    for log in log_set:
+    given = LogSet(tuple(bridged))
+    for log in given:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
             raise UsageError(
                 f"the model links {scored.input} → {', '.join(scored.outputs)}, the log "
@@ -79,6 +80,7 @@ def validate(
                 where=log.place,
                 remedy="choose the roles with --input and --output",
             )
+    log_set = LogSet(read_as_fitted(given.logs, scored.intersample, scored.model, scored.values))
     nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)
     seen = {
         sha: name for name, sha in scored.fingerprints.items() if sha and name in scored.fitted_logs

@@ -109,6 +109,37 @@ def test_a_command_may_be_held_at_every_sample(name: str, reading: str | None) -
     assert (interval[0] <= 100.0 * TAU_S <= interval[1]) is (reading == "zoh")
 
 
+def swung(seed: int, *, is_held: bool) -> Log:
+    """The same lag behind a sine of 0.4 Hz from rest, in closed form."""
+    time_s = PERIOD_S * np.arange(1000)
+    omega = 2.0 * np.pi * 0.4
+    u = 50.0 - 40.0 * np.cos(omega * time_s)
+    x = np.full(time_s.size, u[0])
+    decay = np.exp(-PERIOD_S / TAU_S)
+    for k in range(time_s.size - 1):
+        x[k + 1] = u[k] + (x[k] - u[k]) * decay
+    if not is_held:
+        turned = np.exp(1j * omega * time_s) / (1.0 + 1j * omega * TAU_S)
+        x = 50.0 - 40.0 * turned.real
+        x += (10.0 - x[0]) * np.exp(-time_s / TAU_S)
+    y = 0.01 * x + np.random.default_rng(seed).normal(0.0, NOISE, x.size)
+    return Log.from_arrays(time_s, {"pressure": u, "angle": y}, name=f"sine_{seed}")
+
+
+@pytest.mark.parametrize("is_held", [True, False])
+def test_a_sine_tells_what_fitted_steps_do_not(is_held: bool, tmp_path: Path) -> None:
+    """Held at their jumps or at every sample is one for them, and half an interval for the sine."""
+    sine = swung(1, is_held=is_held)
+    found = fit(stepped(0, is_held=True), model="oscillator", hold_out=sine)
+    assert found.options["intersample"] == "held"
+    save_fit(found, tmp_path / "params.json")
+    for judged in (found, validate(load_params(tmp_path / "params.json"), sine)):
+        (row,) = (row for row in judged.statistics if row.log == sine.name)
+        assert row.rmse == pytest.approx(NOISE, rel=0.1)
+        told = [issue for issue in judged.issues if issue.code == "held-otherwise"]
+        assert [issue.message.split(":")[0] for issue in told] == [sine.name] * is_held
+
+
 @pytest.mark.parametrize("rest", [0, 110_000])
 @pytest.mark.parametrize("is_held", [True, False])
 def test_a_long_log_is_told_by_a_beginning_that_moves(is_held: bool, rest: int) -> None:

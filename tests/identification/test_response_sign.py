@@ -91,8 +91,8 @@ def test_a_heavy_actuator_past_its_natural_frequency_moves_against_its_input(
 ) -> None:
     """One that falls follows it then as closely as one that rises under steps."""
     time_s = np.arange(0.0, 40.0, 0.02)
-    turns = 2.0 * np.pi * time_s[:, None] * (0.7, 1.0, 1.3)
-    pressure = 50.0 + 20.0 * np.sin(turns + (0.0, 1.0, 2.0)).sum(axis=1)
+    turns = 2.0 * np.pi * np.array([0.7, 1.0, 1.3]) * time_s[:, None] + np.arange(3.0)
+    pressure = 50.0 + 20.0 * np.sin(turns).sum(axis=1)
     angle = sign * linear_angle(time_s, pressure - pressure[0], {"M": mass, "N": 20.0, "Q": 50.0})
     angle += 0.01 * np.random.default_rng(6).standard_normal(time_s.size)
     whole = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})

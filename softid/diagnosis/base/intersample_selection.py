@@ -36,6 +36,7 @@ from softid.identification.intersample_choice import (
     held_readings,
     is_smooth,
 )
+from softid.identification.new_log_reading import explained_best
 from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
 
@@ -297,4 +298,25 @@ def recordings_read_as(recordings: Recordings, reading: Intersample) -> Recordin
     return Recordings(
         LogSet(with_intersample(recordings.logs.logs, reading)),
         tuple(_quietly_read_as(log, reading) for log in recordings.hold_out),
+    )
+
+
+def hold_out_read_as_explained(candidate: Candidate, hold_out: Sequence[Log]) -> tuple[Log, ...]:
+    """The logs that judge, each held as the model explains it better where the fitted are held.
+
+    Parameters
+    ----------
+    candidate
+        A model fitted to held logs.
+    hold_out
+        Logs with the same reading.
+    """
+    model, values = candidate.problem.model, candidate.parameters
+    now = candidate.problem.logs[0].intersample
+    if now not in HELD:
+        return tuple(hold_out)
+    others = [reading for reading in HELD if reading != now]
+    return tuple(
+        explained_best((log, *(read_as(log, other) for other in others)), model, values)
+        for log in hold_out
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from linear_motion import (
     RATE_HZ,
@@ -37,6 +38,8 @@ from softid.diagnosis_results import Verdict
 from softid.effects import effect_of
 from softid.intersample import Intersample
 from softid.log import Log, LogSet
+
+Array = npt.NDArray[np.float64]
 
 LOG = linear_log(noise=0.01)
 """Its pressure jumps every 5 s, and its answer is exact for straight lines between samples."""
@@ -216,6 +219,26 @@ def test_steps_that_were_held_and_partly_lost_are_no_delay(seed: int) -> None:
 
     found = softid.diagnose(log(seed), hold_out=[log(seed + 10)], model="oscillator")
     assert found.verdict is Verdict.ADEQUATE, found.summary
+
+
+def test_a_sine_that_judges_fitted_steps_tells_how_it_was_held() -> None:
+    """Half an interval, which the steps do not show, is no misfit of the sine."""
+    samples, fine = 1500, 20
+    time_s = np.arange(samples) / RATE_HZ
+    fine_s = np.arange(samples * fine) / (fine * RATE_HZ)
+
+    def log(name: str, pressure: Array) -> Log:
+        angle = linear_angle(fine_s, np.repeat(pressure, fine) - pressure[0])[::fine]
+        angle += 0.002 * np.random.default_rng(5).standard_normal(samples)
+        return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name=name)
+
+    rng = np.random.default_rng(4)
+    steps = np.repeat(rng.uniform(10.0, 100.0, 30), 50)
+    sine = 50.0 - 40.0 * np.cos(2.0 * np.pi * 0.4 * time_s)
+    found = softid.diagnose(log("steps", steps), hold_out=[log("sine", sine)], model="oscillator")
+    assert found.verdict is Verdict.ADEQUATE, found.summary
+    codes = [issue.code for issue in found.issues]
+    assert codes.count("held-otherwise") == 1
 
 
 def test_only_what_nobody_declared_is_open() -> None:

@@ -1,0 +1,91 @@
+"""What a held input does between the samples of a log that is not fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from softid.errors import Issue
+from softid.fitters.output_error import refit_nuisance
+from softid.fitters.problem import Problem
+from softid.identification.intersample_choice import BETTER_BY, misfit_of
+from softid.intersample import HELD, Intersample
+from softid.log import Log
+from softid.models.base import Model
+
+HELD_OTHERWISE = "held-otherwise"
+"""Code of the remark that a log is held in another way than the fitted ones."""
+
+
+def read_as_fitted(
+    logs: Sequence[Log], reading: object, model: Model, values: Mapping[str, float]
+) -> tuple[Log, ...]:
+    """Logs that were not fitted, with the reading of those that were, or held in the other way.
+
+    Parameters
+    ----------
+    logs
+        Logs; the input of those that say what it does between samples stays as it is.
+    reading
+        As the record of a fit may say.
+    model, values
+        The fit.
+    """
+    found = []
+    for log in logs:
+        others = HELD if log.intersample is None and reading in HELD else ()
+        versions = (log.with_intersample(each) for each in (reading, *others))
+        found.append(explained_best(tuple(versions), model, values))
+    return tuple(found)
+
+
+def explained_best(versions: Sequence[Log], model: Model, values: Mapping[str, float]) -> Log:
+    """The first reading of a log, or another held one that explains it better, which is told.
+
+    Steps do not tell whether an input is held at every sample or jumps within one; a sine that is
+    not fitted does, by half a sampling interval. Its zero and initial state are found alongside.
+
+    Parameters
+    ----------
+    versions
+        The same log with several readings of its input, that of the fitted logs first.
+    model, values
+        The fit.
+    """
+    first, *others = versions
+    differing = [other for other in others if not _same_course(first, other)]
+    if not differing:
+        return first
+    held = model.parameters().with_fixed(values)
+    misfits = []
+    for log in (first, *differing):
+        problem = Problem(model, held, [log])
+        misfits.append(misfit_of(problem, refit_nuisance(problem).unknowns))
+    best = int(np.argmin(misfits))
+    if not misfits[best] < misfits[0] - BETTER_BY:
+        return first
+    return _told(differing[best - 1])
+
+
+def _same_course(one: Log, other: Log) -> bool:
+    pairs = zip(one.segments(), other.segments(), strict=True)
+    return all(np.array_equal(a.input, b.input) for a, b in pairs)
+
+
+WAYS: Mapping[Intersample | None, str] = {
+    "held": "only where it jumps",
+    "zoh": "at every sample",
+}
+
+
+def _told(log: Log) -> Log:
+    issue = Issue(
+        HELD_OTHERWISE,
+        "info",
+        f"{log.name}: {log.input} held {WAYS[log.intersample]} explains it better than held as in "
+        "the fitted logs, which do not tell the two apart, and is taken so",
+        "declare it with --intersample",
+    )
+    return replace(log, issues=(*log.issues, issue))
