@@ -140,6 +140,8 @@ class Effect(ABC):
         Parameters at whose bounds the law is that of another effect, or of the base.
     ceilings
         Parameters at whose upper bounds alone it is so.
+    sticks
+        Whether it holds the actuator off its equilibrium at rest.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one; None for others.
     """
@@ -160,6 +162,7 @@ class Effect(ABC):
     changes_sign: ClassVar[bool] = False
     essential: ClassVar[tuple[str, ...]] = ()
     ceilings: ClassVar[tuple[str, ...]] = ()
+    sticks: ClassVar[bool] = False
     plain_at: ClassVar[tuple[str, float] | None] = None
 
     @property

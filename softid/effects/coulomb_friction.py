@@ -29,8 +29,13 @@ TURN = 0.8
 largest speed covers in a second, times v_max/vs."""
 
 SHARP = 190.0
-"""Largest v_max/vs. Near a turn the friction changes within a time that goes with vs; a sharper one
-is a jump for the steps, and its errors at the turns would be false optima."""
+"""Largest v_max/vs that the steps resolve. A sharper change is a jump for them, at which the motion
+stops or turns: up to `SHARPEST` they are off by less than 1e-4 of the range there, and by 2e-5 rms
+(`tests/effects/test_coulomb_friction.py`)."""
+
+SHARPEST = 5000.0
+"""Largest v_max/vs. What sticks creeps at up to vs: at a fiftieth of it, by an error of the angle
+that is told from friction in ten seconds of a hold."""
 
 LARGE = 0.05
 """Share of the elastic force from which on friction makes the motion stick. The error of the steps
@@ -77,6 +82,7 @@ class CoulombFriction(StateEffect):
     source: ClassVar[str] = "Armstrong-Hélouvry et al. 1994, doi 10.1016/0005-1098(94)90209-7"
     amplitude: ClassVar[str] = "Fc"
     ceilings: ClassVar[tuple[str, ...]] = ("vs",)
+    sticks: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """Size Fc of the friction, and the speed vs below which it fades."""
@@ -96,7 +102,7 @@ class CoulombFriction(StateEffect):
                     "vs",
                     SPEEDS[1] * scale.v_max,
                     f"{scale.x_unit}/s",
-                    scale.v_max / SHARP,
+                    scale.v_max / SHARPEST,
                     SMOOTHEST * scale.v_max,
                     "log",
                     meaning="speed at which the friction has come up",

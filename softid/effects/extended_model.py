@@ -77,6 +77,7 @@ class ExtendedModel(Model):
             "inputs": base.inputs,
             "outputs": base.outputs,
             "own_zero": base.own_zero,
+            "sticks": base.sticks or any(effect.sticks for effect in self.effects),
             "is_linear": base.is_linear,
             "inertia_parameter": base.inertia_parameter,
             "stiffness_parameter": base.stiffness_parameter,

@@ -49,14 +49,16 @@ class PiecewiseProblem(Problem):
 
     def _keep(self, whole: Problem, cuts: Sequence[Sequence[tuple[int, int]]]) -> None:
         """Take these ranges of samples of every segment, each as a segment of its own."""
-        self.segments, self.owner, self.at_rest = [], [], []
-        every = zip(whole.plain_segments, whole.owner, whole.at_rest, cuts, strict=True)
-        for segment, owner, rest, ranges in every:
+        self.segments, self.owner, self.at_rest, self.stuck = [], [], [], []
+        starts = zip(whole.at_rest, whole.stuck, strict=True)
+        every = zip(whole.plain_segments, whole.owner, starts, cuts, strict=True)
+        for segment, owner, (rest, stuck), ranges in every:
             for start, stop in ranges:
                 piece = slice(start, stop)
                 self.segments.append(segment.part(piece))
                 self.owner.append(owner)
                 self.at_rest.append(rest and start == 0)
+                self.stuck.append(stuck and start == 0)
         self._layout()
 
     def started(self, values: Mapping[str, float]) -> Array:
@@ -64,15 +66,15 @@ class PiecewiseProblem(Problem):
         z = self.unknowns(values)
         name, theta = self.outputs[0], self.theta(z)
         for k, segment in enumerate(self.segments):
-            at, first = self._start_from[k], np.flatnonzero(segment.used[name])
-            if at is None or not first.size or not self.has_equilibrium:
+            states, first = self.state_positions(k), np.flatnonzero(segment.used[name])
+            if not states or not first.size or not self.has_equilibrium:
                 continue
             zero = z[self.zero_position(self.owner[k], name)] if self.zeros else 0.0
             here = slice(first[0], first[0] + 1)
             rest = self.model.static_output(theta, segment.input[here], name)[0]
             slope = self._slope(theta, k, name)
             if np.isfinite(rest) and slope != 0.0:
-                z[at] = (segment.outputs[name][here][0] - zero - rest) / slope
+                z[states[0]] = (segment.outputs[name][here][0] - zero - rest) / slope
         return z
 
     def with_best_states(self, at: Normal) -> Array:

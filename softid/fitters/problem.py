@@ -3,7 +3,9 @@
 Unknowns, in order: the free parameters (logarithms where the scale says so), one sensor zero per
 log and output, and the initial state of every segment that does not start at rest, as its deviation
 from the equilibrium where the model has one. Written like that, a static curve that saturates
-outside the data leaves a straight valley in these unknowns instead of a bent one.
+outside the data leaves a straight valley in these unknowns instead of a bent one. Where dry
+friction holds the actuator off its equilibrium, the position of a segment that starts at rest is
+one of them, too.
 """
 
 from __future__ import annotations
@@ -105,11 +107,14 @@ class Problem:
         )
         self.zeros = zeros and self.has_equilibrium and not model.own_zero
         spans = [spans_of(log) for log in self.logs]
-        self.at_rest = [
+        rests = [
             not model.start_states
             or (self.has_equilibrium and s.index == 0 and starts_at_rest(s, spans[k]))
             for s, k in zip(self.segments, self.owner, strict=True)
         ]
+        may_stick = model.sticks and bool(model.start_states)
+        self.stuck = [rest and may_stick for rest in rests]
+        self.at_rest = [rest and not may_stick for rest in rests]
         self._layout()
 
     def _adopt(self, whole: Problem) -> None:
@@ -127,10 +132,11 @@ class Problem:
         n_zero = len(self.logs) * len(self.outputs) if self.zeros else 0
         self._zero_from = n
         position = n + n_zero
-        self._start_from: list[int | None] = []
-        for rest in self.at_rest:
-            self._start_from.append(None if rest else position)
-            position += 0 if rest else len(self.model.start_states)
+        self._states: list[range] = []
+        for rest, stuck in zip(self.at_rest, self.stuck, strict=True):
+            count = 0 if rest else 1 if stuck else len(self.model.start_states)
+            self._states.append(range(position, position + count))
+            position += count
         self.size = position
         counts = (int(s.used[name].sum()) for s in self.segments for name in self.outputs)
         self._n_samples = sum(counts)
@@ -202,9 +208,9 @@ class Problem:
         if not self.has_equilibrium:
             name = self.outputs[0]
             for k, segment in enumerate(self.segments):
-                at, first = self._start_from[k], np.flatnonzero(segment.used[name])
-                if at is not None and first.size:
-                    z[at] = segment.outputs[name][first[0]]
+                states, first = self._states[k], np.flatnonzero(segment.used[name])
+                if states and first.size:
+                    z[states[0]] = segment.outputs[name][first[0]]
         if self.zeros and with_zeros:
             blocks = list(self.blocks(z, derivatives=False))
             z[:] = self.with_best_zeros(z, blocks)[0]
@@ -242,24 +248,41 @@ class Problem:
             shifted.append(replace(block, residual=block.residual - shift.get(at, 0.0)))
         return moved, shifted
 
+    def with_nuisance_of(self, z: Array, other: Problem, unknowns: Array) -> Array:
+        """``z`` with zeros and initial states of another problem over the same logs.
+
+        Parameters
+        ----------
+        z
+            Unknowns, shape (U,); an initial state that the other one has not stays as it is.
+        other, unknowns
+            Problem with another model, and its unknowns.
+        """
+        moved = z.copy()
+        if self.zeros:
+            count = len(self.logs) * len(self.outputs)
+            moved[self._zero_from :][:count] = unknowns[other._zero_from :][:count]
+        for k in range(len(self.segments)):
+            for at, known in zip(self._states[k], other._states[k], strict=False):
+                moved[at] = unknowns[known]
+        return moved
+
     def zero_position(self, log: int, channel: str) -> int:
         """Where the sensor zero of one log and channel stands among the unknowns."""
         return self._zero_from + log * len(self.outputs) + self.outputs.index(channel)
 
     def start(self, z: Array, segment: int) -> Array | None:
         """Initial state of one segment for `Model.response`, shape (S,); None at rest."""
-        at = self._start_from[segment]
-        if at is None:
+        states = self._states[segment]
+        if not states:
             return None
         state = np.zeros(len(self.model.states))
-        count = len(self.model.start_states)
-        state[:count] = z[at : at + count]
+        state[: len(states)] = z[states]
         return state
 
     def state_positions(self, segment: int) -> range:
         """Where the initial state of one segment stands among the unknowns; empty at rest."""
-        at = self._start_from[segment]
-        return range(0) if at is None else range(at, at + len(self.model.start_states))
+        return self._states[segment]
 
     def start_state(self, z: Array, segment: int) -> tuple[float, ...]:
         """Initial state used for one segment."""
@@ -364,10 +387,10 @@ class Problem:
                     jacobian[:, : len(self.free)] = response.by_parameter[name][used_rows] @ chain
                     if self.zeros:
                         jacobian[:, self.zero_position(self.owner[k], name)] = 1.0
-                    at = self._start_from[k]
-                    if at is not None and response.by_state is not None:
-                        width = len(self.model.start_states)
-                        jacobian[:, at : at + width] = response.by_state[name][used_rows]
+                    states = self._states[k]
+                    if states and response.by_state is not None:
+                        by_state = response.by_state[name][used_rows, : len(states)]
+                        jacobian[:, states] = by_state
                 yield Block(name, k, residual, jacobian)
 
 

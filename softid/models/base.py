@@ -113,6 +113,8 @@ class Model(ABC):
         same thing twice.
     identified_by
         Parameter name → the excitation that shows it, one sentence.
+    sticks
+        Whether it may rest off its equilibrium, held by dry friction.
     is_linear
         Whether its coefficients stay whatever the input does.
     inertia_parameter, stiffness_parameter
@@ -130,6 +132,7 @@ class Model(ABC):
     outputs: ClassVar[tuple[str, ...]] = ()
     own_zero: ClassVar[bool] = False
     identified_by: ClassVar[Mapping[str, str]] = {}
+    sticks: ClassVar[bool] = False
     is_linear: ClassVar[bool] = False
     inertia_parameter: ClassVar[str | None] = None
     stiffness_parameter: ClassVar[str | None] = None

@@ -187,8 +187,7 @@ def start_unknowns(
         p = problem.parameters[name]
         value = float(np.clip(values[name], p.lower, p.upper))
         z[k] = np.log(value) if p.scale == "log" else value
-    z[len(problem.free) :] = unknowns[len(base.free) :]
-    return z
+    return problem.with_nuisance_of(z, base, unknowns)
 
 
 def named_values(effect: Effect, values: Mapping[str, float]) -> dict[str, float]:

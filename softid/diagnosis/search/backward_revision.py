@@ -175,6 +175,7 @@ def _without(
     """The model with the other effects alone, refitted."""
     problem = extend(base.problem, others, scale) if others else base.problem
     known = now.problem.free_by_name(now.minimum.point)
-    z = np.array([known[name] for name in problem.free])
-    z = np.concatenate((z, now.minimum.point[len(now.problem.free) :]))
+    z = np.zeros(problem.size)
+    z[: len(problem.free)] = [known[name] for name in problem.free]
+    z = problem.with_nuisance_of(z, now.problem, now.minimum.point)
     return advance(begun(now, others, problem, z), sigma, WITHOUT_ROUND)

@@ -48,8 +48,9 @@ def _residual(final: Candidate, effects: Sequence[Effect], base: Candidate, scal
     """What is left with some of the effects and all parameters as they are."""
     problem = extend(base.problem, effects, scale) if effects else base.problem
     known = final.problem.free_by_name(final.minimum.point)
-    own = [known[name] for name in problem.free]
-    z = np.concatenate((own, final.minimum.point[len(final.problem.free) :]))
+    z = np.zeros(problem.size)
+    z[: len(problem.free)] = [known[name] for name in problem.free]
+    z = problem.with_nuisance_of(z, final.problem, final.minimum.point)
     with np.errstate(all="ignore"):
         blocks = problem.blocks(z, derivatives=False)
         return np.concatenate([b.residual for b in blocks if b.channel == problem.outputs[0]])
