@@ -17,6 +17,7 @@ from softid.diagnosis.search.backward_revision import revised
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, select_forward
 from softid.diagnosis.search.indistinct import with_rivals_in_misfit
 from softid.diagnosis.search.multistart import has_vanished, multistart_candidates
+from softid.diagnosis.search.two_of_first_order import chain_of_first_order, is_likelier
 from softid.diagnosis.verdict.held_out_error import with_held_out
 from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, nameable
 from softid.diagnosis_results import Remainder
@@ -195,6 +196,7 @@ class CauseSearch:
             other = self._raced_with_multistart(chain, BETTER_START)
             met_multistart = other is not chain
             chain = self.grow(other, max_links=2) if met_multistart else chain
+        chain = self._of_first_order(chain)
         first_model = chain.links[0].found if chain.links else None
         if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
             chain = self._with_third(self._revise(chain))
@@ -322,6 +324,18 @@ class CauseSearch:
         if len(longer.links) > len(chain.links):
             return self._revise(longer)
         return replace(chain, last=longer.last)
+
+    def _of_first_order(self, chain: Chain) -> Chain:
+        """The chain, or a lag and another cause in place of one of second order, if likelier."""
+        base = self.base
+        lag = chain_of_first_order(chain, base.candidate, self.effects, base.scale, base.sigma)
+        if lag is None:
+            return chain
+        longer = self.grow(lag, max_links=2)
+        if len(longer.links) < 2 or not is_likelier(longer.final, chain.final, base.sigma):
+            return chain
+        is_worse = base.held_out.rms(longer.final) > NO_WORSE * base.held_out.rms(chain.final)
+        return chain if is_worse else longer
 
     def _revise(self, chain: Chain) -> Chain:
         """The chain with its earlier causes revised, unless that is worse on what is held out."""

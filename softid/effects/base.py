@@ -142,6 +142,8 @@ class Effect(ABC):
         Parameters at whose upper bounds alone it is so.
     sticks
         Whether it holds the actuator off its equilibrium at rest.
+    first_order
+        Key of the effect that is its law of first order; empty where it is none of second.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one; None for others.
     """
@@ -163,6 +165,7 @@ class Effect(ABC):
     essential: ClassVar[tuple[str, ...]] = ()
     ceilings: ClassVar[tuple[str, ...]] = ()
     sticks: ClassVar[bool] = False
+    first_order: ClassVar[str] = ""
     plain_at: ClassVar[tuple[str, float] | None] = None
 
     @property

@@ -47,6 +47,7 @@ class SensorResonance(OutputEffect):
     source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.3"
     amplitude: ClassVar[str] = "period"
     essential: ClassVar[tuple[str, ...]] = ("period",)
+    first_order: ClassVar[str] = "sensor_lag"
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The ringing period 2π/ω and the damping ratio ζ."""

@@ -30,6 +30,11 @@ and make a wrong name look good."""
 TOLERANCE = 1e-2
 """A refit rests within a hundredth of a standard error of its optimum."""
 
+PULLS = 2.0
+"""Cost of the prior, in variances of the residual, from which it holds back a refit that the logs
+want elsewhere: by two standard deviations along one direction. Two levels of the input leave a base
+anywhere along a valley of its curves, ten and more away from where a cause would have it."""
+
 COARSE = 1
 """Most steps in a sampling interval while candidates race; twice as many where an affine law
 oscillates. Overdamped and sharp laws ask for more to reach 1e-4 of the range; noise is far above
@@ -90,6 +95,11 @@ class Candidate:
         """Weighted sum of squares, without the prior."""
         cost = self.minimum.normal.cost - self.prior.cost(self.minimum.point)
         return 2.0 * max(cost, 0.0)
+
+    @property
+    def is_pulled(self) -> bool:
+        """Whether the prior holds it back from where the logs want it."""
+        return self.prior.cost(self.minimum.point) > PULLS * self.prior.variance
 
     @property
     def has_spring(self) -> bool:
@@ -261,6 +271,24 @@ def begun(known: Candidate, effects: Sequence[Effect], problem: Problem, z: Arra
     prior = prior_about(problem, z, known.problem.free, variance)
     placed = standing_at(z, known.minimum, prior, known.squares)
     return Candidate(tuple(effects), problem, placed, prior)
+
+
+def let_go(candidate: Candidate) -> Candidate:
+    """A candidate with its prior about where it stands, if that pulls it back to where it began.
+
+    A direction that the logs do not see stays held: nothing leads along it.
+
+    Parameters
+    ----------
+    candidate
+        Where it stands.
+    """
+    if not candidate.is_pulled:
+        return candidate
+    point = candidate.minimum.point
+    prior = replace(candidate.prior, centre=point.copy())
+    minimum = standing_at(point, candidate.minimum, prior, candidate.squares)
+    return replace(candidate, prior=prior, minimum=minimum)
 
 
 def advance(

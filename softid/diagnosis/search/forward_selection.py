@@ -358,6 +358,7 @@ def converged(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
         held, candidate = candidate, with_own_bounds(candidate)
         if candidate is not held:
             continue
-        if candidate.minimum.offset <= UNCONVERGED or candidate.squares > STILL_FALLS * before:
+        rests = candidate.minimum.offset <= UNCONVERGED and not candidate.is_pulled
+        if rests or candidate.squares > STILL_FALLS * before:
             break
     return candidate

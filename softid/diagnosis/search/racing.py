@@ -205,7 +205,7 @@ def _second_round(
     second = run_round(field, sigma, SECOND_ROUND, COARSE)
     left_behind: list[Candidate] = []
     for _ in range(EXTRA_ROUNDS):
-        moving = [c for c in second if c.minimum.offset > UNCONVERGED and c not in left_behind]
+        moving = [c for c in second if _is_moving(c) and c not in left_behind]
         resting = [c for c in second if c not in moving]
         again, out_of_reach = run_in_reach(moving, resting, sigma, SECOND_ROUND, COARSE)
         second = resting + again + out_of_reach
@@ -261,12 +261,17 @@ def _last_survivors(
     kept = []
     neighbours = second[0].effects[-1].neighbours
     for k, candidate in enumerate(second):
-        is_unconverged = candidate.minimum.offset > UNCONVERGED
+        is_unconverged = _is_moving(candidate)
         asked = k < LAST_SURVIVORS or candidate.effects[-1].name in neighbours
         near = asked and candidate.squares <= (unconverged_limit if is_unconverged else limit)
         if near or (is_unconverged and candidate.effects[-1].key in promising[:FAVOURITES]):
             kept.append(candidate)
     return kept
+
+
+def _is_moving(candidate: Candidate) -> bool:
+    """Whether it is far from its optimum, or held back from there."""
+    return candidate.minimum.offset > UNCONVERGED or candidate.is_pulled
 
 
 def _last_rounds(kept: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Candidate]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.candidates import Candidate, advance, let_go
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.search.catching_up import can_catch_up, gain, is_outdone
 
@@ -26,7 +26,7 @@ def run_round(
     *,
     straight: bool = False,
 ) -> list[Candidate]:
-    """One round of all candidates, on all cores.
+    """One round of all candidates, on all cores; what the round before pulled back is let go.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def run_round(
     """
     return in_parallel(
         lambda c: advance(
-            c,
+            let_go(c),
             sigma,
             evaluations,
             substeps=substeps,
