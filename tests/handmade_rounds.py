@@ -28,6 +28,7 @@ def candidate(
     effects = tuple(effect_of(key) for key in keys)
     cost = 0.5 * squares if np.isfinite(squares) else np.inf
     return SimpleNamespace(
+        is_pulled=False,
         effects=effects,
         keys=tuple(effect.key for effect in effects),
         squares=squares,

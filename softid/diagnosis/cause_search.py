@@ -16,7 +16,7 @@ from softid.diagnosis.search.alternative_first import alternative_first_links, p
 from softid.diagnosis.search.backward_revision import revised
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, select_forward
 from softid.diagnosis.search.indistinct import with_rivals_in_misfit
-from softid.diagnosis.search.multistart import has_vanished, multistart_candidates
+from softid.diagnosis.search.multistart import is_astray, multistart_candidates
 from softid.diagnosis.search.two_of_first_order import chain_of_first_order, is_likelier
 from softid.diagnosis.verdict.held_out_error import with_held_out
 from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, nameable
@@ -122,13 +122,13 @@ class CauseSearch:
     def first_cause(self) -> Chain:
         """The base with one cause, if what is held out does not speak against any.
 
-        Candidates from a multistart take part where a term of the base has vanished: it is no place
-        to start from. A curve with free values bends to much that it is not: before it is believed
-        the others are tried from a multistart, too.
+        Candidates from a multistart take part where the base is no place to start from. A curve
+        with free values bends to much that it is not: before it is believed the others are tried
+        from a multistart, too.
         """
         if self.base.is_negligible:
             return self._nothing
-        if has_vanished(self.base.candidate):
+        if is_astray(self.base.candidate):
             return self.grow(self._nothing, max_links=1, extra=self.multistart)
         chain = self._first_where_base_stands
         if chain.links and len(chain.links[0].added.amplitudes) > 1:
@@ -210,7 +210,7 @@ class CauseSearch:
         known
             What was found without them: where they lead to the same first cause, the rest is known.
         """
-        if known.met_multistart or has_vanished(self.base.candidate):
+        if known.met_multistart or is_astray(self.base.candidate):
             return None
         chain = self._first_from_multistart
         if known.first is not None and _is_same(chain.final, known.first):
@@ -307,7 +307,7 @@ class CauseSearch:
         """Whether a single cause leaves structure, and was not raced with a multistart."""
         if len(chain.links) != 1 or len(chain.links[0].added.amplitudes) > 1:
             return False
-        return not has_vanished(self.base.candidate) and self.remainder_of(chain.final).structured
+        return not is_astray(self.base.candidate) and self.remainder_of(chain.final).structured
 
     def _explains_little(self, chain: Chain) -> bool:
         """Whether a first cause may stand for another, and does not explain half of the misfit."""

@@ -142,6 +142,8 @@ class Effect(ABC):
         Parameters at whose upper bounds alone it is so.
     sticks
         Whether it holds the actuator off its equilibrium at rest.
+    has_one_form
+        Whether its law is exact, so that it mends the form of no other and needs no mending.
     first_order
         Key of the effect that is its law of first order; empty where it is none of second.
     plain_at
@@ -165,6 +167,7 @@ class Effect(ABC):
     essential: ClassVar[tuple[str, ...]] = ()
     ceilings: ClassVar[tuple[str, ...]] = ()
     sticks: ClassVar[bool] = False
+    has_one_form: ClassVar[bool] = False
     first_order: ClassVar[str] = ""
     plain_at: ClassVar[tuple[str, float] | None] = None
 

@@ -87,7 +87,7 @@ def test_a_curve_with_free_knots_is_raced_again(
         return answers[-1]
 
     monkeypatch.setattr(CauseSearch, "grow", grow)
-    monkeypatch.setattr(cause_search, "has_vanished", lambda base: vanished)
+    monkeypatch.setattr(cause_search, "is_astray", lambda base: vanished)
     monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: others)
     assert len(effect_of("static_curve").amplitudes) > 1
     found = search_over().first_cause()
@@ -136,7 +136,7 @@ def test_a_single_cause_that_leaves_structure_may_stand_for_another(
 ) -> None:
     """Where nothing followed it; a curve was raced against a multistart already, and so was any
     cause of a base of which a term has vanished."""
-    monkeypatch.setattr(cause_search, "has_vanished", lambda base: vanished)
+    monkeypatch.setattr(cause_search, "is_astray", lambda base: vanished)
     monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
     assert search_over()._may_stand_for_another(chain_of(*keys)) is may
 
@@ -174,7 +174,7 @@ def test_only_a_whole_answer_from_a_multistart_counts(
 ) -> None:
     """It leaves noise, less than 7 % of the misfit, and a name; and where a term had vanished the
     multistart ran at first."""
-    monkeypatch.setattr(cause_search, "has_vanished", lambda base: vanished)
+    monkeypatch.setattr(cause_search, "is_astray", lambda base: vanished)
     monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: NEAR)
     monkeypatch.setattr(CauseSearch, "grow", lambda self, chain, **options: chain_of("delay"))
     monkeypatch.setattr(CauseSearch, "search", searched_as({"known": answer}, by=[]))
@@ -184,7 +184,7 @@ def test_only_a_whole_answer_from_a_multistart_counts(
 
 def test_a_multistart_that_took_part_has_nothing_new(monkeypatch: pytest.MonkeyPatch) -> None:
     """The race that chose the first cause held its candidates."""
-    monkeypatch.setattr(cause_search, "has_vanished", lambda base: False)
+    monkeypatch.setattr(cause_search, "is_astray", lambda base: False)
     known = replace(NOTHING, met_multistart=True)
     assert search_over().search_from_multistart(known) is None
 
@@ -196,7 +196,7 @@ def test_the_same_first_cause_leads_to_the_same_answer(
     first: tuple[str, ...] | None, again: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where a multistart leads to where the search began the rest is known."""
-    monkeypatch.setattr(cause_search, "has_vanished", lambda base: False)
+    monkeypatch.setattr(cause_search, "is_astray", lambda base: False)
     monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: NEAR)
     monkeypatch.setattr(CauseSearch, "grow", lambda self, chain, **options: chain_of("delay"))
     monkeypatch.setattr(CauseSearch, "search", searched_as({"known": NAMED}, by=[]))
@@ -217,7 +217,7 @@ def test_a_multistart_meets_what_the_first_round_left(
         told.append(options)
         return chain_of("delay") if is_found else Chain((), best, chain.final)
 
-    monkeypatch.setattr(cause_search, "has_vanished", lambda base: False)
+    monkeypatch.setattr(cause_search, "is_astray", lambda base: False)
     monkeypatch.setattr(cause_search, "multistart_candidates", lambda *args: NEAR)
     monkeypatch.setattr(CauseSearch, "grow", grow)
     monkeypatch.setattr(CauseSearch, "search", lambda self, first: NAMED)
@@ -261,7 +261,7 @@ def test_a_first_cause_that_explains_little_is_raced_before_a_second_is_sought(
         begun.append(chain)
         return chain_of(*chain.final.keys, "ageing")
 
-    monkeypatch.setattr(cause_search, "has_vanished", lambda base: False)
+    monkeypatch.setattr(cause_search, "is_astray", lambda base: False)
     monkeypatch.setattr(cause_search, "multistart_candidates", lambda *a: from_multistart(squares))
     monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
     monkeypatch.setattr(CauseSearch, "grow", grow)

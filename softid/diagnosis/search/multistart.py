@@ -40,6 +40,33 @@ VANISHED = 1e-3
 misfit's power: no step of an optimiser brings it back."""
 
 
+FAR_OFF = 7.0
+"""A base is astray where a parameter lies a factor of e⁷ = 1100 or more from all start values. Two
+levels of the input leave a valley of curves, along which a cause that is missing drives it."""
+
+
+def is_astray(base: Candidate) -> bool:
+    """Whether a base is no place to begin: a term of it has vanished, or it has run far away.
+
+    Parameters
+    ----------
+    base
+        The base fit, without effects.
+    """
+    return has_vanished(base) or _has_run_away(base)
+
+
+def _has_run_away(base: Candidate) -> bool:
+    problem = base.problem
+    scaled = [k for k, name in enumerate(problem.free) if problem.parameters[name].scale == "log"]
+    if not scaled:
+        return False
+    guesses = problem.model.guess(problem.plain_segments, problem.outputs[0])[:PLACES]
+    starts = [problem.free_unknowns(guess.values_dict()) for guess in guesses]
+    ways = [float(np.abs(start - base.minimum.point)[scaled].max()) for start in starts]
+    return min(ways, default=0.0) > FAR_OFF
+
+
 def has_vanished(base: Candidate) -> bool:
     """Whether a term of the base has vanished, to make room for what it cannot explain."""
     problem = base.problem

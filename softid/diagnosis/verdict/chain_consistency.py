@@ -12,7 +12,8 @@ from softid.effects.base import Effect
 
 SLIGHT = 0.03
 """A later link of the same kind that takes less than this share of what the earlier one took mends
-the form of its law: no material follows a law to the last digit."""
+the form of its law: no material follows a law to the last digit. A delay has one
+form only, and a line that is a delay and a lag has both."""
 
 MAIN = 0.5
 """Causes are named when they take at least this share of what the whole chain takes: a cause beside
@@ -43,7 +44,8 @@ def consistent_names(
         if _is_held_by_bounds(causes[late], effects[late]):
             kept[late] = False
     for late, early in _pairs_alike(effects):
-        is_slight = taken[late] < SLIGHT * taken[early]
+        may_mend = not (effects[early].has_one_form or effects[late].has_one_form)
+        is_slight = may_mend and taken[late] < SLIGHT * taken[early]
         draws = _draws(effects[early], effects[late]) or _draws(effects[late], effects[early])
         both = kept[early] and kept[late]
         if draws and (both or not is_slight):  # a description beside it says as much

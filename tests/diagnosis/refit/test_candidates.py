@@ -17,6 +17,7 @@ from softid.diagnosis.refit.candidates import (
     WhitenedObjective,
     advance,
     extend,
+    let_go,
     limited_plans,
     named_values,
     prior_about,
@@ -185,6 +186,22 @@ def test_the_prior_goes_with_the_residual() -> None:
     whitened = advance(replace(candidate, prior=prior, whitener=white), SIGMA, 1).prior
     assert whitened.variance == 1.0
     assert whitened.weight == pytest.approx(prior.weight / (10.0 * variance))
+
+
+def test_what_the_prior_pulls_back_is_let_go() -> None:
+    """It begins a factor of e⁶ off in all parameters, four standard deviations of the prior, and
+    the logs want it at the truth: there the prior costs 3 · 4²/2 variances and is none."""
+    problem = linear_problem([linear_log(noise=0.01)])
+    far = problem.unknowns({name: np.exp(6.0) * value for name, value in TRUTH.items()})
+    begun = standing(problem, problem.unknowns(TRUTH))
+    prior = prior_about(problem, far, problem.free, begun.squares / problem.n_samples)
+    held = advance(replace(begun, prior=prior), SIGMA, 10)
+    assert held.is_pulled
+    assert held.prior.cost(held.minimum.point) == pytest.approx(24.0 * held.prior.variance, rel=0.1)
+    free = let_go(held)
+    assert not free.is_pulled
+    assert free.squares == pytest.approx(held.squares)
+    assert let_go(free) is free
 
 
 def test_white_noise_whitens_to_the_plain_objective() -> None:

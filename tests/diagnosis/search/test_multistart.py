@@ -19,7 +19,7 @@ from linear_motion import (
 from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search import racing
-from softid.diagnosis.search.multistart import has_vanished, multistart_candidates
+from softid.diagnosis.search.multistart import has_vanished, is_astray, multistart_candidates
 from softid.effects import effect_of
 from softid.effects.base import Scale
 from softid.log import Log
@@ -68,6 +68,14 @@ def test_a_term_that_changes_nothing_has_vanished(
     bent = 0.2 * np.sin(2.0 * np.pi * np.arange(samples) / (3.0 * RATE_HZ))
     base, _ = looked_at(linear_log(samples=samples, added=bent), TRUTH | {"M": mass})
     assert has_vanished(base) is vanished
+
+
+@pytest.mark.parametrize(("factor", "astray"), [(1.0, False), (1e5, True)])
+def test_a_base_far_from_all_starts_is_astray(factor: float, astray: bool) -> None:
+    """The starts are near the truth, and 1e5 is more than e⁷ = 1100."""
+    values = {name: factor * value for name, value in TRUTH.items()}
+    base, _ = looked_at(linear_log(noise=0.01), values)
+    assert is_astray(base) is astray
 
 
 def test_the_hidden_effect_leads_from_elsewhere() -> None:

@@ -43,13 +43,16 @@ def causes(*keys: str, at_bound: str = "") -> list[Cause]:
             (False,) * 3,
         ),
         (("hysteresis", "coulomb_friction"), (100.0, 70.0), "coulomb_friction", (True, False)),
+        (("pneumatic_lag", "sensor_lag"), (100.0, 3.0), "", (True, False)),
+        (("pneumatic_lag", "delay"), (100.0, 3.0), "", (True, True)),
     ],
 )
 def test_which_names_stay(
     keys: tuple[str, ...], squares: tuple[float, ...], bound: str, kept: tuple[bool, ...]
 ) -> None:
-    """By the rules: a slight or bounded second law of one kind mends the first, a curve beside a
-    stiffening stands for neither, and what is left must be the larger part. One square is left."""
+    """By the rules: a slight or bounded second law of one kind mends the first, but no delay does;
+    a curve beside a stiffening stands for neither, and what is left must be the larger part. One
+    square is left."""
     chain = links(*keys, squares=squares)
     told = causes(*keys, at_bound=bound)
     assert consistent_names(chain, told, (True,) * len(keys), 1.0) == kept

@@ -1,0 +1,41 @@
+"""A lag and a delay, which one cause of second order that does not ring nearly is."""
+
+from __future__ import annotations
+
+import pytest
+from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
+
+import softid
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.search.two_of_first_order import chain_of_first_order, is_likelier
+from softid.effects import EFFECTS, effect_of
+from softid.synthesis import hidden_pair
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_both_are_named(seed: int) -> None:
+    """The second takes a few per cent of what the first does."""
+    pair = hidden_pair(["pneumatic_lag", "delay"], seed=seed)
+    train, hold_out = pair.logs
+    found = softid.diagnose(train, hold_out=[hold_out], model="muscle")
+    assert sorted(cause.effect for cause in found.causes) == ["delay", "pneumatic_lag"]
+
+
+def test_without_a_cause_of_second_order_nothing_is_tried() -> None:
+    """The base alone, and the law of first order is known by its key."""
+    problem = linear_problem([linear_log(noise=0.01)])
+    base = standing(problem, problem.unknowns(TRUTH))
+    scale = scale_of(problem, base.minimum.point)
+    assert chain_of_first_order(Chain((), None, base), base, (), scale, SIGMA) is None
+    second = {key: effect_of(key).first_order for key in EFFECTS if effect_of(key).first_order}
+    assert second == {"line_resonance": "pneumatic_lag", "sensor_resonance": "sensor_lag"}
+
+
+def test_the_likelier_of_two_models_leaves_less() -> None:
+    """The truth against a stiffness that is 5 % off, of the same number of unknowns."""
+    problem = linear_problem([linear_log(noise=0.01)])
+    true = standing(problem, problem.unknowns(TRUTH))
+    off = standing(problem, problem.unknowns(TRUTH | {"Q": 1.05 * TRUTH["Q"]}))
+    assert is_likelier(true, off, SIGMA)
+    assert not is_likelier(off, true, SIGMA)
