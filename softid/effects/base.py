@@ -144,8 +144,6 @@ class Effect(ABC):
         Whether it holds the actuator off its equilibrium at rest.
     has_one_form
         Whether its law is exact, so that it mends the form of no other and needs no mending.
-    first_order
-        Key of the effect that is its law of first order; empty where it is none of second.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one; None for others.
     """
@@ -168,7 +166,6 @@ class Effect(ABC):
     ceilings: ClassVar[tuple[str, ...]] = ()
     sticks: ClassVar[bool] = False
     has_one_form: ClassVar[bool] = False
-    first_order: ClassVar[str] = ""
     plain_at: ClassVar[tuple[str, float] | None] = None
 
     @property
@@ -188,6 +185,22 @@ class Effect(ABC):
         -------
         tuple or None
             Key of that effect and its values; None where the law is like no other.
+        """
+        del values
+        return None
+
+    def first_order(self, values: Mapping[str, float]) -> str | None:
+        """Key of the lag that stands for a law of second order where it does not ring.
+
+        Parameters
+        ----------
+        values
+            Parameter → value.
+
+        Returns
+        -------
+        str or None
+            None where the law rings, and for one that is not of second order.
         """
         del values
         return None

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale, Wording
-from softid.effects.second_order import WELL_DAMPED, as_lag, ringing_parameters, ringing_starts
+from softid.effects.second_order import as_lag, ringing_parameters, ringing_starts, rings
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 
@@ -49,7 +49,6 @@ class LineResonance(InputEffect):
     source: ClassVar[str] = "Bergh and Tijdeman, NLR-TR F.238, 1965"
     amplitude: ClassVar[str] = "period"
     essential: ClassVar[tuple[str, ...]] = ("period",)
-    first_order: ClassVar[str] = "pneumatic_lag"
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The ringing period 2π/ω and the damping ratio ζ."""
@@ -61,7 +60,7 @@ class LineResonance(InputEffect):
 
     def wording(self, values: Mapping[str, float]) -> Wording:
         """Well damped it does not ring, and is a lag of second order."""
-        if values.get("zeta", 0.0) < WELL_DAMPED:
+        if rings(values):
             return super().wording(values)
         return Wording(
             "Lag of second order of the supply line",
@@ -70,6 +69,10 @@ class LineResonance(InputEffect):
             "other, or a long tube.",
             "shorten or widen the tube, or record the pressure at the actuator",
         )
+
+    def first_order(self, values: Mapping[str, float]) -> str | None:
+        """Well damped it is close to a first-order lag, and closer to one beside a delay."""
+        return None if rings(values) else "pneumatic_lag"
 
     def simpler(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]] | None:
         """Overdamped it is a first-order lag."""

@@ -86,6 +86,17 @@ def ringing_starts(scale: Scale) -> tuple[Mapping[str, float], ...]:
     return tuple({"period": t, "zeta": START_ZETA} for t in _periods(scale))
 
 
+def rings(values: Mapping[str, float]) -> bool:
+    """Whether a step overshoots so much that it is seen; so it is taken where no ζ is given.
+
+    Parameters
+    ----------
+    values
+        The period and the damping ratio.
+    """
+    return values.get("zeta", 0.0) < WELL_DAMPED
+
+
 def as_lag(values: Mapping[str, float]) -> Mapping[str, float] | None:
     """The first-order lag that an overdamped law is like; None for one that is not overdamped.
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.effects.base import OutputEffect, Scale, Wording
 from softid.effects.finer_motion import PIECES, finer_motion
-from softid.effects.second_order import WELL_DAMPED, as_lag, ringing_parameters, ringing_starts
+from softid.effects.second_order import as_lag, ringing_parameters, ringing_starts, rings
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 
@@ -47,7 +47,6 @@ class SensorResonance(OutputEffect):
     source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.3"
     amplitude: ClassVar[str] = "period"
     essential: ClassVar[tuple[str, ...]] = ("period",)
-    first_order: ClassVar[str] = "sensor_lag"
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The ringing period 2π/ω and the damping ratio ζ."""
@@ -59,7 +58,7 @@ class SensorResonance(OutputEffect):
 
     def wording(self, values: Mapping[str, float]) -> Wording:
         """Well damped it does not ring, and is a smoothing filter."""
-        if values.get("zeta", 0.0) < WELL_DAMPED:
+        if rings(values):
             return super().wording(values)
         return Wording(
             "Lag of second order of the sensor",
@@ -67,6 +66,10 @@ class SensorResonance(OutputEffect):
             "a smoothing filter, or a mean over the last samples.",
             "switch off or shorten the sensor's smoothing filter, or correct the reading for it",
         )
+
+    def first_order(self, values: Mapping[str, float]) -> str | None:
+        """Well damped it is close to a first-order lag, and closer to one beside a delay."""
+        return None if rings(values) else "sensor_lag"
 
     def simpler(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]] | None:
         """Overdamped it is a first-order lag."""

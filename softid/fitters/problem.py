@@ -10,14 +10,14 @@ one of them, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from threading import Lock
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.rest import spans_of, starts_at_rest
+from softid.fitters.ties import tie_function
 from softid.log import Log
 from softid.models.base import Model, Response
 from softid.models.division import Division
@@ -97,7 +97,7 @@ class Problem:
         self.free = parameters.free
         self._free_index = [parameters.names.index(name) for name in self.free]
         self._log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
-        self._tied = _tie_function(parameters)
+        self._tied = tie_function(parameters)
         at_start = parameters.values_vector()
         if self._tied is not None:
             at_start = self._tied(at_start)
@@ -392,24 +392,3 @@ class Problem:
                         by_state = response.by_state[name][used_rows, : len(states)]
                         jacobian[:, states] = by_state
                 yield Block(name, k, residual, jacobian)
-
-
-def _tie_function(parameters: ParameterSet) -> Callable[[Array], Array] | None:
-    """Function that recomputes the tied entries of θ, or None without ties."""
-    if all(p.tie is None for p in parameters.values()):
-        return None
-    table = parameters.to_lmfit()
-    names = parameters.names
-    for name in parameters.free:  # lmfit would clip one side of a difference at a bound
-        table[name].set(min=-np.inf, max=np.inf)
-    alone = Lock()  # the table is shared by threads that try several starts
-
-    def tied(theta: Array) -> Array:
-        with alone:
-            for name, value in zip(names, theta, strict=True):
-                if table[name].expr is None:
-                    table[name].value = value
-            table.update_constraints()
-            return np.array([table[name].value for name in names])
-
-    return tied

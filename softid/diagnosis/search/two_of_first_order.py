@@ -20,7 +20,6 @@ from softid.diagnosis.search.forward_selection import (
 )
 from softid.effects import own_values
 from softid.effects.base import Effect, Scale
-from softid.effects.second_order import WELL_DAMPED
 
 
 def chain_of_first_order(
@@ -46,11 +45,12 @@ def chain_of_first_order(
         Output channel → scale that its residual is divided by.
     """
     first = chain.links[0].added if chain.links else None
-    if first is None or not first.first_order:
+    if first is None:
         return None
-    if own_values(first, chain.final.parameters)["zeta"] < WELL_DAMPED:
+    key = first.first_order(own_values(first, chain.final.parameters))
+    if key is None:
         return None
-    lags = [effect for effect in effects if effect.key == first.first_order]
+    lags = [effect for effect in effects if effect.key == key]
     link = next_link(base, lags, scale, sigma, FIRST)
     if link is None or not is_accepted(link, FIRST):
         return None
