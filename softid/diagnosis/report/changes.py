@@ -11,6 +11,7 @@ import numpy as np
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
+from softid.diagnosis.changes.input_levels import have_same_levels
 from softid.diagnosis.changes.log_differences import (
     ZERO,
     LogDifferences,
@@ -73,10 +74,6 @@ LOOK_THEN = (
 MOST_KINDS = 3
 """A sentence names no more of them."""
 
-SAME_RANGE = 0.6
-"""Logs are held against each other whose inputs have so much of their common range in common: what
-differs from level to level is the model, not the log."""
-
 FOLLOWED = 2.0
 """A log is followed where no more than so many times the noise of all logs is left."""
 
@@ -115,7 +112,7 @@ def held_out_change_issues(
     if moments:
         return tuple(replace(issue, code=HELD_OUT_CHANGE) for issue in moments)
     is_right = is_sure and not remainder.structured  # else it fits none of the logs
-    if not (is_right and _are_alike(model.problem.logs, judged.problem.logs)):
+    if not (is_right and have_same_levels(model.problem.logs, judged.problem.logs)):
         return ()
     before = squares_of(judged.problem, judged.minimum.point)
     found = log_differences(
@@ -239,7 +236,7 @@ def difference_issues(base: BaseFit) -> tuple[Issue, ...]:
     """
     candidate = base.candidate
     logs = base.whole_logs
-    if len(logs) < 2 or not _are_alike(logs[:1], logs[1:]):
+    if len(logs) < 2 or not have_same_levels(logs[:1], logs[1:]):
         return ()
     before = squares_of(candidate.problem, candidate.minimum.point)
     samples = candidate.problem.n_samples / len(candidate.problem.outputs)
@@ -274,21 +271,6 @@ def _told(
         "look at what was changed between the logs, such as a load, a mount or a calibration, and "
         "diagnose each of them apart",
     )
-
-
-def _are_alike(known: Sequence[Log], others: Sequence[Log]) -> bool:
-    """Whether the input of every other log has nearly the range of those that are known."""
-
-    def span_of(logs: Sequence[Log]) -> tuple[float, float]:
-        u = np.concatenate([log.channels[log.input].values for log in logs])
-        return float(np.nanmin(u)), float(np.nanmax(u))
-
-    low, high = span_of(known)
-    for begin, end in (span_of([log]) for log in others):
-        common = min(high, end) - max(low, begin)
-        if common < SAME_RANGE * (max(high, end) - min(low, begin)):
-            return False
-    return True
 
 
 def _or_else(change: LogDifferences) -> str:
