@@ -33,8 +33,9 @@ from softid.kernels.terms import TERM_SIZE
 
 Array = npt.NDArray[np.float64]
 
-MAX_HALVINGS = 6
-"""How often a step is halved whose stages cannot be found."""
+MAX_HALVINGS = 12
+"""How often a step is halved whose stages cannot be found: dry friction that comes up within 1/5000
+of the largest speed, and gives way as fast, needs thousandths where the motion breaks away."""
 
 ALIKE = 1e-6
 """Relative difference up to which two steps are equal, so that one predicts the next."""

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from linear_motion import MODEL, TRUTH, linear_log, linear_problem
+from linear_motion import MODEL, TRUTH, linear_angle, linear_log, linear_problem
+from scipy.interpolate import CubicSpline
 from textbook_effects import oscillation, round_scale, segment
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.effects import ExtendedModel
 from softid.effects.coulomb_friction import SHARPEST, CoulombFriction, StribeckFriction
 from softid.kernels.terms import FORCE
+from softid.log import Log
 from softid.simulation import simulate
 
 
@@ -92,3 +94,22 @@ def test_a_jump_of_the_friction_is_found_by_the_steps(
     error = (simulate(model, values, log).outputs["angle"] - usual) / scale.x_span
     assert 0.0 < np.abs(error).max() < 1e-4
     assert np.sqrt(np.mean(error**2)) < 2e-5
+
+
+def test_jerks_of_the_sharpest_friction_are_simulated() -> None:
+    """Friction that is larger by two thirds where the motion sticks, and where it breaks away."""
+    time_s = np.arange(1000) / 50.0
+    knob = np.random.default_rng(0).uniform(0.0, 100.0, 20)
+    pressure = np.clip(CubicSpline(np.arange(20.0) * 1.25, knob)(time_s), 0.0, 100.0)
+    angle = linear_angle(time_s, pressure)
+    log = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
+    problem = linear_problem([log])
+    scale = scale_of(problem, problem.unknowns(TRUTH))
+    model = ExtendedModel(MODEL, (StribeckFriction(),), scale)
+    sharpest = {"Fc": 0.2 * scale.force, "vs": scale.v_max / SHARPEST}
+    jerky = {"beta": 0.63, "vb": 0.01 * scale.v_max}
+    values = {f"coulomb_friction_{name}": value for name, value in (sharpest | jerky).items()}
+    found = simulate(model, model.parameters().values_dict() | TRUTH | values, log)
+    late = found.outputs["angle"] - angle
+    assert np.all(np.isfinite(late))
+    assert 0.01 < np.ptp(late) / scale.x_span < 1.0

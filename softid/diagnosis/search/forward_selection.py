@@ -9,6 +9,7 @@ import numpy as np
 
 from softid.diagnosis.refit.bound_relaxation import released, with_own_bounds
 from softid.diagnosis.refit.candidates import Candidate, advance, prior_about, standing_at
+from softid.diagnosis.refit.initial_states import with_settled_starts
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.search.bic_ranking import Ranked, rank
 from softid.diagnosis.search.racing import UNCONVERGED, race
@@ -355,7 +356,7 @@ def converged(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
         prior = prior_about(problem, point, problem.free, before / n)
         begin = standing_at(point, candidate.minimum, prior, before)
         candidate = advance(replace(candidate, minimum=begin, prior=prior), sigma, CONVERGING)
-        held, candidate = candidate, with_own_bounds(candidate)
+        held, candidate = candidate, with_settled_starts(with_own_bounds(candidate), sigma)
         if candidate is not held:
             continue
         rests = candidate.minimum.offset <= UNCONVERGED and not candidate.is_pulled

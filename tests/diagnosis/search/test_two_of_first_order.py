@@ -23,13 +23,20 @@ def test_both_are_named(seed: int) -> None:
 
 
 def test_without_a_cause_of_second_order_nothing_is_tried() -> None:
-    """The base alone, and the law of first order is known by its key."""
+    """The base alone."""
     problem = linear_problem([linear_log(noise=0.01)])
     base = standing(problem, problem.unknowns(TRUTH))
     scale = scale_of(problem, base.minimum.point)
     assert chain_of_first_order(Chain((), None, base), base, (), scale, SIGMA) is None
-    second = {key: effect_of(key).first_order for key in EFFECTS if effect_of(key).first_order}
-    assert second == {"line_resonance": "pneumatic_lag", "sensor_resonance": "sensor_lag"}
+
+
+def test_a_law_of_second_order_knows_its_lag_where_it_does_not_ring() -> None:
+    """The two resonances, from a damping ratio of 0.7 on; no other effect is of second order."""
+    well_damped, ringing = ({"period": 1.0, "zeta": zeta} for zeta in (0.7, 0.69))
+    lags = {key: effect_of(key).first_order(well_damped) for key in EFFECTS}
+    of_second_order = {key: lag for key, lag in lags.items() if lag is not None}
+    assert of_second_order == {"line_resonance": "pneumatic_lag", "sensor_resonance": "sensor_lag"}
+    assert all(effect_of(key).first_order(ringing) is None for key in EFFECTS)
 
 
 def test_the_likelier_of_two_models_leaves_less() -> None:
