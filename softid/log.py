@@ -224,6 +224,14 @@ class Log:
         """What the input is taken to do between samples."""
         return self.intersample or "straight"
 
+    @property
+    def as_recorded(self) -> Log:
+        """The log that this one was made from, where its samples are no longer those of a record.
+
+        By default the log itself.
+        """
+        return self
+
     def with_roles(self, *, input: str | None = None, outputs: Sequence[str] = ()) -> Log:
         """The same recording with other input and output channels."""
         return replace(

@@ -59,10 +59,10 @@ def require_explained(found: FitResult, logs: LogSet, signs: Sequence[Issue]) ->
 
 
 def fitted_range(logs: LogSet) -> dict[str, tuple[float, float]]:
-    """Smallest and largest value of the input and of each output over the logs."""
+    """Smallest and largest recorded value of the input and of each output over the logs."""
     ranges = {}
     for name in (logs.input, *logs.outputs):
-        values = np.concatenate([log.channels[name].values for log in logs])
+        values = np.concatenate([log.as_recorded.channels[name].values for log in logs])
         finite = values[np.isfinite(values)]
         ranges[name] = (float(finite.min()), float(finite.max()))
     return ranges
@@ -76,7 +76,7 @@ def extrapolation(
         return None
     low, high = ranges[channel]
     margin = RANGE_MARGIN * (high - low)
-    values = log.channels[channel].values
+    values = log.as_recorded.channels[channel].values
     outside = (values < low - margin) | (values > high + margin)
     if not outside.any():
         return None

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.base.base_fit import Recordings
-from softid.diagnosis.logs.decimation import as_recorded, read_as
+from softid.diagnosis.logs.decimation import read_as
 from softid.diagnosis.refit.candidates import (
     Candidate,
     advance,
@@ -79,7 +79,7 @@ def is_measured(logs: Iterable[Log]) -> bool:
 
 def readings_of(logs: Iterable[Log]) -> tuple[Intersample, ...]:
     """What the inputs may do between their samples, whatever was declared; what bends is smooth."""
-    opened = [replace(as_recorded(log), intersample=None) for log in logs]
+    opened = [replace(log.as_recorded, intersample=None) for log in logs]
     plain: tuple[Intersample, ...] = ("straight", "smooth") if is_smooth(opened) else ("straight",)
     return (*plain, *held_readings(opened))
 

@@ -92,6 +92,11 @@ class AveragedLog(Log):
         """Straight: the samples of the input were made for that."""
         return "straight"
 
+    @property
+    def as_recorded(self) -> Log:
+        """The other one: nodes of a straight input lie beyond its extremes."""
+        return self.recorded
+
 
 def decimated(log: Log, count: int) -> Log:
     """The log with a value from every ``count`` samples in their place.
@@ -140,11 +145,6 @@ def decimated(log: Log, count: int) -> Log:
         recorded=log,
         count=count,
     )
-
-
-def as_recorded(log: Log) -> Log:
-    """The log whose averages a log holds, or itself."""
-    return log.recorded if isinstance(log, AveragedLog) else log
 
 
 def read_as(log: Log, reading: Intersample) -> Log:

@@ -10,13 +10,13 @@ from scipy import signal
 from softid.diagnosis.logs.decimation import (
     ENOUGH,
     SAMPLES_PER_MOTION,
-    as_recorded,
     decimated,
     read_as,
     samples_to_average,
 )
+from softid.identification.issues import extrapolation, fitted_range
 from softid.intersample import Intersample
-from softid.log import Log
+from softid.log import Log, LogSet
 
 
 def regular(samples: int, period_s: float = 0.001, name: str = "log") -> Log:
@@ -157,8 +157,8 @@ def test_averages_of_a_held_input_come_when_it_does(reading: Intersample) -> Non
     assert left_by(wrong) > 2.0 * left_by(short)
     again = read_as(wrong, reading).channels["pressure"].values
     assert again.tolist() == short.channels["pressure"].values.tolist()
-    assert as_recorded(short) is log
-    assert as_recorded(log) is log
+    assert short.as_recorded is log
+    assert log.as_recorded is log
     assert read_as(log, other).intersample == other
 
 
@@ -175,3 +175,18 @@ def test_one_sample_is_its_own_mean() -> None:
     """Nothing is copied."""
     log = regular(20)
     assert decimated(log, 1) is log
+
+
+def test_the_range_of_averages_is_that_of_the_record() -> None:
+    """Nodes of a straight line about steps lie beyond them, and no such pressure was there."""
+    time_s = 0.01 * np.arange(400)
+    steps = np.where(time_s % 1.0 < 0.5, 0.0, 100.0)
+    log = Log.from_arrays(time_s, {"pressure": steps, "angle": steps})
+    short = decimated(log, 4)
+    assert short.channels["pressure"].values.min() < 0.0
+    assert fitted_range(LogSet((short,)))["pressure"] == (0.0, 100.0)
+    wider = Log.from_arrays(time_s, {"pressure": 1.05 * steps, "angle": steps})
+    found = extrapolation(decimated(wider, 4), "pressure", {"pressure": (0.0, 100.0)})
+    assert found is not None
+    assert "reaches 105 kPa" in found.message
+    assert extrapolation(short, "pressure", {"pressure": (0.0, 100.0)}) is None
