@@ -166,6 +166,18 @@ def _load_drift(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     return MotionLaw(act)
 
 
+def _load_jump(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
+    del sizes
+    force = values["force"]
+    at = -1.0 if occasion.later else values["at"]
+
+    def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
+        parts.force += force * passed(t, at)
+        return NO_RATES
+
+    return MotionLaw(act)
+
+
 def _stiffness_jump(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     del sizes
     change = values["change"]
@@ -326,6 +338,13 @@ OUTSIDE: tuple[Hidden, ...] = (
         "load_drift", "state", "+ force t/duration", "force {f}",
         lambda s, rng, size: {"force": either(rng) * about(rng, 0.12 * size * s.force)},
         _load_drift, relation="outside",
+    ),
+    entry(
+        "load_jump", "state", "+ force from one moment on", "force {f}, at s",
+        lambda s, rng, size: {
+            "force": either(rng) * about(rng, 0.1 * size * s.force),
+            "at": rng.uniform(0.25, 0.75) * s.duration_s,
+        }, _load_jump, relation="outside",
     ),
     entry(
         "stiffness_jump", "state", "Q (1 + change) in place of Q from one moment on",

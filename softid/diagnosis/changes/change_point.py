@@ -14,8 +14,18 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
-from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.changes.probes import MotionProbe
+from softid.diagnosis.refit.candidates import (
+    FINE,
+    Candidate,
+    extend,
+    limited_plans,
+    named_values,
+    start_unknowns,
+)
 from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
+from softid.effects import extended_name
+from softid.effects.base import Scale
 
 Array = npt.NDArray[np.float64]
 
@@ -58,7 +68,8 @@ class ChangePoint:
     share
         Share of the misfit above the noise that a change of everything takes away.
     kind
-        What changed: ``zero``, ``clock`` or ``gain``; empty where it is none of them alone.
+        What changed: ``zero``, ``load``, ``clock`` or ``gain``; ``zero or load`` where each of the
+        two does as well, as under one stiffness throughout; empty where it is none of them alone.
     """
 
     log: int
@@ -67,7 +78,7 @@ class ChangePoint:
     kind: str
 
 
-def change_point(model: Candidate, excess: float) -> ChangePoint | None:
+def change_point(model: Candidate, scale: Scale, excess: float) -> ChangePoint | None:
     """The moment at which the misfit begins, if it begins at one.
 
     With B spanning the derivatives of the response and the rate of the output, the residual is
@@ -78,6 +89,8 @@ def change_point(model: Candidate, excess: float) -> ChangePoint | None:
     ----------
     model
         A model over its logs.
+    scale
+        Sizes of the base fit.
     excess
         Variance of what it leaves above that of the noise, as a share of the latter.
     """
@@ -87,7 +100,7 @@ def change_point(model: Candidate, excess: float) -> ChangePoint | None:
     rows = [row for row in rows_of(model) if row.channel == first]
     if not all(np.isfinite(row.jacobian).all() for row in rows):  # it runs away
         return None
-    look = _ScoreTest(rows)
+    look = _ScoreTest(rows, _by_load(model, scale))
     noise = look.power / (1.0 + excess)
     best: ChangePoint | None = None
     for log in sorted({row.log for row in look.rows}):
@@ -100,8 +113,9 @@ def change_point(model: Candidate, excess: float) -> ChangePoint | None:
 class _ScoreTest:
     """Residual of the first output, and the columns that a change is made of."""
 
-    def __init__(self, rows: Sequence[Rows]) -> None:
+    def __init__(self, rows: Sequence[Rows], by_load: Array) -> None:
         self.rows = rows
+        self.by_load = by_load
         jacobian = np.concatenate([row.jacobian for row in self.rows])
         self.rate = _joined(self.rows, lambda row: row.motion.v)
         self.position = _joined(self.rows, lambda row: row.motion.x)
@@ -111,7 +125,7 @@ class _ScoreTest:
         residual = np.concatenate([row.residual for row in self.rows])
         self.left = project_out(self.basis, residual)
         self.power = float(residual @ residual)
-        self.columns = basis_of(np.column_stack((jacobian, self.rate)))
+        self.columns = basis_of(np.column_stack((jacobian, self.rate, by_load)))
 
     def best_of(self, log: int, noise: float) -> ChangePoint | None:
         """The moment of one log at which a change takes most of what is more than noise."""
@@ -146,14 +160,29 @@ class _ScoreTest:
     def kind_of(self, log: int, time_s: float, most: float) -> str:
         """What alone takes nearly as much, the simplest first."""
         kinds = {
-            "zero": np.ones((self.rate.size, 1)),
-            "clock": self.rate[:, None],
-            "gain": self.position[:, None],
+            "zero": np.ones(self.rate.size),
+            "load": self.by_load,
+            "clock": self.rate,
+            "gain": self.position,
         }
-        for name, columns in kinds.items():
-            if self.taken(columns, log, time_s) > ALONE * most:
-                return name
-        return ""
+        alike = [
+            name
+            for name, column in kinds.items()
+            if self.taken(column[:, None], log, time_s) > ALONE * most
+        ]
+        return "zero or load" if alike[:2] == ["zero", "load"] else next(iter(alike), "")
+
+
+def _by_load(model: Candidate, scale: Scale) -> Array:
+    """Derivative of the first output by a constant load, at the used samples, shape (m,)."""
+    probe, first = MotionProbe(), model.problem.outputs[0]
+    problem = extend(model.problem, (probe,), scale)
+    none = named_values(probe, probe.starts(scale)[0])
+    z = start_unknowns(problem, model.problem, model.minimum.point, none)
+    load = problem.free.index(extended_name(probe, "load"))
+    blocks = problem.blocks(z, derivatives=True, plans=limited_plans(problem, z, FINE))
+    columns = [b.jacobian[:, load] for b in blocks if b.channel == first and b.jacobian is not None]
+    return np.concatenate(columns)
 
 
 def _joined(rows: Sequence[Rows], values: Callable[[Rows], Array]) -> Array:

@@ -7,13 +7,14 @@ them is put to the others with one change for each, which is fitted with its zer
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, extend, named_values
+from softid.diagnosis.refit.characteristic_scales import elastic_force
 from softid.diagnosis.refit.parallel import in_parallel
 from softid.effects.base import Scale
 from softid.fitters.output_error import refit_nuisance
@@ -167,6 +168,7 @@ class _Change:
 def _changes(reference: Candidate, scale: Scale) -> list[_Change]:
     """Everything that may differ: the zero, every free parameter, and what the probes change."""
     problem, values = reference.problem, reference.parameters
+    scale = _own_scale(reference, scale)
     found = [_Change(ZERO, "", problem, values)]
     found += [_Change(name, name, problem, values) for name in problem.free]
     for law in PROBES:
@@ -178,3 +180,12 @@ def _changes(reference: Candidate, scale: Scale) -> list[_Change]:
             for kind, name in zip(probe.kinds, own, strict=True)
         ]
     return found
+
+
+def _own_scale(reference: Candidate, scale: Scale) -> Scale:
+    """Sizes with the reference's own force: a law may be known up to a factor of all forces."""
+    problem = reference.problem
+    law = problem.model.motion_law(problem.theta(reference.minimum.point))
+    u = np.concatenate([segment.input for segment in problem.segments])
+    force = elastic_force(law, u, scale.x_span)
+    return replace(scale, force=force) if np.isfinite(force) else scale

@@ -40,6 +40,8 @@ HELD_OUT_CHANGE = "held-out-change"
 
 CHANGES = {
     "zero": "its zero jumps there",
+    "load": "a constant load changes there",
+    "zero or load": "its zero jumps there, or a constant load changes",
     "clock": "its clock jumps there against that of the input",
     "gain": "its gain changes there, or the stiffness of the actuator does",
     "": "there the model changes in more than one way",
@@ -108,7 +110,7 @@ def held_out_change_issues(
         return ()
     errors = held.first_errors(model)
     power, noise = float(np.mean(errors**2)), remainder.noise_power
-    moments = change_issues(judged, power / noise - 1.0)
+    moments = change_issues(judged, scale, power / noise - 1.0)
     if moments:
         return tuple(replace(issue, code=HELD_OUT_CHANGE) for issue in moments)
     is_right = is_sure and not remainder.structured  # else it fits none of the logs
@@ -122,19 +124,23 @@ def held_out_change_issues(
     return () if told is None else (replace(told, code=HELD_OUT_CHANGE),)
 
 
-def change_issues(model: Candidate, excess: float, *, alone: bool = False) -> tuple[Issue, ...]:
+def change_issues(
+    model: Candidate, scale: Scale, excess: float, *, alone: bool = False
+) -> tuple[Issue, ...]:
     """The moment at which the misfit of a model begins, if there is one.
 
     Parameters
     ----------
     model
         A model over its logs.
+    scale
+        Sizes of the base fit.
     excess
         Variance of what it leaves above that of the noise, as a share of the latter.
     alone
         Whether only what changes in one known way counts.
     """
-    found = change_point(model, excess)
+    found = change_point(model, scale, excess)
     if found is None or (alone and not found.kind):
         return ()
     problem = model.problem

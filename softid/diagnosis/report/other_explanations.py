@@ -52,10 +52,10 @@ class OtherExplanations:
         candidate = base.candidate
         excess = excess_of(candidate, base.scale)
         found = difference_issues(base)
-        found = found or change_issues(candidate, excess, alone=True)
+        found = found or change_issues(candidate, base.scale, excess, alone=True)
         if found or self.laws(base):
             return found
-        return spell_issues(base) or change_issues(candidate, excess)
+        return spell_issues(base) or change_issues(candidate, base.scale, excess)
 
     def laws(self, base: BaseFit) -> tuple[Issue, ...]:
         """A law in no catalogue; nothing where none accounts for the misfit.

@@ -33,6 +33,7 @@ from softid.diagnosis.report.changes import (
 from softid.diagnosis.residual.assessment import excess_of
 from softid.effects.base import Scale
 from softid.log import Log
+from softid.synthesis import hidden_pair
 
 Array = npt.NDArray[np.float64]
 
@@ -69,9 +70,9 @@ def excess(base: Candidate) -> float:
 def test_moment_and_kind_are_found(kind: str) -> None:
     """Known truth, to half a second, for some jumps show in motion only; all of the misfit goes."""
     base = fitted(linear_log(noise=NOISE, samples=N, added=ADDED[kind]))
-    found = change_point(base, excess(base))
+    found = change_point(base, sizes(base), excess(base))
     assert found is not None
-    assert found.kind == kind
+    assert found.kind == ("zero or load" if kind == "zero" else kind)
     assert found.time_s == pytest.approx(MOMENT_S, abs=0.5)
     assert found.share == pytest.approx(1.0, abs=0.06)
 
@@ -83,22 +84,25 @@ def test_the_log_is_found() -> None:
         for k in (0, 1, 2)
     ]
     base = fitted(*logs)
-    found = change_point(base, excess(base))
+    found = change_point(base, sizes(base), excess(base))
     assert found is not None
     assert found.log == 1
-    (mark,) = change_issues(base, excess(base))
+    (mark,) = change_issues(base, sizes(base), excess(base))
     assert mark.code == CHANGE_POINT
-    assert "s of linear-1: its zero jumps there, which takes away" in mark.message
+    assert (
+        "s of linear-1: its zero jumps there, or a constant load changes, which takes away"
+        in mark.message
+    )
 
 
 def test_two_changes_at_once_are_neither_alone() -> None:
     """Zero and gain jump together: the moment is told, and no kind, for none makes up for both."""
     base = fitted(linear_log(noise=NOISE, samples=N, added=(0.1 - 0.15 * ANGLE) * LATE))
-    found = change_point(base, excess(base))
+    found = change_point(base, sizes(base), excess(base))
     assert found is not None
     assert found.kind == ""
     assert found.time_s == pytest.approx(MOMENT_S, abs=0.5)
-    (mark,) = change_issues(base, excess(base))
+    (mark,) = change_issues(base, sizes(base), excess(base))
     assert "there the model changes in more than one way" in mark.message
 
 
@@ -117,16 +121,16 @@ OTHERS = {
 def test_what_goes_on_throughout_begins_at_no_moment(name: str) -> None:
     """Noise, a drift, a delay, a law of position or speed, a swing, and what comes and goes."""
     base = fitted(linear_log(noise=NOISE, samples=N, added=OTHERS[name]))
-    assert change_point(base, excess(base)) is None
+    assert change_point(base, sizes(base), excess(base)) is None
 
 
 def test_a_change_in_no_known_way_is_told_if_nothing_else_is() -> None:
     """A zero and a gain that jump at once are neither alone."""
     both = ADDED["zero"] + 2.0 * ADDED["gain"]
     base = fitted(linear_log(noise=NOISE, samples=N, added=both))
-    (mark,) = change_issues(base, excess(base))
+    (mark,) = change_issues(base, sizes(base), excess(base))
     assert "in more than one way" in mark.message
-    assert change_issues(base, excess(base), alone=True) == ()
+    assert change_issues(base, sizes(base), excess(base), alone=True) == ()
 
 
 @pytest.mark.parametrize("kind", ADDED)
@@ -170,3 +174,14 @@ def test_a_diagnosis_tells_the_moment() -> None:
     assert re.search(r"The misfit of angle begins at 2[23]\.\d+ s of linear-0: ", found.summary)
     assert "its zero jumps there" in found.summary
     assert "diagnose what comes before and after it apart" in (found.next_experiment or "")
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_load_that_is_hung_on_is_no_jump_of_the_zero(seed: int) -> None:
+    """Where the stiffness goes with the pressure the two differ from level to level."""
+    pair = hidden_pair(["load_jump"], seed=seed)
+    found = diagnose(pair.logs[0], model="muscle", effects=["sensor_drift"])
+    assert not found.causes
+    assert "a constant load changes" in found.summary
+    (moment,) = re.findall(r"(?:begins at|confined to) ([0-9.]+) s", found.summary)
+    assert float(moment) == pytest.approx(pair.hidden["load_jump"]["at"], abs=1.0)

@@ -52,7 +52,7 @@ def test_the_order_in_which_they_are_asked(
         asked.append(name)
         return (issue,) if name in answers else ()
 
-    def change(model: Any, excess: float, *, alone: bool = False) -> tuple[Issue, ...]:
+    def change(model: Any, scale: Any, excess: float, *, alone: bool = False) -> tuple[Issue, ...]:
         return told("change", JUMPS) if alone else told("mixed", MIXED)
 
     def law(base: Any, noise: float) -> BeyondCatalogue | None:
