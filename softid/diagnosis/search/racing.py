@@ -139,12 +139,13 @@ def race(
     left_out = {c.effects[-1].key for c in known} | late_forms
     running = [e for e in effects if e.key not in left_out] if not again else []
     rough, weights = rough_copy(fitted, scale, sigma)
-    joining = [over_samples_of(candidate, rough, scale) for candidate in (*known, *extra)]
+    near, far = ([over_samples_of(c, rough, scale) for c in those] for those in (known, extra))
     first = _first_round(rough, found, running, scale, weights)
     promising = list(dict.fromkeys(s.effect.key for s in found))
     second = _second_round(first, promising, weights)
     from_afar = _from_afar(rough, first, running, scale, weights)
-    second = best_of_each([*second, *from_afar, *run_round(joining, weights, 1, COARSE)])
+    joining = run_round(near, weights, 1, COARSE) + run_round(far, weights, FAR_ROUND, COARSE)
+    second = best_of_each([*second, *from_afar, *joining])
     entering = [effect for effect in richer if effect.key in late_forms]
     second = by_squares([*second, *forms_that_gain(rough, second, entering, scale, weights)])
     if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:
