@@ -51,6 +51,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("search",),
     ("verdict",),
     ("cause_search",),
+    ("plainer_model",),
     ("strategy",),
     ("report",),
     ("workflow",),

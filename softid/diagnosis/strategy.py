@@ -7,9 +7,16 @@ from dataclasses import replace
 from typing import Protocol
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.base.intersample_selection import (
+    hold_out_read_as_explained,
+    intersample_after_all_causes,
+    intersample_after_first_cause,
+    recordings_read_as,
+)
 from softid.diagnosis.cause_search import CauseSearch, SearchResult
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Chain
+from softid.intersample import Intersample
 
 BETTER_BASE = 0.98
 """Another optimum of the base counts when it leaves so much less than the first."""
@@ -73,3 +80,45 @@ def search_causes(
             return found, search
     other = search.search_from_multistart(found) or search.search_from_other_causes(found.chain)
     return other or found, search
+
+
+def search_with_intersample(
+    recordings: Recordings,
+    request: Request,
+    search: CauseSearch,
+    others: Explanations,
+    first: Chain | None = None,
+) -> tuple[SearchResult, CauseSearch]:
+    """The search where nobody said what the input does between its samples.
+
+    With the wrong answer a delay hides in the first cause, or in all of them: where another one
+    explains more, the base is fitted and searched again with it.
+
+    Parameters
+    ----------
+    recordings, request, search, others, first
+        As in `search_causes`.
+    """
+    base, first = search.base, first or search.first_cause()
+
+    def searched_as(reading: Intersample | None) -> tuple[SearchResult, CauseSearch]:
+        if reading in (None, base.candidate.problem.logs[0].between_samples):
+            return search_causes(recordings, request, search, others, first)
+        changed = recordings_read_as(recordings, reading)
+        again = request.fit_base(changed.logs, changed.hold_out, thorough=False)
+        judges = hold_out_read_as_explained(again.candidate, changed.hold_out)
+        if judges != changed.hold_out:
+            changed = replace(changed, hold_out=judges)
+            again = request.fit_base(changed.logs, judges, thorough=False)
+        return search_causes(changed, request, replace(search, base=again), others)
+
+    found, last = searched_as(
+        intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma)
+    )
+    if len(found.chain.links) > 1:
+        reading = intersample_after_all_causes(
+            found.chain.final, last.base.sigma, found.remainder.excess
+        )
+        if reading is not None:
+            return searched_as(reading)
+    return found, last

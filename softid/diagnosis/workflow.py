@@ -12,9 +12,6 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request, require_enough
 from softid.diagnosis.base.intersample_selection import (
-    hold_out_read_as_explained,
-    intersample_after_all_causes,
-    intersample_after_first_cause,
     is_measured,
     is_open,
     reading_unless_held,
@@ -27,6 +24,7 @@ from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.logs.input_gaps import without_lost_input
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
+from softid.diagnosis.plainer_model import first_cause_of_models, plainer_model_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.refit.optimum import optimum_of
@@ -51,7 +49,7 @@ from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.strategy import search_causes
+from softid.diagnosis.strategy import search_causes, search_with_intersample
 from softid.diagnosis.verdict.cancelling import cancelling
 from softid.diagnosis.verdict.cause_results import (
     alternatives_of,
@@ -80,7 +78,6 @@ from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.preparation import as_log_set, without_dropouts
 from softid.identification.repeated_input import without_repeats
 from softid.identification.workflow import Identification
-from softid.intersample import Intersample
 from softid.log import Log
 from softid.models.base import Model
 from softid.parameters import ParameterSet
@@ -156,18 +153,18 @@ def diagnose(
     request = Request(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)
     request, base = reduced_if_better(recordings, request, base)
-    search = CauseSearch(base, effects_of(effects), seed, report)
+    search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
     others = OtherExplanations()
-    if is_in_doubt:
-        found, search = _search_with_intersample(recordings, request, search, others)
-    else:
-        found, search = search_causes(recordings, request, search, others)
+    request, search, first = first_cause_of_models(recordings, request, search)
+    searched = search_with_intersample if is_in_doubt else search_causes
+    found, search = searched(recordings, request, search, others, first)
     report("computing errors", 0.9)
     answer, base = _surest_answer(search, found), search.base
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
     answer = with_other_explanations(answer, base, others)
     issues = (
         *negligible_issues(base),
+        *plainer_model_issues(chosen, base),
         *restriction_issues(effects),
         *averaging_issues(count),
         *rounded,
@@ -190,39 +187,6 @@ def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
         return answer
     other = search.search_from_multistart(found)
     return _answer(search.base, other, search.seed) if other else answer
-
-
-def _search_with_intersample(
-    recordings: Recordings, request: Request, search: CauseSearch, others: OtherExplanations
-) -> tuple[SearchResult, CauseSearch]:
-    """The search where nobody said what the input does between its samples.
-
-    With the wrong answer a delay hides in the first cause, or in all of them: where another one
-    explains more, the base is fitted and searched again with it.
-    """
-    base, first = search.base, search.first_cause()
-
-    def searched_as(reading: Intersample | None) -> tuple[SearchResult, CauseSearch]:
-        if reading in (None, base.candidate.problem.logs[0].between_samples):
-            return search_causes(recordings, request, search, others, first)
-        changed = recordings_read_as(recordings, reading)
-        again = request.fit_base(changed.logs, changed.hold_out, thorough=False)
-        judges = hold_out_read_as_explained(again.candidate, changed.hold_out)
-        if judges != changed.hold_out:
-            changed = replace(changed, hold_out=judges)
-            again = request.fit_base(changed.logs, judges, thorough=False)
-        return search_causes(changed, request, replace(search, base=again), others)
-
-    found, last = searched_as(
-        intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma)
-    )
-    if len(found.chain.links) > 1:
-        reading = intersample_after_all_causes(
-            found.chain.final, last.base.sigma, found.remainder.excess
-        )
-        if reading is not None:
-            return searched_as(reading)
-    return found, last
 
 
 def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, BaseFit, int]:

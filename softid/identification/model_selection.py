@@ -60,12 +60,15 @@ class ModelChoice:
         Label of a candidate → rms error on the held-out blocks, canonical unit of the output.
     starts
         Start values for the fit of the model: parameter name → value.
+    plainer
+        Models with fewer parameters that predicted worse.
     """
 
     model: Model
     reason: str
     held_out_rmse: Mapping[str, float] = field(default_factory=dict)
     starts: tuple[Mapping[str, float], ...] = ()
+    plainer: tuple[Model, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +159,7 @@ def _candidates(
         except UsageError as error:
             refused.append(f"{variant.label} was not tried: {error.what}")
     names = {model.name for model in preferred}
-    usable.sort(key=lambda m: (m.name not in names, len(m.parameters().free)))
+    usable.sort(key=lambda m: (m.name not in names, _terms(m)))
     return usable, refused
 
 
@@ -191,7 +194,12 @@ def _best(
         _reason(best, drafts, untold, logs),
         {draft.model.label: draft.rmse for draft in drafts},
         (best.values,),
+        tuple(d.model for d in drafts if _terms(d.model) < _terms(best.model)),
     )
+
+
+def _terms(model: Model) -> int:
+    return len(model.parameters().free)
 
 
 def _draft(model: Model, logs: LogSet, rng: np.random.Generator) -> _Draft:

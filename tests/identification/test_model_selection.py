@@ -31,6 +31,14 @@ def test_each_law_is_recognised(name: str, output: str, expected: str) -> None:
     assert choice.reason.startswith(f"{expected}: ")
 
 
+def test_plainer_models_that_lost_are_known() -> None:
+    """The oscillator with three parameters beside the muscle with seven, none beside itself."""
+    for name, plainer in (("demo_step", ["oscillator"]), ("oscillator_steps", [])):
+        log = load(DATA / f"{name}.csv", outputs=("angle",))
+        choice = choose_model(LogSet((log,)), rng=np.random.default_rng(0), moving=True)
+        assert [model.name for model in choice.plainer] == plainer
+
+
 def test_the_reason_is_in_the_unit_of_the_log() -> None:
     log = load(DATA / "demo_step.csv")
     choice = choose_model(LogSet((log,)), rng=np.random.default_rng(0))
