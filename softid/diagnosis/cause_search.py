@@ -99,6 +99,7 @@ class CauseSearch:
     seed: int
     report: Progress
     _known: dict[Candidate, Remainder] = field(default_factory=dict, init=False, repr=False)
+    _grown: dict[tuple[Chain, int], Chain] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def multistart(self) -> list[Candidate]:
@@ -156,6 +157,19 @@ class CauseSearch:
         max_links, extra, raced
             As in `select_forward`.
         """
+        if extra or raced is not None:
+            return self._select(chain, max_links, extra, raced)
+        if (chain, max_links) not in self._grown:
+            self._grown[chain, max_links] = self._select(chain, max_links)
+        return self._grown[chain, max_links]
+
+    def _select(
+        self,
+        chain: Chain,
+        max_links: int,
+        extra: Sequence[Candidate] = (),
+        raced: Link | None = None,
+    ) -> Chain:
         held_out = self.base.held_out
 
         def is_no_worse(before: Candidate, after: Candidate) -> bool:

@@ -7,7 +7,9 @@ than an oscillator does, and what it leaves then has no name.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.cause_search import CauseSearch
@@ -15,21 +17,40 @@ from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search.two_of_first_order import is_likelier
 from softid.errors import IdentificationError, Issue
 
+HOPELESS = 20.0
+"""A plainer model with a first cause that leaves so many times the sum of squares that the chosen
+one leaves with its own is not looked at further."""
+
 PLAINER_MODEL = "plainer-model"
 """Code of the remark that another model than the one that predicts best is extended."""
 
 
-def first_cause_of_models(
-    recordings: Recordings, request: Request, search: CauseSearch
-) -> tuple[Request, CauseSearch, Chain]:
-    """The first cause, over the model for which it is the likeliest.
+@dataclass(frozen=True, eq=False)
+class ModelSearch:
+    """A search over one model, and what it asks for.
 
-    Plainer models that lost by prediction are extended by a first cause, too. One whose BIC is then
-    below that of the chosen model with its own first cause is what the logs call for. A model that
-    the user named stays, and so does one that needs no cause, or one whose first cause leaves noise
-    and is no curve, which may bend to anything.
+    Attributes
+    ----------
+    request
+        What the user asked for, with the model.
+    search
+        The search over its fit.
+    first
+        The chain with its first cause.
+    """
 
-    Parameters
+    request: Request
+    search: CauseSearch
+    first: Chain
+
+
+@dataclass(frozen=True, eq=False)
+class PlainerModels:
+    """Models that lost by prediction, extended by causes like the one that was chosen.
+
+    There are none where the user named a model, or where the chosen one needs no cause.
+
+    Attributes
     ----------
     recordings
         The logs.
@@ -37,30 +58,80 @@ def first_cause_of_models(
         What the user asked for.
     search
         The search over the model that was chosen.
-
-    Returns
-    -------
-    request, search, first
-        With the model that is extended, and the chain of its first cause.
     """
-    first, choice = search.first_cause(), search.base.identified.choice
-    best = request, search, first
-    if choice is None or not first.links:
+
+    recordings: Recordings
+    request: Request
+    search: CauseSearch
+
+    @cached_property
+    def chosen(self) -> ModelSearch:
+        """The chosen model with its first cause."""
+        return ModelSearch(self.request, self.search, self.search.first_cause())
+
+    @cached_property
+    def plainer(self) -> list[ModelSearch]:
+        """The plainer ones that come near with their own first cause."""
+        choice = self.search.base.identified.choice
+        found = []
+        for model in choice.plainer if choice is not None and self.chosen.first.links else ():
+            asked = replace(self.request, model=model)
+            try:
+                base = asked.fit_base(
+                    self.recordings.logs, self.recordings.hold_out, thorough=False
+                )
+            except IdentificationError:  # it was drafted, but its fit came to no parameters
+                continue
+            search = replace(self.search, base=base)
+            found.append(ModelSearch(asked, search, search.first_cause()))
+        most = HOPELESS * self.chosen.first.final.squares
+        return [m for m in found if m.first.links and m.first.final.squares < most]
+
+    def likeliest(self) -> ModelSearch:
+        """The model that is the likeliest with its first cause, or with two, by BIC.
+
+        The chosen one stays where its first cause leaves noise and is no curve.
+        """
+        first = self.chosen.first
+        is_in_doubt = _bends(first) or self.search.leaves_structure(first)
+        if not is_in_doubt or not self.plainer:
+            return self.chosen
+        with_one = self._likelier(first, lambda rival: rival.first)
+        return with_one or self._likelier(_two(self.chosen), _two) or self.chosen
+
+    def after_all_causes(self, extended: ModelSearch, found: Chain) -> ModelSearch | None:
+        """A plainer model that is likelier with its causes, where a chosen one's cause is a curve.
+
+        Parameters
+        ----------
+        extended
+            The model that was extended.
+        found
+            All of its causes.
+        """
+        if extended is not self.chosen or len(found.links) < 2 or not _bends(found):
+            return None
+        return self._likelier(found, lambda rival: rival.search.search(rival.first).chain)
+
+    def _likelier(
+        self, chain: Chain, extended: Callable[[ModelSearch], Chain]
+    ) -> ModelSearch | None:
+        """The plainer model that is the likeliest when extended, if it is likelier."""
+        best, found = None, chain.final
+        for rival in self.plainer:
+            other = extended(rival).final
+            if is_likelier(other, found, self.search.base.sigma):
+                best, found = rival, other
         return best
-    is_curve = len(first.links[0].added.amplitudes) > 1
-    if not is_curve and not search.leaves_structure(first):
-        return best
-    for model in choice.plainer:
-        asked = replace(request, model=model)
-        try:
-            base = asked.fit_base(recordings.logs, recordings.hold_out, thorough=False)
-        except IdentificationError:  # it was drafted, but its fit came to no parameters
-            continue
-        other = replace(search, base=base)
-        chain = other.first_cause()
-        if chain.links and is_likelier(chain.final, best[2].final, search.base.sigma):
-            best = asked, other, chain
-    return best
+
+
+def _two(model: ModelSearch) -> Chain:
+    return model.search.grow(model.first, max_links=2)
+
+
+def _bends(chain: Chain) -> bool:
+    """Whether a cause is a curve with free values, which bends to much that it is not."""
+    return any(len(link.added.amplitudes) > 1 for link in chain.links)
 
 
 def plainer_model_issues(chosen: BaseFit, extended: BaseFit) -> tuple[Issue, ...]:

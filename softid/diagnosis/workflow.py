@@ -24,7 +24,7 @@ from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.logs.input_gaps import without_lost_input
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
-from softid.diagnosis.plainer_model import first_cause_of_models, plainer_model_issues
+from softid.diagnosis.plainer_model import PlainerModels, plainer_model_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.refit.optimum import optimum_of
@@ -155,9 +155,13 @@ def diagnose(
     request, base = reduced_if_better(recordings, request, base)
     search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
     others = OtherExplanations()
-    request, search, first = first_cause_of_models(recordings, request, search)
+    models = PlainerModels(recordings, request, search)
+    asked = models.likeliest()
     searched = search_with_intersample if is_in_doubt else search_causes
-    found, search = searched(recordings, request, search, others, first)
+    found, search = searched(recordings, asked.request, asked.search, others, asked.first)
+    plainer = models.after_all_causes(asked, found.chain)
+    if plainer is not None:
+        found, search = searched(recordings, plainer.request, plainer.search, others, plainer.first)
     report("computing errors", 0.9)
     answer, base = _surest_answer(search, found), search.base
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
