@@ -83,6 +83,8 @@ class Case:
         Key of `RIGS`.
     in_blocks
         Whether blocks of the log judge, in place of another log.
+    chosen
+        Whether the base is chosen in place of named.
     """
 
     kind: str
@@ -93,13 +95,15 @@ class Case:
     protocol: str = "rich"
     rig: str = "usual"
     in_blocks: bool = False
+    chosen: bool = False
 
     @property
     def key(self) -> str:
         """A name that no other case has."""
         hidden = "+".join(self.names) or "nothing"
         parts = (self.kind, hidden, self.seed, self.size, self.model, self.protocol, self.rig)
-        return "/".join(str(part) for part in (*parts, *(("blocks",) if self.in_blocks else ())))
+        ways = (*(("blocks",) if self.in_blocks else ()), *(("chosen",) if self.chosen else ()))
+        return "/".join(str(part) for part in (*parts, *ways))
 
     def pair(self) -> HiddenPair:
         """The logs with their truth."""
@@ -190,6 +194,7 @@ def cases(
     rig: str = "usual",
     model: str = "muscle",
     in_blocks: bool = False,
+    chosen: bool = False,
 ) -> list[Case]:
     """The cases of one kind.
 
@@ -207,11 +212,11 @@ def cases(
         Key of `RIGS`.
     model
         Base model, of the diagnosis and of the truth.
-    in_blocks
+    in_blocks, chosen
         As in `Case`.
     """
     return [
-        Case(kind, names, s, size, model, protocol, rig, in_blocks)
+        Case(kind, names, s, size, model, protocol, rig, in_blocks, chosen)
         for names, protocol, count in _hidden(kind, draws)
         for s in range(seed, seed + count)
     ]
@@ -305,8 +310,9 @@ def run(case: Case) -> Score:
     """
     pair = case.pair()
     train, *judges = pair.logs if not case.in_blocks else pair.logs[:1]
+    base = None if case.chosen else case.model
     begin, begin_cpu = time.perf_counter(), time.process_time()
-    found = diagnose([train], hold_out=judges, model=case.model)
+    found = diagnose([train], hold_out=judges, model=base)
     seconds, cpu_seconds = time.perf_counter() - begin, time.process_time() - begin_cpu
     channel = next(c for c in pair.train.sigma if "pressure" not in c)
     inside, outside = (next(g for g in found.gains if g.held_out is h) for h in (False, True))

@@ -55,6 +55,7 @@ def main() -> None:
             rig=asked.rig,
             model=asked.model,
             in_blocks=asked.blocks,
+            chosen=asked.choose,
         )
         if not asked.only or set(case.names) & set(asked.only.split(","))
     ]
@@ -81,6 +82,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--model", default="muscle", help="base, also of the hidden truth")
     parser.add_argument("--rig", choices=tuple(RIGS), default="usual")
     parser.add_argument("--blocks", action="store_true", help="hold out blocks, not another log")
+    parser.add_argument("--choose", action="store_true", help="let the base be chosen")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("build/diagnosis_rates.jsonl"))
     return parser.parse_args()
