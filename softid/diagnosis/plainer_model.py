@@ -15,6 +15,7 @@ from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search.two_of_first_order import is_likelier
+from softid.diagnosis_results import Verdict
 from softid.errors import IdentificationError, Issue
 
 HOPELESS = 20.0
@@ -99,17 +100,24 @@ class PlainerModels:
         with_one = self._likelier(first, lambda rival: rival.first)
         return with_one or self._likelier(_two(self.chosen), _two) or self.chosen
 
-    def after_all_causes(self, extended: ModelSearch, found: Chain) -> ModelSearch | None:
-        """A plainer model that is likelier with its causes, where a chosen one's cause is a curve.
+    def after_all_causes(
+        self, extended: ModelSearch, found: Chain, verdict: Verdict
+    ) -> ModelSearch | None:
+        """A plainer model that is likelier with its causes than the chosen one is with its own.
+
+        It is looked for where those have no name, or where one of several is a curve.
 
         Parameters
         ----------
         extended
             The model that was extended.
         found
-            All of its causes.
+            Its causes.
+        verdict
+            What they amount to.
         """
-        if extended is not self.chosen or len(found.links) < 2 or not _bends(found):
+        is_in_doubt = verdict is Verdict.UNKNOWN or (len(found.links) > 1 and _bends(found))
+        if extended is not self.chosen or not is_in_doubt:
             return None
         return self._likelier(found, lambda rival: rival.search.search(rival.first).chain)
 

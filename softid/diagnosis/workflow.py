@@ -159,11 +159,13 @@ def diagnose(
     asked = models.likeliest()
     searched = search_with_intersample if is_in_doubt else search_causes
     found, search = searched(recordings, asked.request, asked.search, others, asked.first)
-    plainer = models.after_all_causes(asked, found.chain)
+    report("computing errors", 0.9)
+    answer = _surest_answer(search, found)
+    plainer = models.after_all_causes(asked, found.chain, answer.verdict)
     if plainer is not None:
         found, search = searched(recordings, plainer.request, plainer.search, others, plainer.first)
-    report("computing errors", 0.9)
-    answer, base = _surest_answer(search, found), search.base
+        answer = _surest_answer(search, found)
+    base = search.base
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
     answer = with_other_explanations(answer, base, others)
     issues = (
