@@ -15,12 +15,15 @@ from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search.two_of_first_order import is_likelier
-from softid.diagnosis_results import Verdict
 from softid.errors import IdentificationError, Issue
 
 HOPELESS = 20.0
 """A plainer model with a first cause that leaves so many times the sum of squares that the chosen
 one leaves with its own is not looked at further."""
+
+NEAR = 4.0
+"""One with two causes that leaves so many times what all causes of the chosen one leave is not
+searched further."""
 
 PLAINER_MODEL = "plainer-model"
 """Code of the remark that another model than the one that predicts best is extended."""
@@ -49,7 +52,7 @@ class ModelSearch:
 class PlainerModels:
     """Models that lost by prediction, extended by causes like the one that was chosen.
 
-    There are none where the user named a model, or where the chosen one needs no cause.
+    There are none where the user named a model.
 
     Attributes
     ----------
@@ -75,7 +78,7 @@ class PlainerModels:
         """The plainer ones that come near with their own first cause."""
         choice = self.search.base.identified.choice
         found = []
-        for model in choice.plainer if choice is not None and self.chosen.first.links else ():
+        for model in choice.plainer if choice is not None else ():
             asked = replace(self.request, model=model)
             try:
                 base = asked.fit_base(
@@ -91,21 +94,24 @@ class PlainerModels:
     def likeliest(self) -> ModelSearch:
         """The model that is the likeliest with its first cause, or with two, by BIC.
 
-        The chosen one stays where its first cause leaves noise and is no curve.
+        The chosen one stays where one or two causes of its own leave noise and are no curve.
         """
         first = self.chosen.first
-        is_in_doubt = _bends(first) or self.search.leaves_structure(first)
-        if not is_in_doubt or not self.plainer:
+        if not self._is_in_doubt(first) or not self._is_in_doubt(_two(self.chosen)):
             return self.chosen
         with_one = self._likelier(first, lambda rival: rival.first)
         return with_one or self._likelier(_two(self.chosen), _two) or self.chosen
 
+    def _is_in_doubt(self, chain: Chain) -> bool:
+        return _bends(chain) or self.search.leaves_structure(chain)
+
     def after_all_causes(
-        self, extended: ModelSearch, found: Chain, verdict: Verdict
+        self, extended: ModelSearch, found: Chain, *, is_unnamed: bool, is_explained: bool
     ) -> ModelSearch | None:
         """A plainer model that is likelier with its causes than the chosen one is with its own.
 
-        It is looked for where those have no name, or where one of several is a curve.
+        It is looked for where those have no name, or where one of several is a curve; with a first
+        cause only where the misfit of the chosen one is explained otherwise.
 
         Parameters
         ----------
@@ -113,13 +119,22 @@ class PlainerModels:
             The model that was extended.
         found
             Its causes.
-        verdict
-            What they amount to.
+        is_unnamed, is_explained
+            Whether they have no name, and whether something else explains the misfit.
         """
-        is_in_doubt = verdict is Verdict.UNKNOWN or (len(found.links) > 1 and _bends(found))
+        is_in_doubt = is_unnamed or (len(found.links) > 1 and _bends(found))
         if extended is not self.chosen or not is_in_doubt:
             return None
-        return self._likelier(found, lambda rival: rival.search.search(rival.first).chain)
+        if is_explained:
+            return self._likelier(found, lambda rival: rival.first)
+
+        def searched(rival: ModelSearch) -> Chain:
+            two = _two(rival)
+            if two.final.squares > NEAR * found.final.squares:
+                return two
+            return rival.search.search(rival.first).chain
+
+        return self._likelier(found, searched)
 
     def _likelier(
         self, chain: Chain, extended: Callable[[ModelSearch], Chain]

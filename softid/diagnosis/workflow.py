@@ -161,7 +161,13 @@ def diagnose(
     found, search = searched(recordings, asked.request, asked.search, others, asked.first)
     report("computing errors", 0.9)
     answer = _surest_answer(search, found)
-    plainer = models.after_all_causes(asked, found.chain, answer.verdict)
+    unnamed = answer.verdict is Verdict.UNKNOWN
+    plainer = models.after_all_causes(
+        asked,
+        found.chain,
+        is_unnamed=unnamed,
+        is_explained=unnamed and bool(others.all(search.base)),
+    )
     if plainer is not None:
         found, search = searched(recordings, plainer.request, plainer.search, others, plainer.first)
         answer = _surest_answer(search, found)
