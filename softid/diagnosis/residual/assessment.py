@@ -53,7 +53,7 @@ def assess(
     """Look at what the last model leaves.
 
     Where that is more than noise, it is looked at again with the moments of jumps of the input
-    that fall between two samples as unknowns. If that leaves noise, they stay so.
+    that fall between two samples as unknowns beside its own. If that leaves noise, they stay so.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def assess(
     found = _look(before, after, floor, scale, final, rng=rng)
     if not found.structured:
         return found
-    jumps = with_open_jumps(final, after, _least_noise(floor, before))
+    jumps = with_open_jumps(final, after, _least_noise(floor, before), _slopes_of(final))
     if jumps is None:
         return found
     floor = _floor_of(jumps.parts, scale)

@@ -15,9 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import block_diag
 
 from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plan
 from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.residual.projection import basis_of
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.intersample import ABOVE_NOISE
 from softid.segment import Segment
@@ -117,16 +119,21 @@ def untimed_jumps(segment: Segment) -> Places:
 
 
 def with_open_jumps(
-    model: Candidate, parts: Sequence[ResidualContext], variance: float
+    model: Candidate,
+    parts: Sequence[ResidualContext],
+    variance: float,
+    slopes: Sequence[Array],
 ) -> OpenJumps | None:
     """Estimate the moments of all jumps from what a model leaves, and take out what they do.
 
     A jump of height Δu at a share f of an interval T, equally likely anywhere in it, changes the
     integral of the input over it by Δu T (½ − f), with a standard deviation of Δu T/√12, and the
     first moment of the input about its middle by Δu T² (f(1 − f)/2 − 1/12), with one of
-    Δu T²/√720. With G the responses to both, per standard deviation, the likeliest a minimise
-    |r − G a|²/σ² + |a|². What is left is divided by √(1 − ν/n), for so many of the n samples,
-    ν = tr G (GᵀG + σ²)⁻¹ Gᵀ, were used up.
+    Δu T²/√720. The parameters, which were fitted with the wrong moments, move along. With G the
+    responses to both moments, per standard deviation, and J the derivatives by the unknowns, the
+    likeliest a and δ minimise |r − G a − J δ|²/σ² + |a|². What is left is divided by √(1 − ν/n),
+    for so many of the n samples, ν = tr W (WᵀW + P)⁻¹ Wᵀ with W = (G, J)/σ and P = diag(I, 0),
+    were used up.
 
     Parameters
     ----------
@@ -136,27 +143,36 @@ def with_open_jumps(
         What it leaves.
     variance
         Variance σ² of the noise, positive.
+    slopes
+        Derivatives of the first output by the unknowns at the used samples of each segment.
 
     Returns
     -------
     OpenJumps or None
         None where no input jumps.
     """
-    left, count = [], 0
-    for k, part in enumerate(parts):
-        seen = np.isfinite(part.residual)
-        whole = part_of_jumps(model, k, noise=variance**0.5)
-        if whole.shape[1] == 0 or not seen.any():
-            left.append(part)
-            continue
-        count += whole.shape[1] // len(PULSES)
-        used = whole[seen]
-        gram = used.T @ used / variance
-        inverse = np.linalg.inv(gram + np.eye(whole.shape[1]))
-        residual = part.residual - whole @ (inverse @ (used.T @ part.residual[seen]) / variance)
-        spent = min(float(np.trace(inverse @ gram)) / used.shape[0], MOST_SPENT)
-        left.append(replace(part, residual=residual / np.sqrt(1.0 - spent)))
-    return OpenJumps(tuple(left), count) if count else None
+    columns = [part_of_jumps(model, k, noise=variance**0.5) for k in range(len(parts))]
+    seen = [np.isfinite(part.residual) for part in parts]
+    moments = sum(whole.shape[1] for whole in columns)
+    if moments == 0:
+        return None
+    of_jumps = block_diag(*[whole[used] for whole, used in zip(columns, seen, strict=True)])
+    of_unknowns = basis_of(np.vstack(slopes)) * variance**0.5
+    both = np.hstack((of_jumps, of_unknowns)) / variance**0.5
+    residual = np.concatenate([part.residual[used] for part, used in zip(parts, seen, strict=True)])
+    gram = both.T @ both
+    expected = np.diag(np.arange(gram.shape[0]) < moments).astype(float)
+    inverse = np.linalg.inv(gram + expected)
+    spent = min(float(np.trace(inverse @ gram)) / residual.size, MOST_SPENT)
+    rest = residual - both @ (inverse @ (both.T @ residual))
+    rest /= np.sqrt(1.0 - spent)
+    left, begin = [], 0
+    for part, used in zip(parts, seen, strict=True):
+        values = np.full(part.residual.size, np.nan)
+        values[used] = rest[begin : begin + int(used.sum())]
+        begin += int(used.sum())
+        left.append(replace(part, residual=values))
+    return OpenJumps(tuple(left), moments // len(PULSES))
 
 
 def part_of_jumps(model: Candidate, k: int, *, noise: float) -> Array:
