@@ -227,6 +227,9 @@ class Remainder:
     open_jumps
         Jumps of the input between two samples whose moments were left open, for what is left is
         noise then; 0 where it is more, or where it is noise without that.
+    open_jumps_scatter
+        Whether those moments lie on either side of the middles of their intervals, as they do by
+        chance, and as no cause would ask for.
     colour_s
         Correlation time of what is left, in s, where it has all marks of slow noise and no rest
         shows the noise alone; else None.
@@ -247,6 +250,7 @@ class Remainder:
     held_out_share: float = 1.0
     misses_held_out: bool = False
     open_jumps: int = 0
+    open_jumps_scatter: bool = False
     colour_s: float | None = None
     against_noise: NotNoise | None = None
 

@@ -306,6 +306,14 @@ class CauseSearch:
             left = with_held_out(left, before, base.candidate, held_out, base.sigma)
         return None if left.misses_held_out else SearchResult(self._nothing, left, ())
 
+    def explained_by_moments(self) -> SearchResult | None:
+        """The base alone, if nothing but the moments of jumps of the input is unknown.
+
+        They have to lie as by chance; a cause would ask for others.
+        """
+        left = self._left_by_base
+        return self.without_causes() if left.open_jumps and left.open_jumps_scatter else None
+
     @property
     def _nothing(self) -> Chain:
         return Chain((), None, self.base.candidate)

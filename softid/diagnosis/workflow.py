@@ -155,23 +155,7 @@ def diagnose(
     request, base = reduced_if_better(recordings, request, base)
     search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
     others = OtherExplanations()
-    models = PlainerModels(recordings, request, search)
-    asked = models.likeliest()
-    searched = search_with_intersample if is_in_doubt else search_causes
-    found, search = searched(recordings, asked.request, asked.search, others, asked.first)
-    report("computing errors", 0.9)
-    answer = _surest_answer(search, found)
-    unnamed = answer.verdict is Verdict.UNKNOWN
-    plainer = models.after_all_causes(
-        asked,
-        found.chain,
-        is_unnamed=unnamed,
-        is_explained=unnamed and bool(others.all(search.base)),
-    )
-    if plainer is not None:
-        found, search = searched(recordings, plainer.request, plainer.search, others, plainer.first)
-        answer = _surest_answer(search, found)
-    base = search.base
+    answer, base = _searched(recordings, request, search, others, is_in_doubt=is_in_doubt)
     rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
     answer = with_other_explanations(answer, base, others)
     issues = (
@@ -187,8 +171,39 @@ def diagnose(
     return write_summary(replace(answer, issues=(*answer.issues, *issues)))
 
 
+def _searched(
+    recordings: Recordings,
+    request: Request,
+    search: CauseSearch,
+    others: OtherExplanations,
+    *,
+    is_in_doubt: bool,
+) -> tuple[Diagnosis, BaseFit]:
+    """The diagnosis over the model that the logs call for, with the base that it extends."""
+    alone = search.explained_by_moments()
+    if alone is not None:
+        return _answer(search.base, alone, search.seed), search.base
+    models = PlainerModels(recordings, request, search)
+    asked = models.likeliest()
+    searched = search_with_intersample if is_in_doubt else search_causes
+    found, last = searched(recordings, asked.request, asked.search, others, asked.first)
+    answer = _surest_answer(last, found)
+    unnamed = answer.verdict is Verdict.UNKNOWN
+    plainer = models.after_all_causes(
+        asked,
+        found.chain,
+        is_unnamed=unnamed,
+        is_explained=unnamed and bool(others.all(last.base)),
+    )
+    if plainer is not None:
+        found, last = searched(recordings, plainer.request, plainer.search, others, plainer.first)
+        answer = _surest_answer(last, found)
+    return answer, last.base
+
+
 def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
     """The diagnosis of what was found; where that is unknown, of what is sure in its place."""
+    search.report("computing errors", 0.9)
     answer = _answer(search.base, found, search.seed)
     alone = search.without_causes() if answer.verdict is Verdict.UNKNOWN else None
     if alone and (alone.remainder.open_jumps > 0 or may_be_chance(answer.descriptive)):

@@ -159,6 +159,19 @@ def test_a_base_that_leaves_noise_stands_alone(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.parametrize(
+    ("jumps", "scatter", "explains"), [(9, True, True), (9, False, False), (0, True, False)]
+)
+def test_moments_explain_where_they_lie_as_by_chance(
+    jumps: int, scatter: bool, explains: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And only where there are any."""
+    left = replace(NOISE, open_jumps=jumps, open_jumps_scatter=scatter)
+    monkeypatch.setattr(CauseSearch, "_left_by_base", property(lambda self: left))
+    alone = search_over().explained_by_moments()
+    assert (alone is not None and not alone.chain.links) is explains
+
+
+@pytest.mark.parametrize(
     ("vanished", "answer", "counts"),
     [
         (False, NAMED, True),

@@ -74,7 +74,9 @@ def assess(
         return found
     floor = _floor_of(jumps.parts, scale)
     timed = _look(before, jumps.parts, floor, scale, final, rng=rng)
-    return found if timed.structured else replace(timed, rms=found.rms, open_jumps=jumps.count)
+    if timed.structured:
+        return found
+    return replace(timed, rms=found.rms, open_jumps=jumps.count, open_jumps_scatter=jumps.scatter)
 
 
 def _look(

@@ -47,6 +47,13 @@ KNOTS = np.array([0.25, 0.75])
 """Places within the interval at which it is moved, and goes straight between."""
 
 
+MOST_TO_ONE_SIDE = 3.0
+"""Standard deviations that the mean of the moments is off the middles at most by chance."""
+
+FURTHEST = 3.0**0.5
+"""Either end of an interval is so many standard deviations off its middle."""
+
+
 class Pulse(NamedTuple):
     """Moves of the input at the two places within an interval, per unit.
 
@@ -82,12 +89,28 @@ class OpenJumps:
     ----------
     parts
         Every segment, with what is left of its residual.
-    count
-        Number of jumps.
+    moments
+        How much earlier than the middle of its interval each jump comes, in standard deviations of
+        a moment that may be anywhere, 1/√12 of the interval.
     """
 
     parts: tuple[ResidualContext, ...]
-    count: int
+    moments: Array
+
+    @property
+    def count(self) -> int:
+        """Number of jumps."""
+        return self.moments.size
+
+    @property
+    def scatter(self) -> bool:
+        """Whether the moments lie on either side, and no further away than the ends.
+
+        A cause that makes the motion late asks for moments that are all late; and one of another
+        kind for such as are in no interval.
+        """
+        mean, size = float(np.mean(self.moments)), float(np.sqrt(np.mean(self.moments**2)))
+        return abs(mean) * self.count**0.5 < MOST_TO_ONE_SIDE and size < FURTHEST
 
 
 def untimed_jumps(segment: Segment) -> Places:
@@ -151,28 +174,32 @@ def with_open_jumps(
     OpenJumps or None
         None where no input jumps.
     """
-    columns = [part_of_jumps(model, k, noise=variance**0.5) for k in range(len(parts))]
+    noise = variance**0.5
+    columns = [part_of_jumps(model, k, noise=noise) for k in range(len(parts))]
     seen = [np.isfinite(part.residual) for part in parts]
     moments = sum(whole.shape[1] for whole in columns)
     if moments == 0:
         return None
     of_jumps = block_diag(*[whole[used] for whole, used in zip(columns, seen, strict=True)])
-    of_unknowns = basis_of(np.vstack(slopes)) * variance**0.5
-    both = np.hstack((of_jumps, of_unknowns)) / variance**0.5
+    both = np.hstack((of_jumps / noise, basis_of(np.vstack(slopes))))
     residual = np.concatenate([part.residual[used] for part, used in zip(parts, seen, strict=True)])
+    residual = residual / noise
     gram = both.T @ both
     expected = np.diag(np.arange(gram.shape[0]) < moments).astype(float)
     inverse = np.linalg.inv(gram + expected)
     spent = min(float(np.trace(inverse @ gram)) / residual.size, MOST_SPENT)
-    rest = residual - both @ (inverse @ (both.T @ residual))
-    rest /= np.sqrt(1.0 - spent)
+    likeliest = inverse @ (both.T @ residual)
+    rest = noise * (residual - both @ likeliest) / np.sqrt(1.0 - spent)
     left, begin = [], 0
     for part, used in zip(parts, seen, strict=True):
         values = np.full(part.residual.size, np.nan)
         values[used] = rest[begin : begin + int(used.sum())]
         begin += int(used.sum())
         left.append(replace(part, residual=values))
-    return OpenJumps(tuple(left), moments // len(PULSES))
+    ends = np.cumsum([whole.shape[1] for whole in columns])
+    each = np.split(likeliest[:moments], ends[:-1])
+    integrals = [own[: own.size // len(PULSES)] for own in each]
+    return OpenJumps(tuple(left), np.concatenate(integrals))
 
 
 def part_of_jumps(model: Candidate, k: int, *, noise: float) -> Array:

@@ -10,11 +10,13 @@ import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 import softid
+from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.residual import jump_timing
+from softid.diagnosis.residual.assessment import assess
 from softid.diagnosis.residual.jump_timing import part_of_jumps, untimed_jumps
 from softid.diagnosis_results import Diagnosis, Verdict
-from softid.log import Log
+from softid.log import Log, LogSet
 from softid.models.oscillator import Oscillator
 
 Array = npt.NDArray[np.float64]
@@ -121,6 +123,57 @@ def test_an_open_moment_is_no_misfit() -> None:
     assert "jumps of the input between two samples are left open" in found.summary
     (remark,) = (issue for issue in found.issues if issue.code == "untimed-jumps")
     assert "jumps between the samples at" in remark.message
+
+
+def ringing(seed: int, *, delay_s: float = 0.0) -> Log:
+    """ÿ + 2ζω ẏ + ω² y = ω² u at 50 Hz, ω = 15/s, ζ = 0.15: a motion too quick to forgive moments.
+
+    One of the first order in the wrong place is another time constant.
+    """
+    rng = np.random.default_rng(seed)
+    moments = np.cumsum(rng.uniform(0.8, 2.5, 25))
+    levels = np.where(np.arange(26) % 2, 90.0, 10.0)
+    time_s = np.arange(0.0, DURATION_S, PERIOD_S)
+    omega, zeta = 15.0, 0.15
+    damped = omega * np.sqrt(1.0 - zeta**2)
+
+    def response(since_s: Array) -> Array:
+        after = np.maximum(since_s, 0.0)
+        swing = np.cos(damped * after) + zeta * omega / damped * np.sin(damped * after)
+        return np.where(since_s > 0.0, 1.0 - np.exp(-zeta * omega * after) * swing, 0.0)
+
+    jumps = list(zip(moments.tolist(), np.diff(levels).tolist(), strict=True))
+    u = 10.0 + np.sum([h * (time_s > at) for at, h in jumps], axis=0)
+    y = 1.0 + 0.1 * np.sum([h * response(time_s - delay_s - at) for at, h in jumps], axis=0)
+    y += NOISE * np.ptp(y) * rng.standard_normal(time_s.size)
+    return Log.from_arrays(
+        time_s, {"pressure": u, "angle": y}, outputs=("angle",), name=f"ringing-{seed}"
+    )
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_moments_are_estimated_beside_the_parameters(seed: int) -> None:
+    """Known truth: nothing is hidden; parameters fitted to wrong moments left structure, too."""
+    found = softid.diagnose(ringing(seed), hold_out=[ringing(seed + 50)], model="oscillator")
+    assert found.verdict is Verdict.ADEQUATE
+    assert found.remainder.open_jumps > 12
+    assert found.remainder.open_jumps_scatter
+
+
+@pytest.mark.parametrize(("delay_s", "scatter"), [(0.0, True), (0.008, False)])
+def test_moments_that_a_cause_asks_for_do_not_scatter(delay_s: float, scatter: bool) -> None:
+    """A delay of four tenths of an interval asks for moments that are nearly all late.
+
+    What is left is noise all the same, so that alone would hide the delay.
+    """
+    log, judge = (ringing(seed, delay_s=delay_s).with_intersample("straight") for seed in (1, 51))
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((log,)), (judge,), thorough=False)
+    rng = np.random.default_rng(0)
+    left = assess(base.candidate, base.candidate, base.scale, rng=rng)
+    assert not left.structured
+    assert left.open_jumps > 12
+    assert left.open_jumps_scatter is scatter
 
 
 def test_nothing_is_left_open_where_the_course_is_on_record() -> None:
