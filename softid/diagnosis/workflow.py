@@ -35,7 +35,6 @@ from softid.diagnosis.report.issues import (
     negligible_issues,
     refusal_issues,
     restriction_issues,
-    rounding_issues,
     unsure_issues,
 )
 from softid.diagnosis.report.motion_shown import motion_shown_issues
@@ -43,6 +42,7 @@ from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
     with_other_explanations,
 )
+from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.disturbances import disturbance_issues
 from softid.diagnosis.residual.motion import residual_context
@@ -156,14 +156,14 @@ def diagnose(
     search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
     others = OtherExplanations()
     answer, base = _searched(recordings, request, search, others, is_in_doubt=is_in_doubt)
-    rounded = rounding_issues(recorded, answer.base, answer.remainder.rms) if count == 1 else ()
     answer = with_other_explanations(answer, base, others)
+    if count == 1:  # the mean of several samples lies between the steps
+        answer = with_rounding(answer, recorded, base.candidate)
     issues = (
         *negligible_issues(base),
         *plainer_model_issues(chosen, base),
         *restriction_issues(effects),
         *averaging_issues(count),
-        *rounded,
         *(permanent_set_issues(whole) if base.candidate.has_spring else ()),
         *motion_shown_issues(base, answer),
         *jump_issues(answer.remainder, base.candidate.problem),

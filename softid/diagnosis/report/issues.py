@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
 from softid.diagnosis.refit.held_out import HeldOut
@@ -13,10 +13,7 @@ from softid.diagnosis.verdict.naming import LEAST_GAIN
 from softid.diagnosis_results import Cause, Remainder
 from softid.effects import EFFECTS
 from softid.errors import Issue
-from softid.excitation import find_quantisation
 from softid.fitters.problem import Problem
-from softid.log import Log
-from softid.results import FitResult
 
 REFUSED = "not-held-out"
 """Code of the remark that a law does not carry over."""
@@ -26,9 +23,6 @@ UNSURE = "unsure-law"
 
 NEGLIGIBLE_MISFIT = "negligible-misfit"
 """Code of the remark that nothing was looked for."""
-
-COARSE = 0.25
-"""Share of the power of what is left from which on the rounding of the output is told."""
 
 
 def negligible_issues(base: BaseFit) -> tuple[Issue, ...]:
@@ -145,38 +139,6 @@ def unsure_issues(descriptions: Sequence[Cause]) -> tuple[Issue, ...]:
         for cause in descriptions
         if cause.doubt in DOUBTS
     )
-
-
-def rounding_issues(logs: Iterable[Log], base: FitResult, rms: float) -> tuple[Issue, ...]:
-    """A remark for every log whose first output is rounded so coarsely that it makes what is left.
-
-    Parameters
-    ----------
-    logs
-        The logs as recorded.
-    base
-        The fit that knows in which unit people know the output.
-    rms
-        What the last model leaves, in the unit of the channel.
-    """
-    first = base.outputs[0]
-    row = next((r for r in base.statistics if r.channel == first), None)
-    unit, factor = (row.display_unit, row.display_factor) if row else ("", 1.0)
-    found = []
-    for log in logs:
-        grid = find_quantisation(log.channels[first].values) if first in log.channels else None
-        share = grid.step**2 / 12.0 / rms**2 if grid is not None and rms > 0.0 else 0.0
-        if grid is not None and share > COARSE:
-            found.append(
-                Issue(
-                    "coarse-quantisation",
-                    "info",
-                    f"{log.name}: {first} is recorded in steps of {grid.step * factor:.3g} {unit}, "
-                    f"whose rounding is {percent(min(share, 1.0))} of the power of what is left",
-                    "record it with more digits, or with a finer converter",
-                )
-            )
-    return tuple(found)
 
 
 def jump_issues(remainder: Remainder, problem: Problem) -> tuple[Issue, ...]:

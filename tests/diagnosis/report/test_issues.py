@@ -6,43 +6,14 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 from handmade_diagnosis import cause, diagnosis
 from handmade_rounds import link
-from linear_motion import linear_log
 
-from softid.diagnosis.report.issues import refusal_issues, rounding_issues, unsure_issues
+from softid.diagnosis.report.issues import refusal_issues, unsure_issues
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis_results import Doubt, Verdict
-from softid.log import Log
-
-BASE = diagnosis(Verdict.ADEQUATE).base
-"""Its angle is told in degrees."""
-
-
-def rounded(step: float) -> Log:
-    log = linear_log(noise=0.01)
-    angle = log.channels["angle"]
-    values = np.round(angle.values / step) * step
-    return replace(log, channels=dict(log.channels) | {"angle": replace(angle, values=values)})
-
-
-@pytest.mark.parametrize(("rms", "told"), [(0.0104, True), (0.0128, True), (0.0130, False)])
-def test_rounding_that_makes_what_is_left_is_told(rms: float, told: bool) -> None:
-    """By hand: steps of 0.0222 rad have an rms of 0.0064, a quarter of the power of 0.0128."""
-    found = rounding_issues([rounded(0.0222)], BASE, rms)
-    assert bool(found) is told
-    if told:
-        assert "steps of 1.27 deg" in found[0].message
-        assert found[0].remedy
-
-
-def test_fine_samples_are_not_rounded() -> None:
-    """No grid, or a fine one, is no remark; nor is a perfect fit."""
-    assert not rounding_issues([linear_log(noise=0.01), rounded(0.001)], BASE, 0.0128)
-    assert not rounding_issues([rounded(0.0222)], BASE, 0.0)
 
 
 def judge(before: float, after: float) -> Any:

@@ -1,0 +1,139 @@
+"""What the rounding of the recorded channels makes of what is left.
+
+While a slow input stays between two steps of its converter, what is recorded of it is off by as
+much as half a step, and the actuator follows what was not recorded: no law explains that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plan
+from softid.diagnosis.report.phrases import percent
+from softid.diagnosis_results import Diagnosis, Remainder, Verdict
+from softid.errors import Issue
+from softid.excitation import find_quantisation
+from softid.log import Log
+from softid.results import FitResult
+from softid.segment import Segment
+
+Array = npt.NDArray[np.float64]
+
+COARSE = 0.25
+"""Share of the power of what is left from which on the rounding of the output is told."""
+
+COARSE_INPUT = "coarse-input"
+"""Code of the remark that the input is rounded coarsely."""
+
+SEED = 0
+"""Of what the rounding took away, which nobody knows."""
+
+
+def with_rounding(answer: Diagnosis, logs: Iterable[Log], base: Candidate) -> Diagnosis:
+    """The diagnosis with remarks on the rounding of both, the input's before any other experiment.
+
+    Parameters
+    ----------
+    answer
+        The diagnosis.
+    logs
+        The logs as recorded.
+    base
+        The base fit to them.
+    """
+    told = input_rounding_issues(base, answer.remainder)
+    rest = answer.remainder.rms
+    issues = (*answer.issues, *told, *rounding_issues(logs, answer.base, rest))
+    first = told[0].remedy if told and answer.verdict is Verdict.UNKNOWN else None
+    return replace(answer, issues=issues, next_experiment=first or answer.next_experiment)
+
+
+def rounding_issues(logs: Iterable[Log], base: FitResult, rms: float) -> tuple[Issue, ...]:
+    """A remark for every log whose first output is rounded so coarsely that it makes what is left.
+
+    Parameters
+    ----------
+    logs
+        The logs as recorded.
+    base
+        The fit that knows in which unit people know the output.
+    rms
+        What the last model leaves, in the unit of the channel.
+    """
+    first = base.outputs[0]
+    row = next((r for r in base.statistics if r.channel == first), None)
+    unit, factor = (row.display_unit, row.display_factor) if row else ("", 1.0)
+    found = []
+    for log in logs:
+        grid = find_quantisation(log.channels[first].values) if first in log.channels else None
+        share = grid.step**2 / 12.0 / rms**2 if grid is not None and rms > 0.0 else 0.0
+        if grid is not None and share > COARSE:
+            found.append(
+                Issue(
+                    "coarse-quantisation",
+                    "info",
+                    f"{log.name}: {first} is recorded in steps of {grid.step * factor:.3g} {unit}, "
+                    f"whose rounding is {percent(min(share, 1.0))} of the power of what is left",
+                    "record it with more digits, or with a finer converter",
+                )
+            )
+    return tuple(found)
+
+
+def input_rounding_issues(final: Candidate, remainder: Remainder) -> tuple[Issue, ...]:
+    """A remark where the rounding of the input makes a fair part of what is left.
+
+    Between two changes of the recorded input all that was rounded is taken as one number, anywhere
+    within half a step; a simulation tells what that does to the first output.
+
+    Parameters
+    ----------
+    final
+        The last model.
+    remainder
+        What it leaves.
+    """
+    problem = final.problem
+    name, first = problem.logs[0].input, problem.outputs[0]
+    channel = problem.logs[0].channels[name]
+    grid = find_quantisation(np.concatenate([log.channels[name].values for log in problem.logs]))
+    if grid is None or not remainder.leaves_something or not remainder.rms > 0.0:
+        return ()
+    moved = [_moved_by_rounding(final, k, grid.step) for k in range(len(problem.segments))]
+    rms = float(np.sqrt(np.mean(np.concatenate(moved) ** 2)))
+    share = rms**2 / remainder.rms**2
+    if share < COARSE:
+        return ()
+    output = problem.logs[0].channels[first]
+    return (
+        Issue(
+            COARSE_INPUT,
+            "warning",
+            f"{name} is recorded in steps of {grid.step * channel.display_factor:.3g} "
+            f"{channel.display_unit}; that rounding by itself moves the simulated {first} by "
+            f"{rms * output.display_factor:.3g} {output.display_unit} rms, "
+            f"{percent(min(share, 1.0))} of the power of what is left",
+            f"record {name} with a finer converter, or in more digits, before looking for a cause",
+        ),
+    )
+
+
+def _moved_by_rounding(final: Candidate, k: int, step: float) -> Array:
+    """Change of the first output of one segment with a draw of what was rounded."""
+    problem, z = final.problem, final.minimum.point
+    segment, first = problem.segments[k], problem.outputs[0]
+    stay = np.cumsum(np.diff(segment.input, prepend=segment.input[0]) != 0.0)
+    lost = np.random.default_rng((SEED, k)).uniform(-0.5 * step, 0.5 * step, int(stay[-1]) + 1)
+    theta = problem.theta(z)
+    law = problem.model.motion_law(theta)
+
+    def simulated(one: Segment) -> Array:
+        plan = limited_plan(problem.model.plan(theta, one), one, law, FINE)
+        found: Array = problem.response(z, k, one, plan).outputs[first]
+        return one.samples_of(found)
+
+    return simulated(replace(segment, input=segment.input + lost[stay])) - simulated(segment)
