@@ -18,6 +18,7 @@ from softid.units import (
     CANONICAL_UNIT,
     CHANNEL_QUANTITY,
     factor_to_canonical,
+    lookup_unit,
     split_scale,
     unit_symbol,
 )
@@ -262,7 +263,31 @@ def _wished_channel(table: Table, name: str, wish: Wish, told: list[Issue]) -> C
         doubt = unit_doubt(table, channel, wish.index)
         if doubt is not None:
             raise doubt
+    told += _contradictions(table, name, wish)
     return channel
+
+
+def _contradictions(table: Table, name: str, wish: Wish) -> list[Issue]:
+    """That the unit somebody gave is not the one that the file states for the column."""
+    try:
+        stated = stated_unit(table, wish.index)
+    except InputError:  # the file contradicts itself, and the user decides
+        return []
+    known = [lookup_unit(text) if text else None for text in (stated, wish.unit)]
+    if None in known or abs(wish.scale) != 1.0:
+        return []
+    in_file, given = (unit for unit in known if unit is not None)
+    if in_file.quantity != given.quantity or in_file.factor == given.factor:
+        return []
+    return [
+        Issue(
+            "unit-contradiction",
+            "warning",
+            f"{table.place(wish.index)}: the {name} is taken in {unit_symbol(given.text)}, as "
+            f"given, while the file says {unit_symbol(in_file.text)}",
+            "leave the unit out if the file is right",
+        )
+    ]
 
 
 def _named_channel(

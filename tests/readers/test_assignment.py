@@ -230,6 +230,22 @@ def test_flags_beat_the_sidecar_and_the_sidecar_beats_names(write_log: WriteFile
     assert load(path, sidecar=sidecar, channels={"pressure": "4:kPa"}).pressure_kpa[0] == 3.0
 
 
+@pytest.mark.parametrize(
+    ("unit", "told"), [("bar", True), ("kPa", False), ("kilopascal", False), ("-kPa", False)]
+)
+def test_a_unit_that_contradicts_the_header_is_told(
+    write_log: WriteFile, unit: str, told: bool
+) -> None:
+    """The user's word holds, a hundred times the header's, and is told; the same unit is not."""
+    path = write_log(table("time_s,pressure_kPa,angle_deg"))
+    log = load(path, channels={"pressure": f"pressure_kPa:{unit}"})
+    found = [issue for issue in log.issues if issue.code == "unit-contradiction"]
+    assert bool(found) is told
+    if told:
+        assert "taken in bar, as given, while the file says kPa" in found[0].message
+        assert log.channels["pressure"].values[0] == pytest.approx(100.0)
+
+
 def test_a_unit_of_something_else_reads_well(write_log: WriteFile) -> None:
     """One sentence for all quantities, whatever sound they begin with."""
     path = write_log(table("time_s,pressure_kpa,angle_deg"))
