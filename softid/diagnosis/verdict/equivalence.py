@@ -105,6 +105,7 @@ UNLISTED: dict[str, str] = {
     "bent_reading": "a sensor whose gain is not the same over its range",
     "early_reading": "a reading that runs ahead of the recorded input, by an offset of the clocks "
     "or a gauge that is late",
+    "second_creep": "a second creep of another time",
     "damping_drift": "a damping that changes at a constant rate",
     "input_play": "play of the valve or the regulator",
     "output_play": "play between the actuator and its sensor",
@@ -140,6 +141,14 @@ LIMITED_RATE = EquivalenceClass(
 )
 """Large steps are late, small ones are not."""
 
+TWO_CREEPS = EquivalenceClass(
+    ("a cause beside the creep", UNLISTED["second_creep"]),
+    ("second_creep",),
+    "A refit with a creep of a second time in its place explains these logs as well or better",
+    "a hold that is ten times as long as the longer time, followed by as long a rest",
+)
+"""A material that creeps with several times."""
+
 LOWER_END = EquivalenceClass(
     ("a lower limit of the sensor", "a dead zone of the input"),
     ("sensor_clipping", "dead_zone"),
@@ -157,7 +166,7 @@ BEYOND = EquivalenceClass(
 )
 """One law in place of what the catalogue needs."""
 
-REPLACED = (CHANGING, BENT_READING, LIMITED_RATE, BEYOND)
+REPLACED = (CHANGING, BENT_READING, LIMITED_RATE, TWO_CREEPS, BEYOND)
 """Told where a law in no catalogue is in a tie."""
 
 OWN_DAMPING = EquivalenceClass(

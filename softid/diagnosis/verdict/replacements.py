@@ -27,7 +27,12 @@ from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import INDISTINCT, Link
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
 from softid.diagnosis.verdict.unlisted_drifts import LoadDrift, PressureDrift, PressureGainDrift
-from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS, BentReading, RateLimit
+from softid.diagnosis.verdict.unlisted_laws import (
+    UNLISTED_LAWS,
+    BentReading,
+    RateLimit,
+    SecondCreep,
+)
 from softid.effects import effect_of
 from softid.effects.base import Effect
 
@@ -51,21 +56,36 @@ class Replacement:
         Sets of effects, each put in the place of all of these causes.
     behind
         A BIC that is less above that of the causes says as much.
+    beside
+        Name of another cause beside which alone that is done; empty for any.
     """
 
     causes: tuple[str, ...]
     laws: tuple[tuple[Effect, ...], ...]
     behind: float = INDISTINCT
+    beside: str = ""
 
     def takes(self, effect: Effect) -> bool:
         """Whether an effect is one of the causes."""
         return effect.name in self.causes or effect.key in self.causes
+
+    def asks(self, named: Sequence[Effect]) -> bool:
+        """Whether one of its causes is named, beside the other that it wants.
+
+        Parameters
+        ----------
+        named
+            The effects of all causes that are named.
+        """
+        has_other = not self.beside or any(effect.name == self.beside for effect in named)
+        return has_other and any(self.takes(effect) for effect in named)
 
 
 REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(DRIFTS, ((LoadDrift(),), (PressureGainDrift(),), (PressureDrift(),))),
     Replacement(("stiffening", "static_curve", "contact"), ((BentReading(),),)),
     Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),)),
+    Replacement((*DRIFTS, "hysteresis", "softening"), ((SecondCreep(),),), beside="creep"),
     Replacement(
         ("sensor_clipping.both",), ((effect_of("sensor_clipping"), effect_of("dead_zone")),)
     ),
@@ -113,7 +133,7 @@ def _asked(
     named: Sequence[Effect], *, is_linear: bool
 ) -> list[tuple[Replacement, tuple[Effect, ...]]]:
     """Rows of the table that take a named effect, each with its sets of laws one by one."""
-    rows = [row for row in REPLACEMENTS if any(row.takes(effect) for effect in named)]
+    rows = [row for row in REPLACEMENTS if row.asks(named)]
     found = [(row, laws) for row in rows for laws in row.laws]
     known = {laws for _, laws in found}
     everything = Replacement(

@@ -19,13 +19,17 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     PressureGainDrift,
     one_parameter,
 )
+from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
 from softid.kernels.earlier_input import read_at
 from softid.kernels.filters import limit_rate, play
-from softid.kernels.terms import DAMPING
+from softid.kernels.terms import DAMPING, FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
+
+CREEP_TIMES = (0.01, 0.03, 0.1, 0.3, 0.6)
+"""Starts of the time of a second creep, as shares of the log."""
 
 SHORTEST, LONGEST = 1e-3, 0.25
 """Bounds of the time that a limit makes the whole range take: in times of the motion, and as a
@@ -292,6 +296,44 @@ class OutputPlay(Play, OutputEffect):
         return recorded
 
 
+@dataclass(frozen=True)
+class SecondCreep(StateEffect):
+    """Creep of another time beside a creep, + k (x − z) with τ ż = x − z.
+
+    What a material gives way by after a load has as many times as its molecules have lengths.
+    """
+
+    name: ClassVar[str] = "second_creep"
+    title: ClassVar[str] = "Second creep"
+    law: ClassVar[str] = "+ k (x - z),  tau z' = x - z"
+    meaning: ClassVar[str] = "The material creeps within a short time, and within a long one."
+    signature: ClassVar[str] = "The residual decays after every change, and later more slowly."
+    remedy: ClassVar[str] = "precondition the actuator, or use a less viscoelastic elastomer"
+    shown_by: ClassVar[str] = "a hold ten times as long as the longer time, and as long a rest"
+    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (generalised Maxwell model)"
+    amplitude: ClassVar[str] = "k"
+    essential: ClassVar[tuple[str, ...]] = ("tau",)
+    has_state: ClassVar[bool] = True
+    follows_position: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Those of a creep."""
+        return effect_of("creep").parameters(scale)
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Times from a hundredth to more than half of the log, for the first creep has any."""
+        declared = self.parameters(scale)
+        k, tau = declared["k"], declared["tau"]
+        wanted = np.clip(np.array(CREEP_TIMES) * scale.duration_s, tau.lower, tau.upper)
+        return tuple({"k": k.value, "tau": time_s} for time_s in np.unique(wanted).tolist())
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force k (x − z), and ż = (x − z)/τ."""
+        out[FORCE] += eta[0] * (x - z)
+        out[RATE] += (x - z) / eta[1]
+
+
 UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     LoadDrift,
     PressureGainDrift,
@@ -304,4 +346,4 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     InputPlay,
     OutputPlay,
 )
-"""All of them."""
+"""All that may stand in the place of all causes."""

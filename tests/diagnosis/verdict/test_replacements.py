@@ -106,6 +106,34 @@ def test_what_explains_as_much_in_the_place_of_a_cause(
     assert link.rivals[1:] == (() if rival is None else (rival,))
 
 
+@pytest.mark.parametrize(
+    ("hidden", "second", "rivals"),
+    [
+        (("two_time_creep",), "hysteresis", ("second_creep",)),
+        (("creep", "hysteresis"), "hysteresis", ()),
+        (("creep", "sensor_warmup"), "sensor_warmup", ()),
+    ],
+)
+def test_a_second_creep_in_the_place_of_a_cause_beside_a_creep(
+    hidden: tuple[str, ...], second: str, rivals: tuple[str, ...]
+) -> None:
+    """Stands on the generator: what creeps with two times is no creep and something else."""
+    base = base_of(*hidden_pair(hidden, seed=710003, size=2.0).logs)
+    final = converged_with(base, (effect_of("creep"), effect_of(second)))
+    links = [link_of("creep"), link_of(second)]
+    first, other = with_replacements(links, [True, True], final, base)
+    assert first.rivals == ("creep",)
+    assert other.rivals[1:] == rivals
+
+
+def test_a_second_creep_is_asked_beside_a_first_alone() -> None:
+    """A hysteresis by itself is not held against it."""
+    for keys, asked in ((("hysteresis",), False), (("creep", "hysteresis"), True)):
+        rows = _asked([effect_of(key) for key in keys], is_linear=False)
+        names = {law.name for _, laws in rows for law in laws}
+        assert ("second_creep" in names) is asked
+
+
 def test_what_is_not_named_is_not_asked() -> None:
     """Nothing is refitted then: no base is asked for."""
     problem = linear_problem([linear_log()])

@@ -21,10 +21,11 @@ from softid.diagnosis.verdict.unlisted_laws import (
     OutputPlay,
     PositionDamping,
     RateLimit,
+    SecondCreep,
 )
-from softid.effects import EFFECTS
+from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
-from softid.kernels.terms import DAMPING
+from softid.kernels.terms import DAMPING, FORCE, RATE
 
 
 def residual_with(effect: Effect, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -109,7 +110,16 @@ def test_a_damping_is_known_at_its_knots() -> None:
         assert out[DAMPING] == pytest.approx(expected, abs=1e-5)
 
 
-@pytest.mark.parametrize("law", UNLISTED_LAWS, ids=lambda law: law.name)
+def test_a_second_creep_follows_the_law_of_a_creep() -> None:
+    """By hand: k (x − z) = 3·0.4 and (x − z)/τ = 0.4/2, as the creep of the catalogue has them."""
+    for law in (SecondCreep(), effect_of("creep")):
+        out = np.zeros(8)
+        law.step(0.5, 0.0, 0.1, 0.0, 0.0, np.array([3.0, 2.0]), out)  # type: ignore[union-attr]
+        assert out[FORCE] == pytest.approx(1.2)
+        assert out[RATE] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("law", [*UNLISTED_LAWS, SecondCreep], ids=lambda law: law.name)
 def test_starts_lie_within_the_bounds(law: Any) -> None:
     scale = sizes_of("muscle")
     declared = law().parameters(scale)
@@ -120,7 +130,7 @@ def test_starts_lie_within_the_bounds(law: Any) -> None:
 
 
 def test_they_are_told_and_are_in_no_catalogue() -> None:
-    names = {law.name for law in UNLISTED_LAWS}
+    names = {law.name for law in (*UNLISTED_LAWS, SecondCreep)}
     told = {name for known in REPLACED for name in known.effects}
     assert told <= names <= set(UNLISTED)
     assert not names & {key.split(".")[0] for key in EFFECTS}
