@@ -105,6 +105,7 @@ UNLISTED: dict[str, str] = {
     "bent_reading": "a sensor whose gain is not the same over its range",
     "early_reading": "a reading that runs ahead of the recorded input, by an offset of the clocks "
     "or a gauge that is late",
+    "settling_stiffness": "a stiffness that changes with the time and settles",
     "second_creep": "a second creep of another time",
     "damping_drift": "a damping that changes at a constant rate",
     "input_play": "play of the valve or the regulator",
@@ -149,6 +150,14 @@ TWO_CREEPS = EquivalenceClass(
 )
 """A material that creeps with several times."""
 
+SETTLING = EquivalenceClass(
+    ("a stiffness or a gain that changes", UNLISTED["settling_stiffness"]),
+    ("settling_stiffness",),
+    "A refit with such a stiffness in its place explains these logs better",
+    "the same two levels again and again, for long, and the same log after a rest",
+)
+"""A course in time that is no straight line."""
+
 LOWER_END = EquivalenceClass(
     ("a lower limit of the sensor", "a dead zone of the input"),
     ("sensor_clipping", "dead_zone"),
@@ -166,7 +175,7 @@ BEYOND = EquivalenceClass(
 )
 """One law in place of what the catalogue needs."""
 
-REPLACED = (CHANGING, BENT_READING, LIMITED_RATE, TWO_CREEPS, BEYOND)
+REPLACED = (CHANGING, BENT_READING, LIMITED_RATE, TWO_CREEPS, SETTLING, BEYOND)
 """Told where a law in no catalogue is in a tie."""
 
 OWN_DAMPING = EquivalenceClass(

@@ -26,7 +26,12 @@ from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import INDISTINCT, Link
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
-from softid.diagnosis.verdict.unlisted_drifts import LoadDrift, PressureDrift, PressureGainDrift
+from softid.diagnosis.verdict.unlisted_drifts import (
+    LoadDrift,
+    PressureDrift,
+    PressureGainDrift,
+    SettlingStiffness,
+)
 from softid.diagnosis.verdict.unlisted_laws import (
     UNLISTED_LAWS,
     BentReading,
@@ -86,6 +91,9 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(("stiffening", "static_curve", "contact"), ((BentReading(),),)),
     Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),)),
     Replacement((*DRIFTS, "hysteresis", "softening"), ((SecondCreep(),),), beside="creep"),
+    Replacement(
+        ("softening", "ageing", "sensor_gain_drift"), ((SettlingStiffness(),),), behind=0.0
+    ),
     Replacement(
         ("sensor_clipping.both",), ((effect_of("sensor_clipping"), effect_of("dead_zone")),)
     ),

@@ -1,17 +1,18 @@
-"""Laws in no catalogue that change at a constant rate."""
+"""Laws in no catalogue that go with the time."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import exp
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import Effect, InputEffect, Scale, StateEffect
-from softid.kernels.terms import DAMPING, FORCE
+from softid.kernels.terms import DAMPING, FORCE, STIFFNESS
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -21,6 +22,9 @@ LARGEST = 0.8
 
 START = 0.1
 """Start of that, either way."""
+
+SETTLING, SETTLING_STARTS = (0.03, 1.0), (0.1, 0.3)
+"""Bounds and starts of a time in which something settles, as shares of the longest log."""
 
 
 def one_parameter(
@@ -142,3 +146,40 @@ class DampingDrift(ConstantRate, StateEffect):
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Relative change d t of the damping."""
         out[DAMPING] += eta[0] * t
+
+
+@dataclass(frozen=True)
+class SettlingStiffness(StateEffect):
+    """A stiffness that settles with the time, (1 + s (1 − e^{−t/τ})) times the model's."""
+
+    name: ClassVar[str] = "settling_stiffness"
+    title: ClassVar[str] = "Stiffness that settles"
+    law: ClassVar[str] = "Q (1 + s (1 - exp(-t / tau)))"
+    meaning: ClassVar[str] = "The actuator warms up or is worn in, and then stays as it is."
+    signature: ClassVar[str] = "The residual grows with the position, at first and then no more."
+    remedy: ClassVar[str] = "let it settle before the log begins"
+    shown_by: ClassVar[str] = "the same two levels again and again, for long"
+    source: ClassVar[str] = "first order"
+    amplitude: ClassVar[str] = "share"
+    essential: ClassVar[tuple[str, ...]] = ("tau",)
+    changes_sign: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The share s that is gained at last, and the time τ."""
+        shortest, longest = (share * scale.duration_s for share in SETTLING)
+        return ParameterSet(
+            (
+                Parameter("share", START, "1", -LARGEST, LARGEST, meaning="gained at last"),
+                Parameter("tau", (shortest * longest) ** 0.5, "s", shortest, longest, "log"),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Either way, within a tenth or a third of the log."""
+        times = [share * scale.duration_s for share in SETTLING_STARTS]
+        return tuple({"share": s, "tau": tau} for s in (START, -START) for tau in times)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Relative change of the stiffness."""
+        out[STIFFNESS] += eta[0] * (1.0 - exp(-t / eta[1]))

@@ -17,6 +17,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
     PressureDrift,
     PressureGainDrift,
+    SettlingStiffness,
     one_parameter,
 )
 from softid.effects import effect_of
@@ -341,6 +342,7 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     RateLimit,
     BentReading,
     DampingDrift,
+    SettlingStiffness,
     PositionDamping,
     EarlyReading,
     InputPlay,

@@ -94,6 +94,10 @@ def test_what_explains_as_much_in_the_place_of_drifts(hidden: str, drifts: tuple
         (("dead_zone", "sensor_clipping"), ("sensor_clipping.both",), "dead_zone"),
         (("output_backlash",), ("hysteresis",), "output_play"),
         (("hysteresis",), ("hysteresis",), None),
+        (("settling_stiffness",), ("softening",), "settling_stiffness"),
+        (("settling_stiffness",), ("ageing",), "settling_stiffness"),
+        (("softening",), ("softening",), None),
+        (("ageing",), ("ageing",), None),
     ],
 )
 def test_what_explains_as_much_in_the_place_of_a_cause(

@@ -12,7 +12,12 @@ from linear_motion import TRUTH, linear_log, linear_problem
 from softid.diagnosis.refit.candidates import extend, start_unknowns
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, REPLACED, UNLISTED
-from softid.diagnosis.verdict.unlisted_drifts import LoadDrift, PressureDrift, PressureGainDrift
+from softid.diagnosis.verdict.unlisted_drifts import (
+    LoadDrift,
+    PressureDrift,
+    PressureGainDrift,
+    SettlingStiffness,
+)
 from softid.diagnosis.verdict.unlisted_laws import (
     UNLISTED_LAWS,
     BentReading,
@@ -25,7 +30,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
 )
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
-from softid.kernels.terms import DAMPING, FORCE, RATE
+from softid.kernels.terms import DAMPING, FORCE, RATE, STIFFNESS
 
 
 def residual_with(effect: Effect, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -108,6 +113,14 @@ def test_a_damping_is_known_at_its_knots() -> None:
         out[:] = 0.0
         law.step(scale.x_low + share * scale.x_span, 0.0, 0.0, 0.0, 0.0, eta, out)
         assert out[DAMPING] == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_stiffness_settles() -> None:
+    """Closed form: of a share of 0.2 that it gains with 10 s, 1 − 1/e is there after 10 s."""
+    for time_s, expected in ((0.0, 0.0), (10.0, 0.2 * (1.0 - np.exp(-1.0))), (500.0, 0.2)):
+        out = np.zeros(8)
+        SettlingStiffness.step(0.0, 0.0, 0.0, 0.0, time_s, np.array([0.2, 10.0]), out)
+        assert out[STIFFNESS] == pytest.approx(expected)
 
 
 def test_a_second_creep_follows_the_law_of_a_creep() -> None:
