@@ -1,4 +1,4 @@
-"""A plainer model in the place of the one that was chosen, where its first cause explains more.
+"""A plainer model in the place of the one that was chosen, where it is likelier with its causes.
 
 A model is chosen while nothing is known of causes, so one with more parameters wins that bends to
 what a cause does: a muscle with its curved spring predicts an actuator that meets a wall better
@@ -174,9 +174,9 @@ def plainer_model_issues(chosen: BaseFit, extended: BaseFit) -> tuple[Issue, ...
         Issue(
             PLAINER_MODEL,
             "info",
-            f"by itself the {before} model predicts blocks left out of the fit better, but with "
-            f"its first cause the {after} model, which has fewer parameters, explains the logs "
-            "more likely (BIC), and is extended",
+            f"by itself the {before} model predicts blocks left out of the fit better, but the "
+            f"{after} model, which has fewer parameters, is likelier with its causes than that one "
+            "with its own (BIC), and is extended",
             f"name it with --model {before} to keep that",
         ),
     )
