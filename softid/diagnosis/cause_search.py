@@ -14,10 +14,11 @@ from softid.diagnosis.refit.held_out import BETTER, NO_WORSE
 from softid.diagnosis.residual.assessment import assess
 from softid.diagnosis.search.alternative_first import alternative_first_links, promises_the_rest
 from softid.diagnosis.search.backward_revision import revised
+from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, select_forward
 from softid.diagnosis.search.indistinct import with_rivals_in_misfit
 from softid.diagnosis.search.multistart import is_astray, multistart_candidates
-from softid.diagnosis.search.two_of_first_order import chain_of_first_order, is_likelier
+from softid.diagnosis.search.two_of_first_order import chain_of_first_order
 from softid.diagnosis.verdict.held_out_error import with_held_out
 from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, nameable
 from softid.diagnosis_results import Remainder

@@ -13,8 +13,8 @@ from functools import cached_property
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.cause_search import CauseSearch
+from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.search.two_of_first_order import is_likelier
 from softid.errors import IdentificationError, Issue
 
 HOPELESS = 20.0

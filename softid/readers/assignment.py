@@ -273,10 +273,9 @@ def _contradictions(table: Table, name: str, wish: Wish) -> list[Issue]:
         stated = stated_unit(table, wish.index)
     except InputError:  # the file contradicts itself, and the user decides
         return []
-    known = [lookup_unit(text) if text else None for text in (stated, wish.unit)]
-    if None in known or abs(wish.scale) != 1.0:
+    in_file, given = lookup_unit(stated or ""), lookup_unit(wish.unit or "")
+    if in_file is None or given is None or abs(wish.scale) != 1.0:
         return []
-    in_file, given = (unit for unit in known if unit is not None)
     if in_file.quantity != given.quantity or in_file.factor == given.factor:
         return []
     return [

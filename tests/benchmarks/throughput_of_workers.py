@@ -7,7 +7,8 @@ Run from the root of the project::
 One worker and two take turns, so that neighbours on the machine slow both alike; the median over
 the rounds is printed, beside the machine's own ceiling: two processes that only count.
 Threads share one interpreter, so what a candidate or a start does outside the compiled kernels is
-not shared out; processes share nothing, and fit whole logs.
+not shared out; processes share nothing. What two of them make of the same starts and candidates
+tells what threads lose.
 """
 # ruff: noqa: T201 (a script that prints its result)
 
@@ -17,6 +18,7 @@ import argparse
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import cache
 from multiprocessing import get_context
 
 import numpy as np
@@ -49,6 +51,7 @@ def fit_of_a_log(seed: int) -> None:
     softid.fit(log_of(1000, exact=False), model="muscle", seed=seed)
 
 
+@cache
 def run_of_a_start() -> Work:
     model = Muscle()
     problem = Problem(model, model.parameters(), [log_of(SAMPLES, exact=False)])
@@ -61,6 +64,7 @@ def run_of_a_start() -> Work:
     return run
 
 
+@cache
 def evaluation_of_a_candidate() -> Work:
     scale = Scale(0, 240, 0, 70, 300, 8, 0, 70, 0.005, 50, 0.2, 800)
     model = ExtendedModel(Muscle(), (EFFECTS["creep"](),), scale)
@@ -82,6 +86,16 @@ def evaluation_of_the_muscle() -> Work:
     objective = Objective(problem, {"contraction": 1.0})
     objective.plans = problem.plans(z)
     return lambda _: [objective(z) for _ in range(EVALUATIONS)]
+
+
+def start(k: int) -> None:
+    """One start, in a process that makes its problem once."""
+    run_of_a_start()(k)
+
+
+def candidate(k: int) -> None:
+    """One evaluation of a candidate, alike."""
+    evaluation_of_a_candidate()(k)
 
 
 def tell(what: str, pools: Pools, work: Work, machine: Pools, rounds: int) -> None:
@@ -129,7 +143,12 @@ def main() -> None:
         ThreadPoolExecutor(2) as double,
     ):
         machine = (one, two)
-        tell("fits of several logs, processes", machine, fit_of_a_log, machine, rounds)
+        for what, work in (
+            ("fits of several logs, processes", fit_of_a_log),
+            ("starts of one fit, processes", start),
+            ("candidates of a diagnosis, processes", candidate),
+        ):
+            tell(what, machine, work, machine, rounds)
         for what, work in (
             ("evaluations of the muscle, threads", evaluation_of_the_muscle()),
             ("starts of one fit, threads", run_of_a_start()),

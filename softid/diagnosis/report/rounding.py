@@ -12,19 +12,19 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plan
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.phrases import percent
+from softid.diagnosis.residual.motion import simulated
 from softid.diagnosis_results import Diagnosis, Remainder, Verdict
 from softid.errors import Issue
 from softid.excitation import find_quantisation
 from softid.log import Log
 from softid.results import FitResult
-from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
 COARSE = 0.25
-"""Share of the power of what is left from which on the rounding of the output is told."""
+"""Share of the power of what is left from which on a rounding is told."""
 
 COARSE_INPUT = "coarse-input"
 """Code of the remark that the input is rounded coarsely."""
@@ -124,16 +124,8 @@ def input_rounding_issues(final: Candidate, remainder: Remainder) -> tuple[Issue
 
 def _moved_by_rounding(final: Candidate, k: int, step: float) -> Array:
     """Change of the first output of one segment with a draw of what was rounded."""
-    problem, z = final.problem, final.minimum.point
-    segment, first = problem.segments[k], problem.outputs[0]
+    segment = final.problem.segments[k]
     stay = np.cumsum(np.diff(segment.input, prepend=segment.input[0]) != 0.0)
     lost = np.random.default_rng((SEED, k)).uniform(-0.5 * step, 0.5 * step, int(stay[-1]) + 1)
-    theta = problem.theta(z)
-    law = problem.model.motion_law(theta)
-
-    def simulated(one: Segment) -> Array:
-        plan = limited_plan(problem.model.plan(theta, one), one, law, FINE)
-        found: Array = problem.response(z, k, one, plan).outputs[first]
-        return one.samples_of(found)
-
-    return simulated(replace(segment, input=segment.input + lost[stay])) - simulated(segment)
+    moved = replace(segment, input=segment.input + lost[stay])
+    return simulated(final, k, moved) - simulated(final, k, segment)

@@ -17,8 +17,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import block_diag
 
-from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plan
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.parallel import in_parallel
+from softid.diagnosis.residual.motion import simulated
 from softid.diagnosis.residual.projection import basis_of
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.intersample import ABOVE_NOISE
@@ -190,11 +191,11 @@ def with_open_jumps(
     spent = min(float(np.trace(inverse @ gram)) / residual.size, MOST_SPENT)
     likeliest = inverse @ (both.T @ residual)
     rest = noise * (residual - both @ likeliest) / np.sqrt(1.0 - spent)
-    left, begin = [], 0
-    for part, used in zip(parts, seen, strict=True):
+    left = []
+    of_each = np.split(rest, np.cumsum([used.sum() for used in seen])[:-1])
+    for part, used, own in zip(parts, seen, of_each, strict=True):
         values = np.full(part.residual.size, np.nan)
-        values[used] = rest[begin : begin + int(used.sum())]
-        begin += int(used.sum())
+        values[used] = own
         left.append(replace(part, residual=values))
     ends = np.cumsum([whole.shape[1] for whole in columns])
     each = np.split(likeliest[:moments], ends[:-1])
@@ -259,19 +260,14 @@ def _has_faded(response: Array) -> bool:
 
 def _response(model: Candidate, k: int, places: Places, pulse: Pulse) -> Array:
     """Change of the first output with a pulse at every place, per standard deviation."""
-    problem, z = model.problem, model.minimum.point
-    segment = problem.segments[k]
+    segment = model.problem.segments[k]
     heights = TRIED * (segment.input[places + 1] - segment.input[places])
-    moved = [_with_pulses(segment, places, side * heights, pulse) for side in (1.0, -1.0)]
-    theta = problem.theta(z)
-    law = problem.model.motion_law(theta)
-    plans = [limited_plan(problem.model.plan(theta, one), one, law, FINE) for one in moved]
     there, back = (
-        problem.response(z, k, one, plan).outputs[problem.outputs[0]]
-        for one, plan in zip(moved, plans, strict=True)
+        simulated(model, k, _with_pulses(segment, places, side * heights, pulse))
+        for side in (1.0, -1.0)
     )
-    apart: Array = moved[0].samples_of(there - back)
-    return apart / (2.0 * TRIED * pulse.moment) * pulse.deviation
+    apart: Array = (there - back) / (2.0 * TRIED * pulse.moment) * pulse.deviation
+    return apart
 
 
 def _with_pulses(segment: Segment, places: Places, heights: Array, pulse: Pulse) -> Segment:

@@ -77,6 +77,19 @@ def rank(
     return sorted(ranked, key=lambda r: r.bic)
 
 
+def is_likelier(one: Candidate, other: Candidate, sigma: Mapping[str, float]) -> bool:
+    """Whether the BIC of one model is below that of another, under one noise model.
+
+    Parameters
+    ----------
+    one, other
+        Models at their optimum for white noise.
+    sigma
+        Output channel → scale that its residual is divided by.
+    """
+    return rank([one, other], sigma)[0].plain is one
+
+
 def _bic(white: Candidate) -> float:
     """N ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns."""
     n, k = white.minimum.normal.n, white.problem.size

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.forward_selection import (
     FIRST,
     Chain,
@@ -56,16 +55,3 @@ def chain_of_first_order(
         return None
     found = converged(link.chosen.plain, sigma)
     return Chain((replace(link, found=found),), None, found)
-
-
-def is_likelier(one: Candidate, other: Candidate, sigma: Mapping[str, float]) -> bool:
-    """Whether the BIC of one model is below that of another, under one noise model.
-
-    Parameters
-    ----------
-    one, other
-        Models at their optimum for white noise.
-    sigma
-        Output channel → scale that its residual is divided by.
-    """
-    return rank([one, other], sigma)[0].plain is one

@@ -7,8 +7,9 @@ from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
 import softid
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.search.two_of_first_order import chain_of_first_order, is_likelier
+from softid.diagnosis.search.two_of_first_order import chain_of_first_order
 from softid.effects import EFFECTS, effect_of
 from softid.synthesis import hidden_pair
 
