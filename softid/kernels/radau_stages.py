@@ -18,6 +18,10 @@ MAX_NEWTON = 13
 """Newton's moves at most: so many lead from one to `NEWTON_TOLERANCE` where each is `SLOWEST` times
 the one before. What takes more is given up."""
 
+MOST_ASTRAY = 1
+"""Newton's moves that may be longer than the one before, with slopes taken where they begin: across
+a corner they go to and fro without end, and a shorter step finds the way sooner."""
+
 NEWTON_TOLERANCE = 1e-9
 """Newton's last move, in units of the ranges of the states: far below the 1e-4 that a step may err
 by, and far above rounding."""
@@ -209,7 +213,7 @@ def solve_stages(
     exact
         Whether slopes and inverse are wanted beside the solution, for `carry`.
     """
-    before = 0.0
+    before, astray = 0.0, 0
     for number in range(MAX_NEWTON):
         _leave(equation, step, state, h)
         taken = not has_inverse or (exact and number > 0 and before < NEARBY)
@@ -229,6 +233,10 @@ def solve_stages(
         solved = worst < NEWTON_TOLERANCE or worst * shrinkage < LEFT * NEWTON_TOLERANCE
         if solved and (not exact or (taken and worst < BESIDE)):
             return True
+        if shrinkage > 1.0 and taken:
+            astray += 1
+            if astray > MOST_ASTRAY:
+                return False
         if shrinkage > SLOWEST:
             has_inverse = False
         before = worst

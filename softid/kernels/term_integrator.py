@@ -33,9 +33,10 @@ from softid.kernels.terms import TERM_SIZE
 
 Array = npt.NDArray[np.float64]
 
-MAX_HALVINGS = 12
-"""How often a step is halved whose stages cannot be found: dry friction that comes up within 1/5000
-of the largest speed, and gives way as fast, needs thousandths where the motion breaks away."""
+WHOLE = 1 << 12
+"""Smallest pieces into which a step is divided whose stages cannot be found: dry friction that
+comes up within 1/5000 of the largest speed, and gives way as fast, needs thousandths where the
+motion breaks away."""
 
 ALIKE = 1e-6
 """Relative difference up to which two steps are equal, so that one predicts the next."""
@@ -138,12 +139,11 @@ def unbalanced_at_rest(
 
 
 @inner
-def _weight(c: int, j: int, piece: int, pieces: int) -> float:
+def _weight(c: int, j: int, begin: float, share: float) -> float:
     """What the value at stage ``j`` of a step adds to that at stage ``c`` of a piece of it."""
-    found = 1.0
+    found, at = 1.0, begin + share * STAGES[c]
     for other in range(3):
         if other != j:
-            at = (piece + STAGES[c]) / pieces
             found *= (at - STAGES[other]) / (STAGES[j] - STAGES[other])
     return found
 
@@ -159,14 +159,14 @@ def _enter(course: Course, i: int, step: Step) -> None:
 
 
 @inner
-def _enter_piece(course: Course, i: int, piece: int, pieces: int, step: Step, by: Array) -> None:
-    """Take the data of a piece of step ``i`` into ``step`` and ``by``."""
+def _enter_piece(course: Course, i: int, begin: float, share: float, step: Step, by: Array) -> None:
+    """Take the data of a piece of step ``i``, from a share of it on, into ``step`` and ``by``."""
     wanted = by.shape[3] if course.coefficients_by.shape[0] > 0 else 0
     at = step.at
     for c in range(3):
         at.place[0, c], at.place[1, c] = 0.0, 0.0
         for j in range(3):
-            weight = _weight(c, j, piece, pieces)
+            weight = _weight(c, j, begin, share)
             at.place[0, c] += weight * course.places[i, 0, j]
             at.place[1, c] += weight * course.places[i, 1, j]
             for q in range(4):
@@ -206,30 +206,12 @@ class Room(NamedTuple):
         LANES).
     last
         Stage rates of the step before, shape (3 + 3 Z,).
-    state, tangent
-        What a step in pieces began with.
     """
 
     step: Step
     transfer: Transfer
     coefficients_by: Array
     last: Array
-    state: Array
-    tangent: Array
-
-
-@inlined
-def _copy(source: Array, target: Array) -> None:
-    for i in range(source.size):
-        target[i] = source[i]
-
-
-@inlined
-def _copy_all(source: Array, target: Array) -> None:
-    for k in range(source.shape[0]):
-        for f in range(source.shape[1]):
-            for lane in range(LANES):
-                target[k, f, lane] = source[k, f, lane]
 
 
 @inlined
@@ -237,31 +219,54 @@ def _take(
     equation: Equation,
     course: Course,
     i: int,
-    pieces: int,
+    begin: int,
+    size: int,
     follows: bool,
     state: Array,
     tangent: Array,
     room: Room,
 ) -> bool:
-    """Take step ``i`` in so many pieces; False when the stages of one cannot be found.
+    """Take a piece of step ``i``; False when its stages cannot be found, and nothing has changed.
 
-    ``follows`` says that the step before was alike, so that its rates and inverse serve as a start.
-    What is not found in one piece has changed nothing.
+    It begins and is as long as so many parts of `WHOLE`. ``follows`` says that what was taken last
+    was as long, so that its inverse serves as a start, and its rates where both were whole steps.
     """
-    step, h = room.step, course.step_s[i] / pieces
+    step = room.step
     wanted = course.coefficients_by.shape[0] > 0
-    by, place = (course.coefficients_by, i) if pieces == 1 else (room.coefficients_by, 0)
-    for piece in range(pieces):
-        if pieces == 1:
-            _enter(course, i, step)
+    by, place, h = course.coefficients_by, i, course.step_s[i]
+    if size == WHOLE:
+        _enter(course, i, step)
+    else:
+        share = size / WHOLE
+        by, place, h = room.coefficients_by, 0, h * share
+        _enter_piece(course, i, begin / WHOLE, share, step, by)
+    _predict(step, room.last, state, follows and size == WHOLE)
+    if not solve_stages(equation, step, state, h, follows, wanted):
+        return False
+    if wanted:
+        carry(equation, step, by, place, course.moves, room.transfer, tangent, h)
+    advance(step, state, h)
+    return True
+
+
+@inlined
+def _take_in_pieces(
+    equation: Equation, course: Course, i: int, state: Array, tangent: Array, room: Room
+) -> bool:
+    """Take step ``i`` in pieces, each as long as its stages can be found; False where none can."""
+    begin, size, follows = 0, WHOLE // 2, False
+    while begin < WHOLE:
+        size = min(size, WHOLE - begin)
+        if _take(equation, course, i, begin, size, follows, state, tangent, room):
+            begin += size
+            follows = begin % (2 * size) != 0
+            size = size if follows else 2 * size
+        elif follows:
+            follows = False
+        elif size > 1:
+            size //= 2
         else:
-            _enter_piece(course, i, piece, pieces, step, room.coefficients_by)
-        _predict(step, room.last, state, follows)
-        if not solve_stages(equation, step, state, h, follows or piece > 0, wanted):
             return False
-        if wanted:
-            carry(equation, step, by, place, course.moves, room.transfer, tangent, h)
-        advance(step, state, h)
     return True
 
 
@@ -279,20 +284,15 @@ def _march(
     follows = False
     for i in range(course.step_s.size):
         alike = i > 0 and abs(course.step_s[i] / course.step_s[i - 1] - 1.0) < ALIKE
-        known, pieces = follows and alike, np.int64(1)
-        while not _take(equation, course, i, pieces, known, state, tangent, room):
-            if pieces == 1:
-                _copy(state, room.state)
-                _copy_all(tangent, room.tangent)
-            else:
-                _copy(room.state, state)
-                _copy_all(room.tangent, tangent)
-            pieces = pieces if known else 2 * pieces
-            known = False
-            if pieces > 1 << MAX_HALVINGS:
-                return False
-        _copy(room.step.w, room.last)
-        follows = pieces == 1
+        follows = follows and alike
+        whole = _take(equation, course, i, 0, WHOLE, follows, state, tangent, room)
+        if not whole and follows:
+            whole = _take(equation, course, i, 0, WHOLE, False, state, tangent, room)
+        if not whole and not _take_in_pieces(equation, course, i, state, tangent, room):
+            return False
+        for k in range(room.last.size):
+            room.last[k] = room.step.w[k]
+        follows = whole
         states[i, 0], states[i, 1] = state[0], state[1]
         if tangents.shape[0] > 0:
             for p in range(tangents.shape[1]):
@@ -342,8 +342,6 @@ def integrate(
         ),
         np.empty((1, *course.coefficients_by.shape[1:])),
         np.empty(step.w.size),
-        np.empty(n_states),
-        np.empty(carried.shape),
     )
     solved: bool = _march(equation, course, state, carried, states, tangents, room)
     tangent[:] = flat[:, :columns]
