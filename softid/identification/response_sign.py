@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.errors import Issue
 from softid.fitters.objective import Objective
@@ -12,15 +13,26 @@ from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.log_beginning import beginning
 from softid.identification.preparation import units_of
+from softid.kernels.filters import lag
 from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
+from softid.segment import Segment
+
+Array = npt.NDArray[np.float64]
 
 CLEAR = 0.5
 """From this correlation on an output goes one way with the input, as logs are compared."""
 
 UNDOUBTED = 0.9
-"""From this one on it rises with it: past its natural frequency an actuator moves less and less."""
+"""From this one on it rises with it: past its natural frequency an actuator moves less and less. So
+it does where it goes so closely with the input behind a lag, with which one that falls goes less."""
+
+LAGS = 9
+"""Lags that are tried for that, from one sample to `LONGEST_LAG` of the longest segment."""
+
+LONGEST_LAG = 0.25
+"""A step is then nearly done at its end."""
 
 NO_RIVAL = 3.0
 """Where it goes with the input so clearly, and the start values of a falling model leave so many
@@ -65,6 +77,8 @@ def falls_with_input(logs: LogSet, *, rng: np.random.Generator) -> bool:
     found = correlation(logs)
     if found == 0.0 or found >= UNDOUBTED:
         return False
+    if found >= CLEAR and _rises_behind_a_lag(logs):
+        return False
     first = LogSet(tuple(log.with_roles(outputs=log.outputs[:1]) for log in logs))
     baseline: Model = MODELS[BASELINE]()
     rising, falling = (
@@ -108,20 +122,45 @@ def opposed(logs: LogSet, held: Sequence[Log]) -> tuple[Issue, ...]:
     )
 
 
-def correlation(logs: LogSet) -> float:
-    """Correlation of the first output with the input, means taken per segment; 0 if still."""
+def correlation(logs: LogSet, *, lag_s: float = 0.0) -> float:
+    """Correlation of the first output with the input, means taken per segment; 0 if still.
+
+    Parameters
+    ----------
+    logs
+        The logs.
+    lag_s
+        Time constant of a lag of first order behind the input, in s.
+    """
     cross = inputs = outputs = 0.0
     for segment in (s for log in logs for s in log.segments()):
         used = segment.used[logs.outputs[0]]
         if used.sum() < 2:
             continue
-        u = segment.input[used] - segment.input[used].mean()
+        u = _behind_lag(segment, lag_s)[used]
+        u -= u.mean()
         y = segment.outputs[logs.outputs[0]][used]
         y = y - y.mean()
         cross, inputs, outputs = cross + u @ y, inputs + u @ u, outputs + y @ y
     if inputs == 0 or outputs == 0:
         return 0.0
     return float(cross / np.sqrt(inputs * outputs))
+
+
+def _behind_lag(segment: Segment, lag_s: float) -> Array:
+    late = np.array(segment.input, np.float64)
+    if lag_s > 0.0:
+        lag(np.diff(segment.time_s), late, lag_s, lag_s)
+    return late
+
+
+def _rises_behind_a_lag(logs: LogSet) -> bool:
+    part = LogSet(tuple(beginning(log, ENOUGH) for log in logs))
+    segments = [segment for log in part for segment in log.segments()]
+    shortest_s = min(log.period_s for log in part)
+    longest_s = LONGEST_LAG * max(float(s.time_s[-1] - s.time_s[0]) for s in segments)
+    tried_s = np.geomspace(shortest_s, max(longest_s, shortest_s), LAGS)
+    return any(correlation(part, lag_s=lag_s) >= UNDOUBTED for lag_s in tried_s.tolist())
 
 
 def _cost_of_start(model: Model, logs: LogSet) -> float:
