@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,10 +27,16 @@ OUTPUT_PREFERENCE = (
 
 
 def read_only(values: npt.ArrayLike) -> Array:
-    """Copy to a float64 array that nobody can change."""
+    """Copy to a float64 array that nobody can change; what nobody can change already stays."""
+    if isinstance(values, np.ndarray) and values.dtype == np.float64 and _is_held(values):
+        return values
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
+
+
+def _is_held(values: npt.NDArray[Any]) -> bool:
+    return values.flags.owndata and not values.flags.writeable
 
 
 @dataclass(frozen=True, eq=False)

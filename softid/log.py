@@ -103,8 +103,10 @@ class Log:
         object.__setattr__(self, "time_s", time)
         object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
         object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
-        masked = np.zeros(time.size, bool) if self.masked is None else np.array(self.masked, bool)
-        masked.setflags(write=False)
+        masked = np.zeros(time.size, bool) if self.masked is None else np.asarray(self.masked, bool)
+        if masked.flags.writeable or not masked.flags.owndata:
+            masked = masked.copy()
+            masked.setflags(write=False)
         object.__setattr__(self, "masked", masked)
         self._check()
 

@@ -89,20 +89,21 @@ def fit_statistics(
     >>> s.n, s.fit_percent
     (3, 100.0)
     """
-    y = measured if used is None else np.where(used, measured, np.nan)
-    both, _ = _pairs(y, simulated, where=f"{log}, {channel}")
+    whole = measured if used is None else np.where(used, measured, np.nan)
+    y, s = _pairs(whole, simulated, where=f"{log}, {channel}")
+    relative = nrmse(y, s)
     return FitStatistics(
         log=log,
         channel=channel,
         unit=unit,
         in_sample=in_sample,
         kind="simulated",
-        n=both.size,
-        rmse=rmse(y, simulated),
-        nrmse=nrmse(y, simulated),
-        fit_percent=fit_percent(y, simulated),
-        r2=r2(y, simulated),
-        vaf=vaf(y, simulated),
+        n=y.size,
+        rmse=rmse(y, s),
+        nrmse=relative,
+        fit_percent=100.0 * (1.0 - relative),
+        r2=1.0 - relative**2,
+        vaf=vaf(y, s),
         display_unit=unit if display_unit is None else display_unit,
         display_factor=display_factor,
     )
@@ -110,6 +111,8 @@ def fit_statistics(
 
 def _pairs(measured: Array, simulated: Array, where: str | None = None) -> tuple[Array, Array]:
     there = np.isfinite(measured) & np.isfinite(simulated)
+    if there.all():
+        return measured, simulated
     if not there.any():
         raise InputError("there is no sample to compare", where=where, remedy="mask fewer samples")
     return measured[there], simulated[there]

@@ -10,6 +10,14 @@ import pytest
 MEASURED_VARIABLE = "SOFTID_MEASURED_DATA"
 
 
+def pytest_configure() -> None:
+    """One core for each of the processes that share the tests, which share nothing out again."""
+    number = os.environ.get("PYTEST_XDIST_WORKER", "").removeprefix("gw")
+    if number.isdecimal() and hasattr(os, "sched_setaffinity"):
+        cores = sorted(os.sched_getaffinity(0))
+        os.sched_setaffinity(0, {cores[int(number) % len(cores)]})
+
+
 @pytest.fixture(scope="session")
 def measured() -> Path:
     """Folder of measured logs, named by an environment variable or lying beside the checkout."""

@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCES = {"softid": ROOT / "softid", "softid_cli": ROOT / "cli" / "softid_cli"}
 
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("errors", "units", "kernels"),
+    ("errors", "units", "kernels", "parallel"),
     ("channels", "chi_square", "intersample"),
     ("segment",),
     ("log", "parameters", "results"),

@@ -9,7 +9,7 @@ moves to its optimum by changing t, no sample being visited again.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -18,11 +18,16 @@ from softid.fitters.levenberg_marquardt import Normal
 from softid.fitters.problem import Block, Problem
 from softid.models.division import Division
 from softid.models.products import Products
+from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
 KEPT_ENTRIES = 8_000_000
-"""Largest Jacobian that is kept whole (64 MB); a larger one is only summed."""
+"""Largest Jacobian that is kept whole (64 MB) where it is made anyway."""
+
+SUMMED_ENTRIES = 100_000
+"""Largest Jacobian that is kept where a kernel sums its products (1 MB): a larger one would take
+several times the log's own memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +166,9 @@ def bend(
     plans: Sequence[Division | None] | None,
     fraction: float,
 ) -> Array | None:
-    """Jᵀ∂²ŷ/∂v² for v = ``step``, or None where the columns were not kept or it is not finite.
+    """Jᵀ∂²ŷ/∂v² for v = ``step``, or None where columns were not kept or it is not finite.
+
+    Where a kernel sums the products, it also sums those with the response that differs.
 
     Parameters
     ----------
@@ -191,14 +198,37 @@ def _bend(
     total = np.zeros(problem.size)
     blocks = problem.blocks(z + fraction * step, derivatives=False, plans=plans)
     for piece, there in zip(at.pieces, blocks, strict=True):
-        if piece.columns is None:
+        found = _products_with(problem, at.point, piece, there.residual, plans)
+        if found is None:
             return None
-        used = problem.segments[there.segment].used[there.channel]
-        straight = (piece.residual - fraction * (piece.jacobian @ step)) @ piece.columns
-        straight[used] -= there.residual
-        pulled = piece.jacobian.T @ (piece.columns @ straight)
+        straight = piece.gram @ (piece.residual - fraction * (piece.jacobian @ step))
+        pulled = piece.jacobian.T @ (straight - found)
         total += 2.0 / (fraction * sigma[piece.channel]) ** 2 * pulled
     return total if np.isfinite(total).all() else None
+
+
+def _products_with(
+    problem: Problem,
+    z: Array,
+    piece: Piece,
+    values: Array,
+    plans: Sequence[Division | None] | None,
+) -> Array | None:
+    """Products of the columns and values at the used samples, shape (C,); None without columns."""
+    segment = problem.segments[piece.segment]
+    used = segment.used[piece.channel]
+    if piece.columns is not None:
+        return (piece.columns if used.all() else piece.columns[:, used]) @ values
+    if not piece.summed:
+        return None
+    measured = segment.outputs[piece.channel].copy()
+    measured[used] += values
+    plan = plans[piece.segment] if plans is not None else None
+    shifted = replace(segment, outputs={**segment.outputs, piece.channel: measured})
+    place = piece.segment, piece.channel
+    products = _products(problem, z, problem.theta(z), place, shifted, plan, keep=0)
+    assert products is not None
+    return products.gram[:, -1] - piece.gram @ piece.residual
 
 
 def _pieces(
@@ -210,7 +240,8 @@ def _pieces(
     for k in range(len(problem.segments)):
         plan = plans[k] if plans is not None else None
         summed = [
-            _products(problem, z, theta, k, name, plan, keep=keep) for name in problem.outputs
+            _products(problem, z, theta, (k, name), problem.segments[k], plan, keep=keep)
+            for name in problem.outputs
         ]
         if any(products is None for products in summed):
             blocks = problem.blocks(z, derivatives=True, plans=plans, only=k)
@@ -227,21 +258,23 @@ def _products(
     problem: Problem,
     z: Array,
     theta: Array,
-    segment: int,
-    channel: str,
+    place: tuple[int, str],
+    segment: Segment,
     plan: Division | None,
     *,
     keep: int,
 ) -> Products | None:
-    place = problem.zero_position(problem.owner[segment], channel)
+    """Those of the segment and channel of a ``place``, with the measured outputs of ``segment``."""
+    number, channel = place
+    zero = problem.zero_position(problem.owner[number], channel)
     return problem.model.products(
         theta,
-        problem.segments[segment],
+        segment,
         channel,
-        start=problem.start(z, segment),
+        start=problem.start(z, number),
         relative=problem.has_equilibrium,
         plan=plan,
-        zero=float(z[place]) if problem.zeros else 0.0,
+        zero=float(z[zero]) if problem.zeros else 0.0,
         keep=keep,
     )
 

@@ -16,7 +16,7 @@ from softid.fitters.levenberg_marquardt import (
     next_point,
     offset_within,
 )
-from softid.fitters.normal_equations import KEPT_ENTRIES, Linearised, bend, linearise
+from softid.fitters.normal_equations import SUMMED_ENTRIES, Linearised, bend, linearise
 from softid.fitters.problem import Problem
 from softid.models.division import Division
 
@@ -47,7 +47,7 @@ for a parameter on a logarithmic scale."""
 
 CHEAP_ENTRIES = 50_000
 """Largest Jacobian that is kept at every evaluation: it stays in the processor's cache. Of a larger
-one the columns are kept where a step is long, and where they are asked for at the end."""
+one the columns are kept where they are asked for at the end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,6 @@ class Objective:
         self._last: Linearised | None = None
         self._weighted: dict[str, float] = {}
         self._planned: tuple[Array, list[Division | None]] | None = None
-        self._bent: Linearised | None = None
 
     def __call__(self, z: Array) -> Normal:
         """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
@@ -105,9 +104,9 @@ class Objective:
     def _at(self, z: Array, *, columns: bool = False) -> Linearised:
         """The normal equations without the prior; the last ones are kept, to begin a run with.
 
-        Columns are kept where that is cheap, where they are asked for, and behind a long step: one
-        seldom comes alone.
+        Columns are kept where that is cheap, and where they are asked for.
         """
+        columns = self._entries <= (SUMMED_ENTRIES if columns else CHEAP_ENTRIES)
         last = self._last
         if (
             last is not None
@@ -120,10 +119,8 @@ class Objective:
         ):
             return last
         self.evaluations += 1
-        keep = columns or self._bent is not None or self._entries <= CHEAP_ENTRIES
-        keep = keep and self._entries <= KEPT_ENTRIES
-        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
-        self._last, self._weighted, self._bent = found, dict(self.sigma), None
+        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=columns)
+        self._last, self._weighted = found, dict(self.sigma)
         return found
 
     @property
@@ -138,7 +135,7 @@ class Objective:
         normal = found.normal
         if not isinstance(normal, Linearised) or normal.kept or not np.isfinite(normal.cost):
             return found
-        if self._entries > KEPT_ENTRIES:
+        if self._entries > SUMMED_ENTRIES:
             return found
         self.plans = None if normal.plans is None else list(normal.plans)
         limits = *self.problem.bounds(), self.problem.reach()
@@ -171,17 +168,11 @@ class Objective:
         self.prior = Prior(centre, weight)
 
     def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
-        """Jᵀ∂²ŷ/∂v² along ``step``, or None where the Jacobian was too large to keep."""
-        if not isinstance(normal, Linearised) or self._entries > KEPT_ENTRIES:
+        """Jᵀ∂²ŷ/∂v² along ``step``, or None where a Jacobian that no kernel sums was not kept."""
+        if not isinstance(normal, Linearised) or not (normal.kept or normal.affine):
             return None
-        if normal.kept:
-            self._bent = normal
-        elif self._bent is None or not np.array_equal(self._bent.point, normal.point):
-            self._bent = self._at(normal.point, columns=True)
-        self.evaluations += 1
-        return bend(
-            self.problem, self._bent, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP
-        )
+        self.evaluations += 1 if normal.kept else 2
+        return bend(self.problem, normal, z, step, self.sigma, plans=self.plans, fraction=BEND_STEP)
 
     def solve(
         self,
@@ -225,7 +216,7 @@ class Objective:
 
         point = np.clip(start, lower, upper)
         self.plans = self._plans(point)
-        sums_first = not rough and self._entries > CHEAP_ENTRIES
+        sums_first = not rough and CHEAP_ENTRIES < self._entries <= SUMMED_ENTRIES
         found = run(point, max(tolerance, NEAR) if sums_first else tolerance, damping)
         for _ in range(0 if rough else MAX_PLANS - 1):
             on_the_way = sums_first and tolerance < found.offset <= NEAR

@@ -25,22 +25,27 @@ def tie_function(parameters: ParameterSet) -> Callable[[Array], Array] | None:
     -------
     callable or None
         Parameter values, shape (K,) → the same with every tie followed, shape (K,); several threads
-        may call it at once.
+        may call it at once, and another process may be sent it.
     """
-    if all(p.tie is None for p in parameters.values()):
-        return None
-    table = parameters.to_lmfit()
-    names = parameters.names
-    for name in parameters.free:  # lmfit would clip one side of a difference at a bound
-        table[name].set(min=-np.inf, max=np.inf)
-    alone = Lock()  # the table is shared by threads that try several starts
+    return None if all(p.tie is None for p in parameters.values()) else _Ties(parameters)
 
-    def tied(theta: Array) -> Array:
-        with alone:
+
+class _Ties:
+    def __init__(self, parameters: ParameterSet) -> None:
+        self._parameters = parameters
+        self._table = parameters.to_lmfit()
+        for name in parameters.free:  # lmfit would clip one side of a difference at a bound
+            self._table[name].set(min=-np.inf, max=np.inf)
+        self._alone = Lock()  # the table is shared by threads that try several starts
+
+    def __reduce__(self) -> tuple[type[_Ties], tuple[ParameterSet]]:
+        return _Ties, (self._parameters,)
+
+    def __call__(self, theta: Array) -> Array:
+        names, table = self._parameters.names, self._table
+        with self._alone:
             for name, value in zip(names, theta, strict=True):
                 if table[name].expr is None:
                     table[name].value = value
             table.update_constraints()
             return np.array([table[name].value for name in names])
-
-    return tied

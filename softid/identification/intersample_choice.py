@@ -160,7 +160,8 @@ def explains_better(own: Explained, other: LogSet) -> bool:
         The logs with another input.
     """
     problem = own.problem
-    changed = Problem(problem.model, problem.parameters, [beginning(log, LONG) for log in other])
+    logs = [replace(beginning(log, LONG)) for log in other]  # copies, which take their cuts along
+    changed = Problem(problem.model, problem.parameters, logs)
     wanted = own.misfit - BETTER_BY
     if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:
         looking = Objective(changed, dict.fromkeys(problem.outputs, 1.0))

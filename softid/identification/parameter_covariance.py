@@ -9,9 +9,10 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.normal_equations import KEPT_ENTRIES, Piece, linearise
+from softid.fitters.normal_equations import KEPT_ENTRIES, SUMMED_ENTRIES, Piece, linearise
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Block, Problem
+from softid.kernels.affine_blocks import N_COLUMNS
 from softid.results import NoiseModel
 from softid.uncertainty import (
     AutoRegression,
@@ -19,6 +20,7 @@ from softid.uncertainty import (
     FactoredRows,
     ResidualBlock,
     fit_ar,
+    known_better,
     log_likelihood,
     noise_model,
     sandwich_covariance,
@@ -79,9 +81,9 @@ def errors_of(problem: Problem, optimum: Optimum) -> Errors:
     """Covariance, noise models and information criteria at an optimum.
 
     Where derivatives at every sample are too many to be kept, and a kernel sums them, the
-    covariance is that of averages over a few samples, each of which weighs as much as they do: it
-    misses what a parameter does within so short a time. Noise models and criteria are of the
-    samples all the same.
+    covariance is that of averages over a few samples, each of which weighs as much as they do. What
+    a parameter does within so short a time is missed, and made up for as if the noise were white.
+    Noise models and criteria are of the samples all the same.
     """
     stuck = optimum.at_bound.copy()
     stuck[len(problem.free) :] = False
@@ -170,18 +172,18 @@ def _covariance_of_means(
 
     None where the columns are there, or few enough at every sample, or no kernel sums them.
     """
-    entries = problem.n_samples * problem.size
-    if optimum.linearised is not None or entries <= KEPT_ENTRIES:
+    if optimum.linearised is not None or problem.n_samples * problem.size <= SUMMED_ENTRIES:
         return None
-    own = sum(s.time_s.size * (2 + len(problem.outputs)) for s in problem.segments)
-    stretch = -(-entries // min(KEPT_ENTRIES, own))
+    rows, channels = sum(s.time_s.size for s in problem.segments), len(problem.outputs)
+    stretch = -(-rows * channels * N_COLUMNS // min(KEPT_ENTRIES, rows * (2 + channels)))
     found = linearise(problem, optimum.unknowns, optimum.sigma, plans=None, keep=stretch)
     if not found.affine:
         return None
     blocks = [
         _means_of(_of(problem, found.pieces, *group), *group, columns, optimum) for group in groups
     ]
-    return sandwich_covariance(blocks, _names_of(problem, columns))
+    averaged = sandwich_covariance(blocks, _names_of(problem, columns))
+    return known_better(averaged, found.matrix[np.ix_(columns, columns)])
 
 
 def _names_of(problem: Problem, columns: IndexArray) -> list[str]:

@@ -26,7 +26,7 @@ CLEAR = 0.5
 
 UNDOUBTED = 0.9
 """From this one on it rises with it: past its natural frequency an actuator moves less and less. So
-it does where it goes so closely with the input behind a lag, with which one that falls goes less."""
+it does where it goes so with the input behind a lag, with which one that falls goes the less."""
 
 LAGS = 9
 """Lags that are tried for that, from one sample to `LONGEST_LAG` of the longest segment."""
@@ -137,14 +137,19 @@ def correlation(logs: LogSet, *, lag_s: float = 0.0) -> float:
         used = segment.used[logs.outputs[0]]
         if used.sum() < 2:
             continue
-        u = _behind_lag(segment, lag_s)[used]
-        u -= u.mean()
-        y = segment.outputs[logs.outputs[0]][used]
-        y = y - y.mean()
-        cross, inputs, outputs = cross + u @ y, inputs + u @ u, outputs + y @ y
+        u = _deviation(_behind_lag(segment, lag_s)[used])
+        y = _deviation(segment.outputs[logs.outputs[0]][used])
+        cross += float(u @ y)
+        inputs += float(u @ u)
+        outputs += float(y @ y)
     if inputs == 0 or outputs == 0:
         return 0.0
-    return float(cross / np.sqrt(inputs * outputs))
+    return cross / float(np.sqrt(inputs * outputs))
+
+
+def _deviation(values: Array) -> Array:
+    apart: Array = values - values.mean()
+    return apart
 
 
 def _behind_lag(segment: Segment, lag_s: float) -> Array:

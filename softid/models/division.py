@@ -36,7 +36,7 @@ SMOOTH_STEPS = 2.0
 """So many steps in the shortest time in which it bends, and it hardly does within one: four nodes
 of a step then show the same as sixteen to 1e-4 of a jump of the input."""
 
-_CHUNK = 1 << 16
+_CHUNK = 1 << 13
 
 
 @dataclass(frozen=True, eq=False)

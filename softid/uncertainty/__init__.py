@@ -7,6 +7,7 @@ from softid.uncertainty.autoregression import (
     log_likelihood,
     whiten,
 )
+from softid.uncertainty.averaged import known_better
 from softid.uncertainty.bootstrap import (
     MeanInterval,
     block_bootstrap_mean_ci,
@@ -55,6 +56,7 @@ __all__ = [
     "effective_n",
     "fit_ar",
     "judge",
+    "known_better",
     "log_likelihood",
     "noise_model",
     "profile",

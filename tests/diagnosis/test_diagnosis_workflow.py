@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log
 
+from softid import parallel
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.workflow import _rising
@@ -188,3 +189,16 @@ def test_progress_never_falls() -> None:
         report(message, fraction)
     assert told == [("a", 0.1), ("b", 0.6), ("c", 0.6), ("d", 0.7)]
     _rising(None)("nobody listens", 0.5)
+
+
+def test_copies_of_the_process_find_what_it_finds_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the last digit, in the order of the causes too: who works on what is chance."""
+    log = drifting()
+    found = []
+    for cores in (1, 3):
+        monkeypatch.setattr(parallel, "_cores", lambda cores=cores: cores)
+        found.append(diagnose(log, model="oscillator", effects=(*TWO, "creep", "sensor_lag")))
+    alone, together = found
+    assert alone.evidence
+    assert [astuple(e) for e in alone.evidence] == [astuple(e) for e in together.evidence]
+    assert alone.summary == together.summary

@@ -23,7 +23,6 @@ from softid.diagnosis.refit.candidates import (
     named_values,
     start_unknowns,
 )
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.effects import ExtendedModel, effect_of, own_values
 from softid.effects.base import Scale
 from softid.fitters.problem import Problem
@@ -39,6 +38,7 @@ from softid.identification.intersample_choice import (
 from softid.identification.new_log_reading import explained_best
 from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
+from softid.parallel import in_parallel
 
 ALIKE = 1.0
 """Readings whose n·ln(mean square) differ by less explain alike, and the plainest is taken."""

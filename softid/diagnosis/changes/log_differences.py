@@ -15,11 +15,11 @@ import numpy.typing as npt
 from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, extend, named_values
 from softid.diagnosis.refit.characteristic_scales import elastic_force
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.effects.base import Scale
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
 from softid.log import Log
+from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
 

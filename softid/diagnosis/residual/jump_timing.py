@@ -18,15 +18,17 @@ import numpy.typing as npt
 from scipy.linalg import block_diag
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.residual.motion import simulated
 from softid.diagnosis.residual.projection import basis_of
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.intersample import ABOVE_NOISE
+from softid.parallel import in_parallel
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 Places = npt.NDArray[np.intp]
+Part = tuple[int, int, slice, Array]
+"""Kind of pulse, jump, the samples that see it, and what it changes there."""
 
 LEAST_JUMP = 0.05
 """Share of the input's span that a jump has at least."""
@@ -228,21 +230,21 @@ def part_of_jumps(model: Candidate, k: int, *, noise: float) -> Array:
     places = untimed_jumps(segment)
     sampled = segment.samples_of(np.arange(segment.time_s.size))
     after = np.searchsorted(sampled, places + 1)
-    columns = np.zeros((sampled.size, len(PULSES), places.size))
 
-    def tell_apart(kind: int, group: Places) -> None:
+    def told_apart(kind: int, group: Places) -> list[Part]:
         apart = _response(model, k, places[group], PULSES[kind])
         windows = [slice(*w) for w in pairwise((*after[group].tolist(), sampled.size))]
         hidden = float(np.abs(apart).max()) <= UNSEEN * noise
         if hidden or all(_has_faded(apart[window]) for window in windows[:-1]):
-            for jump, window in zip(group.tolist(), windows, strict=True):
-                columns[window, kind, jump] = apart[window]
-        else:
-            for fewer in _shared_out(group):
-                tell_apart(kind, fewer)
+            parts = zip(group.tolist(), windows, strict=True)
+            return [(kind, jump, window, apart[window]) for jump, window in parts]
+        return [part for fewer in _shared_out(group) for part in told_apart(kind, fewer)]
 
+    columns = np.zeros((sampled.size, len(PULSES), places.size))
     tasks = product(range(len(PULSES)), _shared_out(np.arange(places.size)))
-    in_parallel(lambda task: tell_apart(*task), tasks)
+    for parts in in_parallel(lambda task: told_apart(*task), tasks):
+        for kind, jump, window, apart in parts:
+            columns[window, kind, jump] = apart
     found: Array = columns.reshape(sampled.size, -1)
     return found
 

@@ -9,9 +9,9 @@ from functools import partial
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, advance
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.refit.whitening import Whitener, whitener_of
 from softid.diagnosis.search.catching_up import by_squares, can_catch_up
+from softid.parallel import in_parallel
 
 WHITE_ROUNDS = (8, 16)
 """Evaluations of the rounds under the noise model; who cannot catch up stays out of them."""

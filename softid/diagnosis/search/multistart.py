@@ -14,13 +14,13 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, standing_at
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.effect_starts import candidate_at
 from softid.diagnosis.search.racing import refined
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale
 from softid.fitters.problem import Problem
 from softid.intersample import HELD
+from softid.parallel import in_parallel
 from softid.segment import Segment
 
 PLACES = 3

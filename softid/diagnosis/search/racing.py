@@ -10,7 +10,6 @@ from softid.diagnosis.refit.candidates import (
     Candidate,
 )
 from softid.diagnosis.refit.equivalent_places import alternatives, exchanged
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.catching_up import (
     SMALLEST_GAIN,
@@ -38,6 +37,7 @@ from softid.diagnosis.search.rounds import (
 )
 from softid.diagnosis.search.screening import Signature, screen
 from softid.effects.base import Effect, Scale
+from softid.parallel import in_parallel
 
 SECOND_START = 0.3
 """A further start of an effect runs when it promises this share of the best one's drop."""

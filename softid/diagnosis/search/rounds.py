@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from softid.diagnosis.refit.candidates import Candidate, advance, let_go
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.search.catching_up import can_catch_up, gain, is_outdone
+from softid.parallel import in_parallel
 
 RACING_TOLERANCE = 0.2
 """A candidate in the race rests within a fifth of a standard error of its optimum."""

@@ -17,11 +17,11 @@ from softid.diagnosis.refit.candidates import (
     named_values,
     start_unknowns,
 )
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.refit.rough_copy import rough_copy
 from softid.diagnosis.residual.projection import Span, project_out, span_of
 from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
+from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
 

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.residual.assessment import held_out_share
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.forward_selection import INDISTINCT
@@ -18,6 +17,7 @@ from softid.diagnosis.verdict.replacements import refitted_with
 from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS
 from softid.effects import belongs_to
 from softid.effects.base import Effect
+from softid.parallel import in_parallel
 
 NEARLY, TAKES = 0.5, 0.9
 """Such a law takes away so much of the misfit above the noise: soon, and in the end."""

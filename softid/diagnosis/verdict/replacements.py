@@ -21,7 +21,6 @@ from softid.diagnosis.refit.candidates import (
     named_values,
     start_unknowns,
 )
-from softid.diagnosis.refit.parallel import in_parallel
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import INDISTINCT, Link
@@ -40,6 +39,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
 )
 from softid.effects import effect_of
 from softid.effects.base import Effect
+from softid.parallel import in_parallel
 
 FIRST, REFITTING = 8, 40
 """Evaluations from where a cause stood: of all that is put in its place, and to the optimum of what

@@ -1,0 +1,178 @@
+"""Work shared by cores: the same results in the same order, whoever does it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from softid import parallel
+from softid.parallel import MAX_WORKERS, in_parallel
+
+HAS_FORK = sys.platform == "linux"
+WAYS = [False, pytest.param(True, marks=pytest.mark.skipif(not HAS_FORK, reason="no fork here"))]
+
+Share = Callable[..., None]
+
+
+@pytest.fixture
+def share(monkeypatch: pytest.MonkeyPatch) -> Share:
+    """Sets how many cores there are, and whether the process may be forked."""
+
+    def set_up(cores: int, *, forked: bool) -> None:
+        monkeypatch.setattr(parallel, "_cores", lambda: cores)
+        monkeypatch.setattr(parallel, "_can_fork", lambda: forked)
+
+    return set_up
+
+
+def place() -> tuple[int, int]:
+    return os.getpid(), threading.get_ident()
+
+
+@pytest.mark.parametrize("forked", WAYS)
+def test_results_keep_the_order_of_the_items(share: Share, *, forked: bool) -> None:
+    """The first item is the last to be done, and still comes first."""
+    share(4, forked=forked)
+
+    def work(item: int) -> int:
+        time.sleep(0.02 * (4 - item))
+        return item**2
+
+    assert in_parallel(work, range(4)) == [0, 1, 4, 9]
+
+
+def test_one_core_works_in_the_caller_itself(share: Share) -> None:
+    """No thread and no process is started for nothing."""
+    share(1, forked=HAS_FORK)
+    assert set(in_parallel(lambda _: place(), range(5))) == {place()}
+
+
+@pytest.mark.parametrize("forked", WAYS)
+@pytest.mark.parametrize("cores", [2, 64])
+def test_as_many_work_as_there_are_cores_up_to_the_limit(
+    share: Share, cores: int, *, forked: bool
+) -> None:
+    """Each item takes long enough that everybody gets one; threads or processes, not both."""
+    share(cores, forked=forked)
+
+    def work(_: int) -> tuple[int, int]:
+        time.sleep(0.05)
+        return place()
+
+    found = set(in_parallel(work, range(12)))
+    assert len(found) == min(cores, MAX_WORKERS)
+    assert len({process for process, _ in found}) == (len(found) if forked else 1)
+
+
+@pytest.mark.parametrize("forked", WAYS)
+@pytest.mark.parametrize("cores", [1, 3])
+def test_an_error_reaches_the_caller(share: Share, cores: int, *, forked: bool) -> None:
+    """Wherever it happens; the work behind it is that of the caller, with its traceback."""
+    share(cores, forked=forked)
+    with pytest.raises(ZeroDivisionError) as caught:
+        in_parallel(lambda item: 1 // item, [1, 0, 2])
+    assert any(entry.name == "<lambda>" for entry in caught.traceback)
+
+
+@dataclass(frozen=True, eq=False)
+class Holder:
+    """Something that is known by being the same one, with a view that nothing can pickle."""
+
+    values: np.ndarray
+    names: MappingProxyType[str, int]
+
+
+@pytest.mark.skipif(not HAS_FORK, reason="no fork here")
+def test_what_was_known_comes_back_as_itself_and_the_rest_equal(share: Share) -> None:
+    """Numbers to the last bit; a known object by identity, also within a new one."""
+    share(3, forked=True)
+    known = Holder(np.random.default_rng(0).standard_normal(50), MappingProxyType({"a": 1}))
+
+    def work(item: int) -> tuple[Holder, Holder, int]:
+        time.sleep(0.02)
+        new = Holder(known.values * item, MappingProxyType({"b": item}))
+        return known, new, os.getpid()
+
+    found = in_parallel(work, range(6))
+    assert len({process for _, _, process in found}) == 3
+    for item, (same, new, _) in enumerate(found):
+        assert same is known
+        np.testing.assert_array_equal(new.values, known.values * item)
+        assert dict(new.names) == {"b": item}
+
+
+@pytest.mark.skipif(not HAS_FORK, reason="no fork here")
+def test_what_a_copy_cannot_send_or_do_is_done_by_the_caller(share: Share) -> None:
+    """A lock cannot be sent; a copy that is killed sends nothing."""
+    share(2, forked=True)
+    caller = os.getpid()
+
+    def unsendable(item: int) -> tuple[int, object]:
+        time.sleep(0.01)
+        return item, threading.Lock()
+
+    assert [item for item, _ in in_parallel(unsendable, range(6))] == list(range(6))
+
+    def killed(item: int) -> int:
+        time.sleep(0.01)
+        if os.getpid() != caller:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return item
+
+    assert in_parallel(killed, range(6)) == list(range(6))
+
+
+@pytest.mark.parametrize("forked", WAYS)
+def test_a_part_is_not_shared_out_again(share: Share, *, forked: bool) -> None:
+    """Or each copy would make copies of its own."""
+    share(2, forked=forked)
+
+    def work(_: int) -> bool:
+        time.sleep(0.02)
+        return {place()} == set(in_parallel(lambda _: place(), range(4)))
+
+    assert all(in_parallel(work, range(4)))
+    assert {place()} != set(in_parallel(lambda _: (time.sleep(0.02), place())[1], range(8)))
+
+
+INTERRUPTED = """
+import time
+from softid import parallel
+parallel._cores = lambda: 3
+def work(item):
+    print("begun", flush=True)
+    time.sleep(30)
+parallel.in_parallel(work, range(3))
+"""
+
+
+@pytest.mark.skipif(not HAS_FORK, reason="no fork here")
+def test_an_interrupt_ends_all_of_them_with_one_word() -> None:
+    """As Ctrl-C reaches a whole group; none of the copies prints a traceback or goes on."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    for _ in range(3):
+        process.stdout.readline()
+    began = time.monotonic()
+    os.killpg(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    assert time.monotonic() - began < 10
+    assert errors.count("KeyboardInterrupt") == 1
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)
