@@ -192,6 +192,13 @@ def _predict(step: Step, last: Array, state: Array, follows: bool) -> None:
             step.w[3 * r + c] = guess
 
 
+@inlined
+def _is_alike(step_s: Array, i: int) -> bool:
+    """Whether step ``i`` is as long as the one before."""
+    alike: bool = abs(step_s[i] / step_s[i - 1] - 1.0) < ALIKE
+    return alike
+
+
 class Room(NamedTuple):
     """Arrays that a march works in.
 
@@ -214,62 +221,6 @@ class Room(NamedTuple):
     last: Array
 
 
-@inlined
-def _take(
-    equation: Equation,
-    course: Course,
-    i: int,
-    begin: int,
-    size: int,
-    follows: bool,
-    state: Array,
-    tangent: Array,
-    room: Room,
-) -> bool:
-    """Take a piece of step ``i``; False when its stages cannot be found, and nothing has changed.
-
-    It begins and is as long as so many parts of `WHOLE`. ``follows`` says that what was taken last
-    was as long, so that its inverse serves as a start, and its rates where both were whole steps.
-    """
-    step = room.step
-    wanted = course.coefficients_by.shape[0] > 0
-    by, place, h = course.coefficients_by, i, course.step_s[i]
-    if size == WHOLE:
-        _enter(course, i, step)
-    else:
-        share = size / WHOLE
-        by, place, h = room.coefficients_by, 0, h * share
-        _enter_piece(course, i, begin / WHOLE, share, step, by)
-    _predict(step, room.last, state, follows and size == WHOLE)
-    if not solve_stages(equation, step, state, h, follows, wanted):
-        return False
-    if wanted:
-        carry(equation, step, by, place, course.moves, room.transfer, tangent, h)
-    advance(step, state, h)
-    return True
-
-
-@inlined
-def _take_in_pieces(
-    equation: Equation, course: Course, i: int, state: Array, tangent: Array, room: Room
-) -> bool:
-    """Take step ``i`` in pieces, each as long as its stages can be found; False where none can."""
-    begin, size, follows = 0, WHOLE // 2, False
-    while begin < WHOLE:
-        size = min(size, WHOLE - begin)
-        if _take(equation, course, i, begin, size, follows, state, tangent, room):
-            begin += size
-            follows = begin % (2 * size) != 0
-            size = size if follows else 2 * size
-        elif follows:
-            follows = False
-        elif size > 1:
-            size //= 2
-        else:
-            return False
-    return True
-
-
 @bare_kernel
 def _march(
     equation: Equation,
@@ -280,23 +231,46 @@ def _march(
     tangents: Array,
     room: Room,
 ) -> bool:
-    """All steps, in arrays that exist already: counting references would double the time."""
-    follows = False
-    for i in range(course.step_s.size):
-        alike = i > 0 and abs(course.step_s[i] / course.step_s[i - 1] - 1.0) < ALIKE
-        follows = follows and alike
-        whole = _take(equation, course, i, 0, WHOLE, follows, state, tangent, room)
-        if not whole and follows:
-            whole = _take(equation, course, i, 0, WHOLE, False, state, tangent, room)
-        if not whole and not _take_in_pieces(equation, course, i, state, tangent, room):
-            return False
-        for k in range(room.last.size):
-            room.last[k] = room.step.w[k]
-        follows = whole
+    """All steps, in arrays that exist already: counting references would double the time.
+
+    A step whose stages cannot be found is taken in pieces, each as long as its own can be. A piece
+    begins at ``begin`` and is as long as ``size`` parts of `WHOLE`; what is not found has changed
+    nothing. ``follows`` says that what was taken last was as long, so that its inverse serves as a
+    start, and its rates where both were whole steps.
+    """
+    step, wanted = room.step, course.coefficients_by.shape[0] > 0
+    i, begin, size, follows = 0, 0, WHOLE, False
+    while i < course.step_s.size:
+        by, place, h = course.coefficients_by, i, course.step_s[i]
+        if size == WHOLE:
+            _enter(course, i, step)
+        else:
+            by, place, h = room.coefficients_by, 0, h * size / WHOLE
+            _enter_piece(course, i, begin / WHOLE, size / WHOLE, step, by)
+        _predict(step, room.last, state, follows and size == WHOLE)
+        if not solve_stages(equation, step, state, h, follows, wanted):
+            if not follows:
+                size //= 2
+            follows = False
+            if size == 0:
+                return False
+            continue
+        if wanted:
+            carry(equation, step, by, place, course.moves, room.transfer, tangent, h)
+        advance(step, state, h)
+        begin += size
+        if begin < WHOLE:
+            follows = begin % (2 * size) != 0
+            size = min(size if follows else 2 * size, WHOLE - begin)
+            continue
+        for k in range(step.w.size):
+            room.last[k] = step.w[k]
         states[i, 0], states[i, 1] = state[0], state[1]
-        if tangents.shape[0] > 0:
-            for p in range(tangents.shape[1]):
-                tangents[i, p] = tangent[0, p // LANES, p % LANES]
+        for p in range(tangents.shape[1] if wanted else 0):
+            tangents[i, p] = tangent[0, p // LANES, p % LANES]
+        i += 1
+        was_whole, begin, size = size == WHOLE, 0, WHOLE
+        follows = was_whole and i < course.step_s.size and _is_alike(course.step_s, i)
     return True
 
 
