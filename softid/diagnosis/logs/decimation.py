@@ -59,14 +59,21 @@ def samples_to_average(
     per_motion
         So many averages are left in a time constant of the motion at least.
     """
-    if not all(_is_regular(log) for log in logs):
+    if not all(is_regular(log) for log in logs):
         return 1
     wanted = sum(len(log) for log in logs) / enough
     period_s = max(log.period_s for log in logs)
     return max(int(min(np.ceil(wanted), motion_s / per_motion / period_s)), 1)
 
 
-def _is_regular(log: Log) -> bool:
+def is_regular(log: Log) -> bool:
+    """Whether a log is sampled at even times.
+
+    Parameters
+    ----------
+    log
+        A log.
+    """
     return bool(np.all(np.abs(np.diff(log.time_s) / log.period_s - 1.0) <= REGULAR))
 
 

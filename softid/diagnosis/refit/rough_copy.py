@@ -1,7 +1,8 @@
 """A fit over averages of a few samples, for early rounds that only choose who goes on.
 
 Who leads after a few evaluations is seen on a fraction of the samples as well as on all of them,
-and every evaluation costs that fraction only. What is chosen there is refitted to all samples. A
+and every evaluation costs that fraction only. What is chosen there is refitted to all samples, as
+they were recorded: for the averages those that lie unevenly are read at even times. A
 motion without a spring is left as it is: it adds up what a force is off for the whole log, so its
 candidates part after a few evaluations where averages differ in the last digits.
 """
@@ -14,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
+from softid.diagnosis.logs.even_sampling import evenly_sampled
 from softid.diagnosis.refit.candidates import Candidate, advance, extend
 from softid.effects.base import Scale
 from softid.fitters.problem import Problem
@@ -45,8 +47,9 @@ def rough_copy(
         The fit over averages of k samples, and the scales divided by √k: so each average counts
         for the k samples in it, and a sum of squares that falls falls as much as over all samples.
     """
-    logs = whole.problem.logs
-    if not whole.has_spring:
+    even = [evenly_sampled(log) for log in whole.problem.logs]
+    logs = [log for log in even if log is not None]
+    if len(logs) < len(even) or not whole.has_spring:
         return whole, sigma
     count = samples_to_average(logs, scale.motion_s, enough=ENOUGH, per_motion=SAMPLES_PER_MOTION)
     if count == 1:
