@@ -50,7 +50,7 @@ class Scale:
     force
         Span of the elastic force over the range of positions.
     y_low, y_high
-        Range of the first output as it is recorded.
+        Range of the first output as it is recorded, less the sensor zeros of the logs.
     period_s, duration_s
         Median sampling interval, and the length of the longest log.
     motion_s

@@ -55,6 +55,24 @@ def test_a_drift_is_named_with_its_rate(judge: str) -> None:
     assert found.remainder.explained_share > 0.95
 
 
+def test_a_clipped_reading_is_named_wherever_its_zero_lies() -> None:
+    """A length in mm without geometry has a zero of its own, ten times its range away.
+
+    The limit counts from there: 1.1 rad of 1.5, recorded as 191.1.
+    """
+    log = linear_log(noise=0.005, samples=1500)
+    clipped = np.minimum(log.channels["angle"].values, 1.1) + 190.0
+    angle = replace(log.channels["angle"], values=clipped)
+    found = diagnose(
+        replace(log, channels=dict(log.channels) | {"angle": angle}),
+        model="oscillator",
+        effects=("sensor_clipping", "sensor_clipping.lower", "delay", "creep"),
+    )
+    assert [cause.key for cause in found.causes] == ["sensor_clipping"]
+    (limit,) = found.causes[0].parameters
+    assert limit.value == pytest.approx(1.1, abs=0.02)
+
+
 def test_a_log_that_is_too_short_is_refused() -> None:
     """One sentence with the number, not a search that divides by nothing left."""
     short = linear_log(noise=0.01).between(0.0, 0.5)

@@ -45,7 +45,7 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
     x = np.concatenate([path[0] for path in paths])
     v = np.concatenate([path[1] for path in paths])
     first = problem.outputs[0]
-    y = np.concatenate([s.outputs[first][s.used[first]] for s in problem.segments])
+    y = np.concatenate([_without_zero(problem, unknowns, k) for k in range(len(paths))])
     x_span = max(float(np.ptp(x)), 1e-12)
     units = {name: problem.logs[0].channels[name].unit for name in (first, problem.logs[0].input)}
     return Scale(
@@ -68,6 +68,13 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
         force_unit=_force_unit(problem),
         y_unit=units[first],
     )
+
+
+def _without_zero(problem: Problem, unknowns: Array, k: int) -> Array:
+    """The first output over one segment, less the sensor zero of its log, as the model gives it."""
+    segment, first = problem.segments[k], problem.outputs[0]
+    y = segment.outputs[first][segment.used[first]]
+    return y - unknowns[problem.zero_position(problem.owner[k], first)] if problem.zeros else y
 
 
 def _path(problem: Problem, unknowns: Array, k: int) -> tuple[Array, Array]:

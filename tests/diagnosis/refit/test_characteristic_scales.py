@@ -22,19 +22,39 @@ PERIOD_S = 1.0 / RATE_HZ
 
 
 def test_spans_and_units() -> None:
-    """The input and the output as recorded, the position as simulated, the force as Q times it."""
+    """The input and the output as recorded, for there is no zero; the position as simulated, the
+    force as Q times it."""
     log = linear_log()
     problem = linear_problem([log])
     scale = scale_of(problem, problem.unknowns(TRUTH))
     pressure, angle = log.pressure_kpa, log.channels["angle"].values
     assert (scale.u_low, scale.u_high) == (pressure.min(), pressure.max())
-    assert (scale.y_low, scale.y_high) == (angle.min(), angle.max())
+    assert scale.y_low == pytest.approx(angle.min(), abs=1e-6)
+    assert scale.y_high == pytest.approx(angle.max(), abs=1e-6)
     assert scale.x_span == pytest.approx(float(np.ptp(angle)), rel=1e-6)
     assert scale.force == pytest.approx(TRUTH["Q"] * scale.x_span)
     assert scale.period_s == pytest.approx(PERIOD_S)
     assert scale.duration_s == pytest.approx(log.time_s[-1])
     units = (scale.u_unit, scale.x_unit, scale.y_unit, scale.force_unit)
     assert units == ("kPa", "rad", "rad", "kPa")
+
+
+def test_the_output_counts_from_the_zero_of_its_log() -> None:
+    """As the model gives it: two logs of one motion whose sensors are zeroed 190 and 40 rad off."""
+    log = linear_log()
+    angle = log.channels["angle"]
+    logs = [
+        replace(
+            log,
+            name=f"zero-{zero:g}",
+            channels=dict(log.channels) | {"angle": replace(angle, values=angle.values + zero)},
+        )
+        for zero in (190.0, -40.0)
+    ]
+    problem = linear_problem(logs)
+    scale = scale_of(problem, problem.unknowns(TRUTH))
+    assert scale.y_low == pytest.approx(float(angle.values.min()), abs=1e-6)
+    assert scale.y_high == pytest.approx(float(angle.values.max()), abs=1e-6)
 
 
 def test_unused_samples_do_not_widen_the_output() -> None:
