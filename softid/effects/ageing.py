@@ -44,6 +44,7 @@ class Ageing(StateEffect):
     shown_by: ClassVar[str] = "the same two levels at the beginning and at the end of a long log"
     source: ClassVar[str] = "Treloar, The Physics of Rubber Elasticity, ch. 2"
     amplitude: ClassVar[str] = "r"
+    counts_position: ClassVar[bool] = True
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -140,6 +140,8 @@ class Effect(ABC):
         Parameters at whose bounds the law is that of another effect, or of the base.
     ceilings
         Parameters at whose upper bounds alone it is so.
+    counts_position
+        Whether it matters to it where the position is zero, which nothing else may show.
     sticks
         Whether it holds the actuator off its equilibrium at rest.
     has_one_form
@@ -164,6 +166,7 @@ class Effect(ABC):
     changes_sign: ClassVar[bool] = False
     essential: ClassVar[tuple[str, ...]] = ()
     ceilings: ClassVar[tuple[str, ...]] = ()
+    counts_position: ClassVar[bool] = False
     sticks: ClassVar[bool] = False
     has_one_form: ClassVar[bool] = False
     plain_at: ClassVar[tuple[str, float] | None] = None

@@ -81,6 +81,7 @@ class ExtendedModel(Model):
             "is_linear": base.is_linear,
             "inertia_parameter": base.inertia_parameter,
             "stiffness_parameter": base.stiffness_parameter,
+            "rest_parameter": base.rest_parameter,
             "damping_parameters": base.damping_parameters,
             "identified_by": dict(base.identified_by)
             | {

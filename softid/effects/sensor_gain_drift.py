@@ -47,6 +47,7 @@ class SensorGainDrift(OutputEffect):
     shown_by: ClassVar[str] = "the same fast steps at the beginning and at the end of a long log"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     amplitude: ClassVar[str] = "g"
+    counts_position: ClassVar[bool] = True
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -49,6 +49,7 @@ class Softening(StateEffect):
     shown_by: ClassVar[str] = "many cycles with pauses between them"
     source: ClassVar[str] = "Mullins 1969, doi 10.5254/1.3539210"
     amplitude: ClassVar[str] = "s"
+    counts_position: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("W0",)
     has_state: ClassVar[bool] = True
 

@@ -46,6 +46,7 @@ class Stiffening(StateEffect):
     shown_by: ClassVar[str] = "held levels and a chirp over the full range of positions"
     source: ClassVar[str] = "Nayfeh & Mook, Nonlinear Oscillations, 4.1 (Duffing's spring)"
     amplitude: ClassVar[str] = "k3"
+    counts_position: ClassVar[bool] = True
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:

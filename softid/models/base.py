@@ -119,6 +119,8 @@ class Model(ABC):
         Whether its coefficients stay whatever the input does.
     inertia_parameter, stiffness_parameter
         Parameters that are the inertia and the stiffness; None where none of them is.
+    rest_parameter
+        Parameter that says where the position is zero, held where the sensor zero does; or None.
     damping_parameters
         Parameters in which the damping is linear, together.
     """
@@ -136,6 +138,7 @@ class Model(ABC):
     is_linear: ClassVar[bool] = False
     inertia_parameter: ClassVar[str | None] = None
     stiffness_parameter: ClassVar[str | None] = None
+    rest_parameter: ClassVar[str | None] = None
     damping_parameters: ClassVar[tuple[str, ...]] = ()
 
     @property

@@ -114,6 +114,7 @@ class Oscillator(Model):
     is_linear: ClassVar[bool] = True
     inertia_parameter: ClassVar[str | None] = "M"
     stiffness_parameter: ClassVar[str | None] = "Q"
+    rest_parameter: ClassVar[str | None] = "offset"
     damping_parameters: ClassVar[tuple[str, ...]] = ("N",)
     identified_by: ClassVar[Mapping[str, str]] = {
         "M": "fast steps or a chirp past the natural frequency, sampled well above it",

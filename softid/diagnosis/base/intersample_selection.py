@@ -15,14 +15,8 @@ import numpy as np
 
 from softid.diagnosis.base.base_fit import Recordings
 from softid.diagnosis.logs.decimation import read_as
-from softid.diagnosis.refit.candidates import (
-    Candidate,
-    advance,
-    begun,
-    extend,
-    named_values,
-    start_unknowns,
-)
+from softid.diagnosis.refit.candidates import Candidate, advance, begun
+from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.effects import ExtendedModel, effect_of, own_values
 from softid.effects.base import Scale
 from softid.fitters.problem import Problem

@@ -15,14 +15,8 @@ import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.changes.probes import MotionProbe
-from softid.diagnosis.refit.candidates import (
-    FINE,
-    Candidate,
-    extend,
-    limited_plans,
-    named_values,
-    start_unknowns,
-)
+from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plans
+from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
 from softid.effects import extended_name
 from softid.effects.base import Scale

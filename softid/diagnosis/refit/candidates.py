@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.whitening import Whitener
-from softid.effects import ExtendedModel, divided, extended_name
-from softid.effects.base import Effect, Scale
+from softid.effects import divided
+from softid.effects.base import Effect
 from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
 from softid.fitters.objective import Objective, Prior
 from softid.fitters.problem import Problem
@@ -159,50 +159,6 @@ class WhitenedObjective(Objective):
             gradient -= self.prior.weight * (z - self.prior.centre)
             matrix += np.diag(self.prior.weight)
         return Normal(z, cost, gradient, matrix, n)
-
-
-def extend(base: Problem, effects: Sequence[Effect], scale: Scale) -> Problem:
-    """The problem of the base model with effects.
-
-    Parameters
-    ----------
-    base
-        The base model, its parameters and the logs.
-    effects
-        Effects to add.
-    scale
-        Sizes of the base fit; a model with effects keeps its own.
-    """
-    inner = base.model
-    if isinstance(inner, ExtendedModel):
-        effects, scale = (*inner.effects, *effects), inner.scale
-        inner = inner.model
-    model = ExtendedModel(inner, tuple(effects), scale)
-    declared = model.parameters()
-    for parameter in base.parameters.values():
-        declared = declared.replacing(parameter)
-    return Problem(model, declared, base.logs)
-
-
-def start_unknowns(
-    problem: Problem, base: Problem, unknowns: Array, values: Mapping[str, float]
-) -> Array:
-    """Unknowns of an extended problem from those of the base and values of the added parameters."""
-    z = np.zeros(problem.size)
-    known = base.free_by_name(unknowns)
-    for k, name in enumerate(problem.free):
-        if name in known:
-            z[k] = known[name]
-            continue
-        p = problem.parameters[name]
-        value = float(np.clip(values[name], p.lower, p.upper))
-        z[k] = np.log(value) if p.scale == "log" else value
-    return problem.with_nuisance_of(z, base, unknowns)
-
-
-def named_values(effect: Effect, values: Mapping[str, float]) -> dict[str, float]:
-    """An effect's values under their names in an extended model."""
-    return {extended_name(effect, name): value for name, value in values.items()}
 
 
 def prior_about(

@@ -16,7 +16,8 @@ import numpy as np
 
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.even_sampling import evenly_sampled
-from softid.diagnosis.refit.candidates import Candidate, advance, extend
+from softid.diagnosis.refit.candidates import Candidate, advance
+from softid.diagnosis.refit.extension import extend
 from softid.effects.base import Scale
 from softid.fitters.problem import Problem
 

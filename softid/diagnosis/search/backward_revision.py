@@ -7,12 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.refit.candidates import (
-    Candidate,
-    advance,
-    begun,
-    extend,
-)
+from softid.diagnosis.refit.candidates import Candidate, advance, begun
+from softid.diagnosis.refit.extension import extend
 from softid.diagnosis.search.effect_starts import with_effect
 from softid.diagnosis.search.forward_selection import (
     FURTHER,

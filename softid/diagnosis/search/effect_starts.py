@@ -12,13 +12,11 @@ from softid.diagnosis.refit.candidates import (
     COARSE,
     Candidate,
     begun,
-    extend,
     limited_plans,
-    named_values,
     prior_about,
     standing_at,
-    start_unknowns,
 )
+from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.search.screening import Signature
 from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem

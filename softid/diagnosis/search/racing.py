@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from softid.diagnosis.refit.candidates import (
-    COARSE,
-    FINE,
-    Candidate,
-)
+from softid.diagnosis.refit.candidates import COARSE, FINE, Candidate
 from softid.diagnosis.refit.equivalent_places import alternatives, exchanged
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.catching_up import (

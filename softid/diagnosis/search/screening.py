@@ -8,15 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import (
-    COARSE,
-    FINE,
-    Candidate,
-    extend,
-    limited_plans,
-    named_values,
-    start_unknowns,
-)
+from softid.diagnosis.refit.candidates import COARSE, FINE, Candidate, limited_plans
+from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.refit.rough_copy import rough_copy
 from softid.diagnosis.residual.projection import Span, project_out, span_of
 from softid.effects.base import Effect, Scale

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import Candidate, extend
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.extension import extend
 from softid.effects.base import Effect, Scale
+from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]
 
@@ -46,14 +48,23 @@ def cancelling(final: Candidate, base: Candidate, scale: Scale) -> frozenset[str
 
 def _residual(final: Candidate, effects: Sequence[Effect], base: Candidate, scale: Scale) -> Array:
     """What is left with some of the effects and all parameters as they are."""
-    problem = extend(base.problem, effects, scale) if effects else base.problem
     known = final.problem.free_by_name(final.minimum.point)
+    alone = _at_rest_of(base.problem, known)
+    problem = extend(alone, effects, scale) if effects else alone
     z = np.zeros(problem.size)
     z[: len(problem.free)] = [known[name] for name in problem.free]
     z = problem.with_nuisance_of(z, final.problem, final.minimum.point)
     with np.errstate(all="ignore"):
         blocks = problem.blocks(z, derivatives=False)
         return np.concatenate([b.residual for b in blocks if b.channel == problem.outputs[0]])
+
+
+def _at_rest_of(base: Problem, known: Mapping[str, float]) -> Problem:
+    """The base, holding the input at which it rests where a model that frees it has it."""
+    name = base.model.rest_parameter
+    if name is None or name not in known or name in base.free:
+        return base
+    return Problem(base.model, base.parameters.with_fixed({name: known[name]}), base.logs)
 
 
 def _rms(values: Array) -> float:

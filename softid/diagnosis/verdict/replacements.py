@@ -13,14 +13,8 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from softid.diagnosis.base.base_fit import BaseFit
-from softid.diagnosis.refit.candidates import (
-    Candidate,
-    advance,
-    begun,
-    extend,
-    named_values,
-    start_unknowns,
-)
+from softid.diagnosis.refit.candidates import Candidate, advance, begun
+from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import INDISTINCT, Link

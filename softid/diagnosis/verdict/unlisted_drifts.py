@@ -161,6 +161,7 @@ class SettlingStiffness(StateEffect):
     shown_by: ClassVar[str] = "the same two levels again and again, for long"
     source: ClassVar[str] = "first order"
     amplitude: ClassVar[str] = "share"
+    counts_position: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
     changes_sign: ClassVar[bool] = True
 

@@ -31,8 +31,9 @@ from softid.diagnosis.base.intersample_selection import (
     readings_of,
     with_intersample,
 )
-from softid.diagnosis.refit.candidates import Candidate, extend, start_unknowns
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis_results import Verdict
 from softid.effects import effect_of

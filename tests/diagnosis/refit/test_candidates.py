@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linear_motion import MODEL, SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
+from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.candidates import (
     BASE_SD,
@@ -16,14 +16,12 @@ from softid.diagnosis.refit.candidates import (
     TemperedPrior,
     WhitenedObjective,
     advance,
-    extend,
     let_go,
     limited_plans,
-    named_values,
     prior_about,
-    start_unknowns,
 )
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.refit.whitening import Whitener
 from softid.effects import effect_of
 from softid.effects.base import Scale
@@ -40,58 +38,6 @@ SIGMA_OF = {(0, "angle"): SIGMA["angle"]}
 def base_problem() -> tuple[Problem, Scale]:
     problem = linear_problem([linear_log(noise=0.01)])
     return problem, scale_of(problem, problem.unknowns(TRUTH))
-
-
-def test_effects_are_added_to_those_that_are_there() -> None:
-    """One model with both, not a model in a model; the base's own bounds and values stay."""
-    base, scale = base_problem()
-    narrow = replace(base.parameters["N"], lower=1.0, upper=20.0)
-    base = Problem(base.model, base.parameters.replacing(narrow), base.logs)
-    both = extend(extend(base, [DRIFT], scale), [LAG], scale)
-    assert both.model.model is MODEL or both.model.model == MODEL
-    assert {effect.key for effect in both.model.effects} == {"sensor_drift", "pneumatic_lag"}
-    assert both.parameters["N"] == narrow
-    assert set(both.free) == {*KNOWN, "sensor_drift_rate", "pneumatic_lag_tau"}
-
-
-def test_a_drive_with_friction_has_no_rest() -> None:
-    """Without a spring no position is at rest; that is no division by zero, whatever is added."""
-    base, scale = base_problem()
-    drive = replace(MODEL, spring="none")
-    free = Problem(drive, drive.parameters(), base.logs)
-    with np.errstate(all="raise"):
-        problem = extend(free, [FRICTION], scale)
-    assert not problem.has_equilibrium
-    assert not problem.zeros
-
-
-def test_start_keeps_what_the_base_knows() -> None:
-    """By name, with zeros and states behind; added values as logarithms, inside their bounds."""
-    base, scale = base_problem()
-    z = base.unknowns(TRUTH) + np.array([0.1, 0.2, 0.3, 0.4])
-    problem = extend(base, [DRIFT, LAG], scale)
-    values = named_values(LAG, {"tau": 0.07}) | named_values(DRIFT, {"rate": 1e9})
-    start = start_unknowns(problem, base, z, values)
-    at = dict(zip(problem.free, start.tolist(), strict=False))
-    assert [at[name] for name in KNOWN] == z[:3].tolist()
-    assert start[-1] == z[-1]
-    assert problem.parameters["pneumatic_lag_tau"].scale == "log"
-    assert at["pneumatic_lag_tau"] == pytest.approx(np.log(0.07))
-    assert at["sensor_drift_rate"] == problem.parameters["sensor_drift_rate"].upper
-
-
-def test_start_has_the_states_of_every_segment_behind() -> None:
-    """A log that does not begin at rest brings two states, which stay with their zero."""
-    base = linear_problem([linear_log(noise=0.01).between(1.5, 15.0)])
-    scale = scale_of(base, base.unknowns(TRUTH))
-    z = base.unknowns(TRUTH)
-    z[-3:] = [0.5, 0.6, 0.7]
-    problem = extend(base, [DRIFT], scale)
-    assert start_unknowns(problem, base, z, {"sensor_drift_rate": 0.0})[-3:].tolist() == [
-        0.5,
-        0.6,
-        0.7,
-    ]
 
 
 def test_weights_of_the_prior() -> None:

@@ -8,15 +8,10 @@ import numpy as np
 import pytest
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
-from softid.diagnosis.refit.candidates import (
-    Candidate,
-    TemperedPrior,
-    advance,
-    extend,
-    start_unknowns,
-)
+from softid.diagnosis.refit.candidates import Candidate, TemperedPrior, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.equivalent_places import LIGHTER, exchanged
+from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.effects import effect_of
 
 LAG = effect_of("pneumatic_lag")

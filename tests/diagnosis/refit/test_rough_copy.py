@@ -18,8 +18,9 @@ from linear_motion import (
 )
 
 from softid.diagnosis.refit import rough_copy as module
-from softid.diagnosis.refit.candidates import advance, extend
+from softid.diagnosis.refit.candidates import advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.racing import race
 from softid.effects import effect_of

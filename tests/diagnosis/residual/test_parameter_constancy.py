@@ -21,14 +21,9 @@ from linear_motion import (
     standing,
 )
 
-from softid.diagnosis.refit.candidates import (
-    Candidate,
-    advance,
-    extend,
-    prior_about,
-    start_unknowns,
-)
+from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.residual import parameter_constancy
 from softid.diagnosis.residual.parameter_constancy import CHANCE, variations
 from softid.diagnosis_results import Variation

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from linear_motion import TRUTH, Array, Bow, linear_log, linear_problem, standing
 
-from softid.diagnosis.refit.candidates import Candidate, extend, start_unknowns
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.verdict.cancelling import cancelling
 from softid.effects.base import Scale
 

@@ -13,8 +13,9 @@ from handmade_rounds import ranked
 from linear_motion import TRUTH, linear_log, linear_problem, standing
 from scipy.signal import lsim
 
-from softid.diagnosis.refit.candidates import Candidate, extend, start_unknowns
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.law_rivals import own_time, with_law_rivals
 from softid.effects import effect_of

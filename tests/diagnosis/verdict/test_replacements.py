@@ -9,13 +9,8 @@ from handmade_rounds import ranked
 from linear_motion import TRUTH, linear_log, linear_problem, standing
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
-from softid.diagnosis.refit.candidates import (
-    Candidate,
-    begun,
-    extend,
-    named_values,
-    start_unknowns,
-)
+from softid.diagnosis.refit.candidates import Candidate, begun
+from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.search.forward_selection import Link, converged
 from softid.diagnosis.verdict.equivalence import CHANGING
 from softid.diagnosis.verdict.replacements import REPLACEMENTS, _asked, with_replacements

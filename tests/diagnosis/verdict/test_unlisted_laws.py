@@ -9,8 +9,8 @@ import pytest
 from extended_fits import scale_of as sizes_of
 from linear_motion import TRUTH, linear_log, linear_problem
 
-from softid.diagnosis.refit.candidates import extend, start_unknowns
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, REPLACED, UNLISTED
 from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
