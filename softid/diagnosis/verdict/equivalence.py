@@ -89,6 +89,18 @@ LINEAR_CLASSES: tuple[EquivalenceClass, ...] = (
         "In a linear model each adds a line to the output.",
         "read both sensors vented and at rest, before and after the log",
     ),
+    EquivalenceClass(
+        (
+            "a drift of the sensor's gain",
+            "a drift of the gain of the pressure gauge",
+            "a leak that grows",
+        ),
+        ("sensor_gain_drift",),
+        "In a linear model a gain that changes far more slowly than the actuator moves is the same "
+        "before it as behind it.",
+        "calibrate both sensors before and after the log, and watch whether the pressure falls "
+        "behind a closed valve",
+    ),
 )
 """Algebra where the coefficients stay whatever the pressure is."""
 
