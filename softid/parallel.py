@@ -49,11 +49,12 @@ _here = threading.local()
 """Whether the thread at hand works on a part already, so that it shares nothing out itself."""
 
 
-def in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+def in_parallel(
+    work: Callable[[Item], Result], items: Iterable[Item], *, workers: int | None = None
+) -> list[Result]:
     """Results of ``work`` for every item, in order.
 
-    What ``work`` changes beside its result may be lost. An error is raised as if the items were
-    worked on one after the other.
+    What ``work`` changes beside its result may be lost. An error reaches the caller.
 
     Parameters
     ----------
@@ -61,6 +62,8 @@ def in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> list[R
         What to do, which may be a closure.
     items
         What to do it with.
+    workers
+        How many work; by default as many as there are cores, up to `MAX_WORKERS`.
 
     Examples
     --------
@@ -68,7 +71,7 @@ def in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> list[R
     [0, 1, 4, 9]
     """
     tasks = list(items)
-    workers = min(MAX_WORKERS, _cores(), len(tasks))
+    workers = min(workers or min(MAX_WORKERS, _cores()), len(tasks))
     if workers < 2 or getattr(_here, "has_part", False):
         return [work(task) for task in tasks]
     if _can_fork() and len(tasks) <= MOST_FORKED:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +14,7 @@ from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.muscle import Muscle
+from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
 
@@ -115,7 +115,7 @@ def inertia_draws(
     seed
         Of all draws.
     workers
-        Threads.
+        Processes or, where the system cannot fork, threads.
 
     Raises
     ------
@@ -134,8 +134,7 @@ def inertia_draws(
         return by_stages.values["M"], at_once, reached
 
     generators = np.random.default_rng(seed).spawn(draws)
-    with ThreadPoolExecutor(max_workers=workers) as pool:
-        rows = list(pool.map(one, generators))
+    rows = in_parallel(one, generators, workers=workers)
     model = Muscle()
     return InertiaDraws(
         Scatter(read_only(np.array([row[0] for row in rows])), truth),
