@@ -78,6 +78,17 @@ class Parameter:
                 remedy="use a linear scale",
             )
 
+    @property
+    def usual_size(self) -> float:
+        """Size by which it is moved in proportion, positive.
+
+        That of its value; where that is zero, the width of its bounds or, without bounds, one.
+        """
+        if self.value != 0.0:
+            return abs(self.value)
+        width = self.upper - self.lower
+        return width if np.isfinite(width) and width > 0.0 else 1.0
+
 
 @dataclass(frozen=True)
 class ParameterSet(Mapping[str, Parameter]):

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import numpy.typing as npt
 
-from softid.parameters import Parameter, ParameterSet
+from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
 Stage = Literal["input", "state", "output"]
@@ -144,6 +144,9 @@ class Effect(ABC):
         Whether it matters to it where the position is zero, which nothing else may show.
     sticks
         Whether it holds the actuator off its equilibrium at rest.
+    slowness
+        How many times the time constant of a lag its amplitude is, where that is a time and both
+        are as late.
     has_one_form
         Whether its law is exact, so that it mends the form of no other and needs no mending.
     plain_at
@@ -168,6 +171,7 @@ class Effect(ABC):
     ceilings: ClassVar[tuple[str, ...]] = ()
     counts_position: ClassVar[bool] = False
     sticks: ClassVar[bool] = False
+    slowness: ClassVar[float] = 1.0
     has_one_form: ClassVar[bool] = False
     plain_at: ClassVar[tuple[str, float] | None] = None
 
@@ -380,20 +384,3 @@ def _compiled(step: Step) -> Any:
     from softid.kernels.terms import compile_term
 
     return compile_term(step)
-
-
-def usual_size(parameter: Parameter) -> float:
-    """Size by which a parameter is moved in proportion, positive.
-
-    That of its declared value; of one that is declared as zero, the width of its bounds or, without
-    bounds, one.
-
-    Parameters
-    ----------
-    parameter
-        As an effect declares it.
-    """
-    if parameter.value != 0.0:
-        return abs(parameter.value)
-    width = parameter.upper - parameter.lower
-    return width if np.isfinite(width) and width > 0.0 else 1.0

@@ -17,7 +17,6 @@ from softid.effects.base import (
     OutputEffect,
     Scale,
     StateEffect,
-    usual_size,
 )
 from softid.effects.motion import divided, rest, simulate_motion
 from softid.effects.stage_input import arriving_input
@@ -225,7 +224,7 @@ class ExtendedModel(Model):
     def _steps(self) -> Array:
         """Steps by which the parameters are moved to differentiate, shape (K,)."""
         declared = self.parameters().values()
-        steps: Array = np.array([DIFFERENCE * usual_size(p) for p in declared])
+        steps: Array = np.array([DIFFERENCE * p.usual_size for p in declared])
         return steps
 
     def _own(self, theta: Array) -> Iterator[tuple[Effect, Array]]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import Scale, StateEffect, usual_size
+from softid.effects.base import Scale, StateEffect
 from softid.kernels.small_matrix import LANES
 from softid.models.arrived_input import observed, simulate_law_through
 from softid.models.base import Model, MotionTerm, Response
@@ -267,7 +267,7 @@ def _gather(
         columns.extend(range(len(values), len(values) + count))
         constants = effect.constants(scale)
         values.extend((*eta[at : at + count].tolist(), *constants))
-        sizes.extend(map(usual_size, declared.values()))
+        sizes.extend(parameter.usual_size for parameter in declared.values())
         sizes.extend(0.0 for _ in constants)  # nobody asks how the motion goes with them
         at += count
         begins.append(len(values))

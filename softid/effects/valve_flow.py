@@ -25,6 +25,10 @@ LOWEST_SHARE = 0.01
 TOLERANCE = 1e-9
 """Error allowed per step of the integration, as a share of the input's range."""
 
+AS_A_LAG = 3.0
+"""Times the time constant of a lag: a choked flow would take a time of τ for all of the upstream
+pressure, and moves change it by a third, more or less."""
+
 CRITICAL = (0.1, 0.3, 0.528)
 """Bounds and start of the critical ratio: 0.528 is an ideal nozzle's, and a long tube or several
 restrictions in a row come down to a tenth."""
@@ -61,6 +65,7 @@ class ValveFlow(InputEffect):
     shown_by: ClassVar[str] = "steps up and down at several levels and of several sizes"
     source: ClassVar[str] = "ISO 6358-1:2013"
     amplitude: ClassVar[str] = "tau"
+    slowness: ClassVar[float] = AS_A_LAG
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time τ = 1/C, and the critical ratio b within those of real valves."""

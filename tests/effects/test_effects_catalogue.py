@@ -17,7 +17,6 @@ from textbook_effects import (
 )
 
 from softid.effects import EFFECTS, Effect, ExtendedModel, Scale, StateEffect, effects_of
-from softid.effects.base import usual_size
 from softid.models.base import Model
 from softid.models.muscle import Muscle
 from softid.models.oscillator import Oscillator
@@ -321,7 +320,7 @@ def test_all_state_effects_act_together() -> None:
 )
 def test_a_value_of_zero_has_a_size(value: float, lower: float, upper: float, size: float) -> None:
     """By the definition: its value, the width of its bounds, or one; it is moved in proportion."""
-    assert usual_size(Parameter("d", value, "1", lower, upper)) == size
+    assert Parameter("d", value, "1", lower, upper).usual_size == size
 
 
 def test_the_catalogue_or_what_is_named() -> None:

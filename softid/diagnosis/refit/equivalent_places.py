@@ -10,6 +10,7 @@ import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, standing_at
 from softid.effects import extended_name
+from softid.effects.base import Effect
 
 LIGHTER = 0.1
 """What is left of an inertia when its time is given to a lag."""
@@ -34,21 +35,25 @@ def exchanged(candidate: Candidate) -> list[Candidate]:
     Poles in a row look alike in any order; which of them is the lag's, a search decides by where
     it began.
     """
-    problem, values, lag = candidate.problem, candidate.parameters, _lag(candidate)
+    problem, late = candidate.problem, _late_effect(candidate)
     inertia = problem.model.inertia_parameter
     law = problem.model.motion_law(problem.theta(candidate.minimum.point))
-    if inertia not in problem.free or lag is None or law is None:
+    if inertia not in problem.free or late is None or law is None:
         return []
+    effect, lag = late
+    values, slowness = candidate.parameters, effect.slowness
+    lag_s = values[lag] / slowness
     damping, stiffness, _ = law.coefficients(np.concatenate([s.input for s in problem.segments]))
     usual = _Usual(law.mass, max(float(np.median(damping)), 1e-300), float(np.median(stiffness)))
     places = []
-    if usual.inertia_s > values[lag]:
-        places.append({lag: usual.inertia_s, inertia: LIGHTER * usual.mass})
+    if usual.inertia_s > lag_s:
+        places.append({lag: slowness * usual.inertia_s, inertia: LIGHTER * usual.mass})
     slow_s, fast_s = usual.poles_s
-    if slow_s > values[lag]:
-        share = (values[lag] + fast_s) / usual.damping_s
+    if slow_s > lag_s:
+        share = (lag_s + fast_s) / usual.damping_s
         place = {name: share * values[name] for name in problem.model.damping_parameters}
-        places.append(place | {lag: slow_s, inertia: values[lag] * fast_s * usual.stiffness})
+        inertia_left = lag_s * fast_s * usual.stiffness
+        places.append(place | {lag: slowness * slow_s, inertia: inertia_left})
     return [_moved(candidate, place) for place in places]
 
 
@@ -81,14 +86,14 @@ class _Usual(NamedTuple):
         return 0.5 * self.damping_s * (1.0 + apart), 0.5 * self.damping_s * (1.0 - apart)
 
 
-def _lag(candidate: Candidate) -> str | None:
-    """Name of the time of its first lag, None without one."""
+def _late_effect(candidate: Candidate) -> tuple[Effect, str] | None:
+    """Its first effect that is a lag or the like, and the name of its time; None without one."""
     for effect in candidate.effects:
         if effect.stage == "state" or effect.amplitude is None:
             continue
         name = extended_name(effect, effect.amplitude)
         if candidate.problem.parameters[name].unit == "s":
-            return name
+            return effect, name
     return None
 
 

@@ -52,6 +52,22 @@ def test_the_slow_pole_goes_to_the_lag() -> None:
     assert after == pytest.approx(before, rel=1e-3)
 
 
+def test_a_valve_takes_the_pole_in_the_time_of_its_own_law() -> None:
+    """A valve that is as late as a lag of 0.2 s has three times its time, and gives as much back.
+
+    A drive whose slow pole is the filling of its chamber left the valve where it began.
+    """
+    valve = effect_of("valve_flow")
+    base = linear_problem([linear_log(noise=0.01)])
+    unknowns = base.unknowns({**TRUTH, **OVERDAMPED})
+    problem = extend(base, [valve], scale_of(base, unknowns))
+    start = {"valve_flow_tau": 3.0 * 0.05, "valve_flow_b": 0.3}
+    z = start_unknowns(problem, base, unknowns, start)
+    *_, moved = exchanged(replace(standing(problem, z), effects=(valve,)))
+    expected = {"valve_flow_tau": 3.0 * 0.2, "N": 9.0 * 0.15, "M": 9.0 * 0.005}
+    assert {name: moved.parameters[name] for name in expected} == pytest.approx(expected)
+
+
 def test_a_law_that_swings_has_no_pole_to_give() -> None:
     """Its inertia's time alone goes to the lag, for no chain of lags swings."""
     assert len(exchanged(with_lag({**OVERDAMPED, "N": 0.5}, 0.05))) == 1
