@@ -37,6 +37,7 @@ from softid.diagnosis.report.issues import (
     restriction_issues,
     unsure_issues,
 )
+from softid.diagnosis.report.joint_causes import joint_cause_issues
 from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
@@ -167,6 +168,7 @@ def diagnose(
         *(permanent_set_issues(whole) if base.candidate.has_spring else ()),
         *motion_shown_issues(base, answer),
         *jump_issues(answer.remainder, base.candidate.problem),
+        *joint_cause_issues(answer),
     )
     return write_summary(replace(answer, issues=(*answer.issues, *issues)))
 

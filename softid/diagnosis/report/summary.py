@@ -15,6 +15,7 @@ from softid.diagnosis.report.changes import (
 )
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
+from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
 from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW, UNLISTED_LAW
 from softid.diagnosis.report.phrases import (
@@ -104,6 +105,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
         seen=[i.message for i in found.issues if i.code in _seen_beside(found.verdict)],
         held_out_changes=[i.message for i in found.issues if i.code == HELD_OUT_CHANGE],
+        joined=[i.message for i in found.issues if i.code == ONE_CAUSE],
         dropped=dropped_from(found),
         negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
     )
@@ -141,6 +143,7 @@ def summarise(
     changes: Sequence[str] = (),
     held_out_changes: Sequence[str] = (),
     seen: Sequence[str] = (),
+    joined: Sequence[str] = (),
     dropped: Sequence[str] = (),
     negligible: str = "",
 ) -> str:
@@ -163,6 +166,8 @@ def summarise(
         How what is held out differs from them.
     seen
         What the logs show by themselves, without a model.
+    joined
+        That two causes may be one.
     dropped
         Parameters of the base that the extended model does without.
     negligible
@@ -186,6 +191,7 @@ def summarise(
         told += [sentence(change) for change in held_out_changes]
     else:
         told += _explained(teller, causes, alternatives, evidence, descriptive)
+        told += [sentence(remark) for remark in joined]
         if descriptive:
             told.append(described(descriptive, causes))
         told.append(teller.mended((*causes, *descriptive)))

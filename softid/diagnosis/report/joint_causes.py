@@ -1,0 +1,47 @@
+"""Two named causes that may be one: what no law of the catalogue says in a single name."""
+
+from __future__ import annotations
+
+from softid.diagnosis_results import Cause, Diagnosis
+from softid.errors import Issue
+
+ONE_CAUSE = "one-cause-in-two"
+"""Code of the remark that two causes may be one."""
+
+GAIN, ZERO = "sensor_gain_drift", "sensor_drift"
+
+
+def joint_cause_issues(found: Diagnosis) -> tuple[Issue, ...]:
+    """That drifts of a sensor's gain and of its zero are one of the gain about the sensor's zero.
+
+    y (1 + g t) + d t = y₀ + (y − y₀)(1 + g t) with y₀ = −d/g: the sensor's own zero need not lie
+    where the model's position is zero.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers.
+    """
+    by_key = {cause.key: cause for cause in found.causes}
+    if found.extended is None or not {GAIN, ZERO} <= set(by_key):
+        return ()
+    gain, rate = _value(by_key[GAIN], "g"), _value(by_key[ZERO], "rate")
+    if gain == 0.0:
+        return ()
+    row = next(s for s in found.extended.statistics if s.channel == found.extended.outputs[0])
+    first = found.extended.nuisances[0]
+    reading = (first.zero.get(row.channel, 0.0) - rate / gain) * row.display_factor
+    where = f" of {first.log}" if len(found.extended.nuisances) > 1 else ""
+    return (
+        Issue(
+            ONE_CAUSE,
+            "info",
+            f"drift of the sensor and of its gain may be one cause: a gain that drifts about the "
+            f"sensor's own zero, at a reading{where} of {reading:.3g} {row.display_unit}",
+            "look up which reading belongs to no signal of the sensor",
+        ),
+    )
+
+
+def _value(cause: Cause, parameter: str) -> float:
+    return next(p.value for p in cause.parameters if p.name == f"{cause.effect}_{parameter}")

@@ -1,0 +1,42 @@
+"""Two names for what may be one cause."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from handmade_diagnosis import DELAY, cause, diagnosis, estimate
+
+from softid.diagnosis.report.joint_causes import ONE_CAUSE, joint_cause_issues
+from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis_results import Verdict
+
+GAIN = cause(
+    "sensor_gain_drift",
+    [estimate("sensor_gain_drift_g", -0.008, "1/s")],
+    before=2.0,
+    after=1.0,
+)
+ZERO = cause(
+    "sensor_drift", [estimate("sensor_drift_rate", -0.002, "rad/s")], before=1.0, after=0.5
+)
+
+
+def test_a_gain_about_the_sensors_own_zero_is_told() -> None:
+    """By hand: y₀ = −d/g = −0.25 rad in the model, so 14.3 degrees below the zero of the log."""
+    found = replace(diagnosis(Verdict.NAMED), causes=(GAIN, ZERO))
+    assert found.extended is not None
+    zero = found.extended.nuisances[0].zero["angle"]
+    (issue,) = joint_cause_issues(found)
+    assert issue.code == ONE_CAUSE
+    expected = float(np.rad2deg(zero - 0.25))
+    told = float(issue.message.split(" of ")[-1].split(" deg")[0])
+    assert told == pytest.approx(expected, rel=5e-3)
+    assert issue.message[1:] in write_summary(replace(found, issues=(issue,))).summary
+
+
+def test_other_causes_are_two() -> None:
+    """One of them alone, or beside another cause, says nothing of the sensor's zero."""
+    for causes in ((GAIN,), (ZERO,), (GAIN, DELAY), ()):
+        assert joint_cause_issues(replace(diagnosis(Verdict.NAMED), causes=causes)) == ()
