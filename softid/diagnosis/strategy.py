@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -17,6 +17,10 @@ from softid.diagnosis.cause_search import CauseSearch, SearchResult
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Chain
 from softid.intersample import Intersample
+from softid.log import Log
+
+Searched = tuple[SearchResult, CauseSearch]
+"""What was found, and by which search."""
 
 BETTER_BASE = 0.98
 """Another optimum of the base counts when it leaves so much less than the first."""
@@ -38,7 +42,7 @@ def search_causes(
     search: CauseSearch,
     others: Explanations,
     first: Chain | None = None,
-) -> tuple[SearchResult, CauseSearch]:
+) -> Searched:
     """What a search finds, and where it came to nothing what one from another beginning does.
 
     None does where the misfit is explained otherwise.
@@ -88,7 +92,7 @@ def search_with_intersample(
     search: CauseSearch,
     others: Explanations,
     first: Chain | None = None,
-) -> tuple[SearchResult, CauseSearch]:
+) -> Searched:
     """The search where nobody said what the input does between its samples.
 
     With the wrong answer a delay hides in the first cause, or in all of them: where another one
@@ -101,24 +105,28 @@ def search_with_intersample(
     """
     base, first = search.base, first or search.first_cause()
 
-    def searched_as(reading: Intersample | None) -> tuple[SearchResult, CauseSearch]:
-        if reading in (None, base.candidate.problem.logs[0].between_samples):
-            return search_causes(recordings, request, search, others, first)
+    def searched_as(reading: Intersample | None, known: Candidate) -> Searched:
+        now = base.candidate.problem.logs[0].between_samples
+        reading = reading or now
         changed = recordings_read_as(recordings, reading)
-        again = request.fit_base(changed.logs, changed.hold_out, thorough=False)
-        judges = hold_out_read_as_explained(again.candidate, changed.hold_out)
-        if judges != changed.hold_out:
-            changed = replace(changed, hold_out=judges)
-            again = request.fit_base(changed.logs, judges, thorough=False)
+        judges = hold_out_read_as_explained(known, reading, base.sigma, changed.hold_out)
+        if reading == now and _readings(judges) == _readings(base.identified.hold_out):
+            return search_causes(recordings, request, search, others, first)
+        changed = replace(changed, hold_out=judges)
+        again = request.fit_base(changed.logs, judges, thorough=False)
         return search_causes(changed, request, replace(search, base=again), others)
 
     found, last = searched_as(
-        intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma)
+        intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma),
+        first.final,
     )
     if len(found.chain.links) > 1:
-        reading = intersample_after_all_causes(
-            found.chain.final, last.base.sigma, found.remainder.excess
-        )
+        final = found.chain.final
+        reading = intersample_after_all_causes(final, last.base.sigma, found.remainder.excess)
         if reading is not None:
-            return searched_as(reading)
+            return searched_as(reading, final)
     return found, last
+
+
+def _readings(logs: Iterable[Log]) -> list[Intersample]:
+    return [log.between_samples for log in logs]

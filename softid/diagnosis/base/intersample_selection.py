@@ -295,21 +295,30 @@ def recordings_read_as(recordings: Recordings, reading: Intersample) -> Recordin
     )
 
 
-def hold_out_read_as_explained(candidate: Candidate, hold_out: Sequence[Log]) -> tuple[Log, ...]:
+def hold_out_read_as_explained(
+    candidate: Candidate, reading: Intersample, sigma: Mapping[str, float], hold_out: Sequence[Log]
+) -> tuple[Log, ...]:
     """The logs that judge, each held as the model explains it better where the fitted are held.
+
+    A model that lacks a cause that takes time would hold them later than they were.
 
     Parameters
     ----------
     candidate
-        A model fitted to held logs.
+        A model with what is known of its causes, whatever the reading of its logs.
+    reading
+        What the input of the fitted logs does between its samples.
+    sigma
+        Output channel → scale that its residual is divided by.
     hold_out
-        Logs with the same reading.
+        Logs with that reading.
     """
-    model, values = candidate.problem.model, candidate.parameters
-    now = candidate.problem.logs[0].intersample
-    if now not in HELD:
+    if reading not in HELD:
         return tuple(hold_out)
-    others = [reading for reading in HELD if reading != now]
+    now = candidate.problem.logs[0].between_samples
+    read = candidate if reading == now else _read_as(candidate, sigma, reading) or candidate
+    model, values = read.problem.model, read.parameters
+    others = [other for other in HELD if other != reading]
     return tuple(
         explained_best((log, *(read_as(log, other) for other in others)), model, values)
         for log in hold_out

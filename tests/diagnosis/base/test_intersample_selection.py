@@ -23,6 +23,7 @@ import softid
 from softid.diagnosis.base import intersample_selection
 from softid.diagnosis.base.intersample_selection import (
     better_intersample,
+    hold_out_read_as_explained,
     intersample_after_all_causes,
     intersample_after_first_cause,
     is_measured,
@@ -240,6 +241,20 @@ def test_a_sine_that_judges_fitted_steps_tells_how_it_was_held() -> None:
     assert found.verdict is Verdict.ADEQUATE, found.summary
     codes = [issue.code for issue in found.issues]
     assert codes.count("held-otherwise") == 1
+
+
+def test_a_judge_is_not_held_later_for_want_of_a_delay() -> None:
+    """With the delay known a sine is read as the fitted steps; the base would hold it longer."""
+    base, delayed = late(0.05, held=False, reading="held")
+    late_sine = 50.0 - 40.0 * np.cos(2.0 * np.pi * 0.4 * (LOG.time_s - 0.05))
+    sine = 50.0 - 40.0 * np.cos(2.0 * np.pi * 0.4 * LOG.time_s)
+    channels = {"pressure": sine, "angle": linear_angle(LOG.time_s, late_sine)}
+    (judge,) = with_intersample([Log.from_arrays(LOG.time_s, channels)], "held")
+    for model, found in ((base, "zoh"), (delayed, "held")):
+        (read,) = hold_out_read_as_explained(model, "held", SIGMA, [judge])
+        assert read.intersample == found
+        (read,) = hold_out_read_as_explained(model, "straight", SIGMA, [LOG])
+        assert read is LOG
 
 
 def test_only_what_nobody_declared_is_open() -> None:
