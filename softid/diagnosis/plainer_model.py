@@ -16,6 +16,7 @@ from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import Chain
 from softid.errors import IdentificationError, Issue
+from softid.models.base import Model
 
 HOPELESS = 20.0
 """A plainer model with a first cause that leaves so many times the sum of squares that the chosen
@@ -73,12 +74,16 @@ class PlainerModels:
         """The chosen model with its first cause."""
         return ModelSearch(self.request, self.search, self.search.first_cause())
 
+    @property
+    def _lost(self) -> tuple[Model, ...]:
+        choice = self.search.base.identified.choice
+        return choice.plainer if choice is not None else ()
+
     @cached_property
     def plainer(self) -> list[ModelSearch]:
         """The plainer ones that come near with their own first cause."""
-        choice = self.search.base.identified.choice
         found = []
-        for model in choice.plainer if choice is not None else ():
+        for model in self._lost:
             asked = replace(self.request, model=model)
             try:
                 base = asked.fit_base(
@@ -96,6 +101,8 @@ class PlainerModels:
 
         The chosen one stays where one or two causes of its own leave noise and are no curve.
         """
+        if not self._lost:
+            return self.chosen
         first = self.chosen.first
         if not self._is_in_doubt(first) or not self._is_in_doubt(_two(self.chosen)):
             return self.chosen
