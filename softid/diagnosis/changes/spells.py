@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.held_out import HeldOutBlocks
+from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import fastest_part
 from softid.errors import IdentificationError, InputError
@@ -106,6 +106,31 @@ def spells_of(log: Log, fit: Callable[[Log], Candidate], noise: float) -> Spells
     return min(found, key=lambda one: sum(end - begin for begin, end in one.spans_s), default=None)
 
 
+def is_followed(log: Log, model: Candidate, noise: float) -> bool:
+    """Whether a model leaves noise in most of a log that it was not fitted to.
+
+    Parameters
+    ----------
+    log
+        The log.
+    model
+        A model, fitted to another log.
+    noise
+        Variance of the noise of the first output.
+    """
+    residual = _of_first_output(HeldOutLogs((log,)), model)
+    if not np.isfinite(residual).all():
+        return False
+    residual = residual - np.median(residual)  # a spell of its own pulls at its zero
+    own = max(noise, fastest_part([residual]).variance)
+    quiet = np.ones(residual.size, bool)
+    for begin, end in _loud_stretches(_loudness(residual, own)):
+        quiet[begin:end] = False
+    if np.count_nonzero(quiet) < LEAST_OUTSIDE * quiet.size:
+        return False
+    return float(np.mean(residual[quiet] ** 2)) <= QUIET * own
+
+
 def loudest(excess: Array) -> tuple[int, int, float]:
     """The stretch of samples with the largest sum (Kadane): begin, end and that sum.
 
@@ -138,7 +163,7 @@ def _grown(
         if not np.isfinite(residual).all() or inside.all():
             return None
         variance = max(float(np.mean(residual[~inside] ** 2)), noise)
-        spans = _loud_stretches(np.minimum(residual**2 / variance, LOUDEST) - LOUD)
+        spans = _loud_stretches(_loudness(residual, variance))
         grown = np.ones(len(log), bool)
         for begin, end in spans:
             grown[at[begin] : at[end - 1] + 1] = False
@@ -186,6 +211,10 @@ def _are_covered(model: Candidate, outside: BoolArray) -> bool:
     return bool(met and np.quantile(np.abs(v[~without]), WITHIN) <= np.abs(v[without]).max())
 
 
+def _loudness(residual: Array, variance: float) -> Array:
+    return np.minimum(residual**2 / variance, LOUDEST) - LOUD
+
+
 def _loud_stretches(excess: Array) -> list[tuple[int, int]]:
     """Stretches whose sums are no noise, the loudest first."""
     pieces, least = [(0, excess.size)], SURE
@@ -204,8 +233,13 @@ def _loud_stretches(excess: Array) -> list[tuple[int, int]]:
 
 def _residual(log: Log, model: Candidate) -> tuple[npt.NDArray[np.intp], Array]:
     """Places of the used samples and what a model leaves of the first output there."""
-    first = model.problem.outputs[0]
     everywhere = HeldOutBlocks((log,), (np.ones(len(log), bool),))
-    rows = [row.residual for row in everywhere.errors(model) if row.channel == first]
+    first = model.problem.outputs[0]
     at = [s.start + np.flatnonzero(s.samples_of(s.used[first])) for s in log.segments()]
-    return np.concatenate(at), np.concatenate(rows)
+    return np.concatenate(at), _of_first_output(everywhere, model)
+
+
+def _of_first_output(held_out: HeldOut, model: Candidate) -> Array:
+    first = model.problem.outputs[0]
+    rows = held_out.errors(model)
+    return np.concatenate([row.residual for row in rows if row.channel == first])

@@ -18,9 +18,9 @@ from softid.diagnosis.changes.log_differences import (
     log_differences,
     squares_of,
 )
-from softid.diagnosis.changes.spells import Spells, spells_of
+from softid.diagnosis.changes.spells import Spells, is_followed, spells_of
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import refitted
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import noise_variance
@@ -159,6 +159,9 @@ def change_issues(
 def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
     """The spells to which the misfit of a fitted log is confined; nothing where it is not.
 
+    Nor where the model that follows the rest of the log is wrong throughout others: what acts at
+    the fast motions of some logs acts nowhere in the slow part of one.
+
     Parameters
     ----------
     base
@@ -171,6 +174,7 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
     def fit(log: Log) -> Candidate:
         return refitted(base.candidate, base.sigma, [log], REFIT_EVALUATIONS)
 
+    judges = base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
     found = []
     for log in base.whole_logs:
         spells = spells_of(log, fit, noise)
@@ -178,6 +182,8 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
             if not _is_followed(log, fit, noise):
                 return ()  # what one log has throughout is no event in another
             continue
+        if not all(is_followed(other, spells.reference, noise) for other in judges):
+            return ()
         within = [log.between(begin, np.nextafter(end, np.inf)) for begin, end in spells.spans_s]
         change = log_differences(
             spells.reference,

@@ -9,7 +9,7 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_probl
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Request
-from softid.diagnosis.changes.spells import loudest, spells_of
+from softid.diagnosis.changes.spells import is_followed, loudest, spells_of
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.report.changes import CHANGE_POINT, spell_issues
 from softid.diagnosis_results import Verdict
@@ -96,6 +96,25 @@ def test_a_model_that_follows_nothing_has_no_spells() -> None:
         return fit(log)
 
     assert spells_of(log_of(far), refusing, NOISE**2) is None
+
+
+def test_what_judges_is_followed_but_in_its_own_spells() -> None:
+    """A model that lacks what fast motion does is wrong throughout a log that moves fast."""
+    model = fit(log_of(linear_angle(TIME_S, pressure())))
+    assert is_followed(log_of(linear_angle(TIME_S, pressure()), seed=1), model, NOISE**2)
+    assert is_followed(log_of(changed((12.0, 17.0)), seed=1), model, NOISE**2)
+    late = linear_angle(TIME_S, np.interp(TIME_S - 0.05, TIME_S, pressure()))
+    assert not is_followed(log_of(late, seed=1), model, NOISE**2)
+
+
+@pytest.mark.parametrize(("judge", "is_told"), [("usual", True), ("late", False)])
+def test_a_spell_is_told_where_the_rest_predicts_what_judges(judge: str, is_told: bool) -> None:
+    late = np.interp(TIME_S - 0.05 * (judge == "late"), TIME_S, pressure())
+    hold_out = log_of(linear_angle(TIME_S, late), seed=1)
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    train = LogSet((log_of(changed((12.0, 17.0))),))
+    base = request.fit_base(train, (hold_out,), thorough=False)
+    assert bool(spell_issues(base)) is is_told
 
 
 def test_the_loudest_stretch_of_nothing_is_empty() -> None:
