@@ -43,7 +43,7 @@ def revised(
     """Ask for every earlier cause again which effect belongs there, given the others.
 
     The first of two causes was chosen while the second was still in the residual, which may have
-    favoured a wrong one. A cause that no longer pays is dropped.
+    favoured a wrong one, or its plain form. A cause that no longer pays is dropped.
 
     Parameters
     ----------
@@ -60,15 +60,17 @@ def revised(
     """
     links, now = list(chain.links), chain.final
     for position in range(len(links) - 2, -1, -1):
-        if _is_beyond_doubt(links[position], now):
-            continue
         mine = links[position].added
+        forms = [effect for effect in effects if effect.name == mine.name]
+        is_sure = _is_beyond_doubt(links[position], now)
+        if is_sure and len(forms) == 1:
+            continue
         others = [effect for effect in now.effects if effect.name != mine.name]
         without = _without(now, base, others, scale, sigma)
         taken = {effect.name for effect in others}
-        left = [effect for effect in effects if effect.name not in taken]
+        left = forms if is_sure else [e for e in effects if e.name not in taken]
         promising = screen(without, left, scale, sigma)
-        contenders = _contenders(links[position], promising, effects)
+        contenders = forms if is_sure else _contenders(links[position], promising, effects)
         known = (with_effect(without, now, mine, scale),)
         link = next_link(
             without, contenders, scale, sigma, FURTHER, screened=promising, known=known

@@ -12,6 +12,7 @@ from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, 
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search import backward_revision
 from softid.diagnosis.search.backward_revision import (
     _is_beyond_doubt,
     _with_first_look,
@@ -40,15 +41,27 @@ class Swing(Bow):
         return swung
 
 
-CATALOGUE = (DRIFT, Bow(), Swing())
+@dataclass(frozen=True)
+class SteeperBow(Bow):
+    """Another form of the same effect, + c (t/T)⁴."""
+
+    variant: ClassVar[str] = "steeper"
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Add the curve."""
+        bent: Array = y + eta[0] * (time_s / scale.duration_s) ** 4
+        return bent
+
+
+CATALOGUE = (DRIFT, Bow(), Swing(), SteeperBow())
 
 
 PROMISES = (("delay", 60.0), ("creep", 30.0))
 
 
-def base_with(*, rate: float = 0.0, size: float = 0.0) -> tuple[Candidate, Scale]:
+def base_with(*, rate: float = 0.0, size: float = 0.0, power: int = 2) -> tuple[Candidate, Scale]:
     time_s = linear_log().time_s
-    added = rate * time_s + size * (time_s / time_s[-1]) ** 2
+    added = rate * time_s + size * (time_s / time_s[-1]) ** power
     problem = linear_problem([linear_log(noise=0.01, added=added)])
     z = problem.unknowns(TRUTH)
     return converged(standing(problem, z), SIGMA), scale_of(problem, z)
@@ -97,6 +110,20 @@ def test_a_wrong_first_cause_is_exchanged() -> None:
     assert set(after.final.keys) == {"sensor_drift", "bow"}
     assert after.final.squares < before.final.squares
     assert after.final.squares == pytest.approx(1000.0, abs=180.0)
+
+
+@pytest.mark.parametrize(("power", "found"), [(2, "bow"), (4, "bow.steeper")])
+def test_the_form_of_a_cause_beyond_doubt_is_asked_again(
+    power: int, found: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Known truth: which power fits is seen with the drift known. No other effect is tried."""
+    monkeypatch.setattr(backward_revision, "_is_beyond_doubt", lambda link, final: True)
+    base, scale = base_with(rate=0.02, size=0.5, power=power)
+    before = chained(base, scale, "bow", "sensor_drift")
+    after = revised(before, base, CATALOGUE, scale, SIGMA)
+    assert set(after.final.keys) == {"sensor_drift", found}
+    tried = {key for row in after.links[0].ranked for key in row.candidate.keys}
+    assert "swing" not in tried
 
 
 @pytest.mark.parametrize(
