@@ -47,10 +47,10 @@ SMOOTHEST = 0.3
 SPEEDS = (0.01, 0.06)
 """Starts of vs, as shares of the largest speed."""
 
-EXCESS = (1e-3, 0.5, 5.0)
+EXCESS = (1e-3, 0.5, 20.0)
 """Bounds and start of the share by which friction is larger at low speed. Static friction is seldom
-twice the sliding one; the upper bound leaves room where no speed is low enough to show all of
-it."""
+twice the sliding one; the upper bound leaves room where none of the motion is quick enough to show
+the latter alone."""
 
 STRIBECK_SPEEDS = (0.03, 0.1)
 """Starts of vb, as shares of the largest speed."""

@@ -89,17 +89,19 @@ def candidate_from(
     return _placed(fitted, signature.effect, problem, best, variance)
 
 
-def form_of(
+def forms_of(
     fitted: Candidate,
     first: Candidate,
     effect: Effect,
     scale: Scale,
-    sigma: Mapping[str, float],
     variance: float,
     *,
     known: Mapping[str, float] | None = None,
-) -> Candidate:
-    """A candidate with another form of a law, where a first form stands.
+) -> list[Candidate]:
+    """Candidates with another form of a law, where a first form stands.
+
+    What only the other form has begins at each of its own starts: which of them leaves least there
+    does not tell which leads to the best place.
 
     Parameters
     ----------
@@ -108,23 +110,21 @@ def form_of(
     first
         The same with the first form of the law.
     effect
-        The other form; what only it has begins at the best of its own starts.
+        The other form.
     scale
         Sizes of the base fit.
-    sigma
-        Output channel → scale that its residual is divided by.
     variance
         Variance of the weighted residual, for the prior.
     known
         Values of the other form, if they follow from those of the first.
     """
     problem = extend(fitted.problem, (effect,), scale)
-    starts = [
-        start_unknowns(problem, first.problem, first.minimum.point, named_values(effect, values))
+    begin, point = first.problem, first.minimum.point
+    places = dict.fromkeys(
+        tuple(start_unknowns(problem, begin, point, named_values(effect, values)).tolist())
         for values in ([known] if known else effect.starts(scale))
-    ]
-    best = min(starts, key=lambda z: squares_at(problem, z, sigma))
-    return _placed(fitted, effect, problem, best, variance)
+    )
+    return [_placed(fitted, effect, problem, np.array(z), variance) for z in places]
 
 
 def candidate_at(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from softid.diagnosis.refit.candidates import COARSE, FINE, Candidate
-from softid.diagnosis.search.catching_up import SMALLEST_GAIN, gain
-from softid.diagnosis.search.effect_starts import form_of
+from softid.diagnosis.search.catching_up import SMALLEST_GAIN, best_of_each, gain
+from softid.diagnosis.search.effect_starts import forms_of
 from softid.diagnosis.search.rounds import FAR_ROUND, SECOND_ROUND, run_round, variance_of
 from softid.diagnosis.search.screening import Signature
 from softid.effects import own_values
@@ -88,7 +88,7 @@ def simpler_forms(
         for effect in effects:
             known = like[1] if like is not None and like[0] == effect.key else None
             if known is not None or is_richer(added, effect, scale):
-                placed.append(form_of(fitted, leader, effect, scale, sigma, variance, known=known))
+                placed += forms_of(fitted, leader, effect, scale, variance, known=known)
     return run_round(placed, sigma, FAR_ROUND, FINE)
 
 
@@ -116,14 +116,17 @@ def forms_that_gain(
     """
     variance = variance_of(fitted)
     pairs = [
-        (candidate.squares, form_of(fitted, candidate, effect, scale, sigma, variance))
+        (candidate.squares, form)
         for candidate in plain
         for effect in richer
         if is_richer(effect, candidate.effects[-1], scale)
+        for form in forms_of(fitted, candidate, effect, scale, variance)
     ]
     tried = run_round([form for _, form in pairs], sigma, SECOND_ROUND, COARSE)
-    return [
-        form
-        for (squares, _), form in zip(pairs, tried, strict=True)
-        if gain(squares, form) >= SMALLEST_GAIN
-    ]
+    return best_of_each(
+        [
+            form
+            for (squares, _), form in zip(pairs, tried, strict=True)
+            if gain(squares, form) >= SMALLEST_GAIN
+        ]
+    )

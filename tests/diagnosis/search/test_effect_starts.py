@@ -10,7 +10,13 @@ from linear_motion import RATE_HZ, SIGMA, TRUTH, Bow, linear_log, linear_problem
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.search.effect_starts import LIGHT, candidate_from, slow_candidate, squares_at
+from softid.diagnosis.search.effect_starts import (
+    LIGHT,
+    candidate_from,
+    forms_of,
+    slow_candidate,
+    squares_at,
+)
 from softid.diagnosis.search.screening import screen
 from softid.effects import effect_of
 from softid.effects.base import Scale
@@ -75,3 +81,28 @@ def test_a_response_that_is_lost_has_no_sum_of_squares() -> None:
     lost[problem.free.index("Q")] = np.log(1e-25)
     assert np.isfinite(squares_at(problem, usual, SIGMA))
     assert squares_at(problem, lost, SIGMA) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("plain", "richer", "own"),
+    [
+        ("coulomb_friction", "coulomb_friction.stribeck", "coulomb_friction_vb"),
+        ("coulomb_friction.stribeck", "coulomb_friction", None),
+    ],
+)
+def test_another_form_begins_at_each_of_its_starts(
+    plain: str, richer: str, own: str | None
+) -> None:
+    """Where the first form stands, with every start of what only the other one has."""
+    base, scale = base_of(linear_problem([linear_log(noise=0.01)]))
+    effect, other = effect_of(plain), effect_of(richer)
+    first = slow_candidate(base, effect, scale, variance=1.0)
+    begun = forms_of(base, first, other, scale, 1.0)
+    starts = {start["vb"] for start in other.starts(scale)} if own else set[float]()
+    assert len(begun) == max(len(starts), 1)
+    for candidate in begun:
+        assert candidate.keys == (richer,)
+        for name in ("M", "N", "Q", "coulomb_friction_Fc", "coulomb_friction_vs"):
+            assert candidate.parameters[name] == pytest.approx(first.parameters[name])
+    if own:
+        assert sorted(c.parameters[own] for c in begun) == pytest.approx(sorted(starts))
