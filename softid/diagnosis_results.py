@@ -45,6 +45,7 @@ class Doubt(Enum):
     TOO_SLOW = "too slow"
     MAY_BE_ZERO = "may be zero"
     CANCELS = "cancels"
+    DISPLACES = "displaces"
 
 
 @dataclass(frozen=True)

@@ -61,6 +61,7 @@ from softid.diagnosis.verdict.cause_results import (
     whole_gain_of,
 )
 from softid.diagnosis.verdict.chain_consistency import consistent_names
+from softid.diagnosis.verdict.displacement import displacing
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import (
@@ -316,11 +317,14 @@ def _with_doubts(
         return tuple(causes)
     final = found.chain.final
     whole, varies = base.held_out.rms(final), most_variation(found.remainder)
-    against = cancelling(final, base.candidate, base.scale)
+    against = {
+        **dict.fromkeys(displacing(final, base.candidate), Doubt.DISPLACES),
+        **dict.fromkeys(cancelling(final, base.candidate, base.scale), Doubt.CANCELS),
+    }
     told = []
     for cause, link in zip(causes, found.chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
-        told.append(replace(cause, doubt=Doubt.CANCELS if cause.key in against else doubt))
+        told.append(replace(cause, doubt=against.get(cause.key, doubt)))
     return tuple(told)
 
 

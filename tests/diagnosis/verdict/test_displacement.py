@@ -1,0 +1,43 @@
+"""A resonance that is the actuator's own, before an actuator that follows at once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linear_motion import TRUTH, linear_log, linear_problem, standing
+
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend, start_unknowns
+from softid.diagnosis.verdict.displacement import displacing
+from softid.effects import effect_of
+
+PERIOD_S = 2.0 * np.pi * float(np.sqrt(TRUTH["M"] / TRUTH["Q"]))
+ZETA = TRUTH["N"] / (2.0 * float(np.sqrt(TRUTH["M"] * TRUTH["Q"])))
+
+
+@pytest.mark.parametrize(
+    ("name", "times", "left", "found"),
+    [
+        ("line_resonance", (1.0, 1.0), 1e-3, True),
+        ("sensor_resonance", (1.0, 1.0), 1e-3, True),
+        ("line_resonance", (1.3, 1.0), 1e-3, False),
+        ("line_resonance", (1.0, 1.3), 1e-3, False),
+        ("line_resonance", (1.0, 1.0), 0.5, False),
+    ],
+)
+def test_a_resonance_with_the_times_of_the_motion_displaces_it(
+    name: str, times: tuple[float, float], left: float, found: bool
+) -> None:
+    """Known truth: its period and damping times those of the actuator, whose own are so short."""
+    problem = linear_problem([linear_log()])
+    z = problem.unknowns(TRUTH)
+    base, scale, effect = standing(problem, z), scale_of(problem, z), effect_of(name)
+    extended = extend(problem, (effect,), scale)
+    values = {f"{name}_period": times[0] * PERIOD_S, f"{name}_zeta": times[1] * ZETA}
+    point = start_unknowns(extended, problem, z, values)
+    point[extended.free.index("N")] += np.log(left)
+    point[extended.free.index("M")] += 2.0 * np.log(left)
+    final = replace(standing(extended, point), effects=(effect,))
+    assert displacing(final, base) == (frozenset({name}) if found else frozenset())
