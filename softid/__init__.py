@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         SoftidError,
         UsageError,
     )
-    from softid.identification import fit, profile_parameter
+    from softid.identification import bootstrap_parameters, fit, profile_parameter
     from softid.log import Log, LogSet
     from softid.models import (
         MODELS,
@@ -50,6 +50,7 @@ _HOME = {
     "OutputError": "softid.errors",
     "SoftidError": "softid.errors",
     "UsageError": "softid.errors",
+    "bootstrap_parameters": "softid.identification",
     "fit": "softid.identification",
     "profile_parameter": "softid.identification",
     "Log": "softid.log",
@@ -107,6 +108,7 @@ __all__ = [
     "UsageError",
     "Validation",
     "Yeoh",
+    "bootstrap_parameters",
     "diagnose",
     "fit",
     "inspect",

@@ -13,6 +13,7 @@ import softid
 ROOT = Path(__file__).resolve().parents[1]
 
 VERBS = (
+    "bootstrap_parameters",
     "diagnose",
     "fit",
     "inspect",

@@ -21,8 +21,12 @@ from softid.fitters.multiple_shooting import PiecewiseProblem
 from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
+from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
+
+_Led = tuple[float, Mapping[str, float]]
+"""The cost at the end of a run, and the parameters there."""
 
 ENOUGH = 20_000
 """Samples from which on ringing motions are looked for in the beginnings of the logs only: a false
@@ -173,8 +177,9 @@ class _Ladder:
             return point
         incumbent = problem.values(point)
         cut, *longer = (PiecewiseProblem(problem, count) for count in PIECES)
-        own = self._led(cut, incumbent, SCOUT_EVALUATIONS)
-        others = [self._led(cut, start.values_dict(), SORTING_EVALUATIONS) for start in rings]
+        starts = [(incumbent, SCOUT_EVALUATIONS)]
+        starts += [(start.values_dict(), SORTING_EVALUATIONS) for start in rings]
+        own, *others = self._all_led(cut, starts)
         limit = WORTH_PURSUING * own[0]
         ranked = sorted([own, *others], key=lambda row: row[0])
         reached: list[list[float]] = [[] for _ in longer]
@@ -190,6 +195,19 @@ class _Ladder:
                 if not has_structure(problem, point):
                     break
         return point
+
+    def _all_led(
+        self, pieces: PiecewiseProblem, starts: Sequence[tuple[Mapping[str, float], int]]
+    ) -> list[_Led]:
+        """Each of the starts led through the pieces, side by side."""
+
+        def led(start: tuple[Mapping[str, float], int]) -> tuple[_Led, int]:
+            alone = _Ladder(self.problem, self.sigma)
+            return alone._led(pieces, *start), alone.evaluations
+
+        found = in_parallel(led, starts)
+        self.evaluations += sum(taken for _, taken in found)
+        return [row for row, _ in found]
 
     def _led_on(
         self,
@@ -210,7 +228,7 @@ class _Ladder:
         pieces: PiecewiseProblem,
         values: Mapping[str, float],
         evaluations: int,
-    ) -> tuple[float, Mapping[str, float]]:
+    ) -> _Led:
         at_first_samples = Objective(pieces, self.sigma)(pieces.started(values))
         self.evaluations += 1
         ended = self._solved(pieces, pieces.with_best_states(at_first_samples), evaluations)

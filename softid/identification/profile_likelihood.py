@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import Objective
-from softid.fitters.output_error import Optimum, output_error
+from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
 from softid.identification.parameter_covariance import errors_of
-from softid.identification.preparation import as_log_set
+from softid.identification.refitting import refitted
 from softid.log import Log
-from softid.parameters import ParameterSet
 from softid.results import FitResult
 from softid.uncertainty.profile import ProfileResult, profile
 
@@ -57,19 +55,13 @@ def profile_parameter(
     IdentificationError
         The parameter does not change the response at all.
     """
-    log_set = as_log_set(logs)
-    from softid.effects import model_of  # twenty modules, which few fits need
-
-    model = model_of(result.model)
-    parameters = _as_fitted(model.parameters(), result)
+    problem, optimum = refitted(result, logs, rng=np.random.default_rng(seed))
+    parameters = problem.parameters
     if name not in parameters.free:
         raise UsageError(
             f"{name} was not free in this fit",
             remedy=f"choose from {', '.join(parameters.free)}",
         )
-    problem = Problem(model, parameters, log_set.logs)
-    rng = np.random.default_rng(seed)
-    optimum = output_error(problem, [result.values], rng=rng, rounds=0, far=False)
     covariance = errors_of(problem, optimum).covariance
     row = covariance.names.index(name) if covariance and name in covariance.names else None
     if covariance is None or row is None or covariance.sd[row] is None:
@@ -125,23 +117,3 @@ class _ProfileRefits:
         low, high = sorted((first, held))
         between = [value for value in self._found if low <= value <= high]
         return self._found[max(between, key=lambda value: abs(value - first))]
-
-
-def _as_fitted(declared: ParameterSet, result: FitResult) -> ParameterSet:
-    """The model's parameters with the values, bounds and ties of a finished fit."""
-    fitted = declared
-    for estimate in result.parameters:
-        p = declared[estimate.name]
-        lower = -np.inf if estimate.lower is None else estimate.lower
-        upper = np.inf if estimate.upper is None else estimate.upper
-        fitted = fitted.replacing(
-            replace(
-                p,
-                value=estimate.value,
-                lower=lower,
-                upper=upper,
-                fixed=estimate.fixed,
-                tie=estimate.tie,
-            )
-        )
-    return fitted

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -47,6 +48,63 @@ class MeanInterval:
     ci95: tuple[float, float]
     block: int
     blocks: float
+
+
+@dataclass(frozen=True, eq=False)
+class BootstrapResult:
+    """Estimates of the free parameters from residuals that were drawn again.
+
+    Attributes
+    ----------
+    names
+        Free parameters.
+    estimates
+        One row for each draw, shape (B, K), in the parameters' own units; NaN where a refit failed.
+    block
+        Samples in a block.
+    """
+
+    names: tuple[str, ...]
+    estimates: Array
+    block: int
+
+    @property
+    def failed(self) -> int:
+        """How many refits failed."""
+        return int(np.count_nonzero(~np.isfinite(self.estimates).all(axis=1)))
+
+    @cached_property
+    def ci95(self) -> dict[str, tuple[float, float]]:
+        """Parameter → percentile interval.
+
+        Raises
+        ------
+        IdentificationError
+            More than a tenth of the refits failed.
+        """
+        limits = bootstrap_intervals(self.estimates).tolist()
+        return {name: (low, high) for name, (low, high) in zip(self.names, limits, strict=True)}
+
+    @property
+    def stderr(self) -> dict[str, float]:
+        """Parameter → standard deviation of its estimates."""
+        good = self.estimates[np.isfinite(self.estimates).all(axis=1)]
+        return dict(zip(self.names, np.std(good, axis=0, ddof=1).tolist(), strict=True))
+
+
+def common_block(residuals: Iterable[Sequence[Array]]) -> int:
+    """Block length for several channels that are drawn together, the longest of their own.
+
+    Parameters
+    ----------
+    residuals
+        Of every channel its segments of shape (n_s,); NaN where a sample is not used.
+    """
+    lengths = [1]
+    for segments in residuals:
+        shortest = min(int(np.count_nonzero(np.isfinite(r))) for r in segments)
+        lengths.append(block_length(fit_ar(segments), max(shortest, 2)))
+    return max(lengths)
 
 
 def block_length(ar: AutoRegression, n: int) -> int:

@@ -1,0 +1,69 @@
+"""A finished fit as the problem that it solved, to be solved again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from softid.fitters.output_error import Optimum, output_error
+from softid.fitters.problem import Problem
+from softid.identification.preparation import as_log_set, without_dropouts
+from softid.identification.repeated_input import without_repeats
+from softid.intersample import HELD
+from softid.log import Log
+from softid.parameters import ParameterSet
+from softid.results import FitResult
+
+
+def refitted(
+    result: FitResult, logs: Log | Sequence[Log], *, rng: np.random.Generator
+) -> tuple[Problem, Optimum]:
+    """The problem of a finished fit, and its optimum.
+
+    Parameters
+    ----------
+    result
+        A successful fit.
+    logs
+        The logs that were fitted, in any order; they are prepared and read as they were then.
+    rng
+        Of the restarts.
+
+    Raises
+    ------
+    InputError
+        A log lacks a channel of the model.
+    """
+    from softid.effects import model_of  # twenty modules, which few fits need
+
+    reading = result.options.get("intersample")
+    cleaned = (without_dropouts(log) for log in as_log_set(logs))
+    read = [
+        (log if reading in HELD else without_repeats(log)).with_intersample(reading)
+        for log in cleaned
+    ]
+    model = model_of(result.model)
+    problem = Problem(model, _as_fitted(model.parameters(), result), read)
+    return problem, output_error(problem, [result.values], rng=rng, rounds=0, far=False)
+
+
+def _as_fitted(declared: ParameterSet, result: FitResult) -> ParameterSet:
+    """The model's parameters with the values, bounds and ties of a finished fit."""
+    fitted = declared
+    for estimate in result.parameters:
+        p = declared[estimate.name]
+        lower = -np.inf if estimate.lower is None else estimate.lower
+        upper = np.inf if estimate.upper is None else estimate.upper
+        fitted = fitted.replacing(
+            replace(
+                p,
+                value=estimate.value,
+                lower=lower,
+                upper=upper,
+                fixed=estimate.fixed,
+                tie=estimate.tie,
+            )
+        )
+    return fitted
