@@ -3,7 +3,9 @@
 Compiled kernels release Python's lock, but what lies between their calls does not, so threads of
 short kernels wait for one another. Where the system can fork, copies of the process work beside it;
 they know all that it knows, so nothing is sent to them, and what they send back names what it knew
-already instead of copying it. Elsewhere threads do the work.
+already instead of copying it. Elsewhere threads do the work. Meanwhile a matrix product or a
+factorisation takes one thread: those of small matrices in several processes at once wait for one
+another for longer than the work takes.
 """
 
 from __future__ import annotations
@@ -21,13 +23,14 @@ import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from functools import cache, partial
 from multiprocessing.connection import Connection, Pipe
 from multiprocessing.process import BaseProcess
 from types import FunctionType, MappingProxyType, MethodType, ModuleType
 from typing import Any, TypeVar
 
 import numpy as np
+from threadpoolctl import ThreadpoolController
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -71,8 +74,17 @@ def in_parallel(
     [0, 1, 4, 9]
     """
     tasks = list(items)
+    if getattr(_here, "has_part", False):
+        return [work(task) for task in tasks]
     workers = min(workers or min(MAX_WORKERS, _cores()), len(tasks))
-    if workers < 2 or getattr(_here, "has_part", False):
+    with _matrix_libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas"):
+        return _shared_out(work, tasks, workers)
+
+
+def _shared_out(
+    work: Callable[[Item], Result], tasks: Sequence[Item], workers: int
+) -> list[Result]:
+    if workers < 2:
         return [work(task) for task in tasks]
     if _can_fork() and len(tasks) <= MOST_FORKED:
         _take_part(True)  # copies begin with what this thread has
@@ -82,6 +94,13 @@ def in_parallel(
             _take_part(False)
     with ThreadPoolExecutor(workers, initializer=_take_part, initargs=(True,)) as pool:
         return list(pool.map(work, tasks))
+
+
+@cache
+def _matrix_libraries(of_scipy: bool) -> ThreadpoolController:
+    """Those that are loaded; scipy brings one of its own. To look for them takes 1 ms."""
+    del of_scipy
+    return ThreadpoolController()
 
 
 def _take_part(does: bool) -> None:

@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from softid import parallel
 from softid.parallel import MAX_WORKERS, in_parallel
@@ -143,6 +144,22 @@ def test_a_part_is_not_shared_out_again(share: Share, *, forked: bool) -> None:
 
     assert all(in_parallel(work, range(4)))
     assert {place()} != set(in_parallel(lambda _: (time.sleep(0.02), place())[1], range(8)))
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_factorisations_take_one_thread_each(workers: int) -> None:
+    """Their threads on cores that are taken wait for one another; afterwards all is as before."""
+
+    def threads() -> set[int]:
+        found = threadpool_info()
+        return {lib["num_threads"] for lib in found if lib["user_api"] == "blas"}
+
+    with threadpool_limits(2, user_api="blas"):
+        if threads() != {2}:
+            pytest.skip("the matrix library has one thread only")
+        inside = in_parallel(lambda _: threads(), range(4), workers=workers)
+        assert inside == [{1}] * 4
+        assert threads() == {2}
 
 
 INTERRUPTED = """
