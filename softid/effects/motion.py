@@ -177,21 +177,23 @@ def _integrated(
     places = np.empty((len(stage_input), 2, 3))
     np.subtract(plan.stage_s, segment.log_start_s, out=places[:, 0])
     places[:, 1] = stage_input
+    with_room = np.concatenate((stage_input, stage_input[-1:]))  # see `Course.coefficients_by`
     equation = terms.equation(theta, term)
     sample = 1
     for first in range(0, plan.step_s.size, BLOCK):
-        block = slice(first, first + BLOCK)
-        coefficients, coefficients_by = _packed(model, theta, stage_input[block], derivatives)
+        length = min(BLOCK, plan.step_s.size - first)
+        block = slice(first, first + length)
+        inputs = with_room[first : first + length + 1]
+        coefficients, coefficients_by = _packed(model, theta, inputs, derivatives)
         reached = np.flatnonzero(plan.ends[block])
         stop = sample + reached.size
-        length = coefficients.shape[0]
         undivided = reached.size == length  # then what is found needs no copy
         states = motion[sample:stop] if undivided else np.empty((length, 2))
         tangents = by[sample:stop] if undivided else np.empty((length, tangent.shape[1]))
         course = Course(
             plan.step_s[block],
             places[block],
-            coefficients,
+            coefficients[:length],
             coefficients_by,
             terms.scale,
             terms.moves,

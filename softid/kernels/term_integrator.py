@@ -38,6 +38,9 @@ WHOLE = 1 << 12
 comes up within 1/5000 of the largest speed, and gives way as fast, needs thousandths where the
 motion breaks away."""
 
+FIRST_SHARE = 0.5
+"""Share of a step that its first piece begins with: halves."""
+
 ALIKE = 1e-6
 """Relative difference up to which two steps are equal, so that one predicts the next."""
 
@@ -59,8 +62,9 @@ class Course(NamedTuple):
     coefficients
         m, n, q and f of the affine law at the stages, shape (L, 3, 4).
     coefficients_by
-        Their derivatives in groups of `LANES` filled up with zeros, shape (L, 3, 4, G, LANES); of
-        length 0 when no derivatives are wanted.
+        Their derivatives in groups of `LANES` filled up with zeros, shape (L + 1, 3, 4, G, LANES),
+        the last of which is room for those of a step in pieces; of length 0 when no derivatives are
+        wanted. Those of a step that is taken in pieces are lost.
     scale
         Ranges of x, v and the own states, shape (2 + Z,).
     moves
@@ -159,10 +163,19 @@ def _enter(course: Course, i: int, step: Step) -> None:
 
 
 @inner
-def _enter_piece(course: Course, i: int, begin: float, share: float, step: Step, by: Array) -> None:
-    """Take the data of a piece of step ``i``, from a share of it on, into ``step`` and ``by``."""
-    wanted = by.shape[3] if course.coefficients_by.shape[0] > 0 else 0
-    at = step.at
+def _enter_piece(course: Course, i: int, begin: float, share: float, step: Step) -> None:
+    """Take the data of a piece of step ``i``, from a share of it on, into ``step``.
+
+    Derivatives by the coefficients take the place of those of the step, which its first half keeps
+    at the end of the course: to read them from either of two places would slow all steps.
+    """
+    at, by, last = step.at, course.coefficients_by, course.step_s.size
+    wanted = by.shape[3] if by.shape[0] > 0 else 0
+    for c in range(3 if begin == 0.0 and share == FIRST_SHARE else 0):
+        for q in range(4):
+            for f in range(wanted):
+                for lane in range(LANES):
+                    by[last, c, q, f, lane] = by[i, c, q, f, lane]
     for c in range(3):
         at.place[0, c], at.place[1, c] = 0.0, 0.0
         for j in range(3):
@@ -174,9 +187,8 @@ def _enter_piece(course: Course, i: int, begin: float, share: float, step: Step,
                 at.coefficients[c, q] = before + weight * course.coefficients[i, j, q]
                 for f in range(wanted):
                     for lane in range(LANES):
-                        before = by[0, c, q, f, lane] if j > 0 else 0.0
-                        found = course.coefficients_by[i, j, q, f, lane]
-                        by[0, c, q, f, lane] = before + weight * found
+                        before = by[i, c, q, f, lane] if j > 0 else 0.0
+                        by[i, c, q, f, lane] = before + weight * by[last, j, q, f, lane]
 
 
 @inlined
@@ -208,16 +220,12 @@ class Room(NamedTuple):
         The step at hand.
     transfer
         As in `carry`.
-    coefficients_by
-        Derivatives of the affine law's coefficients over a piece of a step, shape (1, 3, 4, groups,
-        LANES).
     last
-        Stage rates of the step before, shape (3 + 3 Z,).
+        Stage rates of what was taken last, shape (3 + 3 Z,).
     """
 
     step: Step
     transfer: Transfer
-    coefficients_by: Array
     last: Array
 
 
@@ -235,19 +243,20 @@ def _march(
 
     A step whose stages cannot be found is taken in pieces, each as long as its own can be. A piece
     begins at ``begin`` and is as long as ``size`` parts of `WHOLE`; what is not found has changed
-    nothing. ``follows`` says that what was taken last was as long, so that its inverse serves as a
-    start, and its rates where both were whole steps.
+    nothing. ``follows`` says that what was taken last was as long, so that its inverse and its
+    rates serve as a start.
     """
-    step, wanted = room.step, course.coefficients_by.shape[0] > 0
+    step, by = room.step, course.coefficients_by
+    wanted = by.shape[0] > 0
     i, begin, size, follows = 0, 0, WHOLE, False
     while i < course.step_s.size:
-        by, place, h = course.coefficients_by, i, course.step_s[i]
+        h = course.step_s[i]
         if size == WHOLE:
             _enter(course, i, step)
         else:
-            by, place, h = room.coefficients_by, 0, h * size / WHOLE
-            _enter_piece(course, i, begin / WHOLE, size / WHOLE, step, by)
-        _predict(step, room.last, state, follows and size == WHOLE)
+            h = h * size / WHOLE
+            _enter_piece(course, i, begin / WHOLE, size / WHOLE, step)
+        _predict(step, room.last, state, follows)
         if not solve_stages(equation, step, state, h, follows, wanted):
             if not follows:
                 size //= 2
@@ -256,15 +265,15 @@ def _march(
                 return False
             continue
         if wanted:
-            carry(equation, step, by, place, course.moves, room.transfer, tangent, h)
+            carry(equation, step, by, i, course.moves, room.transfer, tangent, h)
         advance(step, state, h)
+        for k in range(step.w.size):
+            room.last[k] = step.w[k]
         begin += size
         if begin < WHOLE:
             follows = begin % (2 * size) != 0
             size = min(size if follows else 2 * size, WHOLE - begin)
             continue
-        for k in range(step.w.size):
-            room.last[k] = step.w[k]
         states[i, 0], states[i, 1] = state[0], state[1]
         for p in range(tangents.shape[1] if wanted else 0):
             tangents[i, p] = tangent[0, p // LANES, p % LANES]
@@ -314,7 +323,6 @@ def integrate(
             np.zeros(size),
             np.empty(4),
         ),
-        np.empty((1, *course.coefficients_by.shape[1:])),
         np.empty(step.w.size),
     )
     solved: bool = _march(equation, course, state, carried, states, tangents, room)
