@@ -221,7 +221,7 @@ class Room(NamedTuple):
     transfer
         As in `carry`.
     last
-        Stage rates of what was taken last, shape (3 + 3 Z,).
+        Stage rates of the step before, shape (3 + 3 Z,).
     """
 
     step: Step
@@ -243,12 +243,12 @@ def _march(
 
     A step whose stages cannot be found is taken in pieces, each as long as its own can be. A piece
     begins at ``begin`` and is as long as ``size`` parts of `WHOLE`; what is not found has changed
-    nothing. ``follows`` says that what was taken last was as long, so that its inverse and its
-    rates serve as a start.
+    nothing. ``follows`` says that what was taken last was as long, so that its inverse serves as a
+    start, and ``predicts`` that it was a whole step, whose rates do.
     """
     step, by = room.step, course.coefficients_by
     wanted = by.shape[0] > 0
-    i, begin, size, follows = 0, 0, WHOLE, False
+    i, begin, size, follows, predicts = 0, 0, WHOLE, False, False
     while i < course.step_s.size:
         h = course.step_s[i]
         if size == WHOLE:
@@ -256,30 +256,31 @@ def _march(
         else:
             h = h * size / WHOLE
             _enter_piece(course, i, begin / WHOLE, size / WHOLE, step)
-        _predict(step, room.last, state, follows)
+        _predict(step, room.last, state, predicts)
         if not solve_stages(equation, step, state, h, follows, wanted):
             if not follows:
                 size //= 2
-            follows = False
+            follows = predicts = False
             if size == 0:
                 return False
             continue
         if wanted:
             carry(equation, step, by, i, course.moves, room.transfer, tangent, h)
         advance(step, state, h)
-        for k in range(step.w.size):
-            room.last[k] = step.w[k]
         begin += size
         if begin < WHOLE:
             follows = begin % (2 * size) != 0
             size = min(size if follows else 2 * size, WHOLE - begin)
             continue
+        for k in range(step.w.size):
+            room.last[k] = step.w[k]
         states[i, 0], states[i, 1] = state[0], state[1]
         for p in range(tangents.shape[1] if wanted else 0):
             tangents[i, p] = tangent[0, p // LANES, p % LANES]
         i += 1
         was_whole, begin, size = size == WHOLE, 0, WHOLE
         follows = was_whole and i < course.step_s.size and _is_alike(course.step_s, i)
+        predicts = follows
     return True
 
 
