@@ -39,7 +39,7 @@ comes up within 1/5000 of the largest speed, and gives way as fast, needs thousa
 motion breaks away."""
 
 FIRST_SHARE = 0.5
-"""Share of a step that its first piece begins with: halves."""
+"""Share of a step that is tried first where the whole of it fails."""
 
 ALIKE = 1e-6
 """Relative difference up to which two steps are equal, so that one predicts the next."""

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, standing_at
+from softid.diagnosis.refit.usual_law import usual_law
 from softid.effects import extended_name
 from softid.effects.base import Effect
 
 LIGHTER = 0.1
 """What is left of an inertia when its time is given to a lag."""
-
-LEAST_DAMPING_RATIO = 0.7
-"""A law that is damped less swings, which no chain of lags does; noise and what the base gets wrong
-let two equal poles look a little like it."""
 
 
 def alternatives(candidate: Candidate) -> list[Candidate]:
@@ -37,14 +33,14 @@ def exchanged(candidate: Candidate) -> list[Candidate]:
     """
     problem, late = candidate.problem, _late_effect(candidate)
     inertia = problem.model.inertia_parameter
-    law = problem.model.motion_law(problem.theta(candidate.minimum.point))
-    if inertia not in problem.free or late is None or law is None:
+    if inertia not in problem.free or late is None:
+        return []
+    usual = usual_law(candidate)
+    if usual is None:
         return []
     effect, lag = late
     values, slowness = candidate.parameters, effect.slowness
     lag_s = values[lag] / slowness
-    damping, stiffness, _ = law.coefficients(np.concatenate([s.input for s in problem.segments]))
-    usual = _Usual(law.mass, max(float(np.median(damping)), 1e-300), float(np.median(stiffness)))
     places = []
     if usual.inertia_s > lag_s:
         places.append({lag: slowness * usual.inertia_s, inertia: LIGHTER * usual.mass})
@@ -55,35 +51,6 @@ def exchanged(candidate: Candidate) -> list[Candidate]:
         inertia_left = lag_s * fast_s * usual.stiffness
         places.append(place | {lag: slowness * slow_s, inertia: inertia_left})
     return [_moved(candidate, place) for place in places]
-
-
-class _Usual(NamedTuple):
-    """A law with the median of its coefficients over the logs."""
-
-    mass: float
-    damping: float
-    stiffness: float
-
-    @property
-    def inertia_s(self) -> float:
-        """Time that the inertia takes, M/N."""
-        return self.mass / self.damping
-
-    @property
-    def damping_s(self) -> float:
-        """Time that the damping takes, N/K."""
-        return self.damping / self.stiffness
-
-    @property
-    def poles_s(self) -> tuple[float, float]:
-        """T₁ ≥ T₂ with N/K = T₁ + T₂ and M/K = T₁T₂; both zero where the law swings."""
-        if self.stiffness <= 0.0:
-            return 0.0, 0.0
-        ratio = self.damping / (2.0 * np.sqrt(self.mass * self.stiffness))
-        if ratio < LEAST_DAMPING_RATIO:
-            return 0.0, 0.0
-        apart = np.sqrt(max(1.0 - ratio**-2, 0.0))
-        return 0.5 * self.damping_s * (1.0 + apart), 0.5 * self.damping_s * (1.0 - apart)
 
 
 def _late_effect(candidate: Candidate) -> tuple[Effect, str] | None:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.usual_law import usual_law
 from softid.effects import own_values
 from softid.effects.base import Effect
 
@@ -52,15 +53,10 @@ def displacing(final: Candidate, base: Candidate) -> frozenset[str]:
 
 def _times(candidate: Candidate) -> Times | None:
     """Those of the motion at the usual input; None where nothing pulls it back."""
-    problem = candidate.problem
-    law = problem.model.motion_law(problem.theta(candidate.minimum.point))
-    if law is None:
+    law = usual_law(candidate)
+    if law is None or law.stiffness <= 0.0:
         return None
-    inputs = np.concatenate([segment.input for segment in problem.segments])
-    damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(inputs))
-    if stiffness <= 0.0:
-        return None
-    return Times(damping / stiffness, float(np.sqrt(law.mass / stiffness)))
+    return Times(law.damping_s, law.swing_s)
 
 
 def _times_of(final: Candidate, effect: Effect) -> Times | None:
