@@ -90,6 +90,7 @@ def _jobs() -> Iterator[Job]:
     yield "fits of the muscle", partial(fit, log, model="muscle")
     yield "fits of the oscillator", partial(fit, log, model="oscillator")
     yield from _effects(inside=False)
+    yield _pair()
 
 
 def _effects(*, inside: bool) -> Iterator[Job]:
@@ -104,7 +105,17 @@ def _effects(*, inside: bool) -> Iterator[Job]:
     laws = (*EFFECTS.values(), *UNLISTED_LAWS, *PROBES)
     for law, base in product(laws, (Muscle(), Oscillator())):
         if issubclass(law, StateEffect) == inside:
-            yield "effects", partial(_extended, base, law(), segment)
+            yield "effects", partial(_extended, base, (law(),), segment)
+
+
+def _pair() -> Job:
+    """Two effects with states of their own: there is an integrator for every number of them."""
+    from softid.effects import EFFECTS
+    from softid.models.muscle import Muscle
+
+    (segment,) = _drawn().segments()
+    effects = (EFFECTS["creep"](), EFFECTS["softening"]())
+    return "two effects at once", partial(_extended, Muscle(), effects, segment)
 
 
 def _drawn() -> Log:
@@ -130,8 +141,8 @@ def _moved(model: Model, segment: Segment) -> None:
     model.guess([segment], "angle")
 
 
-def _extended(base: Model, effect: Effect, segment: Segment) -> None:
-    """Simulate a model with one effect."""
+def _extended(base: Model, effects: tuple[Effect, ...], segment: Segment) -> None:
+    """Simulate a model with effects."""
     import numpy as np
 
     from softid.effects import ExtendedModel, Scale
@@ -154,7 +165,7 @@ def _extended(base: Model, effect: Effect, segment: Segment) -> None:
         x_unit="rad",
         y_unit="rad",
     )
-    model = ExtendedModel(base.adapted({"input": "kPa", "angle": "rad"}), (effect,), scale)
+    model = ExtendedModel(base.adapted({"input": "kPa", "angle": "rad"}), effects, scale)
     theta = np.array([p.value for p in model.parameters().values()])
     for derivatives in (False, True):
         model.response(theta, segment, ("angle",), start=None, derivatives=derivatives)

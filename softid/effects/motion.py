@@ -276,6 +276,7 @@ def _gather(
         own.append(len(follows) if effect.has_state else -1)
         if effect.has_state:
             follows.append(effect.follows_position)
+    ranges = [scale.x_span, scale.v_max, *(scale.x_span if does else 1.0 for does in follows)]
     own_moves = DIFFERENCE * np.maximum(np.abs(theta), 1e-12) if term is None else term.moves
     return _Terms(
         np.array([effect.address() for effect in effects], np.int64),
@@ -283,7 +284,7 @@ def _gather(
         np.array(begins, np.int64),
         np.array(own, np.int64),
         tuple(follows),
-        np.array([scale.x_span, scale.v_max, *(scale.x_span if f else 1.0 for f in follows)]),
+        np.array(ranges, np.float64),
         np.concatenate((own_moves, DIFFERENCE * np.array(sizes))),
         np.array(columns, np.int64),
     )

@@ -95,5 +95,5 @@ inner: Any = njit(**_OPTIONS)
 take longer than its arithmetic, so it must not make any: no views, copies or new arrays. It is kept
 on disk as part of the kernel that calls it."""
 
-inlined: Any = njit(forceinline=True, **_OPTIONS)
-"""The same, written out where it is called."""
+inlined: Any = njit(inline="always", **_OPTIONS)
+"""The same, written out where it is called, and nowhere compiled by itself."""

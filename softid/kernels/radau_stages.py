@@ -60,6 +60,9 @@ class Step(NamedTuple):
     ----------
     at
         The stages.
+    own
+        Zeros, as many as there are own states: a tuple's length is part of its type, so that there
+        is one compiled step for every number of them, whose loops are written out.
     scale
         Ranges of x, v and the own states, shape (2 + Z,).
     w
@@ -82,6 +85,7 @@ class Step(NamedTuple):
     """
 
     at: Instants
+    own: tuple[int, ...]
     scale: Array
     w: Array
     residual: Array
@@ -99,7 +103,7 @@ class Step(NamedTuple):
 def _leave(equation: Equation, step: Step, state: Array, h: float) -> None:
     """Residual of the stage equations at ``step.w``, from ``state`` over ``h``."""
     points, w = step.at.points, step.w
-    n_own = state.size - 2
+    n_own = len(step.own)
     for c in range(3):
         x, a = state[0], -B1[c] * state[1] / h
         for j in range(3):
@@ -122,7 +126,7 @@ def _leave(equation: Equation, step: Step, state: Array, h: float) -> None:
 def _differentiate(equation: Equation, step: Step) -> None:
     """Slopes at the stages whose residual `_leave` left."""
     points, parts, kept, slopes = step.at.points, step.at.parts, step.kept, step.slopes
-    n_own = points.shape[1] - 3
+    n_own = len(step.own)
     for c in range(3):
         for i in range(5):
             kept[i] = parts[c, i]
@@ -149,7 +153,7 @@ def _invert(step: Step, h: float) -> None:
         for j in range(3):
             blocks[0, c, j] = heavy * B[c, j] + slopes[c, 0, 0] * h * A[c, j]
         blocks[0, c, c] += slopes[c, 1, 0]
-    for k in range(forth.shape[0]):
+    for k in range(len(step.own)):
         for c in range(3):
             for j in range(3):
                 blocks[1 + k, c, j] = -slopes[c, 2 + k, 1 + k] * h * A[c, j]
@@ -177,7 +181,7 @@ def _solve(step: Step) -> None:
     """Newton's move for the residual."""
     residual, move, inverse = step.residual, step.move, step.inverse
     r0, r1, r2 = residual[0], residual[1], residual[2]
-    for k in range(step.forth.shape[0]):
+    for k in range(len(step.own)):
         for j in range(3):
             left = residual[3 * (k + 1) + j]
             r0 -= step.forth[k, 0, j] * left
@@ -185,7 +189,7 @@ def _solve(step: Step) -> None:
             r2 -= step.forth[k, 2, j] * left
     for c in range(3):
         move[c] = inverse[0, c, 0] * r0 + inverse[0, c, 1] * r1 + inverse[0, c, 2] * r2
-    for k in range(step.back.shape[0]):
+    for k in range(len(step.own)):
         for c in range(3):
             found = 0.0
             for j in range(3):
@@ -222,7 +226,7 @@ def solve_stages(
             _invert(step, h)
         _solve(step)
         worst = 0.0
-        for i in range(step.w.size):
+        for i in range(3 + 3 * len(step.own)):
             move = step.move[i]
             if not np.isfinite(move):
                 return False
@@ -248,6 +252,6 @@ def advance(step: Step, state: Array, h: float) -> None:
     """Move the state to the end of a solved step."""
     for j in range(3):
         state[0] += h * A[2, j] * step.w[j]
-        for k in range(state.size - 2):
+        for k in range(len(step.own)):
             state[2 + k] += h * A[2, j] * step.w[3 * (k + 1) + j]
     state[1] = step.w[2]

@@ -44,7 +44,7 @@ def _weigh(step: Step, weights: Array, h: float) -> None:
     The end follows from the stages' velocities directly and, for an own state, from its rates,
     which answer to the velocities by G; the velocities answer to the own right-hand sides by F.
     """
-    n_own = step.forth.shape[0]
+    n_own = len(step.own)
     for s in range(2 + n_own):
         for j in range(3):
             found = 0.0
@@ -73,7 +73,7 @@ def _weigh(step: Step, weights: Array, h: float) -> None:
 def _answer(step: Step, transfer: Transfer, h: float) -> None:
     """States at the end by those at the start and by forces at the stages."""
     weights, matrix, slopes = transfer.weights, transfer.matrix, step.slopes
-    n_own = step.forth.shape[0]
+    n_own = len(step.own)
     for s in range(2 + n_own):
         by_x, by_v = 1.0 if s == 0 else 0.0, 0.0
         for c in range(3):
@@ -95,7 +95,7 @@ def _answer(step: Step, transfer: Transfer, h: float) -> None:
 def _force_by_coefficients(step: Step, coefficients_by: Array, i: int, transfer: Transfer) -> None:
     """Derivatives of the force at the stages by the parameters of an affine law."""
     at, factors, columns = step.at, transfer.factors, transfer.columns
-    n_own, n_groups = at.points.shape[1] - 3, coefficients_by.shape[3]
+    n_own, n_groups = len(step.own), coefficients_by.shape[3]
     stride, row = n_groups * LANES, columns.shape[1] * LANES
     for c in range(3):
         factors[0] = at.parts[c, 0] * at.points[c, 2 + n_own]
@@ -124,11 +124,11 @@ def _add_moved(
         vector[place] = here + moves[p]
         for c in range(3):
             force = (unbalanced(equation, at, c) - step.residual[c]) / moves[p]
-            for s in range(tangent.shape[0]):
+            for s in range(2 + len(step.own)):
                 tangent[s, p // LANES, p % LANES] -= weights[s, c] * force
-            for k in range(tangent.shape[0] - 2):
+            for k in range(len(step.own)):
                 rate = (at.rates[c, k] - step.rates[c, k]) / moves[p]
-                for s in range(tangent.shape[0]):
+                for s in range(2 + len(step.own)):
                     tangent[s, p // LANES, p % LANES] += weights[s, 3 * (k + 1) + c] * rate
         vector[place] = here
 
@@ -165,7 +165,7 @@ def carry(
     """
     _weigh(step, transfer.weights, h)
     _answer(step, transfer, h)
-    for s in range(tangent.shape[0]):
+    for s in range(2 + len(step.own)):
         for f in range(tangent.shape[1]):
             for lane in range(LANES):
                 transfer.columns[s, f, lane] = tangent[s, f, lane]

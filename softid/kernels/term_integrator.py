@@ -92,6 +92,7 @@ def _room(scale: Array) -> Step:
     )
     return Step(
         at,
+        (0,) * n_own,
         scale,
         np.zeros(size),
         np.empty(size),
@@ -194,7 +195,7 @@ def _enter_piece(course: Course, i: int, begin: float, share: float, step: Step)
 @inlined
 def _predict(step: Step, last: Array, state: Array, follows: bool) -> None:
     """Start values of the stage rates: the last step's polynomial, or no acceleration."""
-    for r in range(step.w.size // 3):
+    for r in range(1 + len(step.own)):
         for c in range(3):
             guess = state[1] if r == 0 else 0.0
             if follows:
@@ -248,7 +249,8 @@ def _march(
     """
     step, by = room.step, course.coefficients_by
     wanted = by.shape[0] > 0
-    i, begin, size, follows, predicts = 0, 0, WHOLE, False, False
+    i: int = np.int64(0)  # type: ignore[assignment]  # a constant has numba compile its users twice
+    begin, size, follows, predicts = 0, WHOLE, False, False
     while i < course.step_s.size:
         h = course.step_s[i]
         if size == WHOLE:
@@ -272,7 +274,7 @@ def _march(
             follows = begin % (2 * size) != 0
             size = min(size if follows else 2 * size, WHOLE - begin)
             continue
-        for k in range(step.w.size):
+        for k in range(3 + 3 * len(step.own)):
             room.last[k] = step.w[k]
         states[i, 0], states[i, 1] = state[0], state[1]
         for p in range(tangents.shape[1] if wanted else 0):
