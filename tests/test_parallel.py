@@ -163,8 +163,10 @@ def test_factorisations_take_one_thread_each(workers: int) -> None:
 
 
 INTERRUPTED = """
+import signal
 import time
 from softid import parallel
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background ignores it
 parallel._cores = lambda: 3
 def work(item):
     print("begun", flush=True)
