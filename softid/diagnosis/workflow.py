@@ -205,7 +205,10 @@ def _searched(
 
 
 def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
-    """The diagnosis of what was found; where that is unknown, of what is sure in its place."""
+    """The diagnosis of what was found; where that is unknown, of what is sure in its place.
+
+    Numbers may refuse a name that a search gave, and no other beginning has been tried then.
+    """
     search.report("computing errors", 0.9)
     answer = _answer(search.base, found, search.seed)
     alone = search.without_causes() if answer.verdict is Verdict.UNKNOWN else None
@@ -213,10 +216,17 @@ def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
         refused = unsure_issues(answer.descriptive)
         answer = _answer(search.base, alone, search.seed)
         answer = replace(answer, issues=(*answer.issues, *refused))
-    if answer.verdict is not Verdict.UNKNOWN or found.remainder.structured:
+    if answer.verdict is not Verdict.UNKNOWN or found.came_to_nothing:
         return answer
-    other = search.search_from_multistart(found)
-    return _answer(search.base, other, search.seed) if other else answer
+    for search_again in (
+        lambda: search.search_from_multistart(found),
+        lambda: search.search_from_other_causes(found.chain),
+    ):
+        other = search_again()
+        again = _answer(search.base, other, search.seed) if other else answer
+        if again.verdict is not Verdict.UNKNOWN:
+            return again
+    return answer
 
 
 def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, BaseFit, int]:

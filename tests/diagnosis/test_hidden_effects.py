@@ -133,6 +133,17 @@ def test_a_resonance_slower_than_its_actuator_is_found() -> None:
         assert parameter.value == pytest.approx(true[parameter.name.split("_")[-1]], rel=0.02)
 
 
+def test_a_wall_that_stands_for_clipping_is_seen_through() -> None:
+    """A wall of the largest stiffness leaves what looks like noise, and its numbers refuse a name.
+
+    It was unknown: no other first cause was tried, as what was left looked like noise.
+    """
+    assert outcome_of(["sensor_clipping", "contact"], seed=104).told == {
+        "sensor_clipping",
+        "contact",
+    }
+
+
 def test_two_hidden_effects_are_both_found() -> None:
     """Stands on the generator's truth: a lag and a drift hide each other in nothing."""
     assert outcome_of(["sensor_drift", "delay"], seed=7).told == {"sensor_drift", "delay"}
