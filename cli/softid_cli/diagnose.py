@@ -141,7 +141,7 @@ def _require_effects(names: Sequence[str]) -> None:
             raise no_such_effect(name, list(EFFECTS))
 
 
-def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, str | bytes]]:
+def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:
     """The diagnosis and its plots."""
     model, parameters, saved = _base(request)
     logs = load_logs(
@@ -169,9 +169,9 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, str | bytes]]
             return found, {}
         if report is not None:
             report("drawing", 1.0)
-        from softid_cli.figures import drawn_diagnosis
+        from softid.plots import png_files
 
-        return found, drawn_diagnosis(found)
+        return found, png_files(found)
 
 
 def _base(

@@ -124,9 +124,9 @@ def score(
     result = replace(result, issues=(*noticed, *result.issues))
     document = validation_document(result, params=params)
     if out is not None:
-        from softid_cli.figures import drawn
+        from softid.plots import png_files
 
-        plots = drawn(result)
+        plots: dict[str, str | bytes] = {**png_files(result)}
         document |= {"plots": dict(plot_fingerprints(plots))}
         files = {RECORD: dump_json(document), **plots}
         write_folder(out, files, overwrite=force, superseded=recorded_plots(out / RECORD))

@@ -219,8 +219,8 @@ def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
     if answer.verdict is not Verdict.UNKNOWN or found.came_to_nothing:
         return answer
     for search_again in (
-        lambda: search.search_from_multistart(found),
-        lambda: search.search_from_other_causes(found.chain),
+        partial(search.search_from_multistart, found),
+        partial(search.search_from_other_causes, found.chain),
     ):
         other = search_again()
         again = _answer(search.base, other, search.seed) if other else answer

@@ -9,6 +9,7 @@ from softid.plots.gallery import draw_all, figures
 from softid.plots.loops import Loop, draw_loops
 from softid.plots.parameter_correlation import draw_parameter_correlation
 from softid.plots.picture import Picture
+from softid.plots.png_files import png_files
 from softid.plots.profile import draw_profile
 from softid.plots.residual_correlation import draw_residual_correlation
 from softid.plots.residual_scatter import ResidualPoints, draw_residual_scatter
@@ -43,4 +44,5 @@ __all__ = [
     "figures",
     "new_figure",
     "png_bytes",
+    "png_files",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,8 +13,9 @@ from softid.plots.before_after import Scored, draw_before_after
 from softid.plots.canvas import Display, listed, shortened
 from softid.plots.chain import draw_chain
 from softid.plots.cycles import find_cycles
+from softid.plots.drawings import Drawing, applying, file_name
 from softid.plots.evidence import Mark, draw_evidence, spoken
-from softid.plots.gallery import FEWEST_RESIDUALS, STILL_SHARE, file_name, scored
+from softid.plots.gallery import FEWEST_RESIDUALS, STILL_SHARE, scored
 from softid.plots.loop_area import LoopWidth, draw_loop_area, loop_width
 from softid.plots.residual_scatter import residual_points
 from softid.plots.what_is_left import draw_what_is_left
@@ -23,35 +25,52 @@ MOST_LOGS = 3
 """Logs shown before and after; those held out come first, then those that gain the most."""
 
 
-def diagnosis_figures(diagnosis: Diagnosis) -> Iterator[tuple[str, Figure]]:
-    """Draw the plots of a diagnosis one after the other, at most seven.
+def diagnosis_drawings(diagnosis: Diagnosis) -> list[tuple[str, Drawing]]:
+    """What draws the plots of a diagnosis, each by itself, at most seven.
 
     Parameters
     ----------
     diagnosis
         What was found. The simulations of its fits must be there.
 
-    Yields
-    ------
-    tuple of str and Figure
-        File name without suffix, and the plot: ``before_after_LOG`` for up to `MOST_LOGS` logs,
-        then what applies of ``what_is_left``, ``loop_area``, ``evidence`` and ``chain``.
+    Returns
+    -------
+    list of tuple of str and callable
+        File name without suffix, and what draws the plot: ``before_after_LOG`` for up to
+        `MOST_LOGS` logs, then ``what_is_left``, ``loop_area``, ``evidence`` and ``chain``, as far
+        as they apply.
     """
     taken: set[str] = set()
     several = len(diagnosis.base.outputs) > 1
+    found: list[tuple[str, Drawing]] = []
     for before, after in chosen_logs(diagnosis):
         channel = f"_{before.statistics.channel}" if several else ""
         name = f"before_after_{before.simulation.log}{channel}"
-        yield file_name(name, taken), draw_before_after(before, after)
+        found.append((file_name(name, taken), partial(draw_before_after, before, after)))
     for name, draw in (
         ("what_is_left", what_is_left_figure),
         ("loop_area", loop_area_figure),
         ("evidence", evidence_figure),
         ("chain", chain_figure),
     ):
-        figure = draw(diagnosis)
-        if figure is not None:
-            yield file_name(name, taken), figure
+        found.append((file_name(name, taken), partial(draw, diagnosis)))
+    return found
+
+
+def diagnosis_figures(diagnosis: Diagnosis) -> Iterator[tuple[str, Figure]]:
+    """Draw the plots of a diagnosis one after the other, at most seven.
+
+    Parameters
+    ----------
+    diagnosis
+        As in `diagnosis_drawings`.
+
+    Yields
+    ------
+    tuple of str and Figure
+        File name without suffix, and the plot, of those that apply.
+    """
+    yield from applying(diagnosis_drawings(diagnosis))
 
 
 def chosen_logs(diagnosis: Diagnosis) -> list[tuple[Scored, Scored | None]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +25,7 @@ from softid.plots.curves import (
 )
 from softid.plots.cycles import find_cycles
 from softid.plots.damping import draw_damping
+from softid.plots.drawings import Drawing, applying, file_name
 from softid.plots.equilibrium_trials import Subject as TrialSubject
 from softid.plots.equilibrium_trials import (
     damping_trials,
@@ -42,7 +44,6 @@ from softid.results import FitResult, FitStatistics, Simulation, Validation
 
 Array = npt.NDArray[np.float64]
 
-LONGEST_FILE_NAME = 100
 FEWEST_RESIDUALS = 8
 STILL_SHARE = 0.05
 """An input that moves less than this share of the liveliest one stands still."""
@@ -301,42 +302,59 @@ def parameter_correlation_figure(result: FitResult) -> Figure | None:
     )
 
 
-def draw_all(result: FitResult | Validation) -> Iterator[tuple[str, Figure]]:
-    """Draw the plots of a result one after the other, so that only one needs to be in memory.
+def drawings(result: FitResult | Validation) -> list[tuple[str, Drawing]]:
+    """What draws the plots of a result, each by itself.
 
     Parameters
     ----------
     result
         A fit, or scores of a fixed model; the latter has only the plots per log.
 
-    Yields
-    ------
-    tuple of str and Figure
-        File name without suffix, and the plot: ``response_LOG`` for every log, then what applies
-        of ``static_curve``, ``damping``, ``loops``, ``residual_correlation``,
+    Returns
+    -------
+    list of tuple of str and callable
+        File name without suffix, and what draws the plot: ``response_LOG`` for every log, then
+        ``static_curve``, ``damping``, ``loops``, ``residual_correlation``,
         ``residual_scatter``, ``damping_trials``, ``mass_trials``, ``phase_portrait`` and
-        ``parameter_correlation``. With several outputs the channel
+        ``parameter_correlation``, as far as they apply. With several outputs the channel
         follows the name.
     """
     fit = result if isinstance(result, FitResult) else None
     ranges = result.fitted_range.get(result.input)
     taken: set[str] = set()
     several = len(result.outputs) > 1
+    found: list[tuple[str, Drawing]] = []
     for simulation, score in scored(result):
         name = f"response_{simulation.log}" + (f"_{score.channel}" if several else "")
-        yield file_name(name, taken), draw_response(simulation, score, fitted_range=ranges)
+        response = partial(draw_response, simulation, score, fitted_range=ranges)
+        found.append((file_name(name, taken), response))
     if fit is None or not fit.simulations:
-        return
+        return found
     model = model_of(fit.model)
     for output in fit.outputs:
         pairs = tuple(pair for pair in scored(fit) if pair[1].channel == output)
         for kind, draw in PER_OUTPUT.items():
-            figure = draw(Subject(fit, model, output, pairs))
-            if figure is not None:
-                yield file_name(kind + (f"_{output}" if several else ""), taken), figure
-    table = parameter_correlation_figure(fit)
-    if table is not None:
-        yield file_name("parameter_correlation", taken), table
+            name = file_name(kind + (f"_{output}" if several else ""), taken)
+            found.append((name, partial(draw, Subject(fit, model, output, pairs))))
+    table = partial(parameter_correlation_figure, fit)
+    found.append((file_name("parameter_correlation", taken), table))
+    return found
+
+
+def draw_all(result: FitResult | Validation) -> Iterator[tuple[str, Figure]]:
+    """Draw the plots of a result one after the other, so that only one needs to be in memory.
+
+    Parameters
+    ----------
+    result
+        As in `drawings`.
+
+    Yields
+    ------
+    tuple of str and Figure
+        File name without suffix, and the plot, of those that apply.
+    """
+    yield from applying(drawings(result))
 
 
 def figures(result: FitResult | Validation) -> dict[str, Figure]:
@@ -354,21 +372,3 @@ def scored(
         for score in result.statistics
         if score.log == simulation.log and score.channel in simulation.measured
     )
-
-
-def file_name(name: str, taken: set[str]) -> str:
-    """A name that every file system takes, different from those taken already in any case.
-
-    Examples
-    --------
-    >>> seen = set()
-    >>> file_name("response_a/b", seen), file_name("response_a_b", seen)
-    ('response_a_b', 'response_a_b-2')
-    """
-    plain = "".join(c if c.isalnum() or c in "-_." else "_" for c in name)[:LONGEST_FILE_NAME]
-    free, number = plain, 1
-    while free.casefold() in taken:
-        number += 1
-        free = f"{plain}-{number}"
-    taken.add(free.casefold())
-    return free

@@ -50,5 +50,5 @@ def desk(monkeypatch: pytest.MonkeyPatch) -> Desk:
         return step_log(Path(path).stem)
 
     monkeypatch.setattr("softid.readers.load", load, raising=False)
-    monkeypatch.setattr("softid_cli.figures.drawn", lambda _: {"fit.png": b"\x89PNG"})
+    monkeypatch.setattr("softid.plots.png_files", lambda _: {"fit.png": b"\x89PNG"})
     return desk

@@ -43,7 +43,7 @@ def bench(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> Desk:
     fake.diagnose = diagnose  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "softid.diagnosis", fake)
     drawn = {"before_after.png": b"\x89PNG"}
-    monkeypatch.setattr("softid_cli.figures.drawn_diagnosis", lambda _: drawn)
+    monkeypatch.setattr("softid.plots.png_files", lambda _: drawn)
     return desk
 
 

@@ -129,11 +129,11 @@ def test_no_plot_of_an_earlier_model_stays(
     """--force: the old result's own plots go; the user's files and altered plots stay."""
     folder = Path("mine")
     earlier = {"damping.png": b"N", "loops.png": b"L", "touched.png": b"T"}
-    monkeypatch.setattr("softid_cli.figures.drawn", lambda _: dict(earlier))
+    monkeypatch.setattr("softid.plots.png_files", lambda _: dict(earlier))
     assert softid("fit", "step_1.csv", "--out", folder).code == 0
     (folder / "response_mine.png").write_bytes(b"mine")
     (folder / "touched.png").write_bytes(b"T with an arrow")
-    monkeypatch.setattr("softid_cli.figures.drawn", lambda _: {"loops.png": b"l"})
+    monkeypatch.setattr("softid.plots.png_files", lambda _: {"loops.png": b"l"})
     assert softid("fit", "step_1.csv", "--out", folder, "--force").code == 0
     names = ["loops.png", "params.json", "response_mine.png", "touched.png"]
     assert sorted(p.name for p in folder.iterdir()) == names

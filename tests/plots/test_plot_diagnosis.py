@@ -9,7 +9,7 @@ import pytest
 from diagnosis_rig import cause, diagnosis, rmse
 
 from softid.diagnosis_results import Alternative, Diagnosis, Evidence, Verdict
-from softid.plots import png_bytes
+from softid.plots import png_bytes, png_files
 from softid.plots.canvas import Display
 from softid.plots.chain import draw_chain
 from softid.plots.diagnosis_gallery import (
@@ -39,7 +39,7 @@ def test_a_named_cause_has_its_plots(named: Diagnosis) -> None:
         "evidence",
         "chain",
     ]
-    assert all(png_bytes(figure)[:4] == b"\x89PNG" for figure in drawn.values())
+    assert png_files(named) == {f"{name}.png": png_bytes(f) for name, f in drawn.items()}
 
 
 def test_nothing_named(named: Diagnosis) -> None:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from handmade import DEGREE, fit_result, simulation, step_log, validation
 
-from softid.plots import draw_all, figures, png_bytes
-from softid.plots.gallery import file_name
+from softid.plots import draw_all, figures, png_bytes, png_files
+from softid.plots.drawings import file_name
 from softid.plots.residual_correlation import residual_correlation
 from softid.plots.residual_scatter import binned_medians, residual_points, usual_limits
 from softid.results import FitResult, ModelSpec, Simulation
@@ -111,6 +111,14 @@ def test_figures_come_one_by_one() -> None:
     first, figure = next(draw_all(noisy_fit()))
     assert first == "response_step_1"
     assert figure.axes
+
+
+def test_files_are_the_plots() -> None:
+    """Whoever draws them, in the same order."""
+    files = png_files(noisy_fit())
+    drawn = figures(noisy_fit())
+    assert list(files) == [f"{name}.png" for name in drawn]
+    assert files == {f"{name}.png": png_bytes(figure) for name, figure in drawn.items()}
 
 
 def test_file_names_are_safe_and_different() -> None:
