@@ -144,6 +144,8 @@ class Effect(ABC):
         Whether it matters to it where the position is zero, which nothing else may show.
     sticks
         Whether it holds the actuator off its equilibrium at rest.
+    mutes
+        Whether the reading stands still at the ends of its range, where no noise shows.
     slowness
         How many times the time constant of a lag its amplitude is, where that is a time and both
         are as late.
@@ -171,6 +173,7 @@ class Effect(ABC):
     ceilings: ClassVar[tuple[str, ...]] = ()
     counts_position: ClassVar[bool] = False
     sticks: ClassVar[bool] = False
+    mutes: ClassVar[bool] = False
     slowness: ClassVar[float] = 1.0
     has_one_form: ClassVar[bool] = False
     plain_at: ClassVar[tuple[str, float] | None] = None

@@ -52,6 +52,7 @@ class SensorClipping(OutputEffect):
     shown_by: ClassVar[str] = "levels that pass the end of the sensor's range and come back"
     source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.2"
     amplitude: ClassVar[str | None] = None
+    mutes: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The upper limit, from 0.3 of the range to a whole range beyond it."""

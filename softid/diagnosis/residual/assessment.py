@@ -11,7 +11,7 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.coloured_noise import ColourTest, colour_test
 from softid.diagnosis.residual.jump_timing import with_open_jumps
-from softid.diagnosis.residual.motion import residual_context
+from softid.diagnosis.residual.motion import muted_samples, residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
 from softid.diagnosis.residual.projection import rows_of
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
@@ -36,8 +36,9 @@ EXCESS_SDS = 3.0
 """And by so many deviations of the estimate of the noise more."""
 
 LEAST_COLOUR = 0.5
-"""Slow noise is looked for where its power would be this share of the fast part's at least: beside
-a larger one a misfit has no marks, and nor has what a wrong law leaves of it."""
+"""Noise that lasts as long as a motion is looked for where its power would be this share of the
+fast part's at least: beside a larger one a misfit has no marks, and nor has what a wrong law leaves
+of it."""
 
 LITTLE_EXPLAINED = 0.8
 """Causes that explain less than this share of a misfit explain little."""
@@ -65,15 +66,14 @@ def assess(
         Draws the shifts of the null.
     """
     before, after = residual_context(base), residual_context(final)
-    floor = _floor_of(after, scale)
-    found = _look(before, after, floor, scale, final, rng=rng)
+    found = _look(before, after, scale, final, rng=rng)
     if not found.structured:
         return found
-    jumps = with_open_jumps(final, after, _least_noise(floor, before), _slopes_of(final))
+    least = _least_noise(_floor_of(_heard(after, final), scale), before)
+    jumps = with_open_jumps(final, after, least, _slopes_of(final))
     if jumps is None:
         return found
-    floor = _floor_of(jumps.parts, scale)
-    timed = _look(before, jumps.parts, floor, scale, final, rng=rng)
+    timed = _look(before, jumps.parts, scale, final, rng=rng)
     if timed.structured:
         return found
     return replace(timed, rms=found.rms, open_jumps=jumps.count, open_jumps_scatter=jumps.scatter)
@@ -82,7 +82,6 @@ def assess(
 def _look(
     before: Sequence[ResidualContext],
     after: Sequence[ResidualContext],
-    floor: NoiseFloor,
     scale: Scale,
     final: Candidate,
     *,
@@ -91,15 +90,19 @@ def _look(
     """Look at a residual and at the one that it was before causes were added.
 
     Without a rest, what is larger than the fastest part of the noise may be slow noise: if it shows
-    all marks of that, it is as large as what is left.
+    all marks of that, it is as large as what is left. Where it is hardly larger it must be brief,
+    too.
     """
     structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
-    colour = ColourTest()
-    is_loud = _power(after) > (1.0 + LEAST_COLOUR) * _least_noise(floor, before)
-    if is_loud and not (floor.from_rest or structure.significant):
-        colour = colour_test(after, scale.motion_s, slopes=_slopes_of(final), rng=rng)
+    heard = _heard(after, final)
+    floor, colour = _floor_of(heard, scale), ColourTest()
+    louder = _power(after) / _least_noise(floor, before) - 1.0
+    is_loud = louder > LEAST_COLOUR
+    if not (floor.from_rest or structure.significant) and louder > SMALLEST_EXCESS:
+        told = colour_test(heard, scale.motion_s, slopes=_heard_slopes(after, final), rng=rng)
+        colour = told if is_loud or told.is_brief else colour
         if colour.correlation_s is not None:
-            floor = _floor_of_colour(colour.correlation_s, after)
+            floor = _floor_of_colour(colour.correlation_s, heard)
     least = _least_noise(floor, before)
     excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
     explained = 1.0
@@ -188,6 +191,24 @@ def _floor_of(parts: Sequence[ResidualContext], scale: Scale) -> NoiseFloor:
         [p.time_s for p in parts],
         scale.motion_s,
     )
+
+
+def _heard(parts: Sequence[ResidualContext], model: Candidate) -> list[ResidualContext]:
+    """The residual where a sensor shows its noise."""
+    return [
+        replace(part, residual=np.where(muted, np.nan, part.residual))
+        for part, muted in zip(parts, muted_samples(model, parts), strict=True)
+    ]
+
+
+def _heard_slopes(parts: Sequence[ResidualContext], model: Candidate) -> list[Array]:
+    """The slopes at the samples at which the residual is finite and the sensor shows its noise."""
+    return [
+        slopes[~muted[np.isfinite(part.residual)]]
+        for part, muted, slopes in zip(
+            parts, muted_samples(model, parts), _slopes_of(model), strict=True
+        )
+    ]
 
 
 def _slopes_of(model: Candidate) -> list[Array]:

@@ -56,6 +56,11 @@ LAGS = 20
 NOT_WHITE = 1e-4
 """Innovations of less likely correlations are those of a misfit."""
 
+REMEMBERED = 1e-3
+"""Means are predicted by those before them where white ones would seem to be in fewer cases. The
+p-value is that of two coefficients of which both are known; where there is none, only their sum
+is, and it is two to three times larger."""
+
 NOT_NORMAL = 1e-6
 """So are those of a less likely skewness and kurtosis. Their p-value is that of many samples: one
 draw in 1300 of two hundred normal numbers lies beyond this, one in 10,000 of eight hundred."""
@@ -90,10 +95,14 @@ class ColourTest:
         Its correlation time, if it has all marks of noise; else None.
     against
         What it does that noise does not; None where nothing does, or too little is known to tell.
+    is_brief
+        Whether it has that time, and no means over a quarter of the motion's time constant or more
+        remember those before them: a misfit is not forgotten so soon.
     """
 
     correlation_s: float | None = None
     against: NotNoise | None = None
+    is_brief: bool = False
 
 
 def colour_test(
@@ -106,8 +115,9 @@ def colour_test(
     """Whether a residual is noise by all that it shows, and how slow that is.
 
     Means over equal times, from a quarter of the motion's time constant to 1/200 of the logs'
-    length, are made white by an autoregression. The innovations are tested for normality by Jarque
-    and Bera, and for a size that follows from the speed or from the rate of the input.
+    length, or as long as lost samples leave enough of them, are made white by an autoregression.
+    The innovations are tested for normality by Jarque and Bera, and for a size that follows from
+    the speed or from the rate of the input.
 
     Means of white noise and of one with the covariance s² e^{−|t|/τ} obey
     r_k = φ r_{k−1} + e_k + θ e_{k−1} with φ = e^{−width/τ} and θ ≤ 2 − √3. At the largest width the
@@ -143,24 +153,29 @@ def colour_test(
     columns = slopes or [np.empty((int(np.isfinite(p.residual).sum()), 0)) for p in parts]
     activities = _activities(parts)
     times_s: list[float] = []
-    is_white = False
-    for count in _samples_a_mean(length_s / FEWEST_MEANS / period_s, WIDTH * motion_s / period_s):
+    is_white, is_brief, widest = False, True, 0
+    most, few = length_s / FEWEST_MEANS / period_s, WIDTH * motion_s / period_s
+    for count in _samples_a_mean(most, few):
         width_s = count * period_s
         given = zip(parts, columns, activities, strict=True)
         runs = [run for each in given for run in _runs(*each, width_s)]
         if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
-            return ColourTest()
+            if widest < few:
+                return ColourTest()
+            break
+        widest = count
         left, innovations = _separated(runs)
         if _follow_motion(innovations, runs, rng):
             return ColourTest(against=NotNoise.GROWS_WITH_SPEED)
         if _p_of_normal(np.concatenate(innovations)) < NOT_NORMAL:
             return ColourTest(against=NotNoise.STRAYS)
-        time_s, is_white = _exponential(left, width_s)
+        time_s, is_white, remember = _exponential(left, width_s)
         times_s += [time_s] if is_white else []
+        is_brief = is_brief and not (remember and count >= few)
     if not is_white:
         return ColourTest(against=NotNoise.SPECTRUM)
     is_slow = max(times_s[0], times_s[-1]) > max(LONGEST_S, LONGEST_TIMES * motion_s)
-    return ColourTest() if is_slow else ColourTest(correlation_s=times_s[0])
+    return ColourTest() if is_slow else ColourTest(times_s[0], is_brief=is_brief)
 
 
 def _samples_a_mean(most: float, few: float) -> list[int]:
@@ -256,11 +271,28 @@ def _separated(runs: Sequence[_Run]) -> tuple[list[Array], list[Array]]:
     return left, [whiten(noise, values) for values in left]
 
 
-def _exponential(left: Sequence[Array], width_s: float) -> tuple[float, bool]:
-    """τ of white noise and one that forgets itself exponentially, and whether these are all."""
+def _exponential(left: Sequence[Array], width_s: float) -> tuple[float, bool, bool]:
+    """τ of white noise and one that forgets itself exponentially, whether these are all, and more.
+
+    The last is whether means remember those before them. Where they do not, φ and −θ are anything
+    alike: the noise forgets itself within a width.
+    """
     phi, theta = _likeliest(left)
-    p = _p_of_white([_innovations(values, phi, theta) for values in left])
-    return float(-width_s / np.log(phi)), p >= NOT_WHITE
+    innovations = [_innovations(values, phi, theta) for values in left]
+    time_s = float(-width_s / np.log(phi))
+    remember = _remember(left, innovations)
+    if not remember:
+        time_s = min(time_s, width_s)
+    return time_s, _p_of_white(innovations) >= NOT_WHITE, remember
+
+
+def _remember(left: Sequence[Array], innovations: Sequence[Array]) -> bool:
+    """Whether values are predicted by those before them, by the ratio of the likelihoods."""
+    white = sum(float(values[STARTING:] @ values[STARTING:]) for values in left)
+    known = sum(float(values @ values) for values in innovations)
+    count = sum(values.size for values in innovations)
+    ratio = count * float(np.log(white / max(known, np.finfo(float).tiny)))
+    return chi_square_tail(max(ratio, 0.0), 2) < REMEMBERED
 
 
 def _innovations(values: Array, phi: float, theta: float) -> Array:

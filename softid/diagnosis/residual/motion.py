@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -10,6 +12,15 @@ from softid.diagnosis.residual.structure import ResidualContext
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
+
+STANDS = 3
+"""A simulated reading that is at its largest in so many samples stands at a limit."""
+
+SAME = 1e-9
+"""Values that differ by less, as a share of the range, differ by rounding."""
+
+BESIDE = 3.0
+"""Noise is clipped within so many deviations of a limit."""
 
 
 def residual_context(candidate: Candidate) -> list[ResidualContext]:
@@ -26,6 +37,37 @@ def residual_context(candidate: Candidate) -> list[ResidualContext]:
         residual[segment.used[first]] = blocks[k].residual
         rows = (segment.time_s, x, v, segment.input, residual)
         found.append(ResidualContext(*(segment.samples_of(row) for row in rows)))
+    return found
+
+
+def muted_samples(
+    candidate: Candidate, parts: Sequence[ResidualContext]
+) -> list[npt.NDArray[np.bool_]]:
+    """Samples of each segment at which the reading may stand still at an end of a sensor's range.
+
+    A sensor that clips its own noise with the reading shows none there, and half of it where the
+    reading is about to be clipped. Without an effect that `mutes` it there are no such samples.
+
+    Parameters
+    ----------
+    candidate
+        The model where it stands.
+    parts
+        Its residual in every segment.
+    """
+    first = candidate.problem.outputs[0]
+    is_muted = any(effect.mutes for effect in candidate.effects)
+    found = []
+    for part, segment in zip(parts, candidate.problem.segments, strict=True):
+        muted = np.zeros(part.residual.size, np.bool_)
+        if is_muted and np.isfinite(part.residual).any():
+            told = segment.samples_of(segment.outputs[first]) - part.residual
+            near = BESIDE * float(np.sqrt(np.nanmean(part.residual**2)))
+            for sign in (1.0, -1.0):
+                below = np.nanmax(sign * told) - sign * told
+                if np.sum(below <= SAME * np.nanmax(below)) >= STANDS:
+                    muted |= below <= near
+        found.append(muted)
     return found
 
 

@@ -67,6 +67,8 @@ def revised(
             continue
         others = [effect for effect in now.effects if effect.name != mine.name]
         without = _without(now, base, others, scale, sigma)
+        if not np.isfinite(without.minimum.normal.cost):
+            continue  # the others alone go nowhere from where the chain stands
         taken = {effect.name for effect in others}
         left = forms if is_sure else [e for e in effects if e.name not in taken]
         promising = screen(without, left, scale, sigma)

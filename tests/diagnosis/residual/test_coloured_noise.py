@@ -71,6 +71,24 @@ def test_slow_noise_is_told(white: float, time_s: float) -> None:
     assert np.median(times) == pytest.approx(time_s, rel=0.3)
 
 
+@pytest.mark.parametrize("white", [0.0, 0.3])
+@pytest.mark.parametrize("time_s", [0.014, 0.045])
+def test_noise_that_the_means_forget_is_told(white: float, time_s: float) -> None:
+    """Known truth: means of a quarter of a second and less are white, with no time of their own.
+
+    It was that of two coefficients that cancel, of seconds in one draw of eight, and no noise.
+    """
+    told = []
+    for seed in range(1000, 1000 + DRAWS):
+        rng = np.random.default_rng(seed)
+        u = steps(rng)
+        noise = (1.0 - white) ** 0.5 * coloured(rng, time_s)
+        told.append(found_in(noise + white**0.5 * rng.standard_normal(TIME_S.size), u))
+    times = [found.correlation_s for found in told if found.correlation_s is not None]
+    assert len(times) >= 0.9 * DRAWS
+    assert np.median(times) <= 0.1
+
+
 MISFITS = {
     "a lag that is not modelled": lambda u: lagging(u, 0.3) - lagging(u, 0.2),
     "a creep that is not modelled": lambda u: lagging(u, 1.5) - u.mean(),
