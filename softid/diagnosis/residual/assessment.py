@@ -66,14 +66,15 @@ def assess(
         Draws the shifts of the null.
     """
     before, after = residual_context(base), residual_context(final)
-    found = _look(before, after, scale, final, rng=rng)
+    floor = _floor_of(_heard(after, final), scale)
+    found = _look(before, after, floor, scale, final, rng=rng)
     if not found.structured:
         return found
-    least = _least_noise(_floor_of(_heard(after, final), scale), before)
-    jumps = with_open_jumps(final, after, least, _slopes_of(final))
+    jumps = with_open_jumps(final, after, _least_noise(floor, before), _slopes_of(final))
     if jumps is None:
         return found
-    timed = _look(before, jumps.parts, scale, final, rng=rng)
+    floor = _floor_of(_heard(jumps.parts, final), scale)
+    timed = _look(before, jumps.parts, floor, scale, final, rng=rng)
     if timed.structured:
         return found
     return replace(timed, rms=found.rms, open_jumps=jumps.count, open_jumps_scatter=jumps.scatter)
@@ -82,6 +83,7 @@ def assess(
 def _look(
     before: Sequence[ResidualContext],
     after: Sequence[ResidualContext],
+    floor: NoiseFloor,
     scale: Scale,
     final: Candidate,
     *,
@@ -94,13 +96,14 @@ def _look(
     too.
     """
     structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
-    heard = _heard(after, final)
-    floor, colour = _floor_of(heard, scale), ColourTest()
+    colour = ColourTest()
     louder = _power(after) / _least_noise(floor, before) - 1.0
-    is_loud = louder > LEAST_COLOUR
     if not (floor.from_rest or structure.significant) and louder > SMALLEST_EXCESS:
-        told = colour_test(heard, scale.motion_s, slopes=_heard_slopes(after, final), rng=rng)
-        colour = told if is_loud or told.is_brief else colour
+        heard = _heard(after, final)
+        slopes = _slopes_where(heard, after, final)
+        told = colour_test(heard, scale.motion_s, slopes=slopes, rng=rng)
+        if louder > LEAST_COLOUR or told.is_brief:
+            colour = told
         if colour.correlation_s is not None:
             floor = _floor_of_colour(colour.correlation_s, heard)
     least = _least_noise(floor, before)
@@ -201,13 +204,13 @@ def _heard(parts: Sequence[ResidualContext], model: Candidate) -> list[ResidualC
     ]
 
 
-def _heard_slopes(parts: Sequence[ResidualContext], model: Candidate) -> list[Array]:
-    """The slopes at the samples at which the residual is finite and the sensor shows its noise."""
+def _slopes_where(
+    heard: Sequence[ResidualContext], parts: Sequence[ResidualContext], model: Candidate
+) -> list[Array]:
+    """The slopes at the samples of some parts that are heard."""
     return [
-        slopes[~muted[np.isfinite(part.residual)]]
-        for part, muted, slopes in zip(
-            parts, muted_samples(model, parts), _slopes_of(model), strict=True
-        )
+        slopes[np.isfinite(one.residual[np.isfinite(part.residual)])]
+        for slopes, one, part in zip(_slopes_of(model), heard, parts, strict=True)
     ]
 
 

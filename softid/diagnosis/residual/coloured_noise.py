@@ -58,8 +58,8 @@ NOT_WHITE = 1e-4
 
 REMEMBERED = 1e-3
 """Means are predicted by those before them where white ones would seem to be in fewer cases. The
-p-value is that of two coefficients of which both are known; where there is none, only their sum
-is, and it is two to three times larger."""
+p-value is that of two coefficients; white noise tells only their sum, so it is a little too
+small."""
 
 NOT_NORMAL = 1e-6
 """So are those of a less likely skewness and kurtosis. Their p-value is that of many samples: one

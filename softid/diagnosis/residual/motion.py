@@ -46,7 +46,8 @@ def muted_samples(
     """Samples of each segment at which the reading may stand still at an end of a sensor's range.
 
     A sensor that clips its own noise with the reading shows none there, and half of it where the
-    reading is about to be clipped. Without an effect that `mutes` it there are no such samples.
+    reading is about to be clipped. A rest at an end of the range looks the same and is left out,
+    too. Without an effect that `mutes` it there are no such samples.
 
     Parameters
     ----------

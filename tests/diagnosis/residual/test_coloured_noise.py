@@ -76,7 +76,7 @@ def test_slow_noise_is_told(white: float, time_s: float) -> None:
 def test_noise_that_the_means_forget_is_told(white: float, time_s: float) -> None:
     """Known truth: means of a quarter of a second and less are white, with no time of their own.
 
-    It was that of two coefficients that cancel, of seconds in one draw of eight, and no noise.
+    It was that of two coefficients that cancel, of seconds in some of the draws, and no noise.
     """
     told = []
     for seed in range(1000, 1000 + DRAWS):
@@ -87,6 +87,16 @@ def test_noise_that_the_means_forget_is_told(white: float, time_s: float) -> Non
     times = [found.correlation_s for found in told if found.correlation_s is not None]
     assert len(times) >= 0.9 * DRAWS
     assert np.median(times) <= 0.1
+
+
+def test_what_is_forgotten_sooner_than_a_motion_is_brief() -> None:
+    """Known truth: noise of 6 ms beside a motion of 0.2 s; a misfit lasts as long as the motion."""
+    rng = np.random.default_rng(7)
+    u = steps(rng)
+    assert found_in(coloured(rng, 0.006), u).is_brief
+    for misfit in (lagging(u, 0.3) - lagging(u, 0.2), np.abs(lagging(u, 0.2) - 50.0)):
+        rows = 0.5 * (misfit - misfit.mean()) / misfit.std() + rng.standard_normal(u.size)
+        assert not found_in(rows, u).is_brief
 
 
 MISFITS = {
