@@ -40,7 +40,8 @@ BARELY = 0.1
 
 UNKNOWN_SIZE = 30.0
 """One of slight gain is not named when its size may be so many times larger or smaller: it is the
-last corner of a law that another one fits."""
+last corner of a law that another one fits. Nor is any other whose size trades so with a parameter
+that has run into its upper bound: only that corner of its law is like what the log holds."""
 
 NO_EFFECT = 0.05
 """Zero sizes that are no less likely than this are no effect."""
@@ -190,8 +191,12 @@ def doubt_of(
         return Doubt.MAY_GAIN_NOTHING
     if cause.variation is not None and cause.variation.share > varies:
         return Doubt.VARIES
-    if _is_slight(cause) and not effect.changes_sign and _is_unknown(cause, effect):
-        return Doubt.UNKNOWN_SIZE
+    if not effect.changes_sign and _is_unknown(cause, effect):
+        if _is_slight(cause):
+            return Doubt.UNKNOWN_SIZE
+        sizes = {extended_name(effect, name) for name in effect.amplitudes}
+        if any(_is_at_ceiling(p) for p in cause.parameters if p.name not in sizes):
+            return Doubt.AT_BOUND
     return _doubt_of_values(cause, effect, extended)
 
 

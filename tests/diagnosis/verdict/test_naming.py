@@ -184,6 +184,29 @@ def test_a_slight_cause_has_a_size(
 
 
 @pytest.mark.parametrize(
+    ("ci95", "vb", "named"),
+    [
+        ((0.01, 0.31), 2.0, False),
+        ((0.01, 0.29), 2.0, True),
+        ((0.01, 0.31), 0.1, True),
+        (None, 2.0, True),
+    ],
+)
+def test_the_corner_of_a_law_is_not_named(
+    ci95: tuple[float, float] | None, vb: float, named: bool
+) -> None:
+    """Half of the error goes. A friction of any size whose excess is still there at the largest
+    speed, 2 rad/s, is some other damping; at the smallest, 0.1 rad/s, it is dry friction."""
+    size = replace(estimate("coulomb_friction_Fc", 0.05, "1"), ci95=ci95)
+    speed = replace(estimate("coulomb_friction_vb", vb, "rad/s"), lower=0.1, upper=2.0)
+    told = cause(
+        "coulomb_friction.stribeck", [size, replace(speed, at_bound=True)], before=2.0, after=1.0
+    )
+    doubt = doubt_of(told, effect_of("coulomb_friction.stribeck"), fit_result(), WHOLE)
+    assert doubt is (None if named else Doubt.AT_BOUND)
+
+
+@pytest.mark.parametrize(
     ("value", "at_bound", "named"),
     [(2.0, True, False), (0.1, True, True), (1.9, False, True)],
 )
