@@ -167,7 +167,7 @@ def interval(
     lower: float | None = None,
     upper: float | None = None,
 ) -> str:
-    """A confidence interval; an end that is open or beyond the bounds of the search is ``…``.
+    """A confidence interval; an end that is open, or not within the bounds of the search, is ``…``.
 
     Four digits, or as many as show its width to two.
 
@@ -181,8 +181,8 @@ def interval(
     if ci95 is None:
         return ""
     low, high = ci95
-    below = low is None or not math.isfinite(low) or (lower is not None and low < lower)
-    above = high is None or not math.isfinite(high) or (upper is not None and high > upper)
+    below = low is None or not math.isfinite(low) or (lower is not None and low <= lower)
+    above = high is None or not math.isfinite(high) or (upper is not None and high >= upper)
     digits = _FEWEST_DIGITS if below or above else _digits(low, high)
     ends = (OPEN if below else f"{low:.{digits}g}", OPEN if above else f"{high:.{digits}g}")
     return f"[{ends[0]}, {ends[1]}]"

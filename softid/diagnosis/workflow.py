@@ -72,6 +72,7 @@ from softid.diagnosis.verdict.naming import (
     most_variation,
     verdict_of,
 )
+from softid.diagnosis.verdict.profile_intervals import with_intervals
 from softid.diagnosis_results import Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects import effects_of
 from softid.errors import Issue
@@ -290,6 +291,7 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         link.added.key: told_as(link.added, cause.parameters).key
         for link, cause in zip(chain.links, causes, strict=True)
     }
+    after, causes = with_intervals(after, causes, is_named, chain, base.sigma)
     links = with_rivals(chain, causes, list(forms.values()), is_named, base)
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]

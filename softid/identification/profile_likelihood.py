@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import Objective
-from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Problem
 from softid.identification.parameter_covariance import errors_of
 from softid.identification.refitting import refitted
@@ -70,8 +69,14 @@ def profile_parameter(
             remedy="fix it, or fit logs that show it",
         )
     p = parameters[name]
+
+    def solve(rival: Problem, starts: Sequence[Array]) -> tuple[float, Array]:
+        ended = [Objective(rival, optimum.sigma).solve(z, REFIT_EVALUATIONS) for z in starts]
+        best = min(ended, key=lambda found: found.normal.cost)
+        return 2.0 * best.normal.cost, best.point
+
     return profile(
-        _ProfileRefits(problem, name, optimum, result.values).refit,
+        ProfileRefits(problem, name, optimum.unknowns, result.values, solve).refit,
         p.value,
         sd=float(covariance.sd[row] or 0.0),
         cost_per_variance=float(covariance.cost_per_variance[row]),
@@ -83,33 +88,51 @@ def profile_parameter(
     )
 
 
-class _ProfileRefits:
+class ProfileRefits:
     """Refits along one parameter, which start from the optimum and from the nearest refit before.
 
     A valley that bends has left the other parameters of the optimum behind, and a start there may
     end in a false minimum.
+
+    Parameters
+    ----------
+    problem
+        The fit.
+    name
+        The parameter.
+    unknowns
+        The optimum, shape (U,).
+    values
+        Parameter → value there.
+    solve
+        From a problem that holds the parameter and some starts to the least cost Σ (r/σ)² that it
+        finds, and where, shape (U − 1,).
     """
 
     def __init__(
-        self, problem: Problem, name: str, optimum: Optimum, values: Mapping[str, float]
+        self,
+        problem: Problem,
+        name: str,
+        unknowns: Array,
+        values: Mapping[str, float],
+        solve: Callable[[Problem, Sequence[Array]], tuple[float, Array]],
     ) -> None:
         self._problem = problem
         self._name = name
-        self._sigma = optimum.sigma
         self._values = dict(values)
+        self._solve = solve
         own = problem.free.index(name)
-        self._found = {float(values[name]): np.delete(optimum.unknowns, own)}
+        self._found = {float(values[name]): np.delete(unknowns, own)}
 
     def refit(self, held: float) -> float:
         """Least cost Σ (r/σ)² with the parameter held at a value."""
         fixed = self._problem.parameters.with_fixed({self._name: held})
         rival = Problem(self._problem.model, fixed, self._problem.logs)
         starts = (rival.unknowns(self._values | {self._name: held}), self._nearest(held))
-        ended = [Objective(rival, self._sigma).solve(start, REFIT_EVALUATIONS) for start in starts]
-        best = min(ended, key=lambda found: found.normal.cost)
-        if np.isfinite(best.normal.cost):
-            self._found[held] = best.point
-        return 2.0 * best.normal.cost
+        cost, point = self._solve(rival, starts)
+        if np.isfinite(cost):
+            self._found[held] = point
+        return cost
 
     def _nearest(self, held: float) -> Array:
         """What was found at the nearest value on the way from the optimum."""

@@ -10,6 +10,7 @@ from softid.diagnosis.verdict.naming import EXPLAINED, carries_over_whole, expla
 from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Doubt, NotNoise, Remainder
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
+from softid.uncertainty.profile import CI_METHOD as PROFILE
 
 VARIABLES = {
     "x": "the position",
@@ -147,7 +148,7 @@ def percent_range(interval: tuple[float, float]) -> str:
 
 def values_of(parameters: Sequence[ParameterEstimate]) -> str:
     """The first parameters with their intervals; those that only count together as so many."""
-    open_ones = [p for p in parameters if _is_open_within(p)]
+    open_ones = [p for p in parameters if _is_open_within(p) and p.ci_method != PROFILE]
     together = len(open_ones) > 1
     shown = [p for p in parameters if not (together and p in open_ones)]
     told = [_value(p) for p in shown[:MOST_PARAMETERS]]
@@ -163,10 +164,10 @@ def values_of(parameters: Sequence[ParameterEstimate]) -> str:
 
 
 def _is_open_within(p: ParameterEstimate) -> bool:
-    """Whether the interval of a value reaches beyond both of its bounds."""
+    """Whether the interval of a value reaches both of its bounds."""
     if p.ci95 is None or p.lower is None or p.upper is None:
         return False
-    return p.ci95[0] < p.lower and p.ci95[1] > p.upper
+    return p.ci95[0] <= p.lower and p.ci95[1] >= p.upper
 
 
 def _within_bounds(p: ParameterEstimate) -> tuple[float, float] | None:

@@ -1,0 +1,175 @@
+"""Intervals of what a cause is made of, where the response is not straight within them.
+
+The size of an effect is told well as a rule, and so is its interval from the covariance. The speed,
+the time or the softness that rounds its law is often known to an order of magnitude, or to one side
+only, and there the sum of squares is no parabola.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import Candidate, advance, begun
+from softid.diagnosis.refit.optimum import optimum_of
+from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis_results import Cause
+from softid.effects import belongs_to
+from softid.effects.base import Effect
+from softid.fitters.problem import Problem
+from softid.identification.parameter_covariance import errors_of
+from softid.identification.profile_likelihood import ProfileRefits
+from softid.parallel import in_parallel
+from softid.parameters import Parameter
+from softid.results import FitResult, ParameterEstimate
+from softid.uncertainty import Covariance
+from softid.uncertainty.profile import CI_METHOD, ProfileResult, profile
+
+Array = npt.NDArray[np.float64]
+
+STRAIGHT = 0.1
+"""Relative standard error below which an interval from the covariance stands."""
+
+REFITTING = 25
+"""Evaluations of one refit with a parameter held."""
+
+FIRST_STEP = 0.5
+"""First step along a parameter of which the covariance says nothing: in logarithms on such a scale,
+else in times its own value."""
+
+
+def with_intervals(
+    after: FitResult | None,
+    causes: Sequence[Cause],
+    is_named: Sequence[bool],
+    chain: Chain,
+    sigma: Mapping[str, float],
+) -> tuple[FitResult | None, tuple[Cause, ...]]:
+    """The fit and its causes with profile likelihood intervals of what is named.
+
+    Parameters
+    ----------
+    after
+        The model with all causes, as a fit; None without one.
+    causes, is_named
+        The causes, and which of them may be named.
+    chain
+        The links to them.
+    sigma
+        Output channel → scale that its residual is divided by.
+    """
+    named = [link.added for link, stays in zip(chain.links, is_named, strict=True) if stays]
+    if after is None or not named:
+        return after, tuple(causes)
+    known = with_profile_intervals(after, chain.final, named, sigma)
+    told = (tuple(known.parameter(p.name) for p in cause.parameters) for cause in causes)
+    pairs = zip(causes, told, strict=True)
+    return known, tuple(replace(cause, parameters=own) for cause, own in pairs)
+
+
+def with_profile_intervals(
+    fit: FitResult, final: Candidate, effects: Sequence[Effect], sigma: Mapping[str, float]
+) -> FitResult:
+    """The fit with profile likelihood intervals of what effects know badly.
+
+    A side that the logs leave open ends at the bound of the search. Knots of a curve trade with the
+    curve of the base, and stay as they are.
+
+    Parameters
+    ----------
+    fit
+        The model with its effects, as a fit.
+    final
+        The same where it stands.
+    effects
+        Those whose parameters are looked at.
+    sigma
+        Output channel → scale that its residual is divided by.
+    """
+    asked = [effect for effect in effects if len(effect.amplitudes) <= 1]
+    rough = [
+        p.name
+        for p in fit.parameters
+        if p.name in final.problem.free
+        and _is_rough(p)
+        and any(belongs_to(effect, p.name) for effect in asked)
+    ]
+    covariance = errors_of(final.problem, optimum_of(final, sigma)).covariance if rough else None
+    if covariance is None:
+        return fit
+    profiles = in_parallel(lambda name: _profile_of(final, name, covariance, sigma), rough)
+    known = dict(zip(rough, profiles, strict=True))
+    told = [_with_interval(p, known.get(p.name)) for p in fit.parameters]
+    return replace(fit, parameters=tuple(told))
+
+
+def _is_rough(p: ParameterEstimate) -> bool:
+    """Whether its interval from the covariance may be another one than the logs tell."""
+    return p.stderr is None or p.ci95 is None or p.stderr > STRAIGHT * abs(p.value)
+
+
+def _profile_of(
+    final: Candidate, name: str, covariance: Covariance, sigma: Mapping[str, float]
+) -> ProfileResult:
+    """The profile along one parameter, by refits as coarse as those of the search."""
+    p, value = final.problem.parameters[name], final.parameters[name]
+    sd, unit, freedom = _steps_of(p, value, covariance)
+
+    def solve(rival: Problem, starts: Sequence[Array]) -> tuple[float, Array]:
+        found = advance(begun(final, final.effects, rival, starts[-1]), sigma, REFITTING)
+        return found.squares, found.minimum.point
+
+    refits = ProfileRefits(final.problem, name, final.minimum.point, final.parameters, solve)
+    return profile(
+        refits.refit,
+        value,
+        sd=sd,
+        cost_per_variance=unit,
+        optimum_cost=final.squares,
+        scale=p.scale,
+        lower=min(p.lower, value),
+        upper=max(p.upper, value),
+        degrees_of_freedom=freedom,
+    )
+
+
+def _steps_of(p: Parameter, value: float, covariance: Covariance) -> tuple[float, float, float]:
+    """First step, rise of the cost for one variance, and degrees of freedom.
+
+    What the covariance leaves out, at a bound or in a direction that is not seen, is judged by the
+    parameter whose noise is inflated most.
+    """
+    row = covariance.names.index(p.name) if p.name in covariance.names else None
+    sd = covariance.sd[row] if row is not None else None
+    if row is not None and sd is not None:
+        freedom = covariance.degrees_of_freedom[row] or np.inf
+        return float(sd), float(covariance.cost_per_variance[row]), float(freedom)
+    units = covariance.cost_per_variance
+    step = FIRST_STEP if p.scale == "log" else FIRST_STEP * abs(value)
+    return step, float(np.nanmax(np.where(units > 0.0, units, np.nan))), np.inf
+
+
+def _with_interval(p: ParameterEstimate, found: ProfileResult | None) -> ParameterEstimate:
+    """The estimate with the interval of its profile; as it is where a bound is missing."""
+    if found is None:
+        return p
+    low = p.lower if found.unbounded_below else found.ci95[0]
+    high = p.upper if found.unbounded_above else found.ci95[1]
+    if low is None or high is None:
+        return p
+    told = replace(p, ci95=(low, high), ci_method=CI_METHOD)
+    open_sides = [
+        side
+        for side, is_open in (("lower", found.unbounded_below), ("upper", found.unbounded_above))
+        if is_open
+    ]
+    if not open_sides:
+        return told
+    if len(open_sides) == 2:
+        reason = "the logs set it no limit within its bounds"
+        return replace(told, verdict="not identified", reason=reason)
+    reason = f"the logs set it no {open_sides[0]} limit within its bounds"
+    return replace(told, verdict="weakly identified", reason=reason)
