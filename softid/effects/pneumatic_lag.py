@@ -165,6 +165,7 @@ class LevelPneumaticLag(PneumaticLag):
     )
     neighbours: ClassVar[tuple[str, ...]] = ("valve_flow", "delay", "sensor_lag")
     shown_by: ClassVar[str] = "steps of one size, up and down, at several levels"
+    essential: ClassVar[tuple[str, ...]] = ("ratio",)
     plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.whitening import Whitener
-from softid.effects import divided
+from softid.effects import ExtendedModel, divided
 from softid.effects.base import Effect
 from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
 from softid.fitters.objective import Objective, Prior
@@ -68,7 +68,7 @@ class Candidate:
     Attributes
     ----------
     effects
-        Its effects; none for the base itself.
+        Its effects in the order in which they were added; none for the base itself.
     problem
         The extended model and the logs.
     minimum
@@ -89,6 +89,12 @@ class Candidate:
     def keys(self) -> tuple[str, ...]:
         """Keys of its effects."""
         return tuple(effect.key for effect in self.effects)
+
+    @property
+    def acting(self) -> tuple[Effect, ...]:
+        """Its effects in the order in which they act within their stage."""
+        model = self.problem.model
+        return model.effects if isinstance(model, ExtendedModel) else ()
 
     @property
     def squares(self) -> float:

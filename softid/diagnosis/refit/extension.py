@@ -20,7 +20,7 @@ REST_SHARE = 0.1
 
 
 def extend(base: Problem, effects: Sequence[Effect], scale: Scale) -> Problem:
-    """The problem of the base model with effects.
+    """The problem of the base model with effects more, each where it acts as a rule.
 
     Parameters
     ----------
@@ -31,11 +31,45 @@ def extend(base: Problem, effects: Sequence[Effect], scale: Scale) -> Problem:
     scale
         Sizes of the base fit; a model with effects keeps its own.
     """
-    inner = base.model
-    if isinstance(inner, ExtendedModel):
-        effects, scale = (*inner.effects, *effects), inner.scale
-        inner = inner.model
-    model = ExtendedModel(inner, tuple(effects), scale)
+    known = base.model.effects if isinstance(base.model, ExtendedModel) else ()
+    return extend_in_order(base, acting_order(known, effects), scale)
+
+
+def acting_order(known: Sequence[Effect], added: Sequence[Effect]) -> tuple[Effect, ...]:
+    """Effects in the order in which they act within their stage, when some are added.
+
+    What a reading loses at the end of the sensor's range is lost, and as a rule nothing acts behind
+    that end: what is added goes before it.
+
+    Parameters
+    ----------
+    known
+        Effects in the order in which they act.
+    added
+        Those that are added.
+    """
+    order = list(known)
+    for effect in added:
+        is_before = bool(order) and order[-1].mutes and not effect.mutes
+        order.insert(len(order) - is_before, effect)
+    return tuple(order)
+
+
+def extend_in_order(base: Problem, effects: Sequence[Effect], scale: Scale) -> Problem:
+    """The problem of the base model with these effects, and none that it had, in their order.
+
+    Parameters
+    ----------
+    base, scale
+        As in `extend`.
+    effects
+        All effects.
+    """
+    known = base.model
+    if isinstance(known, ExtendedModel):
+        model = replace(known, effects=tuple(effects))
+    else:
+        model = ExtendedModel(known, tuple(effects), scale)
     declared = model.parameters()
     for parameter in base.parameters.values():
         declared = declared.replacing(parameter)

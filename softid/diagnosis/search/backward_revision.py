@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
-from softid.diagnosis.refit.extension import extend
+from softid.diagnosis.refit.extension import extend_in_order
 from softid.diagnosis.search.effect_starts import with_effect
 from softid.diagnosis.search.forward_selection import (
     FURTHER,
@@ -65,7 +65,7 @@ def revised(
         is_sure = _is_beyond_doubt(links[position], now)
         if is_sure and len(forms) == 1:
             continue
-        others = [effect for effect in now.effects if effect.name != mine.name]
+        others = [effect for effect in now.acting if effect.name != mine.name]
         without = _without(now, base, others, scale, sigma)
         if not np.isfinite(without.minimum.normal.cost):
             continue  # the others alone go nowhere from where the chain stands
@@ -173,7 +173,8 @@ def _without(
     sigma: Mapping[str, float],
 ) -> Candidate:
     """The model with the other effects alone, refitted."""
-    problem = extend(base.problem, others, scale) if others else base.problem
+    order = [effect for effect in now.acting if effect in others]
+    problem = extend_in_order(base.problem, order, scale) if order else base.problem
     known = now.problem.free_by_name(now.minimum.point)
     z = np.zeros(problem.size)
     z[: len(problem.free)] = [known[name] for name in problem.free]

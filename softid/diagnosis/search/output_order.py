@@ -1,7 +1,7 @@
 """Which of a sensor's effects comes first: what a reading loses at the end of the range is lost.
 
-A drift of the amplifier lies before the end of the converter's range, one of what the recorder adds
-lies behind it. A search appends each effect to those that it has, which is one of both orders.
+A drift of the amplifier lies before the end of the converter's range, where a search puts it; one
+of what the recorder adds lies behind it.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ def in_better_order(candidate: Candidate, sigma: Mapping[str, float]) -> Candida
     Candidate
         The candidate itself where nothing clips the reading, or nothing beside it acts on that.
     """
-    effects, model = other_order(candidate.effects), candidate.problem.model
-    if effects == candidate.effects or not isinstance(model, ExtendedModel):
+    effects, model = other_order(candidate.acting), candidate.problem.model
+    if effects == candidate.acting or not isinstance(model, ExtendedModel):
         return candidate
     swapped, declared = replace(model, effects=effects), candidate.problem.parameters
     own = ParameterSet(tuple(declared[name] for name in swapped.parameters().names))
@@ -51,7 +51,7 @@ def in_better_order(candidate: Candidate, sigma: Mapping[str, float]) -> Candida
         z = problem.free_unknowns({**candidate.parameters, **named_values(clipping, limits)})
         starts.append(problem.with_nuisance_of(z, candidate.problem, candidate.minimum.point))
     best = min(starts, key=lambda z: squares_at(problem, z, sigma))
-    found = advance(begun(candidate, effects, problem, best), sigma, REORDERED)
+    found = advance(begun(candidate, candidate.effects, problem, best), sigma, REORDERED)
     return found if found.squares < candidate.squares else candidate
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.extension import extend
+from softid.diagnosis.refit.extension import extend_in_order
 from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
 
@@ -32,13 +32,13 @@ def cancelling(final: Candidate, base: Candidate, scale: Scale) -> frozenset[str
     scale
         Sizes of the base fit.
     """
-    whole = _residual(final, final.effects, base, scale)
+    whole = _residual(final, final.acting, base, scale)
     found: set[str] = set()
-    for pair in combinations(final.effects, 2):
+    for pair in combinations(final.acting, 2):
         left_out: list[Sequence[Effect]] = [(one,) for one in pair] + [pair]
         moved = []
         for without in left_out:
-            kept = [e for e in final.effects if e not in without]
+            kept = [e for e in final.acting if e not in without]
             moved.append(_rms(_residual(final, kept, base, scale) - whole))
         *each, both = moved
         if np.isfinite(moved).all() and both < CANCELS * min(each):
@@ -50,7 +50,7 @@ def _residual(final: Candidate, effects: Sequence[Effect], base: Candidate, scal
     """What is left with some of the effects and all parameters as they are."""
     known = final.problem.free_by_name(final.minimum.point)
     alone = _at_rest_of(base.problem, known)
-    problem = extend(alone, effects, scale) if effects else alone
+    problem = extend_in_order(alone, effects, scale) if effects else alone
     z = np.zeros(problem.size)
     z[: len(problem.free)] = [known[name] for name in problem.free]
     z = problem.with_nuisance_of(z, final.problem, final.minimum.point)

@@ -14,7 +14,12 @@ from itertools import product
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
-from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
+from softid.diagnosis.refit.extension import (
+    acting_order,
+    extend_in_order,
+    named_values,
+    start_unknowns,
+)
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import INDISTINCT, Link
@@ -118,7 +123,7 @@ def with_replacements(
 
     def refitted(replacement: Replacement, laws: Sequence[Effect]) -> Candidate:
         out = {effect.key for effect in named if replacement.takes(effect)}
-        kept = [effect for effect in final.effects if effect.key not in out]
+        kept = [effect for effect in final.acting if effect.key not in out]
         return refitted_with(final, kept, laws, base, near=NEAR * final.squares)
 
     others = in_parallel(lambda pair: refitted(*pair), asked)
@@ -182,8 +187,8 @@ def refitted_with(
     near
         What leaves a larger sum of squares after the first evaluations is left there.
     """
-    effects = (*kept, *laws)
-    problem = extend(base.candidate.problem, effects, base.scale)
+    effects = acting_order(kept, laws)
+    problem = extend_in_order(base.candidate.problem, effects, base.scale)
     starts = [
         start_unknowns(problem, known.problem, known.minimum.point, values)
         for values in _start_values(laws, base)
