@@ -69,6 +69,10 @@ FOLLOWS = 0.04
 """The size of the innovations follows from the motion where that predicts so large a share of its
 logarithm's variance, and chance does not."""
 
+CHANCE = 16.0
+"""The share that chance predicts in one of 10,000 logs, times the number of innovations: what is
+looked at for several widths, in every log, must be so rare."""
+
 AT_REST = 0.01
 """Speeds below this share of their mean are no more telling than it is."""
 
@@ -345,4 +349,4 @@ def _follow_motion(
         [run.time_s for run in runs],
         rng=rng,
     )
-    return share > max(limit, FOLLOWS)
+    return share > max(limit, FOLLOWS, CHANCE / squares.size)

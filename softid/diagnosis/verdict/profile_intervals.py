@@ -38,7 +38,7 @@ REFITTING = 25
 
 FIRST_STEP = 0.5
 """First step along a parameter of which the covariance says nothing: in logarithms on such a scale,
-else in times its own value."""
+else in times its own value, or a tenth of the way between its bounds where that is longer."""
 
 
 def with_intervals(
@@ -113,10 +113,15 @@ def _is_rough(p: ParameterEstimate) -> bool:
 
 def _profile_of(
     final: Candidate, name: str, covariance: Covariance, sigma: Mapping[str, float]
-) -> ProfileResult:
-    """The profile along one parameter, by refits as coarse as those of the search."""
+) -> ProfileResult | None:
+    """The profile along one parameter, by refits as coarse as those of the search.
+
+    None where there is no scale to hold a step or a rise of the cost against.
+    """
     p, value = final.problem.parameters[name], final.parameters[name]
     sd, unit, freedom = _steps_of(p, value, covariance)
+    if not (sd > 0.0 and unit > 0.0):
+        return None
 
     def solve(rival: Problem, starts: Sequence[Array]) -> tuple[float, Array]:
         found = advance(begun(final, final.effects, rival, starts[-1]), sigma, REFITTING)
@@ -144,12 +149,18 @@ def _steps_of(p: Parameter, value: float, covariance: Covariance) -> tuple[float
     """
     row = covariance.names.index(p.name) if p.name in covariance.names else None
     sd = covariance.sd[row] if row is not None else None
-    if row is not None and sd is not None:
+    if row is not None and sd:
         freedom = covariance.degrees_of_freedom[row] or np.inf
         return float(sd), float(covariance.cost_per_variance[row]), float(freedom)
     units = covariance.cost_per_variance
-    step = FIRST_STEP if p.scale == "log" else FIRST_STEP * abs(value)
+    step = FIRST_STEP if p.scale == "log" else FIRST_STEP * _usual_size(p, value)
     return step, float(np.nanmax(np.where(units > 0.0, units, np.nan))), np.inf
+
+
+def _usual_size(p: Parameter, value: float) -> float:
+    """The size of a value on a linear scale, which may be zero at a bound."""
+    between = p.upper - p.lower
+    return max(abs(value), 0.1 * between if np.isfinite(between) else 0.0)
 
 
 def _with_interval(p: ParameterEstimate, found: ProfileResult | None) -> ParameterEstimate:
