@@ -199,6 +199,17 @@ class Effect(ABC):
         del values
         return None
 
+    def differs_within(self, values: Mapping[str, float]) -> float:
+        """Time in s within which alone it differs from that simpler effect; infinite without one.
+
+        Parameters
+        ----------
+        values
+            Parameter → value.
+        """
+        del values
+        return np.inf
+
     def first_order(self, values: Mapping[str, float]) -> str | None:
         """Key of the lag that stands for a law of second order where it does not ring.
 

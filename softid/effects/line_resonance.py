@@ -10,7 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect, Scale, Wording
-from softid.effects.second_order import as_lag, ringing_parameters, ringing_starts, rings
+from softid.effects.second_order import (
+    as_lag,
+    ringing_parameters,
+    ringing_starts,
+    rings,
+    shorter_time,
+)
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 
@@ -78,6 +84,10 @@ class LineResonance(InputEffect):
         """Overdamped it is a first-order lag."""
         lag = as_lag(values)
         return ("pneumatic_lag", lag) if lag is not None else None
+
+    def differs_within(self, values: Mapping[str, float]) -> float:
+        """The shorter time constant, by which it is later than that lag."""
+        return shorter_time(values)
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The ringing input."""

@@ -118,6 +118,25 @@ def as_lag(values: Mapping[str, float]) -> Mapping[str, float] | None:
     return {"tau": values["period"] / (2.0 * math.pi) * (zeta + math.sqrt(zeta**2 - 1.0))}
 
 
+def shorter_time(values: Mapping[str, float]) -> float:
+    """The shorter time constant of an overdamped law, (ζ − √(ζ² − 1))/ω, in s; else infinite.
+
+    Parameters
+    ----------
+    values
+        The period and the damping ratio.
+
+    Examples
+    --------
+    >>> shorter_time({"period": 6.283185307179586, "zeta": 1.25})
+    0.5
+    """
+    zeta = values["zeta"]
+    if zeta <= 1.0:
+        return math.inf
+    return values["period"] / (2.0 * math.pi) * (zeta - math.sqrt(zeta**2 - 1.0))
+
+
 def _periods(scale: Scale) -> tuple[float, ...]:
     longest = 0.5 * LONGEST_SHARE * scale.duration_s
     shortest = first_time(scale, longest, periods=START_PERIODS)

@@ -11,7 +11,13 @@ import numpy.typing as npt
 
 from softid.effects.base import OutputEffect, Scale, Wording
 from softid.effects.finer_motion import PIECES, finer_motion
-from softid.effects.second_order import as_lag, ringing_parameters, ringing_starts, rings
+from softid.effects.second_order import (
+    as_lag,
+    ringing_parameters,
+    ringing_starts,
+    rings,
+    shorter_time,
+)
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 
@@ -75,6 +81,10 @@ class SensorResonance(OutputEffect):
         """Overdamped it is a first-order lag."""
         lag = as_lag(values)
         return ("sensor_lag", lag) if lag is not None else None
+
+    def differs_within(self, values: Mapping[str, float]) -> float:
+        """The shorter time constant, by which it is later than that lag."""
+        return shorter_time(values)
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """The reading, settled at the first sample."""

@@ -56,6 +56,11 @@ neighbours such as a delay and a lag a little further apart either way."""
 NESTED = 6.0
 """A richer form of the same law must gain this much on the plain one."""
 
+WITHIN_SAMPLE = 0.05
+"""Where a richer law differs from a simpler one for less than a sampling interval, it must explain
+so much of the rest that the simpler one leaves, as a share of what both explain: what the input
+does between its samples makes as much of a difference."""
+
 MAX_LINKS = 3
 """A fourth cause would be fitted to what three have left, which is their own errors as a rule."""
 
@@ -281,7 +286,7 @@ def next_link(
     others = [r for r in ranked if r is not before]
     if not others:
         return None
-    chosen, rivals = _rivals(others, now)
+    chosen, rivals = _rivals(others, before, scale.period_s)
     return Link(before, tuple(ranked), chosen, rivals, _best_promises(signatures), now.squares)
 
 
@@ -304,7 +309,9 @@ def _added(row: Ranked, known: Sequence[str]) -> Effect:
     return next(e for e in row.candidate.effects if e.key not in known)
 
 
-def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str, ...]]:
+def _rivals(
+    ranked: Sequence[Ranked], before: Ranked, period_s: float
+) -> tuple[Ranked, tuple[str, ...]]:
     """The best candidate, the plain form before a richer one, and what explains as well.
 
     One that stands for something else, with an essential parameter at its bound, could not be
@@ -312,7 +319,7 @@ def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str
     """
 
     def added(row: Ranked) -> Effect:
-        return _added(row, now.keys)
+        return _added(row, before.candidate.keys)
 
     within = (row for row in ranked if row.bic - ranked[0].bic < INDISTINCT)
     best = next((row for row in within if not _is_held(row, added(row))), ranked[0])
@@ -322,8 +329,11 @@ def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str
     if added(best).variant and plain is not None and plain.bic - best.bic < NESTED:
         best = plain
     simple = next((r for r in ranked if added(r).key == _simpler(best, added(best))), None)
-    if simple is not None and simple.bic - best.bic < NESTED:
-        best = simple
+    if simple is not None:
+        margin = NESTED
+        if _differs_within(best, added(best)) < period_s:
+            margin = max(margin, WITHIN_SAMPLE * (before.bic - best.bic))
+        best = simple if simple.bic - best.bic < margin else best
     names = [added(best).name]
     for row in ranked:
         name, simpler = added(row).name, _simpler(row, added(row))
@@ -335,6 +345,11 @@ def _rivals(ranked: Sequence[Ranked], now: Candidate) -> tuple[Ranked, tuple[str
 def _is_held(row: Ranked, effect: Effect) -> bool:
     """Whether an essential parameter of an added effect lies on its bound."""
     return any(extended_name(effect, name) in row.candidate.at_bound for name in effect.essential)
+
+
+def _differs_within(row: Ranked, effect: Effect) -> float:
+    """The time within which an added effect differs from the simpler one that it is like."""
+    return effect.differs_within(own_values(effect, row.candidate.parameters))
 
 
 def _simpler(row: Ranked, effect: Effect) -> str | None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import pytest
-from handmade_rounds import candidate, link, ranked
+from handmade_rounds import link, ranked
 from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.candidates import Candidate
@@ -30,6 +30,8 @@ from softid.effects.base import Scale
 
 DRIFT = effect_of("sensor_drift")
 RATE, SIZE = 0.003, 0.05
+BEFORE, PERIOD_S = ranked((), 1000.0), 0.01
+"""What the rounds by hand extend, and their sampling interval."""
 
 
 @pytest.mark.parametrize(
@@ -64,7 +66,7 @@ def test_a_richer_law_must_gain_on_the_plain_one(gain: float, key: str) -> None:
         ranked(("pneumatic_lag",), gain),
         ranked(("creep",), gain + 20.0),
     ]
-    best, names = _rivals(rows, candidate(()))
+    best, names = _rivals(rows, BEFORE, PERIOD_S)
     assert best.candidate.effects[0].variant == key
     assert names == ("pneumatic_lag",)
 
@@ -72,7 +74,7 @@ def test_a_richer_law_must_gain_on_the_plain_one(gain: float, key: str) -> None:
 def test_a_richer_law_without_a_plain_one_is_taken() -> None:
     """When the plain form has dropped out of the race there is nothing to prefer."""
     rows = [ranked(("pneumatic_lag.separate",), 0.0), ranked(("creep",), 1.0)]
-    best, names = _rivals(rows, candidate(()))
+    best, names = _rivals(rows, BEFORE, PERIOD_S)
     assert best is rows[0]
     assert names == ("pneumatic_lag", "creep")
 
@@ -86,7 +88,7 @@ def test_rivals_are_those_within_twelve() -> None:
         ranked(("sensor_lag",), 11.9),
         ranked(("creep",), 12.1),
     ]
-    best, names = _rivals(rows, candidate(()))
+    best, names = _rivals(rows, BEFORE, PERIOD_S)
     assert best is rows[0]
     assert names == ("delay", "pneumatic_lag", "sensor_lag")
 
@@ -98,7 +100,7 @@ def test_rivals_are_measured_from_what_was_chosen() -> None:
         ranked(("pneumatic_lag",), 5.0),
         ranked(("delay",), 12.0),
     ]
-    assert _rivals(rows, candidate(()))[1] == ("pneumatic_lag", "delay")
+    assert _rivals(rows, BEFORE, PERIOD_S)[1] == ("pneumatic_lag", "delay")
 
 
 @pytest.mark.parametrize(
@@ -121,7 +123,7 @@ def test_what_stands_for_another_is_chosen_last(
         ranked(("line_resonance",), 0.0, values={"line_resonance_zeta": 0.5}, at_bound=at_bound),
         ranked(("sensor_lag",), bic),
     ]
-    best, names = _rivals(rows, candidate(()))
+    best, names = _rivals(rows, BEFORE, PERIOD_S)
     assert best.candidate.keys == (chosen,)
     assert ("line_resonance" in names) == (bic < 12.0 or chosen == "line_resonance")
 
@@ -147,13 +149,32 @@ def test_a_line_that_does_not_ring_is_a_lag(
         ),
         ranked(("pneumatic_lag",), gain),
     ]
-    assert _rivals(sorted(rows, key=lambda row: row.bic), candidate(()))[1] == names
+    assert _rivals(sorted(rows, key=lambda row: row.bic), BEFORE, PERIOD_S)[1] == names
+
+
+@pytest.mark.parametrize(
+    ("period_s", "zeta", "gain", "key"),
+    [
+        (0.12, 1.9, 45.0, "sensor_lag"),
+        (0.12, 1.9, 55.0, "sensor_resonance"),
+        (0.3, 1.9, 45.0, "sensor_resonance"),
+        (0.12, 0.9, 45.0, "sensor_resonance"),
+    ],
+)
+def test_what_goes_on_between_two_samples_tells_no_second_time_constant(
+    period_s: float, zeta: float, gain: float, key: str
+) -> None:
+    """Of ζ = 1.9 and a period of 0.12 s the shorter time constant is 5.4 ms, half a sample: it must
+    gain a twentieth of the 1000 that both explain. Of 0.3 s it is 14 ms, and gains its 6."""
+    values = {"sensor_resonance_zeta": zeta, "sensor_resonance_period": period_s}
+    rows = [ranked(("sensor_resonance",), 0.0, values=values), ranked(("sensor_lag",), gain)]
+    assert _rivals(rows, BEFORE, PERIOD_S)[0].candidate.keys == (key,)
 
 
 def test_effects_that_were_there_are_no_rivals() -> None:
     """In a second round only what each candidate adds is compared."""
     rows = [ranked(("delay", "creep"), 0.0), ranked(("delay", "ageing"), 2.0)]
-    best, names = _rivals(rows, candidate(("delay",)))
+    best, names = _rivals(rows, ranked(("delay",), 1000.0), PERIOD_S)
     assert best is rows[0]
     assert names == ("creep", "ageing")
 
