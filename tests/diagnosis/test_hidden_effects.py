@@ -28,6 +28,8 @@ PAIRS = [
     ["pneumatic_lag", "coulomb_friction"],
     ["hysteresis", "sensor_drift"],
     ["sensor_clipping", "contact"],
+    ["sensor_clipping", "sensor_drift"],
+    ["sensor_warmup", "sensor_clipping"],
 ]
 
 
@@ -142,6 +144,15 @@ def test_a_wall_that_stands_for_clipping_is_seen_through() -> None:
         "sensor_clipping",
         "contact",
     }
+
+
+def test_a_reading_that_drifts_is_clipped() -> None:
+    """What drifts passes the end of the range later or not at all.
+
+    The drift was added behind the clipping only, and a static curve described what that missed.
+    """
+    names = ["sensor_clipping", "sensor_drift"]
+    assert outcome_of(names, seed=401).told == set(names)
 
 
 def test_two_hidden_effects_are_both_found() -> None:

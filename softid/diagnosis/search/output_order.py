@@ -12,20 +12,24 @@ from dataclasses import replace
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import named_values
 from softid.diagnosis.search.effect_starts import squares_at
-from softid.effects import ExtendedModel
-from softid.effects.base import Effect
+from softid.effects import ExtendedModel, belongs_to
+from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
 from softid.parameters import ParameterSet
 
 REORDERED = 30
-"""Evaluations that bring the other order to its optimum."""
+"""Evaluations that bring an order to its optimum."""
+
+SAME_PLACE = 1e-4
+"""A sum of squares that falls by a smaller share was at its optimum before."""
 
 
 def in_better_order(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
     """The candidate, or the same effects in the other order where that leaves less.
 
-    A limit that just touches a reading with its drift cuts nothing of one without: the other order
-    begins from limits of its own, too.
+    A limit that just touches a reading with its drift cuts nothing of one without, and a limit that
+    stood for a drift cuts what it does not when the drift is there: both orders begin from limits
+    of their own and from ones that cut nothing, too.
 
     Parameters
     ----------
@@ -39,20 +43,34 @@ def in_better_order(candidate: Candidate, sigma: Mapping[str, float]) -> Candida
     Candidate
         The candidate itself where nothing clips the reading, or nothing beside it acts on that.
     """
-    effects, model = other_order(candidate.acting), candidate.problem.model
-    if effects == candidate.acting or not isinstance(model, ExtendedModel):
+    model, others = candidate.problem.model, other_order(candidate.acting)
+    if others == candidate.acting or not isinstance(model, ExtendedModel):
         return candidate
-    swapped, declared = replace(model, effects=effects), candidate.problem.parameters
-    own = ParameterSet(tuple(declared[name] for name in swapped.parameters().names))
-    problem = Problem(swapped, own, candidate.problem.logs)
+    found = [candidate]
+    for effects in (others, candidate.acting):
+        swapped, declared = replace(model, effects=effects), candidate.problem.parameters
+        own = ParameterSet(tuple(declared[name] for name in swapped.parameters().names))
+        problem = Problem(swapped, own, candidate.problem.logs)
+        starts = []
+        for limits in _limits(problem, effects, model.scale):
+            z = problem.free_unknowns({**candidate.parameters, **limits})
+            starts.append(problem.with_nuisance_of(z, candidate.problem, candidate.minimum.point))
+        best = min(starts, key=lambda z: squares_at(problem, z, sigma))
+        placed = begun(candidate, candidate.effects, problem, best)
+        found.append(advance(placed, sigma, REORDERED))
+    best = min(found, key=lambda one: one.squares)
+    return best if best.squares < (1.0 - SAME_PLACE) * candidate.squares else candidate
+
+
+def _limits(problem: Problem, effects: Sequence[Effect], scale: Scale) -> list[dict[str, float]]:
+    """Values of the limits: as they are, each start, and each of them at either of its bounds."""
     clipping = next(effect for effect in effects if effect.mutes)
-    starts = []
-    for limits in ({}, *clipping.starts(model.scale)):
-        z = problem.free_unknowns({**candidate.parameters, **named_values(clipping, limits)})
-        starts.append(problem.with_nuisance_of(z, candidate.problem, candidate.minimum.point))
-    best = min(starts, key=lambda z: squares_at(problem, z, sigma))
-    found = advance(begun(candidate, candidate.effects, problem, best), sigma, REORDERED)
-    return found if found.squares < candidate.squares else candidate
+    found = [{}, *(named_values(clipping, start) for start in clipping.starts(scale))]
+    for name in problem.free:
+        if belongs_to(clipping, name):
+            p = problem.parameters[name]
+            found += [{name: p.lower}, {name: p.upper}]
+    return found
 
 
 def other_order(effects: Sequence[Effect]) -> tuple[Effect, ...]:
