@@ -55,8 +55,8 @@ def in_better_order(candidate: Candidate, sigma: Mapping[str, float]) -> Candida
         for limits in _limits(problem, effects, model.scale):
             z = problem.free_unknowns({**candidate.parameters, **limits})
             starts.append(problem.with_nuisance_of(z, candidate.problem, candidate.minimum.point))
-        best = min(starts, key=lambda z: squares_at(problem, z, sigma))
-        placed = begun(candidate, candidate.effects, problem, best)
+        start = min(starts, key=lambda z: squares_at(problem, z, sigma))
+        placed = begun(candidate, candidate.effects, problem, start)
         found.append(advance(placed, sigma, REORDERED))
     best = min(found, key=lambda one: one.squares)
     return best if best.squares < (1.0 - SAME_PLACE) * candidate.squares else candidate
