@@ -57,9 +57,8 @@ NESTED = 6.0
 """A richer form of the same law must gain this much on the plain one."""
 
 WITHIN_SAMPLE = 0.05
-"""Where a richer law differs from a simpler one for less than a sampling interval, it must explain
-so much of the rest that the simpler one leaves, as a share of what both explain: what the input
-does between its samples makes as much of a difference."""
+"""Where a richer law differs from a simpler one only within a sampling interval, its BIC must fall
+by so large a share more: what the input does between its samples makes as much of a difference."""
 
 MAX_LINKS = 3
 """A fourth cause would be fitted to what three have left, which is their own errors as a rule."""

@@ -154,7 +154,7 @@ def _steps_of(p: Parameter, value: float, covariance: Covariance) -> tuple[float
         return float(sd), float(covariance.cost_per_variance[row]), float(freedom)
     units = covariance.cost_per_variance
     step = FIRST_STEP if p.scale == "log" else FIRST_STEP * _usual_size(p, value)
-    return step, float(np.nanmax(np.where(units > 0.0, units, np.nan))), np.inf
+    return step, float(np.max(units, where=units > 0.0, initial=0.0)), np.inf
 
 
 def _usual_size(p: Parameter, value: float) -> float:
