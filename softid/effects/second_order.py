@@ -97,10 +97,8 @@ def rings(values: Mapping[str, float]) -> bool:
     return values.get("zeta", 0.0) < WELL_DAMPED
 
 
-def as_lag(values: Mapping[str, float]) -> Mapping[str, float] | None:
-    """The first-order lag that an overdamped law is like; None for one that is not overdamped.
-
-    Its time constant is the larger of the two, τ = (ζ + √(ζ² − 1))/ω.
+def time_constants(values: Mapping[str, float]) -> tuple[float, float] | None:
+    """Both time constants of an overdamped law, (ζ ± √(ζ² − 1))/ω in s; None for any other.
 
     Parameters
     ----------
@@ -109,32 +107,38 @@ def as_lag(values: Mapping[str, float]) -> Mapping[str, float] | None:
 
     Examples
     --------
-    >>> as_lag({"period": 6.283185307179586, "zeta": 1.25})
-    {'tau': 2.0}
+    >>> time_constants({"period": 6.283185307179586, "zeta": 1.25})
+    (2.0, 0.5)
     """
-    zeta = values["zeta"]
+    zeta, per_radian = values["zeta"], values["period"] / (2.0 * math.pi)
     if zeta <= 1.0:
         return None
-    return {"tau": values["period"] / (2.0 * math.pi) * (zeta + math.sqrt(zeta**2 - 1.0))}
+    root = math.sqrt(zeta**2 - 1.0)
+    return per_radian * (zeta + root), per_radian * (zeta - root)
+
+
+def as_lag(values: Mapping[str, float]) -> Mapping[str, float] | None:
+    """The lag with the longer time constant, which an overdamped law is like; None for any other.
+
+    Parameters
+    ----------
+    values
+        As in `time_constants`.
+    """
+    both = time_constants(values)
+    return {"tau": both[0]} if both is not None else None
 
 
 def shorter_time(values: Mapping[str, float]) -> float:
-    """The shorter time constant of an overdamped law, (ζ − √(ζ² − 1))/ω, in s; else infinite.
+    """The shorter time constant of an overdamped law, in s; infinite for any other.
 
     Parameters
     ----------
     values
-        The period and the damping ratio.
-
-    Examples
-    --------
-    >>> shorter_time({"period": 6.283185307179586, "zeta": 1.25})
-    0.5
+        As in `time_constants`.
     """
-    zeta = values["zeta"]
-    if zeta <= 1.0:
-        return math.inf
-    return values["period"] / (2.0 * math.pi) * (zeta - math.sqrt(zeta**2 - 1.0))
+    both = time_constants(values)
+    return both[1] if both is not None else math.inf
 
 
 def _periods(scale: Scale) -> tuple[float, ...]:

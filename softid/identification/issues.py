@@ -110,10 +110,8 @@ def issues_of(
         if e.name in unseen:
             message = f"{e.name} cannot be seen: {e.reason}; the fit continues without it"
             found.append(Issue("not-seen", "warning", message, e.remedy or None))
-        elif e.verdict in ("not identified", "weakly identified"):
-            message = f"{e.name} is {e.verdict}: {e.reason}"
-            severity: Severity = "warning" if e.verdict == "not identified" else "info"
-            found.append(Issue(e.verdict.replace(" ", "-"), severity, message, e.remedy or None))
+        elif (unknown := estimate_issue(e)) is not None:
+            found.append(unknown)
     found += [
         _poor_fit(row, statistics) for row in statistics if row.fit_percent < POOR_FIT_PERCENT
     ]
@@ -128,6 +126,21 @@ def issues_of(
         if not noise.white
     ]
     return found
+
+
+def estimate_issue(e: ParameterEstimate) -> Issue | None:
+    """That a parameter is not well known, and why; None where it is.
+
+    Parameters
+    ----------
+    e
+        The estimate.
+    """
+    if e.verdict not in ("not identified", "weakly identified"):
+        return None
+    severity: Severity = "warning" if e.verdict == "not identified" else "info"
+    message = f"{e.name} is {e.verdict}: {e.reason}"
+    return Issue(e.verdict.replace(" ", "-"), severity, message, e.remedy or None)
 
 
 def _poor_fit(row: FitStatistics, statistics: Sequence[FitStatistics]) -> Issue:

@@ -19,7 +19,9 @@ from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis_results import Cause
 from softid.effects import belongs_to
 from softid.effects.base import Effect
+from softid.errors import Issue
 from softid.fitters.problem import Problem
+from softid.identification.issues import estimate_issue
 from softid.identification.parameter_covariance import errors_of
 from softid.identification.profile_likelihood import ProfileRefits
 from softid.parallel import in_parallel
@@ -103,7 +105,17 @@ def with_profile_intervals(
     profiles = in_parallel(lambda name: _profile_of(final, name, covariance, sigma), rough)
     known = dict(zip(rough, profiles, strict=True))
     told = [_with_interval(p, known.get(p.name)) for p in fit.parameters]
-    return replace(fit, parameters=tuple(told))
+    return replace(fit, parameters=tuple(told), issues=_issues_with(told, fit))
+
+
+def _issues_with(told: Sequence[ParameterEstimate], fit: FitResult) -> tuple[Issue, ...]:
+    """The remarks of a fit, with those on the parameters that are told otherwise now."""
+    changed = [pair for pair in zip(fit.parameters, told, strict=True) if pair[0] is not pair[1]]
+    earlier = {estimate_issue(before) for before, _ in changed}
+    now = [issue for _, p in changed if (issue := estimate_issue(p)) is not None]
+    at = next((k for k, issue in enumerate(fit.issues) if issue in earlier), len(fit.issues))
+    behind = [issue for issue in fit.issues[at:] if issue not in earlier]
+    return (*fit.issues[:at], *now, *behind)
 
 
 def _is_rough(p: ParameterEstimate) -> bool:

@@ -19,7 +19,9 @@ from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.search.forward_selection import Chain, converged
 from softid.diagnosis.verdict.profile_intervals import with_intervals, with_profile_intervals
 from softid.effects import effect_of
+from softid.errors import Issue
 from softid.identification.estimates import parameter_estimates
+from softid.identification.issues import estimate_issue
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.parameter_covariance import errors_of
 from softid.results import FitResult
@@ -53,6 +55,19 @@ def test_a_time_longer_than_the_log_is_open_above() -> None:
     assert told.ci95[0] < 25.0 < told.ci95[1] == told.upper
     assert (told.ci_method, told.verdict) == ("profile", "weakly identified")
     assert told.reason == "the logs set it no upper limit within its bounds"
+
+
+def test_remarks_are_those_on_the_intervals_that_are_told() -> None:
+    """The other remarks, before and behind those on parameters, stay where they were."""
+    fit, final = warming(25.0)
+    first, last = Issue("a", "info", "first"), Issue("b", "info", "last")
+    earlier = [i for p in fit.parameters if (i := estimate_issue(p)) is not None]
+    fit = replace(fit, issues=(first, *earlier, last))
+    known = with_profile_intervals(fit, final, [WARM_UP], SIGMA)
+    assert (known.issues[0], known.issues[-1]) == (first, last)
+    told = [i.message for i in known.issues if "sensor_warmup_time" in i.message]
+    reason = "the logs set it no upper limit within its bounds"
+    assert told == [f"sensor_warmup_time is weakly identified: {reason}"]
 
 
 def test_ends_lie_where_the_cost_has_risen() -> None:
