@@ -110,10 +110,10 @@ def time_constants(values: Mapping[str, float]) -> tuple[float, float] | None:
     >>> time_constants({"period": 6.283185307179586, "zeta": 1.25})
     (2.0, 0.5)
     """
-    zeta, per_radian = values["zeta"], values["period"] / (2.0 * math.pi)
+    zeta = values["zeta"]
     if zeta <= 1.0:
         return None
-    root = math.sqrt(zeta**2 - 1.0)
+    per_radian, root = values["period"] / (2.0 * math.pi), math.sqrt(zeta**2 - 1.0)
     return per_radian * (zeta + root), per_radian * (zeta - root)
 
 
