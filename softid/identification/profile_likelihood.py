@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -70,7 +70,7 @@ def profile_parameter(
         )
     p = parameters[name]
 
-    def solve(rival: Problem, starts: Sequence[Array]) -> tuple[float, Array]:
+    def solve(rival: Problem, starts: Iterator[Array]) -> tuple[float, Array]:
         ended = [Objective(rival, optimum.sigma).solve(z, REFIT_EVALUATIONS) for z in starts]
         best = min(ended, key=lambda found: found.normal.cost)
         return 2.0 * best.normal.cost, best.point
@@ -105,8 +105,8 @@ class ProfileRefits:
     values
         Parameter → value there.
     solve
-        From a problem that holds the parameter and some starts to the least cost Σ (r/σ)² that it
-        finds, and where, shape (U − 1,).
+        From a problem that holds the parameter and starts, the nearest refit's first, to the least
+        cost Σ (r/σ)² that it finds, and where, shape (U − 1,).
     """
 
     def __init__(
@@ -115,7 +115,7 @@ class ProfileRefits:
         name: str,
         unknowns: Array,
         values: Mapping[str, float],
-        solve: Callable[[Problem, Sequence[Array]], tuple[float, Array]],
+        solve: Callable[[Problem, Iterator[Array]], tuple[float, Array]],
     ) -> None:
         self._problem = problem
         self._name = name
@@ -128,11 +128,15 @@ class ProfileRefits:
         """Least cost Σ (r/σ)² with the parameter held at a value."""
         fixed = self._problem.parameters.with_fixed({self._name: held})
         rival = Problem(self._problem.model, fixed, self._problem.logs)
-        starts = (rival.unknowns(self._values | {self._name: held}), self._nearest(held))
-        cost, point = self._solve(rival, starts)
+        cost, point = self._solve(rival, self._starts(rival, held))
         if np.isfinite(cost):
             self._found[held] = point
         return cost
+
+    def _starts(self, rival: Problem, held: float) -> Iterator[Array]:
+        """Where refits begin; the second takes a simulation, of who asks for it."""
+        yield self._nearest(held)
+        yield rival.unknowns(self._values | {self._name: held})
 
     def _nearest(self, held: float) -> Array:
         """What was found at the nearest value on the way from the optimum."""

@@ -65,7 +65,7 @@ def revised(
         is_sure = _is_beyond_doubt(links[position], now)
         if is_sure and len(forms) == 1:
             continue
-        others = [effect for effect in now.acting if effect.name != mine.name]
+        others = [effect for effect in now.effects if effect.name != mine.name]
         without = _without(now, base, others, scale, sigma)
         if not np.isfinite(without.minimum.normal.cost):
             continue  # the others alone go nowhere from where the chain stands

@@ -25,7 +25,7 @@ SAME_PLACE = 1e-4
 
 
 def in_better_order(candidate: Candidate, sigma: Mapping[str, float]) -> Candidate:
-    """The candidate, or the same effects in the other order where that leaves less.
+    """The candidate, or its effects in the other order or with other limits if that leaves less.
 
     A limit that just touches a reading with its drift cuts nothing of one without, and a limit that
     stood for a drift cuts what it does not when the drift is there: both orders begin from limits

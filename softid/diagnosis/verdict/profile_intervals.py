@@ -7,7 +7,7 @@ only, and there the sum of squares is no parabola.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -135,8 +135,8 @@ def _profile_of(
     if not (sd > 0.0 and unit > 0.0):
         return None
 
-    def solve(rival: Problem, starts: Sequence[Array]) -> tuple[float, Array]:
-        found = advance(begun(final, final.effects, rival, starts[-1]), sigma, REFITTING)
+    def solve(rival: Problem, starts: Iterator[Array]) -> tuple[float, Array]:
+        found = advance(begun(final, final.effects, rival, next(starts)), sigma, REFITTING)
         return found.squares, found.minimum.point
 
     refits = ProfileRefits(final.problem, name, final.minimum.point, final.parameters, solve)

@@ -187,8 +187,8 @@ def refitted_with(
     near
         What leaves a larger sum of squares after the first evaluations is left there.
     """
-    effects = acting_order(kept, laws)
-    problem = extend_in_order(base.candidate.problem, effects, base.scale)
+    effects = (*kept, *laws)
+    problem = extend_in_order(base.candidate.problem, acting_order(kept, laws), base.scale)
     starts = [
         start_unknowns(problem, known.problem, known.minimum.point, values)
         for values in _start_values(laws, base)

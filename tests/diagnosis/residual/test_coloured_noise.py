@@ -8,12 +8,16 @@ import pytest
 from scipy.signal import lfilter
 
 from softid.diagnosis.residual.coloured_noise import (
+    CHANCE,
+    SMALLEST,
     ColourTest,
+    _activities,
     _are_spikes,
     _p_of_white,
+    _runs,
     colour_test,
 )
-from softid.diagnosis.residual.structure import ResidualContext
+from softid.diagnosis.residual.structure import ResidualContext, _folds, _Smooth, _standardised
 from softid.diagnosis_results import NotNoise
 
 Array = npt.NDArray[np.float64]
@@ -56,7 +60,7 @@ def found_in(residual: Array, u: Array, *slopes: Array) -> ColourTest:
 def test_slow_noise_is_told(white: float, time_s: float) -> None:
     """Known truth: whiteness is asked once at 1e-4, normality and size on four widths.
 
-    A size must follow from the motion by 4 %, which chance does in less than one of a hundred. The
+    A size must follow from the motion by more than chance does in one of 10,000 logs. The
     correlation time is known to about √(2τ/T), a fifth for 1 s in 48 s, in the median.
     """
     told = []
@@ -164,6 +168,23 @@ def test_what_is_slower_than_colour_is_left_to_others() -> None:
         rows = coloured(rng, 20.0) + 0.1 * rng.standard_normal(u.size)
         taken += found_in(rows, u).correlation_s is not None
     assert taken <= 0.1 * DRAWS
+
+
+def test_a_size_follows_by_chance_in_one_of_ten_thousand_logs() -> None:
+    """Known truth: normal innovations, whose size follows from nothing. Of 60,000 draws 6 are meant
+    to lie beyond; none, or more than 18, would be another level."""
+    rng = np.random.default_rng(0)
+    u = steps(rng)
+    x = lagging(u, MOTION_S)
+    part = ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, np.zeros(u.size))
+    (run,) = _runs(part, np.empty((u.size, 0)), _activities([part])[0], 0.24)
+    smooth = _Smooth(_standardised(run.activity), _folds([run.time_s]))
+    beyond = 0
+    for _ in range(3):
+        sizes = np.log(rng.standard_normal((run.time_s.size, 20_000)) ** 2 + SMALLEST)
+        shares = smooth.predicted_shares(sizes - sizes.mean(axis=0))
+        beyond += int(np.sum(shares > CHANCE / run.time_s.size))
+    assert 1 <= beyond <= 18
 
 
 def test_white_runs_are_white_however_short_they_are() -> None:

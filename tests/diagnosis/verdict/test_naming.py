@@ -220,6 +220,15 @@ def test_a_friction_that_comes_up_slowly_is_damping(
     assert (doubt_of(told, effect_of("asymmetric_damping"), fit_result(), WHOLE) is None) is named
 
 
+@pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
+def test_a_time_twenty_times_as_long_at_one_level_is_not_named(at_bound: bool, named: bool) -> None:
+    """No chamber swells so far: the lag stands for something else that differs by level."""
+    ratio = replace(estimate("pneumatic_lag_ratio", 20.0, "1"), at_bound=at_bound)
+    told = cause("pneumatic_lag.level", [ratio], before=2.0, after=1.0)
+    doubt = doubt_of(told, effect_of("pneumatic_lag.level"), fit_result(), WHOLE)
+    assert doubt is (None if named else Doubt.AT_BOUND)
+
+
 def test_a_loop_that_never_closes_or_does_at_once_is_not_named() -> None:
     """Over the longest distance the branch has not arrived, and the law is nearly a spring; over
     the shortest it is dry friction, which the catalogue has."""

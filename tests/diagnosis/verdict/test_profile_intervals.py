@@ -20,6 +20,7 @@ from softid.diagnosis.search.forward_selection import Chain, converged
 from softid.diagnosis.verdict.profile_intervals import with_intervals, with_profile_intervals
 from softid.effects import effect_of
 from softid.errors import Issue
+from softid.fitters.problem import Problem
 from softid.identification.estimates import parameter_estimates
 from softid.identification.issues import estimate_issue
 from softid.identification.parameter_constraints import ParameterConstraints
@@ -84,7 +85,7 @@ def test_ends_lie_where_the_cost_has_risen() -> None:
     for end, other in zip(told.ci95, usual.ci95, strict=True):
         assert end == pytest.approx(other, rel=0.2)
         held = final.problem.parameters.with_fixed({"sensor_warmup_time": end})
-        problem = type(final.problem)(final.problem.model, held, final.problem.logs)
+        problem = Problem(final.problem.model, held, final.problem.logs)
         best = converged(standing(problem, problem.unknowns(final.parameters), SIGMA), SIGMA)
         assert 2.8 < best.squares - final.squares < 5.5
 
