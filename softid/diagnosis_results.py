@@ -39,6 +39,7 @@ class Doubt(Enum):
 
     GAINS_NOTHING = "gains nothing"
     MAY_GAIN_NOTHING = "may gain nothing"
+    DOES_NOT_OCCUR = "does not occur"
     VARIES = "varies"
     UNKNOWN_SIZE = "unknown size"
     AT_BOUND = "at bound"

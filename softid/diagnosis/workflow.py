@@ -51,7 +51,6 @@ from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.strategy import search_causes, search_with_intersample
-from softid.diagnosis.verdict.cancelling import cancelling
 from softid.diagnosis.verdict.cause_results import (
     alternatives_of,
     causes_of,
@@ -61,19 +60,17 @@ from softid.diagnosis.verdict.cause_results import (
     whole_gain_of,
 )
 from softid.diagnosis.verdict.chain_consistency import consistent_names
-from softid.diagnosis.verdict.displacement import displacing
+from softid.diagnosis.verdict.doubts import with_doubts
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import (
-    doubt_of,
     gains_by,
     may_be_chance,
     may_gain_nothing,
-    most_variation,
     verdict_of,
 )
 from softid.diagnosis.verdict.profile_intervals import with_intervals
-from softid.diagnosis_results import Cause, Diagnosis, Doubt, Remainder, Verdict
+from softid.diagnosis_results import Cause, Diagnosis, Remainder, Verdict
 from softid.effects import effects_of
 from softid.errors import Issue
 from softid.identification.assembly import OptimisedProblem, assemble
@@ -284,7 +281,7 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     causes = causes_of(chain, errors, after, rng)
     causes = _with_errors_without(causes, chain, base, errors[-1], rng)
     causes = _with_variations(causes, chain, base, found.remainder)
-    causes = _with_doubts(causes, found, after, base)
+    causes = with_doubts(causes, chain, after, remainder, base)
     sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
     is_named = consistent_names(chain.links, causes, sure, chain.final.squares)
     forms = {
@@ -319,25 +316,6 @@ def _answer(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         ),
         gain_ci95=whole_gain_of(errors, rng),
     )
-
-
-def _with_doubts(
-    causes: Sequence[Cause], found: SearchResult, extended: FitResult | None, base: BaseFit
-) -> tuple[Cause, ...]:
-    """The causes with what their numbers say against their names."""
-    if extended is None:
-        return tuple(causes)
-    final = found.chain.final
-    whole, varies = base.held_out.rms(final), most_variation(found.remainder)
-    against = {
-        **dict.fromkeys(displacing(final, base.candidate), Doubt.DISPLACES),
-        **dict.fromkeys(cancelling(final, base.candidate, base.scale), Doubt.CANCELS),
-    }
-    told = []
-    for cause, link in zip(causes, found.chain.links, strict=True):
-        doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
-        told.append(replace(cause, doubt=against.get(cause.key, doubt)))
-    return tuple(told)
 
 
 def _issues_of_rest(base: BaseFit, chain: Chain, fit: FitResult) -> tuple[Issue, ...]:

@@ -112,6 +112,27 @@ def start_unknowns(
     return problem.with_nuisance_of(z, base, unknowns)
 
 
+def with_fewer_effects(
+    whole: Problem, unknowns: Array, base: Problem, effects: Sequence[Effect], scale: Scale
+) -> tuple[Problem, Array]:
+    """The problem of the base model with some of a model's effects, and the unknowns it has there.
+
+    Parameters
+    ----------
+    whole, unknowns
+        The problem with all effects, and its unknowns.
+    base, scale
+        As in `extend`.
+    effects
+        Those that stay, in the order in which they act; there may be none.
+    """
+    problem = extend_in_order(base, effects, scale) if effects else base
+    known = whole.free_by_name(unknowns)
+    z = np.zeros(problem.size)
+    z[: len(problem.free)] = [known[name] for name in problem.free]
+    return problem, problem.with_nuisance_of(z, whole, unknowns)
+
+
 def named_values(effect: Effect, values: Mapping[str, float]) -> dict[str, float]:
     """An effect's values under their names in an extended model."""
     return {extended_name(effect, name): value for name, value in values.items()}

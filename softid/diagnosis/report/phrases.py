@@ -50,6 +50,8 @@ DOUBTS = {
     Doubt.GAINS_NOTHING: "does not lower the error on what is held out",
     Doubt.MAY_GAIN_NOTHING: "may be chance, for the interval of its gain on what is held out holds "
     "zero",
+    Doubt.DOES_NOT_OCCUR: "leaves no trace in what is held out, so what it gains is not known: "
+    "hold out a log that has it, too",
     Doubt.UNKNOWN_SIZE: "gains little, and not even the order of magnitude of its size is known",
     Doubt.TOO_SLOW: "may be slower than these logs can tell",
     Doubt.MAY_BE_ZERO: "may as well have a size of zero",
@@ -307,7 +309,8 @@ def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
     verb = "describes" if len(descriptive) == 1 else "describe"
     fewest = min((cause.delta_bic for cause in causes), default=math.inf)
     least = min((_held_out_fall(cause) for cause in causes), default=math.inf)
-    if all(c.delta_bic < fewest and _held_out_fall(c) < least for c in descriptive):
+    occur = all(c.doubt is not Doubt.DOES_NOT_OCCUR for c in descriptive)
+    if occur and all(c.delta_bic < fewest and _held_out_fall(c) < least for c in descriptive):
         return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
     reasons = [part for cause in descriptive for part in doubts_about(cause)]
     told = f"Besides, {names} {verb} a part of the misfit, with a law that is not sure enough"

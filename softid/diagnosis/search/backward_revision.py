@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
-from softid.diagnosis.refit.extension import extend_in_order
+from softid.diagnosis.refit.extension import with_fewer_effects
 from softid.diagnosis.search.effect_starts import with_effect
 from softid.diagnosis.search.forward_selection import (
     FURTHER,
@@ -174,9 +174,5 @@ def _without(
 ) -> Candidate:
     """The model with the other effects alone, refitted."""
     order = [effect for effect in now.acting if effect in others]
-    problem = extend_in_order(base.problem, order, scale) if order else base.problem
-    known = now.problem.free_by_name(now.minimum.point)
-    z = np.zeros(problem.size)
-    z[: len(problem.free)] = [known[name] for name in problem.free]
-    z = problem.with_nuisance_of(z, now.problem, now.minimum.point)
+    problem, z = with_fewer_effects(now.problem, now.minimum.point, base.problem, order, scale)
     return advance(begun(now, others, problem, z), sigma, WITHOUT_ROUND)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.extension import extend_in_order
+from softid.diagnosis.refit.extension import with_fewer_effects
 from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
 
@@ -48,12 +48,9 @@ def cancelling(final: Candidate, base: Candidate, scale: Scale) -> frozenset[str
 
 def _residual(final: Candidate, effects: Sequence[Effect], base: Candidate, scale: Scale) -> Array:
     """What is left with some of the effects and all parameters as they are."""
-    known = final.problem.free_by_name(final.minimum.point)
-    alone = _at_rest_of(base.problem, known)
-    problem = extend_in_order(alone, effects, scale) if effects else alone
-    z = np.zeros(problem.size)
-    z[: len(problem.free)] = [known[name] for name in problem.free]
-    z = problem.with_nuisance_of(z, final.problem, final.minimum.point)
+    whole, point = final.problem, final.minimum.point
+    alone = _at_rest_of(base.problem, whole.free_by_name(point))
+    problem, z = with_fewer_effects(whole, point, alone, effects, scale)
     with np.errstate(all="ignore"):
         blocks = problem.blocks(z, derivatives=False)
         return np.concatenate([b.residual for b in blocks if b.channel == problem.outputs[0]])

@@ -203,6 +203,7 @@ def doubt_of(
 CHANCE = (
     Doubt.GAINS_NOTHING,
     Doubt.MAY_GAIN_NOTHING,
+    Doubt.DOES_NOT_OCCUR,
     Doubt.MAY_BE_ZERO,
     Doubt.UNKNOWN_SIZE,
 )

@@ -11,6 +11,7 @@ from handmade_diagnosis import cause, diagnosis, estimate, remainder
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     UNLIKE_NOISE,
+    described,
     doubts_about,
     percent_below,
     taken_by,
@@ -217,3 +218,17 @@ def test_a_disturbance_says_what_to_do_next() -> None:
     found = replace(diagnosis(Verdict.UNKNOWN), issues=(line,))
     assert "look for a pump" not in told(found)
     assert "Next: look for a pump." in told(replace(found, descriptive=(), extended=None))
+
+
+@pytest.mark.parametrize(
+    ("doubt", "told"),
+    [
+        (Doubt.GAINS_NOTHING, "too small to be named"),
+        (Doubt.DOES_NOT_OCCUR, "hold out a log that has it"),
+    ],
+)
+def test_what_does_not_occur_is_not_called_small(doubt: Doubt, told: str) -> None:
+    """Beside a cause that explains most; its size where it occurs is not known to be small."""
+    main = replace(cause("creep", [], before=2.0, after=1.0), delta_bic=5000.0)
+    beside = replace(cause("sensor_drift", [], before=1.0, after=1.0), delta_bic=50.0, doubt=doubt)
+    assert told in described([beside], [main])

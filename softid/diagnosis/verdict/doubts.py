@@ -1,0 +1,57 @@
+"""What the numbers of a diagnosis say against the names of its causes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.verdict.cancelling import cancelling
+from softid.diagnosis.verdict.displacement import displacing
+from softid.diagnosis.verdict.naming import doubt_of, most_variation
+from softid.diagnosis.verdict.occurrence import occurs
+from softid.diagnosis_results import Cause, Doubt, Remainder
+from softid.results import FitResult
+
+NO_GAIN = (Doubt.GAINS_NOTHING, Doubt.MAY_GAIN_NOTHING)
+"""What is held out refuses these, if it holds them at all."""
+
+
+def with_doubts(
+    causes: Sequence[Cause],
+    chain: Chain,
+    extended: FitResult | None,
+    remainder: Remainder,
+    base: BaseFit,
+) -> tuple[Cause, ...]:
+    """The causes with what their numbers say against their names.
+
+    Parameters
+    ----------
+    causes
+        The causes with their held-out errors and variations.
+    chain
+        The chain that they come from.
+    extended
+        The fit with all of them; None without any.
+    remainder
+        What it leaves.
+    base
+        The base fit.
+    """
+    if extended is None:
+        return tuple(causes)
+    final, held_out, scale = chain.final, base.held_out, base.scale
+    whole, varies = held_out.rms(final), most_variation(remainder)
+    against = {
+        **dict.fromkeys(displacing(final, base.candidate), Doubt.DISPLACES),
+        **dict.fromkeys(cancelling(final, base.candidate, scale), Doubt.CANCELS),
+    }
+    told = []
+    for cause, link in zip(causes, chain.links, strict=True):
+        doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
+        if doubt in NO_GAIN and not occurs(link.added, final, base.candidate, held_out, scale):
+            doubt = Doubt.DOES_NOT_OCCUR
+        told.append(replace(cause, doubt=against.get(cause.key, doubt)))
+    return tuple(told)

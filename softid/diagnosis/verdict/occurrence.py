@@ -1,0 +1,48 @@
+"""Whether an effect does anything in what is held out: what does not occur there cannot gain."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.extension import with_fewer_effects
+from softid.diagnosis.refit.held_out import HeldOut
+from softid.effects.base import Effect, Scale
+
+Array = npt.NDArray[np.float64]
+
+NOTHING = 0.05
+"""An effect does nothing where leaving it out moves the simulation by less than this share of what
+the model misses."""
+
+
+def occurs(
+    effect: Effect, final: Candidate, base: Candidate, held_out: HeldOut, scale: Scale
+) -> bool:
+    """Whether what is held out would be simulated otherwise without an effect, all else unchanged.
+
+    A limit of a sensor that is never reached, a wall that is never touched, leave no trace.
+
+    Parameters
+    ----------
+    effect
+        One of the effects of the model.
+    final
+        The model with all of them.
+    base, scale
+        That without any, and the sizes of its fit.
+    held_out
+        What is held out.
+    """
+    others = [e for e in final.acting if e != effect]
+    problem, z = with_fewer_effects(final.problem, final.minimum.point, base.problem, others, scale)
+    without = replace(final, problem=problem, minimum=replace(final.minimum, point=z))
+    errors, bare = held_out.first_errors(final), held_out.first_errors(without)
+    return not _rms(bare - errors) < NOTHING * _rms(errors)
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
