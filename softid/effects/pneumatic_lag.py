@@ -85,15 +85,16 @@ class SeparatePneumaticLag(PneumaticLag):
     """First-order lag with one time constant while pa < p and another while pa > p.
 
     The sign of p − pa decides, and where it changes between two times the instant is found
-    exactly.
+    exactly. A supply that sags by s of what it fills and recovers in a time T is such a lag,
+    T ṗa + s T max(ṗa, 0) + pa = p: τ = (1 + s) T while filling, T while venting.
     """
 
     variant: ClassVar[str] = "separate"
     title: ClassVar[str] = "Lag of the pneumatics that differs by direction"
     law: ClassVar[str] = "tau pa' + pa = p while filling, ratio tau pa' + pa = p while venting"
     meaning: ClassVar[str] = (
-        "The actuator fills in another time than it vents, because the air takes different ways or "
-        "different pressure differences drive it."
+        "The actuator fills in another time than it vents, because the air takes different ways, "
+        "different pressure differences drive it, or a small supply sags while it fills."
     )
     signature: ClassVar[str] = (
         "The residual is a pulse after every change of the input that dies out in one time on the "
@@ -101,7 +102,8 @@ class SeparatePneumaticLag(PneumaticLag):
     )
     neighbours: ClassVar[tuple[str, ...]] = ("valve_flow", "asymmetric_damping", "delay")
     remedy: ClassVar[str] = (
-        "record the pressure inside the actuator, or vent through a wider way than the filling one"
+        "record the pressure inside the actuator and at the supply, use a larger reservoir, or "
+        "vent through another way than the filling one"
     )
     shown_by: ClassVar[str] = "steps up and down between the same levels"
     plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)

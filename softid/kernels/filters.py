@@ -25,6 +25,12 @@ C6, C7, C8 = 1 / 720, 1 / 5040, 1 / 40320
 """Those terms' coefficients."""
 
 
+HALVINGS = 50
+"""A time within a step is then known to rounding."""
+
+MOST_PARTS = 4
+"""A step along a straight input passes a level fewer times."""
+
 EASE = 0.5
 """A rate is taken to change by so large a share at most on the way to the middle of a step."""
 
@@ -183,6 +189,69 @@ def limit_rate(step_s: Array, values: Array, limit: float) -> None:
         most = limit * step_s[k]
         y += min(max(values[k + 1] - y, -most), most)
         values[k + 1] = y
+
+
+@njit(nogil=True, error_model="numpy")
+def _leaves_after(
+    aim: float, apart: float, slope: float, step_s: float, rate: float, is_above: bool
+) -> float:
+    """When a lag leaves its side of zero, of which it is on the other at the end of a step.
+
+    Found by halving the time. The lag is ``apart`` from an aim of this slope at the beginning.
+    """
+    stays, left = 0.0, step_s
+    for _ in range(HALVINGS):
+        middle = 0.5 * (stays + left)
+        there = aim + slope * middle + _relaxed(apart, slope, middle, rate)
+        if (there > 0.0) == is_above:
+            stays = middle
+        else:
+            left = middle
+    return left
+
+
+@kernel
+def lag_with_relief(step_s: Array, values: Array, tau_s: float, opens: float, lost: float) -> None:
+    """First-order lag with a leak that opens above a level, τ ẏ + y + ℓ max(y − y0, 0) = u.
+
+    Below y0 it is a lag of τ behind u, above it one of τ/(1 + ℓ) behind y0 + (u − y0)/(1 + ℓ); both
+    are exact, and the instant at which one takes over from the other is found to rounding.
+
+    Parameters
+    ----------
+    step_s
+        Intervals, shape (n − 1,).
+    values
+        Input, shape (n,); overwritten by the output.
+    tau_s
+        Time constant τ below the level, positive.
+    opens
+        The level y0.
+    lost
+        Loss ℓ above it, not negative.
+    """
+    kept = 1.0 / (1.0 + lost)
+    before = values[0] - opens
+    is_open = before > 0.0
+    y = kept * before if is_open else before
+    values[0] = opens + y
+    for k in range(step_s.size):
+        now = values[k + 1] - opens
+        left = step_s[k]
+        slope = (now - before) / left
+        for part in range(MOST_PARTS):
+            gain = kept if is_open else 1.0
+            rate = 1.0 / (gain * tau_s)
+            apart = y - gain * before
+            there = gain * now + _relaxed(apart, gain * slope, left, rate)
+            if (there > 0.0) == is_open or part == MOST_PARTS - 1:
+                break
+            passing = _leaves_after(gain * before, apart, gain * slope, left, rate, is_open)
+            before += slope * passing
+            left -= passing
+            y, is_open = 0.0, not is_open
+        y, before = there, now
+        values[k + 1] = opens + y
 
 
 @kernel

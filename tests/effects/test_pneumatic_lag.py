@@ -42,6 +42,21 @@ def test_filling_and_venting_differ() -> None:
     assert down_s == pytest.approx(0.8 * np.log(2.0), abs=0.004)
 
 
+def test_a_supply_that_sags_while_it_fills_is_such_a_lag() -> None:
+    """T ṗa + s T max(ṗa, 0) + pa = p by small Euler steps, whose error is 1e-3 of the step."""
+    recovers_s, sags, step_s = 0.4, 0.5, 1e-4
+    time_s = np.arange(0.0, 3.0, step_s)
+    u = np.interp(time_s, [0.0, 0.5, 0.6, 1.5, 1.7, 3.0], [0.0, 0.0, 80.0, 100.0, 10.0, 60.0])
+    inside = np.zeros(u.size)
+    for k in range(u.size - 1):
+        behind = u[k] - inside[k]
+        slowed = 1.0 + sags if behind > 0.0 else 1.0
+        inside[k + 1] = inside[k] + step_s * behind / (slowed * recovers_s)
+    eta = np.array([(1.0 + sags) * recovers_s, 1.0 / (1.0 + sags)])
+    found = SeparatePneumaticLag().apply(eta, time_s, u, SCALE)
+    np.testing.assert_allclose(found, inside, rtol=0.0, atol=0.1)
+
+
 def test_a_ratio_of_one_is_the_plain_lag() -> None:
     """The richer law holds the plain one, to rounding."""
     time_s = fine_times()

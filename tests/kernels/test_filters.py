@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import expm
 
-from softid.kernels.filters import cubic, hermite, lag, resonance
+from softid.kernels.filters import cubic, hermite, lag, lag_with_relief, resonance
 
 IRREGULAR_S = np.concatenate(([0.0], np.cumsum(np.random.default_rng(1).uniform(1e-3, 0.3, 60))))
 
@@ -47,6 +50,48 @@ def test_lag_switches_inside_an_interval() -> None:
     fine = lagged(fine_s, np.interp(fine_s, coarse_s, u), 0.1, 0.4)
     np.testing.assert_allclose(lagged(coarse_s, u, 0.1, 0.4), fine[::1000], rtol=0.0, atol=1e-6)
     assert np.max(np.abs(lagged(coarse_s, u, 0.1, 0.4) - lagged(coarse_s, u, 0.1, 0.1))) > 0.05
+
+
+def relieved(time_s: np.ndarray, u: np.ndarray, opens: float, lost: float) -> np.ndarray:
+    values = np.array(u)
+    lag_with_relief(np.diff(time_s), values, 0.1, opens, lost)
+    return values
+
+
+def test_a_relief_that_never_opens_or_always_is_a_lag() -> None:
+    """Below the level that of τ; above it that of τ/(1 + ℓ), towards y0 + (u − y0)/(1 + ℓ)."""
+    u = 2.0 + np.cos(IRREGULAR_S)
+    np.testing.assert_allclose(relieved(IRREGULAR_S, u, 9.0, 0.5), lagged(IRREGULAR_S, u, 0.1, 0.1))
+    open_ = 0.5 + (lagged(IRREGULAR_S, u, 0.1 / 1.5, 0.1 / 1.5) - 0.5) / 1.5
+    np.testing.assert_allclose(relieved(IRREGULAR_S, u, 0.5, 0.5), open_, rtol=0.0, atol=1e-12)
+
+
+def test_a_relief_opens_and_closes_inside_an_interval() -> None:
+    """Against an integrator of SciPy that is restarted at every corner of the input.
+
+    The level lies between the samples' values, and 1e-9 is what the integrator reaches.
+    """
+    coarse_s = np.arange(0.0, 3.0, 0.1)
+    u = np.interp(coarse_s, [0.0, 0.5, 0.8, 1.6, 2.1, 3.0], [0.0, 1.0, 0.3, 0.9, 0.0, 0.5])
+    opens, lost, tau = 0.55, 2.0, 0.1
+
+    def rate(t: float, y: np.ndarray) -> np.ndarray:
+        relief = lost * np.maximum(y - opens, 0.0)
+        return (np.interp(t, coarse_s, u) - y - relief) / tau
+
+    expected = [u[0]]
+    for begin, end in pairwise(coarse_s):
+        solved = solve_ivp(rate, (begin, end), [expected[-1]], rtol=1e-11, atol=1e-12)
+        expected.append(solved.y[0, -1])
+    found = relieved(coarse_s, u, opens, lost)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-7)
+    assert np.max(np.abs(found - lagged(coarse_s, u, tau, tau))) > 0.15
+
+
+def test_a_relief_begins_settled() -> None:
+    """A constant input stays: beyond the level only a share of it arrives."""
+    flat = np.full(IRREGULAR_S.size, 2.0)
+    np.testing.assert_allclose(relieved(IRREGULAR_S, flat, 1.0, 1.0), 1.5, rtol=1e-14)
 
 
 @pytest.mark.parametrize("zeta", [0.02, 0.3, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5, 3.0])

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from softid.diagnosis.report.phrases import VARIATIONS, title_of, titles_of, variables_left
 from softid.diagnosis.search.forward_selection import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
+    HELD_INPUT,
     LINEAR_FILTERS,
     LOWER_END,
     OWN_DAMPING,
@@ -57,7 +58,7 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     if _is_presliding(alternative):
         return PRESLIDING
     tied = set(alternative.effects)
-    for known in (OWN_DAMPING, LOWER_END):
+    for known in (OWN_DAMPING, LOWER_END, HELD_INPUT):
         if tied.issuperset(known.effects):
             return known
     for known in REPLACED:

@@ -14,7 +14,7 @@ from softid.diagnosis.residual.assessment import held_out_share
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.forward_selection import INDISTINCT
 from softid.diagnosis.verdict.replacements import refitted_with
-from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS
+from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE
 from softid.effects import belongs_to
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -85,9 +85,7 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
         return None
     left = noise / variance * known.squares
     near = left + (1.0 - NEARLY) * (known.squares - left)
-    found = in_parallel(
-        lambda law: refitted_with(known, (), (law(),), base, near=near), UNLISTED_LAWS
-    )
+    found = in_parallel(lambda law: refitted_with(known, (), (law(),), base, near=near), BEYOND_ONE)
     enough = [one for one in found if _share(known, one, left) > TAKES]
     ranked = rank([known, *enough], base.sigma) if enough else []
     alike = [row.plain for row in ranked if row.bic < ranked[0].bic + INDISTINCT]

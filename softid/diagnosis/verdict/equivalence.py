@@ -108,12 +108,14 @@ UNLISTED: dict[str, str] = {
     "position_damping": "a damping of the actuator itself that goes with its position",
     "gauge_lag": "a pressure gauge that lags behind",
     "sensor_lead": "a sensor that runs ahead of the motion",
+    "held_input": "an input that is held until its next sample",
     "load_drift": "a load that changes at a constant rate",
     "pressure_drift": "a drift of the zero of the pressure gauge, or of the stiffness that an "
     "actuator has without pressure",
     "pressure_gain_drift": "a pressure that falls behind what is recorded, by a leak that grows or "
     "a gauge whose gain drifts",
     "rate_limit": "a supply that fills and vents at no more than one rate",
+    "relief_leak": "a leak that opens above a pressure, as a relief valve does",
     "bent_reading": "a sensor whose gain is not the same over its range",
     "early_reading": "a reading that runs ahead of the recorded input, by an offset of the clocks "
     "or a gauge that is late",
@@ -181,7 +183,14 @@ LOWER_END = EquivalenceClass(
 
 BEYOND = EquivalenceClass(
     ("causes of the catalogue", "a law in no catalogue"),
-    ("position_damping", "damping_drift", "early_reading", "input_play", "output_play"),
+    (
+        "position_damping",
+        "damping_drift",
+        "early_reading",
+        "input_play",
+        "output_play",
+        "relief_leak",
+    ),
     "A refit with the last of them in the place of all causes explains these logs better",
     "small and large steps from many positions, up and down, early and late",
 )
@@ -198,6 +207,15 @@ OWN_DAMPING = EquivalenceClass(
     "the pressure inside the actuator, or the motion after a push at a constant pressure",
 )
 """A lag of the level beside an actuator that is left without a time of its own."""
+
+HELD_INPUT = EquivalenceClass(
+    ("a delay of the input", UNLISTED["held_input"]),
+    ("delay", "held_input"),
+    "A delay of half a sampling interval is what a valve does that holds its value until the next "
+    "sample",
+    "the pressure at the actuator, several times as fast",
+)
+"""A delay of half the interval of a measured input that is read as going straight."""
 
 _FASTER = "the sensor beside a faster one, or the pressure at the actuator itself"
 """What splits a filter before the actuator from one behind it."""

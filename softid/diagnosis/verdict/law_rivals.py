@@ -10,10 +10,16 @@ import numpy as np
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Chain, Link
-from softid.diagnosis.verdict.equivalence import OWN_DAMPING, POLE_AND_ZERO, PRESLIDING
+from softid.diagnosis.verdict.equivalence import (
+    HELD_INPUT,
+    OWN_DAMPING,
+    POLE_AND_ZERO,
+    PRESLIDING,
+)
 from softid.diagnosis.verdict.replacements import with_replacements
 from softid.diagnosis_results import Cause
 from softid.effects.base import Scale
+from softid.intersample import HELD
 
 GIVES_WAY = 0.02
 """Friction gives way by this share of the range, at most, before it slides."""
@@ -62,7 +68,8 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
     hysteresis: only the distance tells a guide that rubs from a material with inner friction. With
     M = N = 0, a lag whose time goes with the pressure inside, τ(pa) ṗa + pa = p, is x = pa/Q with
     τ(Qx) Q ẋ + Q x = p: a damping that goes with the position. In a linear model a creep is one
-    pole and one zero, as is the lag of a gauge or the lead of a sensor.
+    pole and one zero, as is the lag of a gauge or the lead of a sensor. An input that is held until
+    its next sample is late by half an interval.
 
     Parameters
     ----------
@@ -81,6 +88,8 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
         others = PRESLIDING.effects[1:]
     elif key == "pneumatic_lag.level" and own_time(final) < KEPT * values["tau"]:
         others = OWN_DAMPING.effects[1:]
+    elif cause.effect == "delay" and _may_be_held(cause, final):
+        others = HELD_INPUT.effects[1:]
     elif cause.effect == "creep" and final.problem.model.is_linear:
         others = POLE_AND_ZERO.effects[1:] if values["tau"] < LATER * scale.motion_s else ()
     return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *others))))
@@ -101,3 +110,11 @@ def own_time(final: Candidate) -> float:
     u = np.concatenate([segment.input for segment in problem.segments])
     damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
     return damping / stiffness if stiffness > 0.0 else np.inf
+
+
+def _may_be_held(delay: Cause, final: Candidate) -> bool:
+    """Whether a delay of an input that goes on between its samples is half a sampling interval."""
+    log, (tau,) = final.problem.logs[0], delay.parameters
+    if tau.ci95 is None or log.between_samples in HELD:
+        return False
+    return tau.ci95[0] <= 0.5 * log.as_recorded.period_s <= tau.ci95[1]

@@ -33,9 +33,9 @@ from softid.diagnosis.verdict.unlisted_drifts import (
 from softid.diagnosis.verdict.unlisted_laws import (
     UNLISTED_LAWS,
     BentReading,
-    RateLimit,
     SecondCreep,
 )
+from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit
 from softid.effects import effect_of
 from softid.effects.base import Effect
 from softid.parallel import in_parallel

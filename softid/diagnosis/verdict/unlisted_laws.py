@@ -20,10 +20,11 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     SettlingStiffness,
     one_parameter,
 )
+from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit, ReliefLeak
 from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
 from softid.kernels.earlier_input import read_at
-from softid.kernels.filters import limit_rate, play
+from softid.kernels.filters import play
 from softid.kernels.terms import DAMPING, FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
 
@@ -31,13 +32,6 @@ Array = npt.NDArray[np.float64]
 
 CREEP_TIMES = (0.01, 0.03, 0.1, 0.3, 0.6)
 """Starts of the time of a second creep, as shares of the log."""
-
-SHORTEST, LONGEST = 1e-3, 0.25
-"""Bounds of the time that a limit makes the whole range take: in times of the motion, and as a
-share of the longest log."""
-
-START_TIMES = (0.2, 0.7, 2.5)
-"""Starts of it, in times of the motion."""
 
 MOST_BENT = 0.9
 """Bound of what a bend adds to the slope of a reading at the ends of its range: it still rises."""
@@ -56,50 +50,6 @@ EARLIEST = 0.1
 
 MOST_PLAY, START_PLAY = 0.3, (0.02, 0.08)
 """Bound and starts of half a play, as a share of the range."""
-
-
-@dataclass(frozen=True)
-class RateLimit(InputEffect):
-    """A pressure that never changes faster than a limit, |ṗa| ≤ u_span/time."""
-
-    name: ClassVar[str] = "rate_limit"
-    title: ClassVar[str] = "Limit of the filling rate"
-    law: ClassVar[str] = "|arriving u'| <= u_span/time"
-    meaning: ClassVar[str] = "A pump or a servo valve fills and vents at no more than one rate."
-    signature: ClassVar[str] = "What is left after a step lasts longer the larger the step is."
-    shown_by: ClassVar[str] = "steps of several sizes"
-    source: ClassVar[str] = "Tao and Kokotović, Adaptive Control of Systems, Wiley 1996"
-    amplitude: ClassVar[str] = "time"
-
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """The time that the whole range takes."""
-        longest = max(LONGEST * scale.duration_s, scale.motion_s)
-        return ParameterSet(
-            (
-                Parameter(
-                    "time",
-                    0.5 * scale.motion_s,
-                    "s",
-                    SHORTEST * scale.motion_s,
-                    longest,
-                    "log",
-                    meaning="time in which the input passes through its range",
-                    source=self.source,
-                ),
-            )
-        )
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """From a fraction to a few of the motion's own times."""
-        longest = self.parameters(scale)["time"].upper
-        return tuple({"time": min(share * scale.motion_s, longest)} for share in START_TIMES)
-
-    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
-        """Follow the input as fast as is allowed."""
-        arriving = np.array(u, np.float64)
-        if eta[0] > 0.0:
-            limit_rate(np.diff(time_s), arriving, scale.u_span / float(eta[0]))
-        return arriving
 
 
 @dataclass(frozen=True)
@@ -340,6 +290,7 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     PressureGainDrift,
     PressureDrift,
     RateLimit,
+    ReliefLeak,
     BentReading,
     DampingDrift,
     SettlingStiffness,
@@ -349,3 +300,6 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     OutputPlay,
 )
 """All that may stand in the place of all causes."""
+
+BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law is not ReliefLeak)
+"""Those that no single cause can do as well: a leak may be next to none, and is a lag then."""

@@ -29,9 +29,11 @@ def link_of(key: str) -> Link:
     return Link(base, (chosen, base), chosen, (key.split(".")[0],), (), 100.0)
 
 
-def linear_with(key: str, **values: float) -> tuple[Candidate, Scale]:
+def linear_with(
+    key: str, *, intersample: str | None = None, **values: float
+) -> tuple[Candidate, Scale]:
     """The linear actuator at its truth with an effect."""
-    problem = linear_problem([linear_log()])
+    problem = linear_problem([linear_log().with_intersample(intersample)])
     z = problem.unknowns(TRUTH)
     scale = scale_of(problem, z)
     extended = extend(problem, [effect_of(key)], scale)
@@ -112,3 +114,22 @@ def test_both_forms_of_a_creep_are_one_transfer_function() -> None:
     one = lsim(solid, pressure, time_s)[1]
     other = lsim(series, pressure / q, time_s)[1]
     assert one == pytest.approx(other, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("interval", "reading", "rivals"),
+    [
+        ((0.008, 0.012), None, ("delay", "held_input")),
+        ((0.012, 0.014), None, ("delay",)),
+        ((0.008, 0.012), "zoh", ("delay",)),
+        (None, None, ("delay",)),
+    ],
+)
+def test_a_delay_of_half_an_interval_may_be_a_held_input(
+    interval: tuple[float, float] | None, reading: str | None, rivals: tuple[str, ...]
+) -> None:
+    """At 50 Hz half an interval is 0.01 s; an input that is read as held has it already."""
+    final, scale = linear_with("delay", tau=0.01, intersample=reading)
+    tau = replace(estimate("delay_tau", 0.01, "s"), ci95=interval)
+    told = cause("delay", [tau], before=2.0, after=1.0)
+    assert with_law_rivals(link_of("delay"), told, "delay", final, scale).rivals == rivals

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from handmade_rounds import ranked
-from linear_motion import TRUTH, linear_log, linear_problem, standing
+from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.refit.candidates import Candidate, begun
@@ -140,3 +141,35 @@ def test_what_is_not_named_is_not_asked() -> None:
     base: Any = None
     links = [link_of("stiffening"), link_of("creep")]
     assert with_replacements(links, [False, False], final, base) == links
+
+
+def test_a_leak_in_the_place_of_a_curve_and_a_lag() -> None:
+    """A linear actuator behind a leak that opens at 50 kPa: the leak has fewer numbers.
+
+    What arrives comes from small Euler steps of its law, and the motion from the exact answer.
+    """
+    fine, tau, opens, lost = 20, 0.15, 50.0, 0.6
+
+    def leaking_log(seed: int) -> Log:
+        fine_s = np.arange(40 * RATE_HZ * fine) / (RATE_HZ * fine)
+        levels = np.random.default_rng(seed).uniform(0.0, 100.0, 41)
+        pressure = np.interp(
+            fine_s, np.repeat(np.arange(41.0), 2)[1:] + 0.1, np.repeat(levels, 2)[:-1]
+        )
+        inside = np.empty(fine_s.size)
+        inside[0] = pressure[0]
+        for k in range(fine_s.size - 1):
+            leaks = lost * max(inside[k] - opens, 0.0)
+            rate = (pressure[k] - inside[k] - leaks) / tau
+            inside[k + 1] = inside[k] + rate / (RATE_HZ * fine)
+        angle = linear_angle(fine_s, inside)[::fine]
+        angle += 0.005 * np.random.default_rng(seed).standard_normal(angle.size)
+        channels = {"pressure": pressure[::fine], "angle": angle}
+        return Log.from_arrays(fine_s[::fine], channels, name=f"leaking-{seed}")
+
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((leaking_log(1),)), (leaking_log(2),), thorough=False)
+    named = ("static_curve", "pneumatic_lag.level")
+    final = converged_with(base, tuple(effect_of(key) for key in named))
+    for link in with_replacements([link_of(key) for key in named], [True, True], final, base):
+        assert link.rivals[1:] == ("relief_leak",)

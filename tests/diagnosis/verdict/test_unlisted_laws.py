@@ -25,9 +25,9 @@ from softid.diagnosis.verdict.unlisted_laws import (
     InputPlay,
     OutputPlay,
     PositionDamping,
-    RateLimit,
     SecondCreep,
 )
+from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit, ReliefLeak
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.kernels.terms import DAMPING, FORCE, RATE, STIFFNESS
@@ -69,6 +69,14 @@ def test_a_limit_is_followed() -> None:
     found = RateLimit().apply(np.array([2.0]), time_s, u, scale) / scale.u_span
     np.testing.assert_allclose(found, [0.0, 0.125, 0.25, 0.3, 0.3, 0.2, 0.2], atol=1e-12)
     np.testing.assert_array_equal(RateLimit().apply(np.array([0.0]), time_s, u, scale), u)
+
+
+def test_a_leak_opens_above_a_pressure() -> None:
+    """A hold at 60 kPa after one at 20: of what is beyond 40 kPa two thirds arrive, at once where
+    there is no restriction."""
+    u = np.array([20.0, 20.0, 60.0, 60.0, 60.0])
+    found = ReliefLeak().apply(np.array([1e-9, 40.0, 0.5]), np.arange(5.0), u, sizes_of("muscle"))
+    np.testing.assert_allclose(found, [20.0, 20.0, *[40.0 + 20.0 / 1.5] * 3], rtol=1e-6)
 
 
 def test_a_bent_reading_keeps_the_ends_of_its_range() -> None:

@@ -1,0 +1,128 @@
+"""Laws of the supply in no catalogue, for which a lag, a valve or a curve may stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.effects.base import InputEffect, Scale
+from softid.effects.time_constants import lag_bounds, lag_times
+from softid.kernels.filters import lag_with_relief, limit_rate
+from softid.parameters import Parameter, ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+SHORTEST, LONGEST = 1e-3, 0.25
+"""Bounds of the time that a limit makes the whole range take: in times of the motion, and as a
+share of the longest log."""
+
+START_TIMES = (0.2, 0.7, 2.5)
+"""Starts of it, in times of the motion."""
+
+LEAST_LOST, MOST_LOST, START_LOST = 1e-3, 20.0, 0.3
+"""Bounds and start of what a leak loses of the pressure beyond that at which it opens."""
+
+OPENS_AT = (0.3, 0.6)
+"""Starts of the pressure at which it opens, as shares of the input's range."""
+
+
+@dataclass(frozen=True)
+class RateLimit(InputEffect):
+    """A pressure that never changes faster than a limit, |ṗa| ≤ u_span/time."""
+
+    name: ClassVar[str] = "rate_limit"
+    title: ClassVar[str] = "Limit of the filling rate"
+    law: ClassVar[str] = "|arriving u'| <= u_span/time"
+    meaning: ClassVar[str] = "A pump or a servo valve fills and vents at no more than one rate."
+    signature: ClassVar[str] = "What is left after a step lasts longer the larger the step is."
+    shown_by: ClassVar[str] = "steps of several sizes"
+    source: ClassVar[str] = "Tao and Kokotović, Adaptive Control of Systems, Wiley 1996"
+    amplitude: ClassVar[str] = "time"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The time that the whole range takes."""
+        longest = max(LONGEST * scale.duration_s, scale.motion_s)
+        return ParameterSet(
+            (
+                Parameter(
+                    "time",
+                    0.5 * scale.motion_s,
+                    "s",
+                    SHORTEST * scale.motion_s,
+                    longest,
+                    "log",
+                    meaning="time in which the input passes through its range",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """From a fraction to a few of the motion's own times."""
+        longest = self.parameters(scale)["time"].upper
+        return tuple({"time": min(share * scale.motion_s, longest)} for share in START_TIMES)
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """Follow the input as fast as is allowed."""
+        arriving = np.array(u, np.float64)
+        if eta[0] > 0.0:
+            limit_rate(np.diff(time_s), arriving, scale.u_span / float(eta[0]))
+        return arriving
+
+
+@dataclass(frozen=True)
+class ReliefLeak(InputEffect):
+    """A leak above a pressure behind a restriction, τ ṗa + pa + ℓ max(pa − p0, 0) = p.
+
+    Below p0 it is a lag, above it a shorter one of a smaller gain: a bend of the static curve and a
+    lag that differs by level, both at one pressure.
+    """
+
+    name: ClassVar[str] = "relief_leak"
+    title: ClassVar[str] = "Leak above a pressure"
+    law: ClassVar[str] = "tau pa' + pa + lost max(pa - opens, 0) = p"
+    meaning: ClassVar[str] = "A relief valve opens, or a fitting or a seam gives way."
+    signature: ClassVar[str] = "The curve bends at one pressure, above which all is quicker, too."
+    remedy: ClassVar[str] = "listen for a leak at the highest pressure, and watch a closed line"
+    shown_by: ClassVar[str] = "steps to levels below and above the pressure at which it opens"
+    source: ClassVar[str] = "Andersen, The Analysis and Design of Pneumatic Systems, Wiley 1967"
+    amplitude: ClassVar[str] = "lost"
+    essential: ClassVar[tuple[str, ...]] = ("opens",)
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Time constant of the restriction, pressure at which the leak opens, and what it loses."""
+        range_ = scale.u_low, scale.u_high
+        begin = scale.u_low + OPENS_AT[0] * scale.u_span
+        tau = Parameter("tau", lag_times(scale)[0], "s", *lag_bounds(scale), "log")
+        opens = Parameter("opens", begin, scale.u_unit, *range_)
+        lost = Parameter("lost", START_LOST, "1", LEAST_LOST, MOST_LOST, "log")
+        return ParameterSet(
+            (
+                replace(tau, meaning="time constant below the leak", source=self.source),
+                replace(opens, meaning="pressure at which it opens", source=self.source),
+                replace(lost, meaning="part of the pressure beyond that", source=self.source),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Short and long times, and a leak that opens in either half of the range."""
+        return tuple(
+            {"tau": tau, "opens": scale.u_low + share * scale.u_span, "lost": START_LOST}
+            for tau, share in product(lag_times(scale), OPENS_AT)
+        )
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """The lagged input less what leaks."""
+        del scale
+        arriving = np.array(u, np.float64)
+        lag_with_relief(np.diff(time_s), arriving, *(float(value) for value in eta))
+        return arriving
+
+    def bends_in_s(self, eta: Array) -> float:
+        """The time constant above the leak."""
+        return float(eta[0] / (1.0 + eta[2]))
