@@ -19,6 +19,9 @@ base may do all that the plain one can."""
 OF_THE_BEST = 0.3
 """And this share of what the best effect promises."""
 
+MANY_MORE = 3
+"""A law with so many parameters more than another one can bend to what that one does."""
+
 
 def by_themselves(signatures: Sequence[Signature], richer: Sequence[Effect]) -> set[str]:
     """Keys of the richer forms whose signature promises far more than that of the plain one.
@@ -41,6 +44,21 @@ def by_themselves(signatures: Sequence[Signature], richer: Sequence[Effect]) -> 
         if promised.get(effect.key, 0.0) > BY_ITSELF * promised.get(effect.name, 0.0)
         and promised[effect.key] > OF_THE_BEST * most
     }
+
+
+def may_imitate(effect: Effect, other: Effect, scale: Scale) -> bool:
+    """Whether an effect has so many more parameters than a neighbour that it may only imitate it.
+
+    Parameters
+    ----------
+    effect, other
+        The effect, and the one that it may stand for.
+    scale
+        Sizes of the base fit.
+    """
+    if other.name not in effect.neighbours:
+        return False
+    return len(effect.parameters(scale)) >= len(other.parameters(scale)) + MANY_MORE
 
 
 def is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
@@ -67,6 +85,9 @@ def simpler_forms(
 ) -> list[Candidate]:
     """The plain form of every richer one, and what a law is like, from where the leaders stand.
 
+    So is what a law may only imitate: a base that has bent to a dead zone hides it, and one beside
+    a curve that takes the dead zone's place does not.
+
     Parameters
     ----------
     fitted
@@ -87,7 +108,8 @@ def simpler_forms(
         like = added.simpler(own_values(added, leader.parameters))
         for effect in effects:
             known = like[1] if like is not None and like[0] == effect.key else None
-            if known is not None or is_richer(added, effect, scale):
+            is_simpler = is_richer(added, effect, scale) or may_imitate(added, effect, scale)
+            if known is not None or is_simpler:
                 placed += forms_of(fitted, leader, effect, scale, variance, known=known)
     return run_round(placed, sigma, FAR_ROUND, FINE)
 

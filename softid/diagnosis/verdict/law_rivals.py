@@ -31,6 +31,10 @@ LATER = 3.0
 """A creep goes on for so many times as long as the motion itself, at least; what is over sooner may
 be any other pole and zero."""
 
+ABOUT = 0.1
+"""A delay is half an interval where that lies no farther outside the interval of its error: what
+else is in the model takes or gives a little of it."""
+
 
 def with_rivals(
     chain: Chain,
@@ -117,4 +121,5 @@ def _may_be_held(delay: Cause, final: Candidate) -> bool:
     log, (tau,) = final.problem.logs[0], delay.parameters
     if tau.ci95 is None or log.between_samples in HELD:
         return False
-    return tau.ci95[0] <= 0.5 * log.as_recorded.period_s <= tau.ci95[1]
+    half_s = 0.5 * log.as_recorded.period_s
+    return (1.0 - ABOUT) * tau.ci95[0] <= half_s <= (1.0 + ABOUT) * tau.ci95[1]

@@ -13,11 +13,14 @@ from linear_motion import (
     standing,
 )
 
+from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.effect_starts import candidate_at
 from softid.diagnosis.search.forms import simpler_forms
 from softid.diagnosis.search.forward_selection import converged
 from softid.effects import effect_of
+from softid.log import LogSet
+from softid.synthesis import hidden_pair
 
 LAG, DRIFT = effect_of("sensor_lag"), effect_of("sensor_drift")
 
@@ -42,3 +45,23 @@ def test_an_overdamped_resonance_is_tried_as_a_lag(zeta: float, keys: list[objec
     found = simpler_forms(base, [leader], [LAG, DRIFT], scale, SIGMA)
     assert [form.keys for form in found] == keys
     assert all(form.squares < 1180.0 for form in found)
+
+
+def test_a_curve_is_tried_as_a_dead_zone() -> None:
+    """Stands on the generator: where a curve of six knots has taken the dead zone's place, a dead
+    zone explains as much with its two numbers; a creep is not asked."""
+    pair = hidden_pair(["dead_zone"], seed=710008, size=2.0)
+    request = Request("muscle", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet(pair.logs[:1]), pair.logs[1:], thorough=False)
+    begun = dict(effect_of("static_curve").starts(base.scale)[0])
+    _, start = candidate_at(
+        base.candidate, effect_of("static_curve"), begun, base.scale, base.sigma
+    )
+    leader = converged(start, base.sigma)
+    asked = [effect_of("dead_zone"), effect_of("creep")]
+    found = simpler_forms(base.candidate, [leader], asked, base.scale, base.sigma)
+    assert {form.keys for form in found} == {("dead_zone",)}
+    best = min(found, key=lambda form: form.squares)
+    assert best.squares < 1.01 * leader.squares < 0.9 * base.candidate.squares
+    true = pair.hidden["dead_zone"]["p0"]
+    assert best.parameters["dead_zone_p0"] == pytest.approx(true, rel=0.2)

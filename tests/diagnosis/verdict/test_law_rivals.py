@@ -120,7 +120,8 @@ def test_both_forms_of_a_creep_are_one_transfer_function() -> None:
     ("interval", "reading", "rivals"),
     [
         ((0.008, 0.012), None, ("delay", "held_input")),
-        ((0.012, 0.014), None, ("delay",)),
+        ((0.0093, 0.0097), None, ("delay", "held_input")),
+        ((0.0112, 0.014), None, ("delay",)),
         ((0.008, 0.012), "zoh", ("delay",)),
         (None, None, ("delay",)),
     ],
