@@ -50,6 +50,7 @@ class ClockRate(OutputEffect):
     source: ClassVar[str] = "linear clock model; IEEE Std 1588-2019"
     amplitude: ClassVar[str] = "rate"
     changes_sign: ClassVar[bool] = True
+    has_one_form: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The relative rate ε, within five per cent."""

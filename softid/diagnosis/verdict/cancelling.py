@@ -23,6 +23,8 @@ them moves it: what is left of both is the shape of a third."""
 def cancelling(final: Candidate, base: Candidate, scale: Scale) -> frozenset[str]:
     """Keys of the effects of a chain that nearly cancel another one of it.
 
+    Two that have one form each may: an offset of a clock and its rate, which meet halfway.
+
     Parameters
     ----------
     final
@@ -35,6 +37,8 @@ def cancelling(final: Candidate, base: Candidate, scale: Scale) -> frozenset[str
     whole = _residual(final, final.acting, base, scale)
     found: set[str] = set()
     for pair in combinations(final.acting, 2):
+        if all(effect.has_one_form for effect in pair):
+            continue
         left_out: list[Sequence[Effect]] = [(one,) for one in pair] + [pair]
         moved = []
         for without in left_out:

@@ -13,6 +13,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.verdict.cancelling import cancelling
+from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Scale
 
 
@@ -68,3 +69,16 @@ def test_what_nearly_cancels_is_no_cause(sizes: dict[str, float], found: set[str
     """A parabola less its neighbour is a tenth of either; less two fifths of it, most stays."""
     final, base, scale = with_sizes(**sizes)
     assert cancelling(final, base, scale) == found
+
+
+def test_laws_without_another_form_may_meet_halfway(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An offset and a rate of a clock; one of them alone is not enough."""
+    final, base, scale = with_sizes(bow=1.0, sag=1.0)
+    monkeypatch.setattr(Sag, "has_one_form", True)
+    assert cancelling(final, base, scale) == {"bow", "sag"}
+    monkeypatch.setattr(Bow, "has_one_form", True)
+    assert cancelling(final, base, scale) == set()
+
+
+def test_a_clock_has_one_form() -> None:
+    assert {name for name in EFFECTS if effect_of(name).has_one_form} == {"clock_rate", "delay"}
