@@ -13,6 +13,7 @@ from softid.diagnosis.verdict.equivalence import (
     OWN_DAMPING,
     PRESLIDING,
     REPLACED,
+    THINNING,
     EquivalenceClass,
     splitting_experiment,
     why_unsplit,
@@ -58,7 +59,7 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     if _is_presliding(alternative):
         return PRESLIDING
     tied = set(alternative.effects)
-    for known in (OWN_DAMPING, LOWER_END, HELD_INPUT):
+    for known in (OWN_DAMPING, LOWER_END, HELD_INPUT, THINNING):
         if tied.issuperset(known.effects):
             return known
     for known in REPLACED:

@@ -116,6 +116,7 @@ UNLISTED: dict[str, str] = {
     "a gauge whose gain drifts",
     "rate_limit": "a supply that fills and vents at no more than one rate",
     "relief_leak": "a leak that opens above a pressure, as a relief valve does",
+    "thinning_damping": "a damping of the actuator that grows less than in proportion to its speed",
     "bent_reading": "a sensor whose gain is not the same over its range",
     "early_reading": "a reading that runs ahead of the recorded input, by an offset of the clocks "
     "or a gauge that is late",
@@ -207,6 +208,16 @@ OWN_DAMPING = EquivalenceClass(
     "the pressure inside the actuator, or the motion after a push at a constant pressure",
 )
 """A lag of the level beside an actuator that is left without a time of its own."""
+
+THINNING = EquivalenceClass(
+    ("dry friction", UNLISTED["thinning_damping"]),
+    ("coulomb_friction", "thinning_damping"),
+    "Friction that comes up so slowly is hardly dry: a fluid that thins the faster it is sheared "
+    "follows nearly the same law",
+    "moves at several slow and constant speeds, in which dry friction stays as large as in fast "
+    "ones, and the motion when the pressure turns round after a rest",
+)
+"""A friction that is full at a good part of the largest speed only."""
 
 HELD_INPUT = EquivalenceClass(
     ("a delay of the input", UNLISTED["held_input"]),

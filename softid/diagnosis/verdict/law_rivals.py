@@ -15,6 +15,7 @@ from softid.diagnosis.verdict.equivalence import (
     OWN_DAMPING,
     POLE_AND_ZERO,
     PRESLIDING,
+    THINNING,
 )
 from softid.diagnosis.verdict.replacements import with_replacements
 from softid.diagnosis_results import Cause
@@ -23,6 +24,9 @@ from softid.intersample import HELD
 
 GIVES_WAY = 0.02
 """Friction gives way by this share of the range, at most, before it slides."""
+
+DRY = 0.1
+"""Dry friction has come up at this share of the largest speed."""
 
 KEPT = 0.2
 """An actuator keeps no time of its own when it is below this share of the lag's."""
@@ -73,7 +77,8 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
     M = N = 0, a lag whose time goes with the pressure inside, τ(pa) ṗa + pa = p, is x = pa/Q with
     τ(Qx) Q ẋ + Q x = p: a damping that goes with the position. In a linear model a creep is one
     pole and one zero, as is the lag of a gauge or the lead of a sensor. An input that is held until
-    its next sample is late by half an interval.
+    its next sample is late by half an interval. Fc tanh(v/vs) with a large vs is a damping that
+    falls with the speed.
 
     Parameters
     ----------
@@ -92,6 +97,8 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
         others = PRESLIDING.effects[1:]
     elif key == "pneumatic_lag.level" and own_time(final) < KEPT * values["tau"]:
         others = OWN_DAMPING.effects[1:]
+    elif cause.effect == "coulomb_friction" and values["vs"] > DRY * scale.v_max:
+        others = THINNING.effects[1:]
     elif cause.effect == "delay" and _may_be_held(cause, final):
         others = HELD_INPUT.effects[1:]
     elif cause.effect == "creep" and final.problem.model.is_linear:

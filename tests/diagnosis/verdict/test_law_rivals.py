@@ -116,6 +116,17 @@ def test_both_forms_of_a_creep_are_one_transfer_function() -> None:
     assert one == pytest.approx(other, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.parametrize(("share", "rivals"), [(0.08, 1), (0.12, 2)])
+def test_friction_that_comes_up_slowly_may_be_a_damping(share: float, rivals: int) -> None:
+    """Dry friction is full at a tenth of the largest speed."""
+    scale = sizes_of("muscle")
+    speed = estimate("coulomb_friction_vs", share * scale.v_max, "mm/s")
+    told = cause("coulomb_friction", [speed], before=2.0, after=1.0)
+    final: Any = None
+    found = with_law_rivals(link_of("coulomb_friction"), told, "coulomb_friction", final, scale)
+    assert found.rivals == ("coulomb_friction", "thinning_damping")[:rivals]
+
+
 @pytest.mark.parametrize(
     ("interval", "reading", "rivals"),
     [
