@@ -220,13 +220,12 @@ THINNING = EquivalenceClass(
 """A friction that is full at a good part of the largest speed only."""
 
 HELD_INPUT = EquivalenceClass(
-    ("a delay of the input", UNLISTED["held_input"]),
-    ("delay", "held_input"),
-    "A delay of half a sampling interval is what a valve does that holds its value until the next "
-    "sample",
+    ("a delay or a lag", UNLISTED["held_input"]),
+    ("held_input",),
+    "So late, by half a sampling interval, is a valve that holds its value until the next sample",
     "the pressure at the actuator, several times as fast",
 )
-"""A delay of half the interval of a measured input that is read as going straight."""
+"""A measured input that is read as going straight is late by half of its interval."""
 
 _FASTER = "the sensor beside a faster one, or the pressure at the actuator itself"
 """What splits a filter before the actuator from one behind it."""

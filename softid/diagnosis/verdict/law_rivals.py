@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.base.intersample_selection import SINGLE_DELAYS
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.equivalence import (
@@ -36,7 +37,7 @@ LATER = 3.0
 be any other pole and zero."""
 
 ABOUT = 0.1
-"""A delay is half an interval where that lies no farther outside the interval of its error: what
+"""A time is half an interval where that lies no farther outside the interval of its error: what
 else is in the model takes or gives a little of it."""
 
 
@@ -99,8 +100,8 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
         others = OWN_DAMPING.effects[1:]
     elif cause.effect == "coulomb_friction" and values["vs"] > DRY * scale.v_max:
         others = THINNING.effects[1:]
-    elif cause.effect == "delay" and _may_be_held(cause, final):
-        others = HELD_INPUT.effects[1:]
+    elif key in SINGLE_DELAYS and _may_be_held(cause, final):
+        others = HELD_INPUT.effects
     elif cause.effect == "creep" and final.problem.model.is_linear:
         others = POLE_AND_ZERO.effects[1:] if values["tau"] < LATER * scale.motion_s else ()
     return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *others))))
@@ -123,9 +124,9 @@ def own_time(final: Candidate) -> float:
     return damping / stiffness if stiffness > 0.0 else np.inf
 
 
-def _may_be_held(delay: Cause, final: Candidate) -> bool:
-    """Whether a delay of an input that goes on between its samples is half a sampling interval."""
-    log, (tau,) = final.problem.logs[0], delay.parameters
+def _may_be_held(late: Cause, final: Candidate) -> bool:
+    """Whether what makes an input late that goes on between its samples is half of an interval."""
+    log, tau = final.problem.logs[0], late.parameters[0]
     if tau.ci95 is None or log.between_samples in HELD:
         return False
     half_s = 0.5 * log.as_recorded.period_s

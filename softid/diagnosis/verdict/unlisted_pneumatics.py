@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from softid.effects import effect_of
 from softid.effects.base import InputEffect, Scale
-from softid.effects.time_constants import lag_bounds, lag_times
 from softid.kernels.filters import lag_with_relief, limit_rate
 from softid.parameters import Parameter, ParameterSet
 
@@ -98,7 +98,7 @@ class ReliefLeak(InputEffect):
         """Time constant of the restriction, pressure at which the leak opens, and what it loses."""
         range_ = scale.u_low, scale.u_high
         begin = scale.u_low + OPENS_AT[0] * scale.u_span
-        tau = Parameter("tau", lag_times(scale)[0], "s", *lag_bounds(scale), "log")
+        tau = effect_of("pneumatic_lag").parameters(scale)["tau"]
         opens = Parameter("opens", begin, scale.u_unit, *range_)
         lost = Parameter("lost", START_LOST, "1", LEAST_LOST, MOST_LOST, "log")
         return ParameterSet(
@@ -111,9 +111,10 @@ class ReliefLeak(InputEffect):
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Short and long times, and a leak that opens in either half of the range."""
+        lags = effect_of("pneumatic_lag").starts(scale)
         return tuple(
-            {"tau": tau, "opens": scale.u_low + share * scale.u_span, "lost": START_LOST}
-            for tau, share in product(lag_times(scale), OPENS_AT)
+            {**lag, "opens": scale.u_low + share * scale.u_span, "lost": START_LOST}
+            for lag, share in product(lags, OPENS_AT)
         )
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:

@@ -128,20 +128,31 @@ def test_friction_that_comes_up_slowly_may_be_a_damping(share: float, rivals: in
 
 
 @pytest.mark.parametrize(
-    ("interval", "reading", "rivals"),
+    ("interval", "reading", "is_tied"),
     [
-        ((0.008, 0.012), None, ("delay", "held_input")),
-        ((0.0093, 0.0097), None, ("delay", "held_input")),
-        ((0.0112, 0.014), None, ("delay",)),
-        ((0.008, 0.012), "zoh", ("delay",)),
-        (None, None, ("delay",)),
+        ((0.008, 0.012), None, True),
+        ((0.0093, 0.0097), None, True),
+        ((0.0112, 0.014), None, False),
+        ((0.008, 0.012), "zoh", False),
+        (None, None, False),
     ],
 )
-def test_a_delay_of_half_an_interval_may_be_a_held_input(
-    interval: tuple[float, float] | None, reading: str | None, rivals: tuple[str, ...]
+@pytest.mark.parametrize("name", ["delay", "sensor_lag", "pneumatic_lag"])
+def test_what_is_late_by_half_an_interval_may_be_a_held_input(
+    name: str, interval: tuple[float, float] | None, reading: str | None, is_tied: bool
 ) -> None:
     """At 50 Hz half an interval is 0.01 s; an input that is read as held has it already."""
-    final, scale = linear_with("delay", tau=0.01, intersample=reading)
-    tau = replace(estimate("delay_tau", 0.01, "s"), ci95=interval)
-    told = cause("delay", [tau], before=2.0, after=1.0)
-    assert with_law_rivals(link_of("delay"), told, "delay", final, scale).rivals == rivals
+    final, scale = linear_with(name, tau=0.01, intersample=reading)
+    tau = replace(estimate(f"{name}_tau", 0.01, "s"), ci95=interval)
+    told = cause(name, [tau], before=2.0, after=1.0)
+    found = with_law_rivals(link_of(name), told, name, final, scale).rivals
+    assert found == ((name, "held_input") if is_tied else (name,))
+
+
+def test_a_lag_of_two_times_is_no_held_input() -> None:
+    """It is told as what it is."""
+    final, scale = linear_with("pneumatic_lag.separate", tau=0.01, ratio=2.0)
+    sizes = [estimate("pneumatic_lag_tau", 0.01, "s"), estimate("pneumatic_lag_ratio", 2.0, "1")]
+    told = cause("pneumatic_lag", sizes, before=2.0, after=1.0)
+    key = "pneumatic_lag.separate"
+    assert with_law_rivals(link_of(key), told, key, final, scale).rivals == ("pneumatic_lag",)
