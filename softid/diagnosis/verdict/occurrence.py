@@ -37,7 +37,7 @@ def occurs(
     held_out
         What is held out.
     """
-    others = [e for e in final.acting if e != effect]
+    others = [e for e in final.acting if e.key != effect.key]
     problem, z = with_fewer_effects(final.problem, final.minimum.point, base.problem, others, scale)
     without = replace(final, problem=problem, minimum=replace(final.minimum, point=z))
     errors, bare = held_out.first_errors(final), held_out.first_errors(without)
