@@ -9,7 +9,15 @@ from handmade_diagnosis import remainder
 
 from softid.diagnosis.report.ambiguity import law_that_ties, what_next, why_tied
 from softid.diagnosis.search.forward_selection import INDISTINCT
-from softid.diagnosis.verdict.equivalence import CHIRP, LINEAR_FILTERS, PRESLIDING
+from softid.diagnosis.verdict.equivalence import (
+    CHIRP,
+    HELD_INPUT,
+    LINEAR_FILTERS,
+    OWN_DAMPING,
+    PRESLIDING,
+    THINNING,
+    EquivalenceClass,
+)
 from softid.diagnosis_results import Alternative, Remainder, Verdict
 
 NOISE = remainder(structured=False, explained=1.0)
@@ -110,3 +118,24 @@ def test_nothing_more_is_asked_for(verdict: Verdict) -> None:
     """Where all is explained, or one cause stands where two were looked for."""
     assert what_next(verdict, alternatives=(), remainder=left(x=0.3)) is None
     assert what_next(verdict, alternatives=[tie("delay")], remainder=NOISE) is None
+
+
+@pytest.mark.parametrize("linear", [True, False])
+@pytest.mark.parametrize(
+    ("keys", "known"),
+    [
+        (("coulomb_friction.stribeck", "thinning_damping"), THINNING),
+        (("delay", "sensor_lag", "held_input"), HELD_INPUT),
+        (("pneumatic_lag", "held_input"), HELD_INPUT),
+        (("pneumatic_lag.level", "position_damping"), OWN_DAMPING),
+    ],
+)
+def test_a_law_in_no_catalogue_says_why_and_what_splits_it(
+    keys: tuple[str, ...], known: EquivalenceClass, linear: bool
+) -> None:
+    """Whatever else is in the tie."""
+    tied = tie(*keys)
+    assert law_that_ties(tied, linear=linear) is known
+    assert why_tied(tied, linear=linear) == f"{known.why}. What splits them: {known.splits}."
+    told = what_next(Verdict.AMBIGUOUS, alternatives=[tied], remainder=NOISE, linear=linear)
+    assert told == f"record {known.splits}"

@@ -8,6 +8,7 @@ from softid.diagnosis.verdict.equivalence import (
     CHIRP,
     CLASSES,
     EXPERIMENTS,
+    HELD_INPUT,
     HOLD,
     LINEAR_CLASSES,
     LINEAR_FILTERS,
@@ -16,6 +17,7 @@ from softid.diagnosis.verdict.equivalence import (
     SEPARATIONS,
     SINE,
     STEPS,
+    THINNING,
     UNLISTED,
     Split,
     classes_of,
@@ -75,7 +77,11 @@ def test_tables_name_effects() -> None:
     names = {name for pair in SEPARATIONS for name in pair}
     names |= {name for known in (*CLASSES, *LINEAR_CLASSES) for name in known.effects}
     assert names <= set(EFFECTS)
-    tied = {name for known in (*LINEAR_FILTERS, OWN_DAMPING, *REPLACED) for name in known.effects}
+    tied = {
+        name
+        for known in (*LINEAR_FILTERS, OWN_DAMPING, HELD_INPUT, THINNING, *REPLACED)
+        for name in known.effects
+    }
     assert tied - set(EFFECTS) | {law.name for law in UNLISTED_LAWS} == set(UNLISTED)
     assert {len(row) for row in SEPARATIONS.values()} == {len(EXPERIMENTS)}
 
