@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import with_fewer_effects
-from softid.diagnosis.search.effect_starts import with_effect
+from softid.diagnosis.search.bic_ranking import rank
+from softid.diagnosis.search.effect_starts import squares_at, with_effect
 from softid.diagnosis.search.forward_selection import (
     FURTHER,
     Chain,
@@ -21,6 +23,9 @@ from softid.diagnosis.search.forward_selection import (
 from softid.diagnosis.search.racing import CLEAR_LEAD
 from softid.diagnosis.search.screening import Signature, screen
 from softid.effects.base import Effect, Scale
+from softid.fitters.problem import Problem
+
+Array = npt.NDArray[np.float64]
 
 WITHOUT_ROUND = 25
 """Evaluations that bring a chain without one of its links to its optimum."""
@@ -28,6 +33,9 @@ WITHOUT_ROUND = 25
 BEYOND = 3.0
 """A link is not asked again when every rival was behind by more than so many times what the later
 links took away."""
+
+ELSEWHERE = 0.9
+"""Causes stand at another optimum when they leave less than this share of what they left before."""
 
 PROMISING = 6
 """Effects of so many best signatures are asked again, besides those that were ranked."""
@@ -58,6 +66,7 @@ def revised(
     sigma
         Output channel → scale that its residual is divided by.
     """
+    chain = _without_stepping_stone(chain, base, scale, sigma)
     links, now = list(chain.links), chain.final
     for position in range(len(links) - 2, -1, -1):
         mine = links[position].added
@@ -84,6 +93,28 @@ def revised(
         links[position] = _with_first_look(link, links[position])
         now = converged(link.chosen.plain, sigma)
     return Chain(tuple(links), chain.last, now)
+
+
+def _without_stepping_stone(
+    chain: Chain, base: Candidate, scale: Scale, sigma: Mapping[str, float]
+) -> Chain:
+    """The chain less its last cause, if that only led the others to a better place.
+
+    There it has shrunk to nothing, and the others alone leave far less than where it was added.
+    """
+    *earlier, last = chain.links
+    if not earlier:
+        return chain
+    now, others = chain.final, [link.added for link in earlier]
+    before = last.before.plain.squares
+    problem, z = _placed_without(now, base, others, scale)
+    if not squares_at(problem, z, sigma) < ELSEWHERE * before:
+        return chain
+    without = converged(_without(now, base, others, scale, sigma), sigma)
+    bic = {id(row.plain): row.bic for row in rank([now, without], sigma)}
+    if bic[id(without)] - bic[id(now)] > FURTHER.bic:
+        return chain
+    return Chain(tuple(earlier), last, without)
 
 
 def _with_first_look(link: Link, first: Link) -> Link:
@@ -173,6 +204,13 @@ def _without(
     sigma: Mapping[str, float],
 ) -> Candidate:
     """The model with the other effects alone, refitted."""
-    order = [effect for effect in now.acting if effect in others]
-    problem, z = with_fewer_effects(now.problem, now.minimum.point, base.problem, order, scale)
+    problem, z = _placed_without(now, base, others, scale)
     return advance(begun(now, others, problem, z), sigma, WITHOUT_ROUND)
+
+
+def _placed_without(
+    now: Candidate, base: Candidate, others: Sequence[Effect], scale: Scale
+) -> tuple[Problem, Array]:
+    """The problem with the other effects alone, and the unknowns that the model has there."""
+    order = [effect for effect in now.acting if effect in others]
+    return with_fewer_effects(now.problem, now.minimum.point, base.problem, order, scale)

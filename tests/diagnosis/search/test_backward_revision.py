@@ -12,10 +12,12 @@ from linear_motion import SIGMA, TRUTH, Array, Bow, linear_log, linear_problem, 
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.search import backward_revision
 from softid.diagnosis.search.backward_revision import (
     _is_beyond_doubt,
     _with_first_look,
+    _without_stepping_stone,
     prefix_models,
     refit_without,
     revised,
@@ -194,3 +196,34 @@ def test_a_cause_is_left_out() -> None:
         (alone,) = chained(base, scale, other).links
         assert found.keys == (other,)
         assert found.squares == pytest.approx(alone.chosen.plain.squares, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("size", "times", "stays"),
+    [(0.0, 5.0, False), (0.0, 1.05, True), (1.0, 5.0, True)],
+)
+def test_a_last_cause_that_only_led_elsewhere_is_left_out(
+    size: float, times: float, stays: bool
+) -> None:
+    """A bow found at an optimum that leaves so many times as much, and a swing that moved it.
+
+    The swing goes where it has shrunk to nothing, and stays where the bow was found at this place,
+    or where it explains something by itself.
+    """
+    time_s = linear_log().time_s
+    share = time_s / time_s[-1]
+    added = 0.3 * share**2 + 0.1 * size * np.sin(np.pi * share)
+    problem = linear_problem([linear_log(noise=0.01, added=added)])
+    z = problem.unknowns(TRUTH)
+    base, scale = converged(standing(problem, z), SIGMA), scale_of(problem, z)
+    chain = chained(base, scale, "bow")
+    bow, both = chain.final, extend(base.problem, (Bow(), Swing()), scale)
+    begin = start_unknowns(both, bow.problem, bow.minimum.point, {"swing_c": 1e-3})
+    final = converged(replace(standing(both, begin), effects=(Bow(), Swing())), SIGMA)
+    normal = replace(final.minimum.normal, cost=times * final.minimum.normal.cost)
+    worse = replace(bow, minimum=replace(bow.minimum, normal=normal))
+    last = replace(chain.links[0], before=replace(chain.links[0].chosen, plain=worse))
+    whole = Chain((chain.links[0], last), None, final)
+    found = _without_stepping_stone(whole, base, scale, SIGMA)
+    assert len(found.links) == (2 if stays else 1)
+    assert found.final.keys == (("bow", "swing") if stays else ("bow",))
