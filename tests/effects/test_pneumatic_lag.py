@@ -43,7 +43,7 @@ def test_filling_and_venting_differ() -> None:
 
 
 def test_a_supply_that_sags_while_it_fills_is_such_a_lag() -> None:
-    """T ṗa + s T max(ṗa, 0) + pa = p by small Euler steps, whose error is 1e-3 of the step."""
+    """T ṗa + s T max(ṗa, 0) + pa = p by small Euler steps, within 1e-3 of the range."""
     recovers_s, sags, step_s = 0.4, 0.5, 1e-4
     time_s = np.arange(0.0, 3.0, step_s)
     u = np.interp(time_s, [0.0, 0.5, 0.6, 1.5, 1.7, 3.0], [0.0, 0.0, 80.0, 100.0, 10.0, 60.0])

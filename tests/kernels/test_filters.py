@@ -69,7 +69,7 @@ def test_a_relief_that_never_opens_or_always_is_a_lag() -> None:
 def test_a_relief_opens_and_closes_inside_an_interval() -> None:
     """Against an integrator of SciPy that is restarted at every corner of the input.
 
-    The level lies between the samples' values, and 1e-9 is what the integrator reaches.
+    The level lies between the samples' values; the integrator is not restarted there.
     """
     coarse_s = np.arange(0.0, 3.0, 0.1)
     u = np.interp(coarse_s, [0.0, 0.5, 0.8, 1.6, 2.1, 3.0], [0.0, 1.0, 0.3, 0.9, 0.0, 0.5])

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import with_fewer_effects
@@ -23,9 +22,6 @@ from softid.diagnosis.search.forward_selection import (
 from softid.diagnosis.search.racing import CLEAR_LEAD
 from softid.diagnosis.search.screening import Signature, screen
 from softid.effects.base import Effect, Scale
-from softid.fitters.problem import Problem
-
-Array = npt.NDArray[np.float64]
 
 WITHOUT_ROUND = 25
 """Evaluations that bring a chain without one of its links to its optimum."""
@@ -107,10 +103,10 @@ def _without_stepping_stone(
         return chain
     now, others = chain.final, [link.added for link in earlier]
     before = last.before.plain.squares
-    problem, z = _placed_without(now, base, others, scale)
-    if not squares_at(problem, z, sigma) < ELSEWHERE * before:
+    placed = _placed_without(now, base, others, scale)
+    if not squares_at(placed.problem, placed.minimum.point, sigma) < ELSEWHERE * before:
         return chain
-    without = converged(_without(now, base, others, scale, sigma), sigma)
+    without = converged(advance(placed, sigma, WITHOUT_ROUND), sigma)
     bic = {id(row.plain): row.bic for row in rank([now, without], sigma)}
     if bic[id(without)] - bic[id(now)] > FURTHER.bic:
         return chain
@@ -204,13 +200,14 @@ def _without(
     sigma: Mapping[str, float],
 ) -> Candidate:
     """The model with the other effects alone, refitted."""
-    problem, z = _placed_without(now, base, others, scale)
-    return advance(begun(now, others, problem, z), sigma, WITHOUT_ROUND)
+    return advance(_placed_without(now, base, others, scale), sigma, WITHOUT_ROUND)
 
 
 def _placed_without(
     now: Candidate, base: Candidate, others: Sequence[Effect], scale: Scale
-) -> tuple[Problem, Array]:
-    """The problem with the other effects alone, and the unknowns that the model has there."""
+) -> Candidate:
+    """The model with the other effects alone, as the whole one has it."""
     order = [effect for effect in now.acting if effect in others]
-    return with_fewer_effects(now.problem, now.minimum.point, base.problem, order, scale)
+    point = now.minimum.point
+    problem, z = with_fewer_effects(now.problem, point, base.problem, order, scale)
+    return begun(now, others, problem, z)

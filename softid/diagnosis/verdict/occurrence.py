@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.extension import with_fewer_effects
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.effects.base import Effect, Scale
-
-Array = npt.NDArray[np.float64]
 
 NOTHING = 0.05
 """An effect does nothing where leaving it out moves the simulation by less than this share of what
@@ -41,8 +38,4 @@ def occurs(
     problem, z = with_fewer_effects(final.problem, final.minimum.point, base.problem, others, scale)
     without = replace(final, problem=problem, minimum=replace(final.minimum, point=z))
     errors, bare = held_out.first_errors(final), held_out.first_errors(without)
-    return not _rms(bare - errors) < NOTHING * _rms(errors)
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+    return not np.linalg.norm(bare - errors) < NOTHING * np.linalg.norm(errors)
