@@ -22,7 +22,7 @@ ATMOSPHERE_KPA = 101.325
 LOWEST_SHARE = 0.01
 """Lowest absolute pressure, in atmospheres: noise below a vacuum is no pressure."""
 
-TOLERANCE = 1e-9
+TOLERANCE = 1e-8
 """Error allowed per step of the integration, as a share of the input's range."""
 
 AS_A_LAG = 3.0

@@ -23,6 +23,9 @@ from softid.kernels.filters import lag_difference
 
 Array = npt.NDArray[np.float64]
 
+Law = tuple[float, float, float, float]
+Between = tuple[float, float, float, float]
+
 LAMINAR_ABOVE = 0.999
 MAX_SWITCHES = 8
 MAX_BISECTIONS = 60
@@ -67,23 +70,22 @@ def pressure_rate(supply: float, actuator: float, tau_s: float, b: float) -> flo
     b
         Critical pressure ratio.
     """
-    return _rate(supply, actuator, 1.0 / tau_s, b, 1.0 / (1.0 - b))
+    law = (1.0 / tau_s, b, 1.0 / (1.0 - b), 1.0 / _laminar_time(tau_s, b))
+    return float(_rate(supply, actuator, law))
 
 
 @njit(nogil=True, error_model="numpy")
-def _rate(supply: float, actuator: float, per_s: float, b: float, per_range: float) -> float:
-    """`pressure_rate` with 1/τ and 1/(1 − b), for divisions take most of the time."""
+def _rate(supply: float, actuator: float, law: Law) -> float:
+    """`pressure_rate` without a division: of p_u ψ, both are drawn under the root.
+
+    ``law`` holds 1/τ, b, 1/(1 − b) and the rate of the lag that laminar flow is.
+    """
+    per_s, b, per_range, laminar_per_s = law
     upstream, downstream = max(supply, actuator), min(supply, actuator)
-    ratio = downstream / upstream
-    if ratio <= b:
-        psi = 1.0
-    else:
-        seen = min(ratio, LAMINAR_ABOVE)
-        share = (seen - b) * per_range
-        psi = np.sqrt(1.0 - share * share)
-        if ratio > seen:
-            psi *= (1.0 - ratio) * (1.0 / (1.0 - LAMINAR_ABOVE))
-    flow = upstream * psi * per_s
+    if downstream > LAMINAR_ABOVE * upstream:
+        return laminar_per_s * (supply - actuator)
+    missing = max(downstream - b * upstream, 0.0) * per_range
+    flow = per_s * np.sqrt(upstream * upstream - missing * missing)
     return flow if supply > actuator else -flow
 
 
@@ -95,36 +97,31 @@ def _laminar_time(tau_s: float, b: float) -> float:
 
 
 @njit(nogil=True, error_model="numpy")
-def _advance(
-    laminar: bool, p: float, slope: float, a: float, h: float, tau_s: float, b: float
-) -> tuple[float, float, tuple[float, float, float, float]]:
-    """Actuator pressure after h from a at a supply p + slope·t, its estimated error, and between.
+def _turbulent(
+    p: float, slope: float, a: float, h: float, k1: float, law: Law
+) -> tuple[float, float, float, Between]:
+    """Actuator pressure after h from a at a supply p + slope·t, where it moves at ``k1`` at first.
 
-    The last are the coefficients of `_between`.
+    The pressure, its rate there, its estimated error, and the coefficients of `_between`.
     """
-    if laminar:
-        reached = p + slope * h + lag_difference(a - p, slope, h, _laminar_time(tau_s, b))
-        return reached, 0.0, (0.0, 0.0, 0.0, 0.0)
-    per_s, per_range = 1.0 / tau_s, 1.0 / (1.0 - b)
-    k1 = _rate(p, a, per_s, b, per_range)
-    k2 = _rate(p + slope * (h / 5), a + h * (k1 / 5), per_s, b, per_range)
-    k3 = _rate(p + slope * (3 * h / 10), a + h * (A20 * k1 + A21 * k2), per_s, b, per_range)
+    k2 = _rate(p + slope * (h / 5), a + h * (k1 / 5), law)
+    k3 = _rate(p + slope * (3 * h / 10), a + h * (A20 * k1 + A21 * k2), law)
     reached = a + h * (A30 * k1 + A31 * k2 + A32 * k3)
-    k4 = _rate(p + slope * (4 * h / 5), reached, per_s, b, per_range)
+    k4 = _rate(p + slope * (4 * h / 5), reached, law)
     reached = a + h * (A40 * k1 + A41 * k2 + A42 * k3 + A43 * k4)
-    k5 = _rate(p + slope * (8 * h / 9), reached, per_s, b, per_range)
+    k5 = _rate(p + slope * (8 * h / 9), reached, law)
     reached = a + h * (A50 * k1 + A51 * k2 + A52 * k3 + A53 * k4 + A54 * k5)
-    k6 = _rate(p + slope * h, reached, per_s, b, per_range)
+    k6 = _rate(p + slope * h, reached, law)
     move = h * (A60 * k1 + A62 * k3 + A63 * k4 + A64 * k5 + A65 * k6)
-    k7 = _rate(p + slope * h, a + move, per_s, b, per_range)
+    k7 = _rate(p + slope * h, a + move, law)
     error = h * (E0 * k1 + E2 * k3 + E3 * k4 + E4 * k5 + E5 * k6 + E6 * k7)
     ahead = h * k1 - move
     last = h * (D0 * k1 + D2 * k3 + D3 * k4 + D4 * k5 + D5 * k6 + D6 * k7)
-    return a + move, abs(error), (move, ahead, move - h * k7 - ahead, last)
+    return a + move, k7, abs(error), (move, ahead, move - h * k7 - ahead, last)
 
 
 @njit(nogil=True, error_model="numpy")
-def _between(a: float, terms: tuple[float, float, float, float], share: float) -> float:
+def _between(a: float, terms: Between, share: float) -> float:
     """Pressure at a share of a turbulent step from a."""
     move, ahead, behind, last = terms
     rest = 1.0 - share
@@ -147,7 +144,7 @@ def _crossing(
     a: float,
     h: float,
     reached: float,
-    terms: tuple[float, float, float, float],
+    terms: Between,
     tau_laminar: float,
 ) -> float:
     """Time at which the flow leaves the range that it is in; it has left it after h (Illinois)."""
@@ -216,9 +213,10 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
     laminar = True
     usual = np.inf
     tau_laminar = _laminar_time(tau_s, b)
+    law = (1.0 / tau_s, b, 1.0 / (1.0 - b), 1.0 / tau_laminar)
     kept_h, kept, allowed = 0.0, 0.0, SAFETY * tolerance
     resolution_s = ROUNDED * np.sum(step_s)
-    k = 0
+    k, rate, rate_there = 0, 0.0, 0.0
     while k < step_s.size:
         end, slope = _straight(step_s, values, k, p, STRAIGHT * tolerance, resolution_s)
         ahead, left, to_next = values[end], np.sum(step_s[k:end]), step_s[k]
@@ -234,7 +232,7 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
                 decayed = kept - longer * (1.0 + kept)
                 reached = p + slope * h + (a - p) * (1.0 + decayed) + slope * tau_laminar * decayed
             else:
-                reached, error, terms = _advance(laminar, p, slope, a, h, tau_s, b)
+                reached, rate_there, error, terms = _turbulent(p, slope, a, h, rate, law)
                 fitting = h * min(5.0, max(0.2, 0.9 * (allowed / (error + 1e-300)) ** 0.2))
                 if error > allowed and h > shortest:
                     usual = fitting
@@ -243,7 +241,11 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
             left_range = (_beyond(p + slope * h, reached, side) > 0.0) == laminar
             if left_range and switches < MAX_SWITCHES:
                 h = _crossing(laminar, side, p, slope, a, h, reached, terms, tau_laminar)
-                reached, _, terms = _advance(laminar, p, slope, a, h, tau_s, b)
+                if laminar:
+                    reached = p + slope * h + lag_difference(a - p, slope, h, tau_laminar)
+                    rate_there = _rate(p + slope * h, reached, law)
+                else:
+                    reached, rate_there, _, terms = _turbulent(p, slope, a, h, rate, law)
                 laminar = not laminar
                 switches += 1
             while k < end and (to_next <= h or h == left):
@@ -254,5 +256,5 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
             to_next -= h
             left = max(left - h, to_next)
             p += slope * h
-            a = reached
+            a, rate = reached, rate_there
         p = ahead

@@ -37,8 +37,8 @@ anywhere along a valley of its curves, ten and more away from where a cause woul
 
 COARSE = 1
 """Most steps in a sampling interval while candidates race; twice as many where an affine law
-oscillates. Overdamped and sharp laws ask for more to reach 1e-4 of the range; noise is far above
-what this costs."""
+oscillates, and few nodes in each at which effects on the input act. Overdamped and sharp laws ask
+for more to reach 1e-4 of the range; noise is far above what this costs."""
 
 FINE = 2
 """The same while they are compared."""
@@ -340,7 +340,11 @@ def limited_plan(
     substeps
         As there.
     """
-    if plan is None or plan.counts.max(initial=1) <= substeps:
+    if plan is None:
+        return None
+    if substeps == COARSE:
+        plan = replace(plan, bends_in_s=np.inf)
+    if plan.counts.max(initial=1) <= substeps:
         return plan
     most = np.where(_oscillates(law, segment.input), 2 * substeps, substeps)
     counts = np.minimum(plan.counts, most)

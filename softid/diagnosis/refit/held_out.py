@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -171,11 +172,17 @@ class HeldOutLogs(HeldOut):
         return left[judging] if judging.any() else left
 
     def _at_its_zeros(self, candidate: Candidate) -> tuple[Problem, Array]:
-        """The logs under the candidate's parameters, with zeros and initial states of their own."""
-        model = candidate.problem.model
-        fixed = model.parameters().with_fixed(candidate.parameters)
-        problem = Problem(model, fixed, self.logs)
-        return problem, refit_nuisance(problem).unknowns
+        """The logs under the candidate's parameters, with zeros and initial states of their own.
+
+        Found once, however often a candidate is judged.
+        """
+        known = _at_zeros.setdefault(self, WeakKeyDictionary())
+        if candidate not in known:
+            model = candidate.problem.model
+            fixed = model.parameters().with_fixed(candidate.parameters)
+            problem = Problem(model, fixed, self.logs)
+            known[candidate] = problem, refit_nuisance(problem).unknowns
+        return known[candidate]
 
     def _within(self, limits: tuple[float, float], candidate: Candidate) -> list[HeldOutErrors]:
         """At the samples whose input lies within limits; no row where there are none."""
@@ -190,6 +197,12 @@ class HeldOutLogs(HeldOut):
                 row = (measured[judges], block.residual[judges])
                 found.append(HeldOutErrors(segment.log_name, block.channel, *row))
         return found
+
+
+_at_zeros: WeakKeyDictionary[HeldOutLogs, WeakKeyDictionary[Candidate, tuple[Problem, Array]]] = (
+    WeakKeyDictionary()
+)
+"""What `HeldOutLogs` found for those candidates that are still there."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -122,17 +122,13 @@ def structure_of(
     residual = np.concatenate([part.residual for part in parts])
     used = np.isfinite(residual)
     fold = _folds([part.time_s for part in parts])
-    everything = _Smooth(matrix[used], fold[used])
+    smooth = _Smooth(matrix[used], fold[used])
     rows = residual[used]
-    share = float(everything.predicted_shares(rows[:, None])[0])
-    shifted = np.column_stack([_shifted(rows, rng) for _ in range(SHIFTS)])
-    by = {}
-    for name, columns in groups.items():
-        alone = _Smooth(matrix[used][:, columns], fold[used])
-        by[name] = max(float(alone.predicted_shares(rows[:, None])[0]), 0.0)
-    null = everything.predicted_shares(shifted)
+    share, *alone = smooth.predicted_shares(rows[:, None], list(groups.values()))
+    by = {name: max(float(s[0]), 0.0) for name, s in zip(groups, alone, strict=True)}
+    (null,) = smooth.predicted_shares(_many_shifted(rows, rng))
     limit = float(np.quantile(null, WANDERING_QUANTILE if wanders else NULL_QUANTILE))
-    return Structure(max(share, 0.0), limit, by)
+    return Structure(max(float(share[0]), 0.0), limit, by)
 
 
 def predicted_beyond_chance(
@@ -157,9 +153,14 @@ def predicted_beyond_chance(
         And what it reaches in 95 of 100 cases when the series is shifted in time.
     """
     smooth = _Smooth(_standardised(matrix), _folds(times))
-    shifted = np.column_stack([_shifted(rows, rng) for _ in range(SHIFTS)])
-    share = float(smooth.predicted_shares(rows[:, None])[0])
-    return share, float(np.quantile(smooth.predicted_shares(shifted), NULL_QUANTILE))
+    (share,) = smooth.predicted_shares(rows[:, None])
+    (null,) = smooth.predicted_shares(_many_shifted(rows, rng))
+    return float(share[0]), float(np.quantile(null, NULL_QUANTILE))
+
+
+def _many_shifted(rows: Array, rng: np.random.Generator) -> Array:
+    """The null distribution, one residual in each column, shape (n, SHIFTS)."""
+    return np.array([_shifted(rows, rng) for _ in range(SHIFTS)]).T
 
 
 def _shifted(rows: Array, rng: np.random.Generator) -> Array:
@@ -170,7 +171,11 @@ def _shifted(rows: Array, rng: np.random.Generator) -> Array:
 
 
 class _Smooth:
-    """Ridge regression on some blocks, judged on the others; the same for many residuals."""
+    """Ridge regression on some blocks, judged on the others; the same for many residuals.
+
+    All that it needs of the samples are products over each block: with weights w its error is
+    Σ(e − ê)² = Σe² − 2 wᵀXᵀe + wᵀXᵀX w.
+    """
 
     def __init__(self, matrix: Array, fold: npt.NDArray[np.intp]) -> None:
         order = np.argsort(fold, kind="stable")
@@ -178,31 +183,38 @@ class _Smooth:
         self._order = order
         self._slices = [slice(*ends) for ends in pairwise(edges.tolist()) if ends[0] < ends[1]]
         self._parts = [matrix[order[part]] for part in self._slices]
-        grams = [part.T @ part for part in self._parts]
-        whole = np.sum(grams, axis=0)
-        ridge = RIDGE * matrix.shape[0] * np.eye(matrix.shape[1])
-        self._inverses = [np.linalg.inv(whole - gram + ridge) for gram in grams]
+        self._grams = [part.T @ part for part in self._parts]
 
-    def predicted_shares(self, rows: Array) -> Array:
+    def predicted_shares(
+        self, rows: Array, groups: Sequence[npt.NDArray[np.intp]] = ()
+    ) -> list[Array]:
         """1 − Σ(e − ê)²/Σe² over the blocks, each predicted from the others.
 
-        ``rows`` holds one residual in each column, shape (n, S); the result has shape (S,).
+        ``rows`` holds one residual in each column, shape (n, S). One result of shape (S,) for all
+        columns of the matrix, and one for each group of them.
         """
+        power = np.einsum("ns,ns->s", rows, rows)
         sorted_rows = rows[self._order]
         own = [
             part.T @ sorted_rows[where]
             for part, where in zip(self._parts, self._slices, strict=True)
         ]
-        whole = np.sum(own, axis=0)
-        left = np.zeros(rows.shape[1])
-        for part, where, inverse, mine in zip(
-            self._parts, self._slices, self._inverses, own, strict=True
-        ):
-            error = sorted_rows[where] - part @ (inverse @ (whole - mine))
-            left += np.einsum("ns,ns->s", error, error)
-        power = np.einsum("ns,ns->s", rows, rows)
-        shares: Array = np.where(power > 0.0, 1.0 - left / np.maximum(power, 1e-300), 0.0)
-        return shares
+        everything = np.arange(own[0].shape[0])
+        missed = (self._missed(own, columns) for columns in (everything, *groups))
+        return [np.where(power > 0.0, -m / np.maximum(power, 1e-300), 0.0) for m in missed]
+
+    def _missed(self, own: Sequence[Array], columns: npt.NDArray[np.intp]) -> Array:
+        """Σ(e − ê)² − Σe² over the blocks, predicted from some columns, shape (S,)."""
+        square = np.ix_(columns, columns)
+        grams = [gram[square] for gram in self._grams]
+        products = [mine[columns] for mine in own]
+        whole, along = np.sum(grams, axis=0), np.sum(products, axis=0)
+        ridge = RIDGE * self._order.size * np.eye(columns.size)
+        missed = np.zeros(along.shape[1])
+        for gram, mine in zip(grams, products, strict=True):
+            weights = np.linalg.solve(whole - gram + ridge, along - mine)
+            missed += np.einsum("cs,cs->s", weights, gram @ weights - 2.0 * mine)
+        return missed
 
 
 def _folds(times: Sequence[Array]) -> npt.NDArray[np.intp]:

@@ -313,6 +313,9 @@ def _rivals(
 ) -> tuple[Ranked, tuple[str, ...]]:
     """The best candidate, the plain form before a richer one, and what explains as well.
 
+    What is hardly more than a simpler one is covered by that, unless another explains as much that
+    is like none: where the base is linear, two poles of a sensor are those of a line.
+
     One that stands for something else, with an essential parameter at its bound, could not be
     named: of those that explain as well it is the last.
     """
@@ -333,10 +336,14 @@ def _rivals(
         if _differs_within(best, added(best)) < period_s:
             margin = max(margin, WITHIN_SAMPLE * (before.bic - best.bic))
         best = simple if simple.bic - best.bic < margin else best
+    near = [row for row in ranked if row.bic - best.bic < INDISTINCT]
+    covered = {row: simpler for row in near if (simpler := _simpler(row, added(row)))}
+    distinct = [r.bic for r in near if r not in covered and added(r).name not in covered.values()]
     names = [added(best).name]
-    for row in ranked:
-        name, simpler = added(row).name, _simpler(row, added(row))
-        if row.bic - best.bic < INDISTINCT and name not in names and simpler not in names:
+    for row in near:
+        name = added(row).name
+        like_another = any(abs(row.bic - bic) < INDISTINCT for bic in distinct)
+        if name not in names and (covered.get(row) not in names or like_another):
             names.append(name)
     return best, tuple(names)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from softid.diagnosis.refit.candidates import COARSE, FINE, Candidate
 from softid.diagnosis.refit.equivalent_places import alternatives, exchanged
@@ -27,8 +28,10 @@ from softid.diagnosis.search.forms import (
 from softid.diagnosis.search.rounds import (
     FAR_ROUND,
     SECOND_ROUND,
+    one_round,
     run_in_reach,
     run_round,
+    run_rounds,
     variance_of,
 )
 from softid.diagnosis.search.screening import Signature, screen
@@ -138,10 +141,9 @@ def race(
     near, far = ([over_samples_of(c, rough, scale) for c in those] for those in (known, extra))
     first = _first_round(rough, found, running, scale, weights)
     promising = list(dict.fromkeys(s.effect.key for s in found))
-    second = _second_round(first, promising, weights)
-    from_afar = _from_afar(rough, first, running, scale, weights)
-    joining = run_round(near, weights, 1, COARSE) + run_round(far, weights, FAR_ROUND, COARSE)
-    second = best_of_each([*second, *from_afar, *joining])
+    second = _second_round(rough, first, promising, running, scale, weights)
+    joining = run_rounds([(far, FAR_ROUND), (near, 1)], weights, COARSE)
+    second = best_of_each([*second, *joining[1], *joining[0]])
     entering = [effect for effect in richer if effect.key in late_forms]
     second = by_squares([*second, *forms_that_gain(rough, second, entering, scale, weights)])
     if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:
@@ -180,26 +182,47 @@ def _first_round(
     """A few evaluations from the best starts of every effect; the best of each."""
     variance = variance_of(fitted)
     keys = {effect.key for effect in running}
-    entrants = in_parallel(
-        lambda s: candidate_from(fitted, s, scale, sigma, variance),
-        [s for s in _starts(signatures) if s.effect.key in keys],
+    begins: list[Callable[[], Candidate]] = [
+        partial(candidate_from, fitted, s, scale, sigma, variance)
+        for s in _starts(signatures)
+        if s.effect.key in keys
+    ]
+    begins += [
+        partial(late_candidate, fitted, effect, scale, sigma, variance)
+        for effect in running
+        if effect.takes_time(scale)
+    ]
+    return best_of_each(
+        in_parallel(
+            lambda begin: one_round(begin(), sigma, FIRST_ROUND, COARSE, straight=True), begins
+        )
     )
-    late = [effect for effect in running if effect.takes_time(scale)]
-    entrants += in_parallel(lambda e: late_candidate(fitted, e, scale, sigma, variance), late)
-    return best_of_each(run_round(entrants, sigma, FIRST_ROUND, COARSE, straight=True))
 
 
 def _second_round(
-    first: Sequence[Candidate], promising: Sequence[str], sigma: Mapping[str, float]
+    fitted: Candidate,
+    first: Sequence[Candidate],
+    promising: Sequence[str],
+    running: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
 ) -> list[Candidate]:
-    """Those that stay after the first round, once more, and the unconverged among them again."""
+    """Those that stay after the first round, once more, and the unconverged among them again.
+
+    Effects that take time also begin far off, whoever dropped out: a base that was fitted to a slow
+    sensor has taken its time, and leaves a lag nothing to explain where a search begins.
+    """
     favoured = promising[:PROMISING_SIGNATURES]
     field = [
         c
         for k, c in enumerate(first)
         if k < SECOND_SURVIVORS or c.effects[-1].key in favoured or c.minimum.offset > FAR
     ]
-    second = run_round(field, sigma, SECOND_ROUND, COARSE)
+    far_off = [form for candidate in first for form in exchanged(candidate)]
+    variance = variance_of(fitted)
+    slow = [effect for effect in running if effect.takes_time(scale)]
+    far_off += [slow_candidate(fitted, effect, scale, variance) for effect in slow]
+    from_afar, second = run_rounds([(far_off, FAR_ROUND), (field, SECOND_ROUND)], sigma, COARSE)
     left_behind: list[Candidate] = []
     for _ in range(EXTRA_ROUNDS):
         moving = [c for c in second if _is_moving(c) and c not in left_behind]
@@ -207,26 +230,7 @@ def _second_round(
         again, out_of_reach = run_in_reach(moving, resting, sigma, SECOND_ROUND, COARSE)
         second = resting + again + out_of_reach
         left_behind += out_of_reach
-    return by_squares(second)
-
-
-def _from_afar(
-    fitted: Candidate,
-    first: Sequence[Candidate],
-    running: Sequence[Effect],
-    scale: Scale,
-    sigma: Mapping[str, float],
-) -> list[Candidate]:
-    """Effects that take time, from starts that lie far off, whoever dropped out.
-
-    A base that was fitted to a slow sensor has taken its time, and leaves a lag nothing to explain
-    where a search begins.
-    """
-    starts = [form for candidate in first for form in exchanged(candidate)]
-    variance = variance_of(fitted)
-    slow = [effect for effect in running if effect.takes_time(scale)]
-    starts += [slow_candidate(fitted, effect, scale, variance) for effect in slow]
-    return run_round(starts, sigma, FAR_ROUND, COARSE)
+    return [*by_squares(second), *from_afar]
 
 
 def _contenders(
@@ -242,10 +246,8 @@ def _contenders(
     kept = _last_survivors(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
     others = [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
     swaps = [form for candidate in kept for form in exchanged(candidate)]
-    others = run_round(others, sigma, SECOND_ROUND, COARSE) + run_round(
-        swaps, sigma, FAR_ROUND, COARSE
-    )
-    return [*kept, *(form for form in others if form.squares <= limit)]
+    swaps, others = run_rounds([(swaps, FAR_ROUND), (others, SECOND_ROUND)], sigma, COARSE)
+    return [*kept, *(form for form in [*others, *swaps] if form.squares <= limit)]
 
 
 def _last_survivors(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import islice
 
 from softid.diagnosis.refit.candidates import Candidate, advance, let_go
 from softid.diagnosis.search.catching_up import can_catch_up, gain, is_outdone
@@ -23,8 +24,6 @@ def run_round(
     sigma: Mapping[str, float],
     evaluations: int,
     substeps: int,
-    *,
-    straight: bool = False,
 ) -> list[Candidate]:
     """One round of all candidates, on all cores; what the round before pulled back is let go.
 
@@ -34,19 +33,56 @@ def run_round(
         Where they stand.
     sigma
         Output channel → scale that its residual is divided by.
+    evaluations, substeps
+        As in `advance`.
+    """
+    (found,) = run_rounds([(candidates, evaluations)], sigma, substeps)
+    return found
+
+
+def run_rounds(
+    rounds: Sequence[tuple[Sequence[Candidate], int]], sigma: Mapping[str, float], substeps: int
+) -> list[list[Candidate]]:
+    """Several rounds side by side, so that no core waits between them.
+
+    Parameters
+    ----------
+    rounds
+        Candidates and how many evaluations each of them takes; those that take long come first.
+    sigma, substeps
+        As in `run_round`.
+    """
+    asked = [(candidate, most) for candidates, most in rounds for candidate in candidates]
+    found = iter(in_parallel(lambda task: one_round(task[0], sigma, task[1], substeps), asked))
+    return [list(islice(found, len(candidates))) for candidates, _ in rounds]
+
+
+def one_round(
+    candidate: Candidate,
+    sigma: Mapping[str, float],
+    evaluations: int,
+    substeps: int,
+    *,
+    straight: bool = False,
+) -> Candidate:
+    """The round of one candidate; what the round before pulled back is let go.
+
+    Parameters
+    ----------
+    candidate
+        Where it stands.
+    sigma
+        Output channel → scale that its residual is divided by.
     evaluations, substeps, straight
         As in `advance`.
     """
-    return in_parallel(
-        lambda c: advance(
-            let_go(c),
-            sigma,
-            evaluations,
-            substeps=substeps,
-            tolerance=RACING_TOLERANCE,
-            straight=straight,
-        ),
-        candidates,
+    return advance(
+        let_go(candidate),
+        sigma,
+        evaluations,
+        substeps=substeps,
+        tolerance=RACING_TOLERANCE,
+        straight=straight,
     )
 
 

@@ -182,7 +182,7 @@ def test_a_size_follows_by_chance_in_one_of_ten_thousand_logs() -> None:
     beyond = 0
     for _ in range(3):
         sizes = np.log(rng.standard_normal((run.time_s.size, 20_000)) ** 2 + SMALLEST)
-        shares = smooth.predicted_shares(sizes - sizes.mean(axis=0))
+        (shares,) = smooth.predicted_shares(sizes - sizes.mean(axis=0))
         beyond += int(np.sum(shares > CHANCE / run.time_s.size))
     assert 1 <= beyond <= 18
 

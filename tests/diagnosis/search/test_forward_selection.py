@@ -171,6 +171,26 @@ def test_what_goes_on_between_two_samples_tells_no_second_time_constant(
     assert _rivals(rows, BEFORE, PERIOD_S)[0].candidate.keys == (key,)
 
 
+@pytest.mark.parametrize(("bic", "is_told"), [(11.9, True), (12.1, False)])
+def test_poles_of_a_sensor_are_told_beside_those_of_a_line(bic: float, is_told: bool) -> None:
+    """Where both explain as much: the sensor's are found as two that do not ring, one of them
+    within a sample, when the base of a linear motion has taken the others."""
+    values = {
+        "sensor_resonance_zeta": 1.5,
+        "sensor_resonance_period": 0.1,
+        "line_resonance_zeta": 0.5,
+        "line_resonance_period": 0.14,
+    }
+    rows = [
+        ranked(("sensor_resonance",), 0.0, values=values),
+        ranked(("line_resonance",), bic, values=values),
+        ranked(("sensor_lag",), 45.0),
+    ]
+    best, names = _rivals(rows, BEFORE, PERIOD_S)
+    assert best.candidate.keys == ("sensor_lag",)
+    assert ("sensor_resonance" in names) is is_told
+
+
 def test_effects_that_were_there_are_no_rivals() -> None:
     """In a second round only what each candidate adds is compared."""
     rows = [ranked(("delay", "creep"), 0.0), ranked(("delay", "ageing"), 2.0)]
