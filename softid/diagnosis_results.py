@@ -232,6 +232,8 @@ class Remainder:
     open_jumps_scatter
         Whether those moments lie on either side of the middles of their intervals, as they do by
         chance, and as no cause would ask for.
+    open_jumps_held_out
+        As ``open_jumps``, of what was held out.
     colour_s
         Correlation time of what is left, in s, where it has all marks of slow noise and no rest
         shows the noise alone; else None.
@@ -253,6 +255,7 @@ class Remainder:
     misses_held_out: bool = False
     open_jumps: int = 0
     open_jumps_scatter: bool = False
+    open_jumps_held_out: int = 0
     colour_s: float | None = None
     against_noise: NotNoise | None = None
 

@@ -17,6 +17,7 @@ from softid.diagnosis.base.intersample_selection import (
     reading_unless_held,
     recordings_read_as,
 )
+from softid.diagnosis.base.judged_intersample import read_as_judged
 from softid.diagnosis.base.reduced_base import reduced_base_issues, reduced_if_better
 from softid.diagnosis.cause_search import CauseSearch, SearchResult
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
@@ -152,6 +153,8 @@ def diagnose(
     require_enough(recordings.logs, recordings.hold_out)
     request = Request(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
     whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)
+    if is_in_doubt:
+        recordings, base = read_as_judged(recordings, request, base)
     request, base = reduced_if_better(recordings, request, base)
     search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
     others = OtherExplanations()

@@ -71,7 +71,8 @@ def pressure_rate(supply: float, actuator: float, tau_s: float, b: float) -> flo
         Critical pressure ratio.
     """
     law = (1.0 / tau_s, b, 1.0 / (1.0 - b), 1.0 / _laminar_time(tau_s, b))
-    return float(_rate(supply, actuator, law))
+    found: float = _rate(supply, actuator, law)
+    return found
 
 
 @njit(nogil=True, error_model="numpy")
@@ -85,7 +86,7 @@ def _rate(supply: float, actuator: float, law: Law) -> float:
     if downstream > LAMINAR_ABOVE * upstream:
         return laminar_per_s * (supply - actuator)
     missing = max(downstream - b * upstream, 0.0) * per_range
-    flow = per_s * np.sqrt(upstream * upstream - missing * missing)
+    flow: float = per_s * np.sqrt(upstream * upstream - missing * missing)
     return flow if supply > actuator else -flow
 
 

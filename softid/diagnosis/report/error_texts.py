@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from softid.diagnosis.report.phrases import listed, percent_range
+from softid.diagnosis.report.phrases import listed, percent_range, with_open_moments
 from softid.diagnosis_results import Cause, Gain, Remainder
 from softid.results import FitResult
 
@@ -108,6 +108,11 @@ class ErrorTexts:
             )
         if not (self.held_out and after > MORE * remainder.rms):
             return ""
+        if remainder.open_jumps_held_out:
+            open_moments = with_open_moments(remainder.open_jumps_held_out)
+            return (
+                f"The held-out samples keep more, {self.size(after)}, which is noise{open_moments}."
+            )
         return (
             f"The held-out samples keep more, {self.size(after)}: larger noise there, parameters "
             "that are a little off, or something that the fitted ones hardly show."
@@ -118,11 +123,14 @@ class ErrorTexts:
         if any(g.fit_percent_before < HARDLY for g in self.rows):
             return "But a constant would do as well: the logs show too little to judge the model."
         more = self.more_held_out(remainder)
-        if more:
+        if more and not remainder.open_jumps_held_out:
             return f"{more} Record more of such moves to tell which."
-        if remainder.noise_from_rest:
-            return "There is nothing to mend for logs like these."
-        return "As far as these logs show, there is nothing to mend."
+        told = (
+            "There is nothing to mend for logs like these."
+            if remainder.noise_from_rest
+            else "As far as these logs show, there is nothing to mend."
+        )
+        return f"{more} {told}".lstrip()
 
     def mended(self, causes: Sequence[Cause]) -> str:
         """What the extension gains, over all links."""

@@ -332,12 +332,13 @@ def noise_like(remainder: Remainder) -> str:
     """
     if remainder.colour_s is not None:
         return (
-            f"is more than the noise between neighbouring samples but has the marks of slow noise "
+            "is more than the noise between neighbouring samples but has the marks of slow noise "
             f"with a correlation time of {remainder.colour_s:.2g} s"
-            f"{with_open_moments(remainder)}: it is steady, normal and no larger where the motion "
-            "is quick. No long rest shows the noise alone, so a slow misfit could hide in it"
+            f"{with_open_moments(remainder.open_jumps)}: it is steady, normal and no larger where "
+            "the motion is quick. No long rest shows the noise alone, so a slow misfit could hide "
+            "in it"
         )
-    told = f"looks like noise{with_open_moments(remainder)}"
+    told = f"looks like noise{with_open_moments(remainder.open_jumps)}"
     if remainder.excess <= LOUDER:
         return told
     what = "the noise of the rests" if remainder.noise_from_rest else "noise in its fastest part"
@@ -383,15 +384,14 @@ def what_it_may_be(remainder: Remainder) -> str:
     )
 
 
-def with_open_moments(remainder: Remainder) -> str:
-    """That it does so with the moments of jumps left open; empty where none were.
+def with_open_moments(count: int) -> str:
+    """That it does so with the moments of so many jumps left open; empty for none.
 
     Parameters
     ----------
-    remainder
-        What is left.
+    count
+        Number of jumps.
     """
-    count = remainder.open_jumps
     if count == 0:
         return ""
     if count == 1:

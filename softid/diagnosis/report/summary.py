@@ -221,7 +221,7 @@ def _adequate(teller: ErrorTexts, remainder: Remainder, refused: Sequence[str]) 
     told = [
         chance,
         f"What is left, {left} rms on the fitted samples, looks like {noise}"
-        f"{with_open_moments(remainder)}: {why}.",
+        f"{with_open_moments(remainder.open_jumps)}: {why}.",
     ]
     if not remainder.noise_from_rest:
         told.append("No long rest shows the noise alone, so a slow misfit could hide in it.")

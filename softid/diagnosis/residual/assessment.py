@@ -97,7 +97,7 @@ def _look(
     """
     structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
     colour = ColourTest()
-    louder = _power(after) / _least_noise(floor, before) - 1.0
+    louder = mean_square(after) / _least_noise(floor, before) - 1.0
     if not (floor.from_rest or structure.significant) and louder > SMALLEST_EXCESS:
         heard = _heard(after, final)
         slopes = _slopes_where(heard, after, final)
@@ -107,12 +107,12 @@ def _look(
         if colour.correlation_s is not None:
             floor = _floor_of_colour(colour.correlation_s, heard)
     least = _least_noise(floor, before)
-    excess, excess_before = _power(after) / least - 1.0, _power(before) / least - 1.0
+    excess, excess_before = mean_square(after) / least - 1.0, mean_square(before) / least - 1.0
     explained = 1.0
     if excess_before > _largest_excess(floor):
         explained = float(np.clip(1.0 - max(excess, 0.0) / excess_before, 0.0, 1.0))
     return Remainder(
-        rms=float(np.sqrt(_power(after))),
+        rms=float(np.sqrt(mean_square(after))),
         explained_share=explained,
         structure_share=structure.share,
         structure_limit=structure.limit,
@@ -137,7 +137,7 @@ def excess_of(base: Candidate, scale: Scale) -> float:
         Its sizes.
     """
     parts = residual_context(base)
-    return _power(parts) / _least_noise(_floor_of(parts, scale), parts) - 1.0
+    return mean_square(parts) / _least_noise(_floor_of(parts, scale), parts) - 1.0
 
 
 def noise_variance(base: Candidate, scale: Scale) -> float:
@@ -224,14 +224,21 @@ def _floor_of_colour(time_s: float, parts: Sequence[ResidualContext]) -> NoiseFl
     """All that is left as noise: its power counts as one number in every correlation time."""
     length_s = sum(float(part.time_s[-1] - part.time_s[0]) for part in parts)
     known = max(length_s / time_s, 1.0)
-    return NoiseFloor(_power(parts), float(np.sqrt(2.0 / known)), from_rest=False)
+    return NoiseFloor(mean_square(parts), float(np.sqrt(2.0 / known)), from_rest=False)
 
 
 def _least_noise(floor: NoiseFloor, before: Sequence[ResidualContext]) -> float:
     """Variance of the noise, above zero so that a misfit can be held against it."""
-    return max(floor.variance, LEAST_NOISE * _power(before), float(np.finfo(float).tiny))
+    return max(floor.variance, LEAST_NOISE * mean_square(before), float(np.finfo(float).tiny))
 
 
-def _power(parts: Sequence[ResidualContext]) -> float:
+def mean_square(parts: Sequence[ResidualContext]) -> float:
+    """Mean square of what is left in all parts.
+
+    Parameters
+    ----------
+    parts
+        The parts.
+    """
     residual = np.concatenate([p.residual for p in parts])
     return float(np.nanmean(residual**2))

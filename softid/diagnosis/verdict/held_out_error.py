@@ -11,8 +11,10 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import BASE_SD, Candidate
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.refit.optimum import optimum_of
-from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share
+from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share, mean_square
+from softid.diagnosis.residual.jump_timing import OpenJumps, with_open_jumps
 from softid.diagnosis.residual.noise_floor import fastest_part
+from softid.diagnosis.residual.projection import rows_of
 from softid.diagnosis_results import Remainder
 from softid.identification.parameter_covariance import errors_of
 
@@ -34,6 +36,9 @@ def with_held_out(
     sigma: Mapping[str, float],
 ) -> Remainder:
     """The remainder with what is left on what is held out.
+
+    Where that is more than noise, it is looked at again with the moments of jumps of other logs'
+    inputs as unknowns; if that leaves noise, and they scatter as by chance, they stay so.
 
     Parameters
     ----------
@@ -58,11 +63,35 @@ def with_held_out(
     longer = fitted / max(sum(run.size for run in runs), 1)
     spread = EXCESS_SDS * remainder.noise_sd * float(np.sqrt(1.0 + longer))
     most = OTHER_LOG * (1.0 + spread) * noise + UNLIKELY * unsure
+    jumps = _open_jumps(after, held_out, noise) if power > most else None
+    if jumps is not None and jumps.scatter and mean_square(jumps.parts) <= most:
+        power = mean_square(jumps.parts)
+        remainder = replace(remainder, open_jumps_held_out=jumps.count)
     return replace(
         remainder,
         held_out_share=held_out_share(before, float(np.sqrt(power)), noise + unsure),
         misses_held_out=power > most,
     )
+
+
+def _open_jumps(model: Candidate, held_out: HeldOut, noise: float) -> OpenJumps | None:
+    """What a model leaves of other logs with the moments of their jumps left open.
+
+    Its parameters stay what they are; zeros and initial states of the logs move along.
+    """
+    judged = held_out.standing(model)
+    if judged is None:
+        return None
+    lowest, highest = held_out.fitted_range(model)
+    free, first = len(judged.problem.free), judged.problem.outputs[0]
+    parts, slopes = [], []
+    for rows in rows_of(judged):
+        if rows.channel == first:
+            part = rows.motion
+            is_inside = (part.u >= lowest) & (part.u <= highest)
+            parts.append(replace(part, residual=np.where(is_inside, part.residual, np.nan)))
+            slopes.append(rows.jacobian[is_inside[np.isfinite(part.residual)], free:])
+    return with_open_jumps(judged, parts, noise, slopes)
 
 
 def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, float]) -> float:

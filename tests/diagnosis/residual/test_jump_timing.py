@@ -184,6 +184,20 @@ def test_nothing_is_left_open_where_the_course_is_on_record() -> None:
     assert found.remainder.open_jumps == 0
 
 
+@pytest.mark.parametrize(("delay_s", "misses"), [(0.0, False), (0.03, True)])
+def test_moments_in_what_is_held_out_are_open_too(delay_s: float, misses: bool) -> None:
+    """The fitted valve takes its time, so nothing is open there; that of the judge does not.
+
+    An interval and a half that only the judge is late by is no matter of moments.
+    """
+    fitted = switched(1, rises_s=0.3, noise=0.001)
+    judge = switched(2, noise=0.001, delay_s=delay_s)
+    left = softid.diagnose(fitted, hold_out=[judge], model="oscillator").remainder
+    assert left.open_jumps == 0
+    assert left.misses_held_out is misses
+    assert (left.open_jumps_held_out > 12) is not misses
+
+
 @pytest.mark.parametrize("delay_s", [0.05, 0.12])
 def test_a_delay_is_found_beside_open_moments(delay_s: float) -> None:
     """One of two intervals and a half, in every jump alike, is no matter of their moments."""

@@ -1,0 +1,88 @@
+"""The input between its samples, where the fitted logs do not tell and those that judge do.
+
+A command that moves slowly is nearly the same whether it is held at every sample or goes straight
+to the next one: half a sampling interval later, which the inertia of a model makes up for. Steps
+and fast moves tell the two apart, and the model whose inertia made up for it errs there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.base.intersample_selection import (
+    is_measured,
+    readings_of,
+    recordings_read_as,
+)
+from softid.errors import Issue
+from softid.identification.intersample_choice import BETTER_BY, HELD_INPUT, misfit_of
+from softid.intersample import Intersample
+from softid.log import LogSet
+
+MORE = 1.25
+"""What is held out is looked at where its error is so many times that of the fitted samples."""
+
+TELLS = 0.5
+"""Another reading leaves at most this share of the mean square there: errors of the parameters,
+which are others with every reading, make less of a difference."""
+
+WAYS: dict[Intersample, str] = {
+    "straight": "going straight from sample to sample",
+    "held": "held where it jumps",
+    "zoh": "held at every sample",
+}
+
+
+def read_as_judged(
+    recordings: Recordings, request: Request, base: BaseFit
+) -> tuple[Recordings, BaseFit]:
+    """The logs and their fit with the reading of a command that what is held out asks for.
+
+    The fitted logs must not tell it from the one that the base has.
+
+    Parameters
+    ----------
+    recordings
+        The logs, of which none declares what its input does.
+    request
+        What the user asked for.
+    base
+        Its fit.
+    """
+    candidate, before = base.candidate, base.held_out.rms(base.candidate)
+    problem = candidate.problem
+    misfit = misfit_of(problem, candidate.minimum.point)
+    per_sample = candidate.squares / max(problem.n_samples, 1)
+    fitted = base.sigma[problem.outputs[0]] * float(np.sqrt(per_sample))
+    if not recordings.hold_out or is_measured(problem.logs) or not before > MORE * fitted:
+        return recordings, base
+    now = recordings.logs.logs[0].intersample or "straight"
+    best, least = (recordings, base), TELLS**0.5 * before
+    for reading in readings_of(recordings.logs):
+        if reading == now:
+            continue
+        changed = _told(recordings_read_as(recordings, reading), reading)
+        other = request.fit_base(changed.logs, changed.hold_out, thorough=False)
+        model = other.candidate
+        rms = other.held_out.rms(model)
+        if rms < least and misfit_of(model.problem, model.minimum.point) < misfit + BETTER_BY:
+            best, least = (changed, other), rms
+    return best
+
+
+def _told(recordings: Recordings, reading: Intersample) -> Recordings:
+    """The logs with the remark that what is held out tells their reading."""
+    first, *others = recordings.logs
+    issue = Issue(
+        HELD_INPUT,
+        "info",
+        f"{first.input} {WAYS[reading]} explains what is held out far better, while the fitted "
+        "logs do not tell what it does between its samples, and is taken so",
+        "declare it with --intersample",
+    )
+    kept = (known for known in first.issues if known.code != HELD_INPUT)
+    told = replace(first, issues=(*kept, issue))
+    return replace(recordings, logs=LogSet((told, *others)))
