@@ -47,6 +47,7 @@ class Doubt(Enum):
     MAY_BE_ZERO = "may be zero"
     CANCELS = "cancels"
     DISPLACES = "displaces"
+    ACTS_BEHIND = "acts behind"
 
 
 @dataclass(frozen=True)

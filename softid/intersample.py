@@ -52,6 +52,13 @@ usual as short ones."""
 MAD_TO_STD = 1.4826
 """Standard deviation over median absolute deviation, for a normal law."""
 
+LEAST_ABRUPT = 0.05
+"""Share of the input's range by which it changes abruptly at least."""
+
+WITHIN = 0.6
+"""An abrupt change is this share of that over three intervals: one that takes several samples is
+drawn as it was."""
+
 LEAST_BEND = 1e-3
 """Share of the input's range by which a cubic leaves the straight line at least: a lesser bend
 moves nothing that could be seen."""
@@ -95,6 +102,31 @@ def jumps(values: Array) -> IntArray:
     least = max(SMALLEST * float(np.ptp(values)), ABOVE_NOISE * float(np.median(moves)))
     found = (moves > 0.0) & (moves >= least) & (np.maximum(before, after) <= FLAT * moves)
     return np.flatnonzero(found)
+
+
+def is_abrupt(values: Array) -> npt.NDArray[np.bool_]:
+    """Which intervals hold nearly all of a large change, shape (n − 1,).
+
+    `jumps` asks for an input that is flat before and after, as a held one is; here the rest of a
+    jump may be seen in the samples beside it.
+
+    Parameters
+    ----------
+    values
+        Input samples without gaps, shape (n,).
+
+    Examples
+    --------
+    >>> is_abrupt(np.array([0.0, 1.0, 30.0, 36.0, 37.0])).tolist()
+    [False, True, False, False]
+    """
+    change = np.abs(np.diff(values))
+    if change.size == 0:
+        return np.zeros(0, np.bool_)
+    least = max(LEAST_ABRUPT * float(np.ptp(values)), ABOVE_NOISE * float(np.median(change)))
+    beside = np.convolve(change, np.ones(3), "same")[: change.size]
+    found: npt.NDArray[np.bool_] = (change > least) & (change > WITHIN * beside)
+    return found
 
 
 def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array, Array]:

@@ -8,6 +8,7 @@ pressure by half a step on average, which looks like a lag of the actuator and f
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +22,7 @@ from softid.excitation import (
     run_starts,
 )
 from softid.identification.intersample_choice import COMMAND
+from softid.intersample import is_abrupt
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -36,6 +38,9 @@ REGULAR = 1.1
 """First sights of regular readings are late by up to one sampling interval of the log, and a little
 for the rounding of its times."""
 
+LEAST_READINGS = 4
+"""So many readings between two jumps make a cubic."""
+
 ROUNDING = 1e-6
 """Share of a period by which a sum of periods may be off."""
 
@@ -44,7 +49,10 @@ REPEATED_INPUT = "repeated-input"
 
 
 def without_repeats(log: Log) -> Log:
-    """The log with a measured input that is straight between the samples that brought news.
+    """The log with a measured input that is smooth between the samples that brought news.
+
+    A cubic spline passes through them, but where the input changes abruptly it goes straight: what
+    a spline swings beside a jump is not on record.
 
     A command holds its values itself, and stays as it is; so does an input of which it is declared
     what it does between its samples.
@@ -66,16 +74,31 @@ def without_repeats(log: Log) -> Log:
         span = slice(segment.start, segment.stop)
         time_s = log.time_s[span]
         read_s, read = _readings(time_s, values[span], hold)
-        values[span] = np.interp(time_s, read_s, read)
+        values[span] = _course(time_s, read_s, read)
     issue = Issue(
         REPEATED_INPUT,
         "info",
         f"{log.name}: {log.input} repeats each value for about {hold.factor:.2g} samples (new "
-        f"values at {hold.rate_hz:.3g} Hz); it is taken as straight between the new ones",
+        f"values at {hold.rate_hz:.3g} Hz); it is taken as smooth between the new ones, "
+        "and as straight where it jumps",
         "record all channels at one rate; if it is a command, map it as pressure_command",
     )
     channels = dict(log.channels) | {log.input: replace(channel, values=values)}
     return replace(log, channels=channels, issues=(*log.issues, issue))
+
+
+def _course(time_s: Array, read_s: Array, read: Array) -> Array:
+    """The input at the samples of a log, from readings between which it moves on."""
+    from scipy.interpolate import CubicSpline
+
+    course: Array = np.interp(time_s, read_s, read)
+    ends = np.flatnonzero(is_abrupt(read)) + 1
+    for first, stop in pairwise((0, *ends.tolist(), read.size)):
+        if stop - first >= LEAST_READINGS:
+            smooth = CubicSpline(read_s[first:stop], read[first:stop])
+            inside = (time_s >= read_s[first]) & (time_s <= read_s[stop - 1])
+            course[inside] = smooth(time_s[inside])
+    return course
 
 
 def _repeats(values: Array) -> bool:

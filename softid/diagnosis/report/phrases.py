@@ -57,8 +57,8 @@ DOUBTS = {
     Doubt.MAY_BE_ZERO: "may as well have a size of zero",
     Doubt.CANCELS: "nearly cancels another of these laws, and what both leave of each other is the "
     "shape of a third",
-    Doubt.DISPLACES: "swings as the actuator itself does, of whose own motion nothing is left: "
-    "what is told beside it then acts behind the motion, as a sensor that is not straight does",
+    Doubt.DISPLACES: "moves as the actuator itself does, of whose own motion nothing is left",
+    Doubt.ACTS_BEHIND: "then acts behind the motion, as a sensor that is not straight does",
 }
 """Why a description is no cause, after its title; the others are told by sentences of their own."""
 

@@ -21,7 +21,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.motion import simulated
 from softid.diagnosis.residual.projection import basis_of
 from softid.diagnosis.residual.structure import ResidualContext
-from softid.intersample import ABOVE_NOISE
+from softid.intersample import is_abrupt
 from softid.parallel import in_parallel
 from softid.segment import Segment
 
@@ -29,13 +29,6 @@ Array = npt.NDArray[np.float64]
 Places = npt.NDArray[np.intp]
 Part = tuple[int, int, slice, Array]
 """Kind of pulse, jump, the samples that see it, and what it changes there."""
-
-LEAST_JUMP = 0.05
-"""Share of the input's span that a jump has at least."""
-
-WITHIN = 0.6
-"""Share of the change over three intervals that is in the middle one: a change that takes several
-samples is drawn as it was."""
 
 MOST_JUMPS = 200
 """A segment with more is one whose input is noise, or a train of pulses: they are left as drawn."""
@@ -119,9 +112,6 @@ class OpenJumps:
 def untimed_jumps(segment: Segment) -> Places:
     """Last samples before intervals in which the input jumps.
 
-    `softid.intersample.jumps` asks for an input that is flat before and after, as a held one is;
-    here the rest of a jump may be seen in the samples beside it.
-
     Parameters
     ----------
     segment
@@ -136,11 +126,7 @@ def untimed_jumps(segment: Segment) -> Places:
     rows = segment.samples_of(np.arange(segment.input.size))
     if rows.size < 4:
         return nowhere
-    change = np.abs(np.diff(segment.input[rows]))
-    least = max(LEAST_JUMP * float(np.ptp(segment.input)), ABOVE_NOISE * float(np.median(change)))
-    beside = np.convolve(change, np.ones(3), "same")
-    jumps = (change > least) & (change > WITHIN * beside) & (np.diff(rows) == 1)
-    found: Places = rows[:-1][jumps]
+    found: Places = rows[:-1][is_abrupt(segment.input[rows]) & (np.diff(rows) == 1)]
     return found if found.size <= MOST_JUMPS else nowhere
 
 

@@ -255,10 +255,12 @@ def _last_survivors(
 ) -> list[Candidate]:
     """Those that stay after the second round: near the leader, or still on their way.
 
-    The leader's neighbours stay, too, when they are near: it is them that it is taken for.
+    The neighbours of the leader's law, in any of its forms, stay, too, when they are near: it is
+    them that it is taken for.
     """
     kept = []
-    neighbours = second[0].effects[-1].neighbours
+    added = [candidate.effects[-1] for candidate in second]
+    neighbours = {n for effect in added if effect.name == added[0].name for n in effect.neighbours}
     for k, candidate in enumerate(second):
         is_unconverged = _is_moving(candidate)
         asked = k < LAST_SURVIVORS or candidate.effects[-1].name in neighbours

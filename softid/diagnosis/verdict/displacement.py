@@ -1,12 +1,15 @@
 """Causes that take the place of the actuator's own motion, of which nothing is left.
 
 In a chain of linear parts nothing tells which of them is the actuator. A resonance of the line that
-swings as the actuator did, before an actuator that follows at once, is the actuator's own: it says
-that the other causes act behind the motion, not within or before it.
+swings as the actuator did, or a lag that is as slow as an actuator that did not swing, before an
+actuator that follows at once, is the actuator's own: it says that the other causes act behind the
+motion, not within or before it. So a curve that is bent behind it may as well be the sensor's.
 """
 
 from __future__ import annotations
 
+from collections.abc import Container
+from itertools import dropwhile
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +17,7 @@ import numpy as np
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.usual_law import usual_law
 from softid.effects import own_values
-from softid.effects.base import Effect
+from softid.effects.base import Effect, OutputEffect
 
 GONE = 0.1
 """Nothing is left of a motion whose times are less than this share of what they were, and than a
@@ -23,6 +26,13 @@ sampling interval."""
 ALIKE = 0.1
 """A cause has the times of the motion where neither differs by more than this share of the
 longer."""
+
+
+LAGS = ("pneumatic_lag", "sensor_lag")
+"""Causes that are a motion of first order."""
+
+CURVES = ("dead_zone", "static_curve", "stiffening", "contact")
+"""Causes that bend the curve of rests, which a sensor does as well."""
 
 
 class Times(NamedTuple):
@@ -51,6 +61,21 @@ def displacing(final: Candidate, base: Candidate) -> frozenset[str]:
     return frozenset(e.key for e in final.effects if _is_like(_times_of(final, e), before))
 
 
+def behind(final: Candidate, displaced_by: Container[str]) -> frozenset[str]:
+    """Keys of the effects of a chain that bend a curve behind what took the motion's place.
+
+    Parameters
+    ----------
+    final
+        The model with all causes.
+    displaced_by
+        As `displacing` found.
+    """
+    acting = [e for e in final.acting if not isinstance(e, OutputEffect)]
+    later = dropwhile(lambda effect: effect.key not in displaced_by, acting)
+    return frozenset(e.key for e in later if e.name in CURVES)
+
+
 def _times(candidate: Candidate) -> Times | None:
     """Those of the motion at the usual input; None where nothing pulls it back."""
     law = usual_law(candidate)
@@ -60,8 +85,10 @@ def _times(candidate: Candidate) -> Times | None:
 
 
 def _times_of(final: Candidate, effect: Effect) -> Times | None:
-    """Those of a resonance."""
+    """Those of a resonance or a lag."""
     values = own_values(effect, final.parameters)
+    if effect.name in LAGS:
+        return Times(values["tau"], 0.0)
     if "zeta" not in values:
         return None
     swing_s = values["period"] / (2.0 * np.pi)
@@ -69,7 +96,10 @@ def _times_of(final: Candidate, effect: Effect) -> Times | None:
 
 
 def _is_like(one: Times | None, other: Times) -> bool:
+    """Whether times are alike; a lag is like a motion whose second pole is a tenth as slow."""
     if one is None:
         return False
+    if one.swing_s == 0.0 and other.swing_s**2 <= GONE * other.late_s**2:
+        other = other._replace(swing_s=0.0)
     most = ALIKE * max(other)
     return all(abs(a - b) <= most for a, b in zip(one, other, strict=True))

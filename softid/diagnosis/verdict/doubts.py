@@ -8,7 +8,7 @@ from dataclasses import replace
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.verdict.cancelling import cancelling
-from softid.diagnosis.verdict.displacement import displacing
+from softid.diagnosis.verdict.displacement import behind, displacing
 from softid.diagnosis.verdict.naming import doubt_of, most_variation
 from softid.diagnosis.verdict.occurrence import occurs
 from softid.diagnosis_results import Cause, Doubt, Remainder
@@ -44,8 +44,10 @@ def with_doubts(
         return tuple(causes)
     final, held_out, scale = chain.final, base.held_out, base.scale
     whole, varies = held_out.rms(final), most_variation(remainder)
+    displaced_by = displacing(final, base.candidate)
     against = {
-        **dict.fromkeys(displacing(final, base.candidate), Doubt.DISPLACES),
+        **dict.fromkeys(displaced_by, Doubt.DISPLACES),
+        **dict.fromkeys(behind(final, displaced_by), Doubt.ACTS_BEHIND),
         **dict.fromkeys(cancelling(final, base.candidate, scale), Doubt.CANCELS),
     }
     told = []

@@ -1,4 +1,4 @@
-"""A resonance that is the actuator's own, before an actuator that follows at once."""
+"""A resonance or a lag that is the actuator's own, before an actuator that follows at once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from linear_motion import TRUTH, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
-from softid.diagnosis.verdict.displacement import displacing
+from softid.diagnosis.verdict.displacement import behind, displacing
 from softid.effects import effect_of
 
 PERIOD_S = 2.0 * np.pi * float(np.sqrt(TRUTH["M"] / TRUTH["Q"]))
@@ -41,3 +41,39 @@ def test_a_resonance_with_the_times_of_the_motion_displaces_it(
     point[extended.free.index("M")] += 2.0 * np.log(left)
     final = replace(standing(extended, point), effects=(effect,))
     assert displacing(final, base) == (frozenset({name}) if found else frozenset())
+
+
+@pytest.mark.parametrize(
+    ("tau_s", "mass", "left", "found"),
+    [
+        (0.2, 0.01, 1e-3, True),
+        (0.215, 0.01, 1e-3, True),
+        (0.23, 0.01, 1e-3, False),
+        (0.2, 1.0, 1e-3, False),
+        (0.2, 0.01, 0.5, False),
+    ],
+)
+@pytest.mark.parametrize("name", ["pneumatic_lag", "sensor_lag"])
+def test_a_lag_as_slow_as_a_motion_of_first_order_displaces_it(
+    name: str, tau_s: float, mass: float, left: float, found: bool
+) -> None:
+    """Known truth: N/Q is 0.2 s; with a mass of 1, √(M/Q) is 0.7 of it, and the motion swings."""
+    truth = {**TRUTH, "M": mass}
+    problem = linear_problem([linear_log()])
+    z = problem.unknowns(truth)
+    base, scale, lag, curve = (
+        standing(problem, z),
+        scale_of(problem, z),
+        effect_of(name),
+        effect_of("static_curve"),
+    )
+    extended = extend(extend(problem, (lag,), scale), (curve,), scale)
+    curved = {f"static_curve_k{k}": 0.0 for k in range(2, 7)}
+    point = start_unknowns(extended, problem, z, {f"{name}_tau": tau_s, **curved})
+    point[extended.free.index("N")] += np.log(left)
+    point[extended.free.index("M")] += 2.0 * np.log(left)
+    final = replace(standing(extended, point), effects=(lag, curve))
+    displaced_by = displacing(final, base)
+    assert displaced_by == (frozenset({name}) if found else frozenset())
+    expected = {"static_curve"} if found and name == "pneumatic_lag" else set[str]()
+    assert behind(final, displaced_by) == expected
