@@ -83,7 +83,7 @@ class Contact(StateEffect):
                     scale.x_unit,
                     scale.x_low,
                     scale.x_high,
-                    meaning="position at which the contact begins",
+                    meaning="position at which the contact begins, less the sensor zero of the log",
                     source=self.source,
                 ),
             )

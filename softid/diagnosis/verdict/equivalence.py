@@ -52,6 +52,12 @@ CLASSES: tuple[EquivalenceClass, ...] = (
         "close the valve and watch whether the pressure in the actuator falls",
     ),
     EquivalenceClass(
+        ("a spring that is not straight", "a load that goes with the position, such as a weight"),
+        ("stiffening",),
+        "Both pull with a force that depends on the position alone.",
+        "record the same with the load taken off, or with the actuator turned over",
+    ),
+    EquivalenceClass(
         ("the gain of the pressure sensor", "the gain of the output sensor"),
         (),
         "The parameters of the model take up both.",

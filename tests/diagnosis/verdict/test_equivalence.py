@@ -87,8 +87,11 @@ def test_tables_name_effects() -> None:
 
 
 def test_classes_of_algebra() -> None:
-    """The four of the theory; only those of delay and lag have an effect that stands for them."""
-    assert len(CLASSES) == 4
+    """The four of the theory, and forces that go with the position, springs and weights."""
+    assert len(CLASSES) == 5
+    assert [c.members[1] for c in classes_of(["stiffening"])] == [
+        "a load that goes with the position, such as a weight"
+    ]
     assert [c.members[1] for c in classes_of(["delay", "creep"])] == [
         "an offset between the clocks of the two channels"
     ]
