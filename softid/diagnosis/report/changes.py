@@ -89,7 +89,9 @@ REFERENCES = 3
 def held_out_change_issues(
     model: Candidate, remainder: Remainder, held: HeldOut, scale: Scale, *, is_sure: bool
 ) -> tuple[Issue, ...]:
-    """How what is held out differs, from a moment on or throughout; nothing where it does not.
+    """How what is held out differs, throughout or from a moment on; nothing where it does not.
+
+    A moment is looked for where one change throughout does not do: it has one more unknown.
 
     Parameters
     ----------
@@ -110,18 +112,17 @@ def held_out_change_issues(
         return ()
     errors = held.first_errors(model)
     power, noise = float(np.mean(errors**2)), remainder.noise_power
-    moments = change_issues(judged, scale, power / noise - 1.0)
-    if moments:
-        return tuple(replace(issue, code=HELD_OUT_CHANGE) for issue in moments)
     is_right = is_sure and not remainder.structured  # else it fits none of the logs
-    if not (is_right and have_same_levels(model.problem.logs, judged.problem.logs)):
-        return ()
-    before = squares_of(judged.problem, judged.minimum.point)
-    found = log_differences(
-        model, scale, judged.problem.logs, before=before, noise=noise * errors.size
-    )
-    told = _told(found, judged.problem.logs, judged.problem.outputs[0], "the fitted logs")
-    return () if told is None else (replace(told, code=HELD_OUT_CHANGE),)
+    if is_right and have_same_levels(model.problem.logs, judged.problem.logs):
+        before = squares_of(judged.problem, judged.minimum.point)
+        found = log_differences(
+            model, scale, judged.problem.logs, before=before, noise=noise * errors.size
+        )
+        told = _told(found, judged.problem.logs, judged.problem.outputs[0], "the fitted logs")
+        if told is not None:
+            return (replace(told, code=HELD_OUT_CHANGE),)
+    moments = change_issues(judged, scale, power / noise - 1.0)
+    return tuple(replace(issue, code=HELD_OUT_CHANGE) for issue in moments)
 
 
 def change_issues(
