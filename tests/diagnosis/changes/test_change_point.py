@@ -24,6 +24,7 @@ from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOutLogs
+from softid.diagnosis.report import changes
 from softid.diagnosis.report.changes import (
     CHANGE_POINT,
     HELD_OUT_CHANGE,
@@ -164,6 +165,19 @@ def test_another_actuator_differs_at_no_moment() -> None:
     assert held_out_change_issues(base, loud, judged, sizes(base), is_sure=True) == ()
     assert mark.code == HELD_OUT_CHANGE
     assert "the gain of the reading changes by -50.0 % in linear-7" in mark.message
+
+
+def test_one_change_throughout_is_told_before_a_moment(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A moment has one more unknown: it is not even looked for where a gain takes all away."""
+    base = fitted(linear_log(noise=NOISE, samples=N))
+    judge = HeldOutLogs((linear_log(noise=NOISE, seed=7, samples=N, added=0.06 * ANGLE),))
+    left = remainder(structured=False, explained=1.0)
+    left = replace(left, rms=NOISE, excess=0.0, misses_held_out=True)
+    monkeypatch.setattr(changes, "change_issues", lambda *asked: pytest.fail("looked for"))
+    (mark,) = held_out_change_issues(base, left, judge, sizes(base), is_sure=True)
+    size = re.search(r"the gain of the reading changes by ([0-9.+]+) % in linear-7", mark.message)
+    assert size is not None
+    assert float(size[1]) == pytest.approx(6.0, abs=0.3)
 
 
 def test_a_diagnosis_tells_the_moment() -> None:
