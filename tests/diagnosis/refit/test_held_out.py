@@ -14,6 +14,8 @@ from softid.diagnosis.refit.held_out import (
     HeldOutLogs,
     hold_out_blocks,
 )
+from softid.fitters.output_error import Optimum, refit_nuisance
+from softid.fitters.problem import Problem
 from softid.intersample import Intersample
 from softid.log import Log, LogSet
 
@@ -123,6 +125,26 @@ def test_errors_on_held_out_logs() -> None:
     assert np.array_equal(measured, other.channels["angle"].values)
     assert held.rms(candidate) == pytest.approx(0.02, rel=0.09)
     assert abs(float(np.mean(residual))) < 1e-6
+
+
+def test_zeros_of_what_is_held_out_are_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However often a model is judged; another model has zeros of its own."""
+    problem = linear_problem([linear_log()])
+    held = HeldOutLogs((linear_log(noise=0.02, seed=3, added=0.5),))
+    one, other = (standing(problem, problem.unknowns(TRUTH)) for _ in range(2))
+    found: list[Problem] = []
+
+    def counted(asked: Problem) -> Optimum:
+        found.append(asked)
+        return refit_nuisance(asked)
+
+    monkeypatch.setattr("softid.diagnosis.refit.held_out.refit_nuisance", counted)
+    assert held.rms(one) == held.rms(one)
+    assert held.errors(one)
+    assert held.slopes(one).size
+    assert len(found) == 1
+    held.rms(other)
+    assert len(found) == 2
 
 
 def test_beyond_the_fitted_range_nothing_judges() -> None:
