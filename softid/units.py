@@ -164,6 +164,13 @@ _LONGEST_UNIT = 40
 _SCALED = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|-)\s*[*·]?\s*([^\d\s-].*)")
 _EXPONENT = re.compile(r"(?<=[^\W\d_])(?=-?[23](?!\w))")
 _AMBIGUOUS = frozenset({"grad", "grads"})
+_SHARES = frozenset({"%", "percent", "per cent", "1", "mm/mm", "m/m"})
+OF_A_SHARE = (
+    "multiply a strain by the length that it is a share of; or declare "
+    "--channel contraction=COLUMN:mm, and read every mm of the answer as the column's own unit"
+)
+"""What to do with a channel that is a share of a length: models take lengths and angles."""
+
 _PINT_DIMENSIONS: tuple[tuple[str, Quantity, str], ...] = (
     ("[time]", "time", "s"),
     ("[mass] / [length] / [time] ** 2", "pressure", "kPa"),
@@ -227,7 +234,9 @@ def parse_unit(text: str, *, where: str | None = None) -> Unit:
             "this is not a unit that softid can convert",
             where=where,
             value=text,
-            remedy="write a unit of time, pressure, angle, length, force or torque, such as kPa or "
+            remedy=OF_A_SHARE
+            if text.strip().lower() in _SHARES
+            else "write a unit of time, pressure, angle, length, force or torque, such as kPa or "
             "deg, or leave the channel raw",
         )
     return found

@@ -74,6 +74,15 @@ def test_what_is_no_unit_of_ours_is_refused(text: str) -> None:
     assert caught.value.where == "log.csv, column x"
 
 
+@pytest.mark.parametrize("text", ["%", "1", "mm/mm"])
+def test_who_has_a_strain_is_told_what_to_do(text: str) -> None:
+    """A McKibben muscle is often logged by its relative contraction."""
+    with pytest.raises(InputError) as caught:
+        parse_unit(text)
+    assert caught.value.remedy is not None
+    assert "--channel contraction=COLUMN:mm" in caught.value.remedy
+
+
 @pytest.mark.parametrize("text", ["9**9**9**9", "m^9^9^9", "m**99999999", "(" * 5000, "a" * 10**6])
 def test_no_text_keeps_pint_busy(text: str) -> None:
     """Units come from headers, so a hostile one may not be evaluated as arithmetic."""
