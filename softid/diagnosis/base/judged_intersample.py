@@ -34,6 +34,7 @@ WAYS: dict[Intersample, str] = {
     "held": "held where it jumps",
     "zoh": "held at every sample",
 }
+"""What a command may do."""
 
 
 def read_as_judged(
@@ -62,7 +63,7 @@ def read_as_judged(
     now = recordings.logs.logs[0].intersample or "straight"
     best, least = (recordings, base), TELLS**0.5 * before
     for reading in readings_of(recordings.logs):
-        if reading == now:
+        if reading == now or reading not in WAYS:
             continue
         changed = _told(recordings_read_as(recordings, reading), reading)
         other = request.fit_base(changed.logs, changed.hold_out, thorough=False)

@@ -108,17 +108,6 @@ class HeldOut(ABC):
             A fit to the rest.
         """
 
-    def fitted_range(self, candidate: Candidate) -> tuple[float, float]:
-        """Least and greatest input of the fitted logs; beyond it no law of the curve is known.
-
-        Parameters
-        ----------
-        candidate
-            A fit to the rest.
-        """
-        u = np.concatenate([segment.input for segment in candidate.problem.segments])
-        return float(u.min()), float(u.max())
-
     @abstractmethod
     def slopes(self, candidate: Candidate) -> Array:
         """How what can judge follows the free parameters, shape (m, F).
@@ -151,7 +140,7 @@ class HeldOutLogs(HeldOut):
 
     def judging(self, candidate: Candidate) -> list[HeldOutErrors]:
         """At the samples whose input lies within the range that was fitted, if there are any."""
-        return self._within(self.fitted_range(candidate), candidate) or self.errors(candidate)
+        return self._within(fitted_range(candidate), candidate) or self.errors(candidate)
 
     def standing(self, candidate: Candidate) -> Candidate:
         """Over the logs; see `HeldOut.standing`."""
@@ -163,7 +152,7 @@ class HeldOutLogs(HeldOut):
 
     def slopes(self, candidate: Candidate) -> Array:
         """At the samples that judge; see `HeldOut.slopes`."""
-        judged, limits = self.standing(candidate), self.fitted_range(candidate)
+        judged, limits = self.standing(candidate), fitted_range(candidate)
         problem, free = judged.problem, len(candidate.problem.free)
         first, rows, judges = problem.outputs[0], [], []
         for block in problem.blocks(judged.minimum.point, derivatives=True):
@@ -307,6 +296,18 @@ def _joined(errors: Sequence[HeldOutErrors], candidate: Candidate) -> Array:
     first = candidate.problem.outputs[0]
     rows = [row.residual for row in errors if row.channel == first]
     return np.concatenate(rows) if rows else np.empty(0)
+
+
+def fitted_range(candidate: Candidate) -> tuple[float, float]:
+    """Least and greatest input of the fitted logs; beyond it no law of the curve is known.
+
+    Parameters
+    ----------
+    candidate
+        A fit.
+    """
+    u = np.concatenate([segment.input for segment in candidate.problem.segments])
+    return float(u.min()), float(u.max())
 
 
 def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOutBlocks]:

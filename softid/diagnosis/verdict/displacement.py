@@ -17,7 +17,7 @@ import numpy as np
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.usual_law import usual_law
 from softid.effects import own_values
-from softid.effects.base import Effect, OutputEffect
+from softid.effects.base import Effect, InputEffect, StateEffect
 
 GONE = 0.1
 """Nothing is left of a motion whose times are less than this share of what they were, and than a
@@ -71,9 +71,10 @@ def behind(final: Candidate, displaced_by: Container[str]) -> frozenset[str]:
     displaced_by
         As `displacing` found.
     """
-    acting = [e for e in final.acting if not isinstance(e, OutputEffect)]
-    later = dropwhile(lambda effect: effect.key not in displaced_by, acting)
-    return frozenset(e.key for e in later if e.name in CURVES)
+    on_input = [effect for effect in final.acting if isinstance(effect, InputEffect)]
+    in_motion = [effect for effect in final.acting if isinstance(effect, StateEffect)]
+    later = dropwhile(lambda effect: effect.key not in displaced_by, [*on_input, *in_motion])
+    return frozenset(effect.key for effect in later if effect.name in CURVES)
 
 
 def _times(candidate: Candidate) -> Times | None:

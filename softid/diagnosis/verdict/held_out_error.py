@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import BASE_SD, Candidate
-from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.refit.held_out import HeldOut, fitted_range
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share, mean_square
 from softid.diagnosis.residual.jump_timing import OpenJumps, with_open_jumps
@@ -82,7 +82,7 @@ def _open_jumps(model: Candidate, held_out: HeldOut, noise: float) -> OpenJumps 
     judged = held_out.standing(model)
     if judged is None:
         return None
-    lowest, highest = held_out.fitted_range(model)
+    lowest, highest = fitted_range(model)
     free, first = len(judged.problem.free), judged.problem.outputs[0]
     parts, slopes = [], []
     for rows in rows_of(judged):
@@ -91,7 +91,7 @@ def _open_jumps(model: Candidate, held_out: HeldOut, noise: float) -> OpenJumps 
             is_inside = (part.u >= lowest) & (part.u <= highest)
             parts.append(replace(part, residual=np.where(is_inside, part.residual, np.nan)))
             slopes.append(rows.jacobian[is_inside[np.isfinite(part.residual)], free:])
-    return with_open_jumps(judged, parts, noise, slopes)
+    return with_open_jumps(judged, parts, noise, slopes) if np.vstack(slopes).size else None
 
 
 def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, float]) -> float:
