@@ -91,7 +91,19 @@ def with_knots(segment: Segment, intersample: Intersample) -> Segment:
     intersample
         What the input does between them.
     """
-    knot_s, level = knots(segment.time_s, segment.input, intersample)
+    return with_rows(segment, *knots(segment.time_s, segment.input, intersample))
+
+
+def with_rows(segment: Segment, knot_s: Array, level: Array) -> Segment:
+    """The segment with more rows, which no output was recorded at.
+
+    Parameters
+    ----------
+    segment
+        Samples alone.
+    knot_s, level
+        Times and input of the rows, each of shape (m,).
+    """
     if knot_s.size == 0:
         return segment
     places = np.searchsorted(segment.time_s, knot_s)

@@ -8,6 +8,10 @@ between the old samples, and its new samples are those whose straight lines have
 it did; an output's are its means without what its bend adds to them. A sine of f Hz under means
 over T s then errs by (π f T)⁴ and no longer by (π f T)², which is more than the noise of many
 samples.
+
+A jump is no such course: a law that bends takes another force from its mean than from what is
+before and after it. So it stays where it was, between knots of its own, and the means of the
+outputs beside it are left out.
 """
 
 from __future__ import annotations
@@ -18,8 +22,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.intersample import HELD, Intersample, jumps
+from softid.intersample import BEFORE, HELD, IntArray, Intersample, is_abrupt, jumps
 from softid.log import Log
+from softid.segment import Segment, with_rows
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -33,6 +38,12 @@ of it still count in whole samples."""
 
 LEAST_MEANS = 3
 """A slope is taken from the neighbours on both sides, so fewer means have none."""
+
+MOST_JUMPS = 0.05
+"""Up to so many jumps beside all means they stay where they were: a train of pulses is averaged."""
+
+APART = 1e-6
+"""Share of a sampling interval within which a knot is a sample."""
 
 REGULAR = 0.2
 """Sampling is regular when no interval differs from the median by more than this share."""
@@ -89,10 +100,13 @@ class AveragedLog(Log):
         The other one.
     count
         Samples in a value.
+    knots
+        Times at which jumps of the input begin and end, and the input there, each of shape (m,).
     """
 
     recorded: Log = field(kw_only=True)
     count: int = field(kw_only=True)
+    knots: tuple[Array, Array] = field(kw_only=True)
 
     @property
     def between_samples(self) -> Intersample:
@@ -103,6 +117,12 @@ class AveragedLog(Log):
     def as_recorded(self) -> Log:
         """The other one: nodes of a straight input lie beyond its extremes."""
         return self.recorded
+
+    def _segment(self, index: int, start: int, stop: int) -> Segment:
+        segment = super()._segment(index, start, stop)
+        knot_s, level = self.knots
+        first, last = np.searchsorted(knot_s, segment.time_s[[0, -1]])
+        return with_rows(segment, knot_s[first:last], level[first:last])
 
 
 def decimated(log: Log, count: int) -> Log:
@@ -130,17 +150,28 @@ def decimated(log: Log, count: int) -> Log:
         averaged: Array = values[: groups * count].reshape(groups, count).mean(axis=1)
         return averaged
 
-    masked = None if log.masked is None else mean(log.masked.astype(np.float64)) > 0.0
+    time_s = mean(log.time_s)
+    jumping = _Jumps.of(log, most=MOST_JUMPS * groups)
+    beside = np.zeros(groups + 2, np.bool_)
+    inside = np.minimum(np.concatenate((jumping.at, jumping.at + 1)) // count, groups - 1)
+    for shift in (0, 1, 2):
+        beside[inside + shift] = True
+    masked = beside[1:-1]
+    if log.masked is not None:
+        masked |= mean(log.masked.astype(np.float64)) > 0.0
     channels = {}
     for name, channel in log.channels.items():
         if name == log.input:
-            values = _straight(mean(_about_samples(channel.values, log.between_samples)))
+            rest = jumping.taken_from(channel.values)
+            nodes = _straight(mean(_about_samples(rest, log.between_samples)))
+            values = nodes + jumping.until(time_s)
         else:
             values = _at_centres(mean(channel.values), masked)
         channels[name] = replace(channel, values=values)
+    knot_s = jumping.knots_beside(time_s)
     return AveragedLog(
         name=log.name,
-        time_s=mean(log.time_s),
+        time_s=time_s,
         channels=channels,
         input=log.input,
         outputs=log.outputs,
@@ -151,7 +182,53 @@ def decimated(log: Log, count: int) -> Log:
         intersample=log.intersample,
         recorded=log,
         count=count,
+        knots=(knot_s, np.interp(knot_s, time_s, nodes) + jumping.until(knot_s)),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Jumps:
+    """Jumps of an input, each a straight line from ``begin_s`` to ``end_s``.
+
+    ``at`` holds the samples before them, ``heights`` how far they go, all of shape (J,).
+    """
+
+    at: IntArray
+    begin_s: Array
+    end_s: Array
+    heights: Array
+
+    @classmethod
+    def of(cls, log: Log, *, most: float) -> _Jumps:
+        """Those of a log, none where there are too many; held ones take next to no time."""
+        values, reading = log.channels[log.input].values, log.between_samples
+        at = np.flatnonzero(is_abrupt(values))
+        at = at if at.size <= most else at[:0]
+        begin_s, end_s = log.time_s[at], log.time_s[at + 1]
+        is_held = np.isin(at, jumps(values)) & (reading == "held") | (reading == "zoh")
+        begin_s = np.where(is_held, end_s - BEFORE * (end_s - begin_s), begin_s)
+        return cls(at, begin_s, end_s, np.diff(values)[at])
+
+    def taken_from(self, values: Array) -> Array:
+        """The input without them."""
+        risen = np.zeros(values.size)
+        risen[self.at + 1] = self.heights
+        rest: Array = values - np.cumsum(risen)
+        return rest
+
+    def until(self, time_s: Array) -> Array:
+        """What all of them add to the input at some times."""
+        since = (time_s[:, np.newaxis] - self.begin_s) / (self.end_s - self.begin_s)
+        added: Array = np.clip(since, 0.0, 1.0) @ self.heights
+        return added
+
+    def knots_beside(self, time_s: Array) -> Array:
+        """When they begin and end, but at none of some times, in order."""
+        knot_s = np.unique(np.concatenate((self.begin_s, self.end_s)))
+        apart = APART * float(np.median(np.diff(time_s)))
+        after = np.searchsorted(time_s, knot_s - apart)
+        known = time_s[np.minimum(after, time_s.size - 1)]
+        return knot_s[np.abs(known - knot_s) > apart]
 
 
 def read_as(log: Log, reading: Intersample) -> Log:
@@ -167,8 +244,9 @@ def read_as(log: Log, reading: Intersample) -> Log:
     if not isinstance(log, AveragedLog):
         return replace(log, intersample=reading)
     again = decimated(replace(log.recorded, intersample=reading), log.count)
+    assert isinstance(again, AveragedLog)
     channels = {**log.channels, log.input: again.channels[log.input]}
-    return replace(log, channels=channels, intersample=reading)
+    return replace(log, channels=channels, intersample=reading, knots=again.knots)
 
 
 def _about_samples(values: Array, reading: Intersample) -> Array:

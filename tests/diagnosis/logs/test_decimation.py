@@ -162,6 +162,46 @@ def test_averages_of_a_held_input_come_when_it_does(reading: Intersample) -> Non
     assert read_as(log, other).intersample == other
 
 
+def stepping(pieces: int, length: int = 100) -> Log:
+    """A command at 100 Hz that steps every ``length`` samples, which the angle follows at once."""
+    levels = 50.0 + 40.0 * (-1.0) ** np.arange(pieces) * np.linspace(0.5, 1.0, pieces)
+    command = np.repeat(levels, length)
+    time_s = 0.01 * np.arange(command.size)
+    return Log.from_arrays(time_s, {"pressure": command, "angle": 0.1 * command})
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+@pytest.mark.parametrize("reading", ["straight", "held", "zoh"])
+def test_a_jump_stays_where_it_was(reading: Intersample, count: int) -> None:
+    """Known truth: steps are drawn as recorded, to rounding; read again they are where those are.
+
+    The means that hold one, and those beside them, are left out, and no others.
+    """
+    log = stepping(12).with_intersample(reading)
+    short = decimated(log, count)
+    (segment,) = short.segments()
+    inside_s = np.arange(segment.time_s[0], segment.time_s[-1], 0.0007)
+    known = np.interp(inside_s, log.time_s, log.channels["pressure"].values)
+    if reading != "straight":
+        known = log.channels["pressure"].values[np.floor(inside_s / 0.01 + 1e-9).astype(int)]
+    drawn = np.interp(inside_s, segment.time_s, segment.input)
+    assert np.allclose(drawn, known, rtol=0.0, atol=1e-6)
+    other = read_as(read_as(short, "straight"), reading).segments()[0]
+    assert np.array_equal(other.input, segment.input)
+    samples = np.arange(100, len(log), 100)
+    holding = np.unique(np.concatenate((samples - 1, samples)) // count)
+    left_out = np.unique(holding[:, np.newaxis] + [-1, 0, 1])
+    expected = [k not in left_out for k in range(len(short))]
+    assert segment.samples_of(segment.used["angle"]).tolist() == expected
+
+
+def test_a_train_of_pulses_is_averaged() -> None:
+    """Of so many jumps nothing but their knots would be left."""
+    (segment,) = decimated(stepping(200, length=6), 3).segments()
+    assert segment.is_sample is None
+    assert segment.used["angle"].all()
+
+
 def test_a_smooth_input_is_straight_between_its_new_samples() -> None:
     """They hold its bends already: there is a node for every mean and none between."""
     time_s = 0.01 * np.arange(400)
