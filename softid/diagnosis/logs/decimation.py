@@ -11,7 +11,7 @@ samples.
 
 A jump is no such course: a law that bends takes another force from its mean than from what is
 before and after it. So it stays where it was, between knots of its own, and the means of the
-outputs beside it are left out.
+outputs that hold it are left out, unless the averages only serve to choose.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ class AveragedLog(Log):
         return with_rows(segment, knot_s[first:last], level[first:last])
 
 
-def decimated(log: Log, count: int) -> Log:
+def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
     """The log with a value from every ``count`` samples in their place.
 
     Parameters
@@ -134,6 +134,9 @@ def decimated(log: Log, count: int) -> Log:
         A regular log.
     count
         Samples in a value; the last ones that fill none are left out.
+    keeps_jumps
+        Whether jumps of the input stay where they were, and means of the outputs that hold one are
+        left out.
 
     Examples
     --------
@@ -151,12 +154,8 @@ def decimated(log: Log, count: int) -> Log:
         return averaged
 
     time_s = mean(log.time_s)
-    jumping = _Jumps.of(log, most=MOST_JUMPS * groups)
-    beside = np.zeros(groups + 2, np.bool_)
-    inside = np.minimum(np.concatenate((jumping.at, jumping.at + 1)) // count, groups - 1)
-    for shift in (0, 1, 2):
-        beside[inside + shift] = True
-    masked = beside[1:-1]
+    jumping = _Jumps.of(log, most=MOST_JUMPS * groups if keeps_jumps else 0.0)
+    masked = np.isin(np.arange(groups), np.concatenate((jumping.at, jumping.at + 1)) // count)
     if log.masked is not None:
         masked |= mean(log.masked.astype(np.float64)) > 0.0
     channels = {}
@@ -243,7 +242,8 @@ def read_as(log: Log, reading: Intersample) -> Log:
     """
     if not isinstance(log, AveragedLog):
         return replace(log, intersample=reading)
-    again = decimated(replace(log.recorded, intersample=reading), log.count)
+    whole = replace(log.recorded, intersample=reading)
+    again = decimated(whole, log.count, keeps_jumps=bool(log.knots[0].size))
     assert isinstance(again, AveragedLog)
     channels = {**log.channels, log.input: again.channels[log.input]}
     return replace(log, channels=channels, intersample=reading, knots=again.knots)

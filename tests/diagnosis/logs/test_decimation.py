@@ -147,7 +147,7 @@ def test_averages_of_a_held_input_come_when_it_does(reading: Intersample) -> Non
         return float(np.std(block.residual[100:]) / np.ptp(log.channels["angle"].values))
 
     log = moved(reading)
-    short = decimated(log, 5)
+    short = decimated(log, 5, keeps_jumps=True)
     assert short.intersample == reading
     assert short.between_samples == "straight"
     assert left_by(short) < 1e-3
@@ -175,10 +175,10 @@ def stepping(pieces: int, length: int = 100) -> Log:
 def test_a_jump_stays_where_it_was(reading: Intersample, count: int) -> None:
     """Known truth: steps are drawn as recorded, to rounding; read again they are where those are.
 
-    The means that hold one, and those beside them, are left out, and no others.
+    The means that hold one are left out, and no others; averages that only choose keep all.
     """
     log = stepping(12).with_intersample(reading)
-    short = decimated(log, count)
+    short = decimated(log, count, keeps_jumps=True)
     (segment,) = short.segments()
     inside_s = np.arange(segment.time_s[0], segment.time_s[-1], 0.0007)
     known = np.interp(inside_s, log.time_s, log.channels["pressure"].values)
@@ -190,14 +190,16 @@ def test_a_jump_stays_where_it_was(reading: Intersample, count: int) -> None:
     assert np.array_equal(other.input, segment.input)
     samples = np.arange(100, len(log), 100)
     holding = np.unique(np.concatenate((samples - 1, samples)) // count)
-    left_out = np.unique(holding[:, np.newaxis] + [-1, 0, 1])
-    expected = [k not in left_out for k in range(len(short))]
+    expected = [k not in holding for k in range(len(short))]
     assert segment.samples_of(segment.used["angle"]).tolist() == expected
+    (rough,) = decimated(log, count).segments()
+    assert rough.is_sample is None
+    assert rough.used["angle"].all()
 
 
 def test_a_train_of_pulses_is_averaged() -> None:
     """Of so many jumps nothing but their knots would be left."""
-    (segment,) = decimated(stepping(200, length=6), 3).segments()
+    (segment,) = decimated(stepping(200, length=6), 3, keeps_jumps=True).segments()
     assert segment.is_sample is None
     assert segment.used["angle"].all()
 
