@@ -82,7 +82,7 @@ def _told(recordings: Recordings, reading: Intersample) -> Recordings:
         "info",
         f"{first.input} {WAYS[reading]} explains what is held out far better, while the fitted "
         "logs do not tell what it does between its samples, and is taken so",
-        "declare it with --intersample",
+        f"declare it with --intersample {reading}",
     )
     kept = (known for known in first.issues if known.code != HELD_INPUT)
     told = replace(first, issues=(*kept, issue))
