@@ -24,7 +24,10 @@ from softid.kernels.filters import lag_difference
 Array = npt.NDArray[np.float64]
 
 Law = tuple[float, float, float, float]
+"""1/τ, b, 1/(1 − b) and the rate of the lag that laminar flow is."""
+
 Between = tuple[float, float, float, float]
+"""Coefficients of `_between`."""
 
 LAMINAR_ABOVE = 0.999
 MAX_SWITCHES = 8
@@ -70,17 +73,13 @@ def pressure_rate(supply: float, actuator: float, tau_s: float, b: float) -> flo
     b
         Critical pressure ratio.
     """
-    law = (1.0 / tau_s, b, 1.0 / (1.0 - b), 1.0 / _laminar_time(tau_s, b))
-    found: float = _rate(supply, actuator, law)
+    found: float = _rate(supply, actuator, _law(tau_s, b))
     return found
 
 
 @njit(nogil=True, error_model="numpy")
 def _rate(supply: float, actuator: float, law: Law) -> float:
-    """`pressure_rate` without a division: of p_u ψ, both are drawn under the root.
-
-    ``law`` holds 1/τ, b, 1/(1 − b) and the rate of the lag that laminar flow is.
-    """
+    """`pressure_rate` without a division: of p_u ψ, both are drawn under the root."""
     per_s, b, per_range, laminar_per_s = law
     upstream, downstream = max(supply, actuator), min(supply, actuator)
     if downstream > LAMINAR_ABOVE * upstream:
@@ -95,6 +94,11 @@ def _laminar_time(tau_s: float, b: float) -> float:
     """Time constant of the lag that laminar flow is."""
     psi = np.sqrt(1.0 - ((LAMINAR_ABOVE - b) / (1.0 - b)) ** 2)
     return float(tau_s * (1.0 - LAMINAR_ABOVE) / psi)
+
+
+@njit(nogil=True, error_model="numpy")
+def _law(tau_s: float, b: float) -> Law:
+    return 1.0 / tau_s, b, 1.0 / (1.0 - b), 1.0 / _laminar_time(tau_s, b)
 
 
 @njit(nogil=True, error_model="numpy")
@@ -214,7 +218,7 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
     laminar = True
     usual = np.inf
     tau_laminar = _laminar_time(tau_s, b)
-    law = (1.0 / tau_s, b, 1.0 / (1.0 - b), 1.0 / tau_laminar)
+    law = _law(tau_s, b)
     kept_h, kept, allowed = 0.0, 0.0, SAFETY * tolerance
     resolution_s = ROUNDED * np.sum(step_s)
     k, rate, rate_there = 0, 0.0, 0.0

@@ -138,10 +138,14 @@ class BaseFit:
     @property
     def is_negligible(self) -> bool:
         """Whether the misfit of the first output is too small to be looked into."""
+        return self.rms < NEGLIGIBLE * self.scale.y_span
+
+    @property
+    def rms(self) -> float:
+        """Root mean square misfit of the fitted logs, in the first output's unit."""
         problem = self.candidate.problem
         per_sample = self.candidate.squares / max(problem.n_samples, 1)
-        rms = self.sigma[problem.outputs[0]] * float(np.sqrt(per_sample))
-        return rms < NEGLIGIBLE * self.scale.y_span
+        return self.sigma[problem.outputs[0]] * float(np.sqrt(per_sample))
 
     @property
     def sigma(self) -> dict[str, float]:

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.base.intersample_selection import (
     is_measured,
@@ -53,13 +51,12 @@ def read_as_judged(
     base
         Its fit.
     """
-    candidate, before = base.candidate, base.held_out.rms(base.candidate)
-    problem = candidate.problem
-    misfit = misfit_of(problem, candidate.minimum.point)
-    per_sample = candidate.squares / max(problem.n_samples, 1)
-    fitted = base.sigma[problem.outputs[0]] * float(np.sqrt(per_sample))
-    if not recordings.hold_out or is_measured(problem.logs) or not before > MORE * fitted:
+    if not recordings.hold_out or is_measured(recordings.logs):
         return recordings, base
+    before = base.held_out.rms(base.candidate)
+    if not before > MORE * base.rms:
+        return recordings, base
+    misfit = misfit_of(base.candidate.problem, base.candidate.minimum.point)
     now = recordings.logs.logs[0].intersample or "straight"
     best, least = (recordings, base), TELLS**0.5 * before
     for reading in readings_of(recordings.logs):

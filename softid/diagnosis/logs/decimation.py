@@ -40,7 +40,7 @@ LEAST_MEANS = 3
 """A slope is taken from the neighbours on both sides, so fewer means have none."""
 
 MOST_JUMPS = 0.05
-"""Up to so many jumps beside all means they stay where they were: a train of pulses is averaged."""
+"""Jumps stay where they were up to this share of the means: a train of pulses is averaged."""
 
 APART = 1e-6
 """Share of a sampling interval within which a knot is a sample."""

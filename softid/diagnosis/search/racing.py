@@ -142,8 +142,8 @@ def race(
     first = _first_round(rough, found, running, scale, weights)
     promising = list(dict.fromkeys(s.effect.key for s in found))
     second = _second_round(rough, first, promising, running, scale, weights)
-    joining = run_rounds([(far, FAR_ROUND), (near, 1)], weights, COARSE)
-    second = best_of_each([*second, *joining[1], *joining[0]])
+    far, near = run_rounds([(far, FAR_ROUND), (near, 1)], weights, COARSE)
+    second = best_of_each([*second, *near, *far])
     entering = [effect for effect in richer if effect.key in late_forms]
     second = by_squares([*second, *forms_that_gain(rough, second, entering, scale, weights)])
     if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:

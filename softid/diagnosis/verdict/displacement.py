@@ -27,7 +27,6 @@ ALIKE = 0.1
 """A cause has the times of the motion where neither differs by more than this share of the
 longer."""
 
-
 LAGS = ("pneumatic_lag", "sensor_lag")
 """Causes that are a motion of first order."""
 

@@ -64,8 +64,9 @@ def with_held_out(
     spread = EXCESS_SDS * remainder.noise_sd * float(np.sqrt(1.0 + longer))
     most = OTHER_LOG * (1.0 + spread) * noise + UNLIKELY * unsure
     jumps = _open_jumps(after, held_out, noise) if power > most else None
-    if jumps is not None and jumps.scatter and mean_square(jumps.parts) <= most:
-        power = mean_square(jumps.parts)
+    timed = mean_square(jumps.parts) if jumps is not None and jumps.scatter else np.inf
+    if jumps is not None and timed <= most:
+        power = timed
         remainder = replace(remainder, open_jumps_held_out=jumps.count)
     return replace(
         remainder,

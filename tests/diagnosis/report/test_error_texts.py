@@ -51,6 +51,18 @@ def test_without_a_rest_nothing_to_mend_is_what_the_logs_show() -> None:
     assert "As far as these logs show, there is nothing to mend." in text
 
 
+@pytest.mark.parametrize("jumps", [0, 9])
+def test_more_that_moments_of_jumps_make_is_noise(jumps: int) -> None:
+    """Then nothing is to be recorded; without such jumps more moves would tell what it is."""
+    found = diagnosis(Verdict.ADEQUATE)
+    left = replace(found.remainder, open_jumps_held_out=jumps)
+    louder = tuple(replace(g, rmse_after=2.0 * left.rms) for g in found.gains)
+    text = write_summary(replace(found, gains=louder, remainder=left)).summary
+    assert ("which is noise, once the moments of 9 jumps" in text) is (jumps == 9)
+    assert ("Record more of such moves to tell which." in text) is (jumps == 0)
+    assert ("there is nothing to mend" in text.lower()) is (jumps == 9)
+
+
 def test_a_law_that_is_refused_explains_more_than_chance() -> None:
     """What is held out speaks against it, and that is what is said."""
     refused = Issue(REFUSED, "info", "creep would take away 5 %, but leaves it as it is", None)
