@@ -39,6 +39,8 @@ class Segment:
         Time of the log's first sample.
     is_sample
         Which rows are samples, shape (n,), where others are knots of a held input; else None.
+    jump_spans_s
+        As in `Log`, those within this stretch.
     """
 
     log_name: str
@@ -51,6 +53,7 @@ class Segment:
     used: Mapping[str, BoolArray]
     log_start_s: float = 0.0
     is_sample: BoolArray | None = None
+    jump_spans_s: Array | None = None
 
     def samples_of(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Those of rows, the first axis of an array, that are samples."""
@@ -100,19 +103,19 @@ def with_rows(segment: Segment, knot_s: Array, level: Array) -> Segment:
     Parameters
     ----------
     segment
-        Samples alone.
+        A stretch; none of its rows is at the time of a new one.
     knot_s, level
         Times and input of the rows, each of shape (m,).
     """
     if knot_s.size == 0:
         return segment
     places = np.searchsorted(segment.time_s, knot_s)
-    is_sample = np.insert(np.ones(segment.time_s.size, bool), places, False)
+    rows = np.ones(segment.time_s.size, bool) if segment.is_sample is None else segment.is_sample
     return replace(
         segment,
         time_s=np.insert(segment.time_s, places, knot_s),
         input=np.insert(segment.input, places, level),
         outputs={name: np.insert(y, places, np.nan) for name, y in segment.outputs.items()},
         used={name: np.insert(used, places, False) for name, used in segment.used.items()},
-        is_sample=is_sample,
+        is_sample=np.insert(rows, places, False),
     )

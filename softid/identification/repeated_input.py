@@ -52,7 +52,7 @@ def without_repeats(log: Log) -> Log:
     """The log with a measured input that is smooth between the samples that brought news.
 
     A cubic spline passes through them, but where the input changes abruptly it goes straight: what
-    a spline swings beside a jump is not on record.
+    a spline swings beside a jump is not on record. Nor is when it jumped, between two readings.
 
     A command holds its values itself, and stays as it is; so does an input of which it is declared
     what it does between its samples.
@@ -70,11 +70,14 @@ def without_repeats(log: Log) -> Log:
     if hold is None or hold.factor < LEAST_FACTOR:
         return log
     values = channel.values.copy()
+    spans_s = [np.empty((0, 2))]
     for segment in log.segments():
         span = slice(segment.start, segment.stop)
         time_s = log.time_s[span]
         read_s, read = _readings(time_s, values[span], hold)
         values[span] = _course(time_s, read_s, read)
+        before = np.flatnonzero(is_abrupt(read))
+        spans_s.append(np.column_stack((read_s[before], read_s[before + 1])))
     issue = Issue(
         REPEATED_INPUT,
         "info",
@@ -84,7 +87,12 @@ def without_repeats(log: Log) -> Log:
         "record all channels at one rate; if it is a command, map it as pressure_command",
     )
     channels = dict(log.channels) | {log.input: replace(channel, values=values)}
-    return replace(log, channels=channels, issues=(*log.issues, issue))
+    return replace(
+        log,
+        channels=channels,
+        issues=(*log.issues, issue),
+        jump_spans_s=np.concatenate(spans_s),
+    )
 
 
 def _course(time_s: Array, read_s: Array, read: Array) -> Array:

@@ -155,13 +155,13 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
 
     time_s = mean(log.time_s)
     jumping = _Jumps.of(log, most=MOST_JUMPS * groups if keeps_jumps else 0.0)
-    masked = np.isin(np.arange(groups), np.concatenate((jumping.at, jumping.at + 1)) // count)
+    masked = mean(jumping.is_in_one(log.time_s)) > 0.0
     if log.masked is not None:
         masked |= mean(log.masked.astype(np.float64)) > 0.0
     channels = {}
     for name, channel in log.channels.items():
         if name == log.input:
-            rest = jumping.taken_from(channel.values)
+            rest = channel.values - jumping.until(log.time_s)
             nodes = _straight(mean(_about_samples(rest, log.between_samples)))
             values = nodes + jumping.until(time_s)
         else:
@@ -179,6 +179,7 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
         issues=log.issues,
         metadata=log.metadata,
         intersample=log.intersample,
+        jump_spans_s=log.jump_spans_s,
         recorded=log,
         count=count,
         knots=(knot_s, np.interp(knot_s, time_s, nodes) + jumping.until(knot_s)),
@@ -189,10 +190,9 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
 class _Jumps:
     """Jumps of an input, each a straight line from ``begin_s`` to ``end_s``.
 
-    ``at`` holds the samples before them, ``heights`` how far they go, all of shape (J,).
+    ``heights`` holds how far they go; all are of shape (J,).
     """
 
-    at: IntArray
     begin_s: Array
     end_s: Array
     heights: Array
@@ -202,24 +202,34 @@ class _Jumps:
         """Those of a log, none where there are too many; held ones take next to no time."""
         values, reading = log.channels[log.input].values, log.between_samples
         at = np.flatnonzero(is_abrupt(values))
-        at = at if at.size <= most else at[:0]
-        begin_s, end_s = log.time_s[at], log.time_s[at + 1]
-        is_held = np.isin(at, jumps(values)) & (reading == "held") | (reading == "zoh")
-        begin_s = np.where(is_held, end_s - BEFORE * (end_s - begin_s), begin_s)
-        return cls(at, begin_s, end_s, np.diff(values)[at])
+        spans_s = log.jump_spans_s
+        if spans_s is None:
+            spans_s = log.time_s[np.column_stack((at, at + 1))]
+        spans_s = spans_s if len(spans_s) <= most else spans_s[:0]
+        begin_s, end_s = spans_s.T
+        heights = np.diff(np.interp(spans_s, log.time_s, values)).ravel()
+        if log.jump_spans_s is None and begin_s.size:
+            is_held = np.isin(at, jumps(values)) & (reading == "held") | (reading == "zoh")
+            begin_s = np.where(is_held, end_s - BEFORE * (end_s - begin_s), begin_s)
+        return cls(begin_s, end_s, heights)
 
-    def taken_from(self, values: Array) -> Array:
-        """The input without them."""
-        risen = np.zeros(values.size)
-        risen[self.at + 1] = self.heights
-        rest: Array = values - np.cumsum(risen)
-        return rest
+    def is_in_one(self, time_s: Array) -> Array:
+        """1 for the last sample before each, the first one after it and what is between, else 0."""
+        first = np.searchsorted(time_s, self.begin_s, side="right") - 1
+        last = np.searchsorted(time_s, self.end_s)
+        inside = np.zeros(time_s.size + 1)
+        np.add.at(inside, first, 1.0)
+        np.add.at(inside, last + 1, -1.0)
+        inside_any: Array = np.minimum(np.cumsum(inside[:-1]), 1.0)
+        return inside_any
 
     def until(self, time_s: Array) -> Array:
         """What all of them add to the input at some times."""
-        since = (time_s[:, np.newaxis] - self.begin_s) / (self.end_s - self.begin_s)
-        added: Array = np.clip(since, 0.0, 1.0) @ self.heights
-        return added
+        if self.heights.size == 0:
+            return np.zeros(time_s.size)
+        risen = np.cumsum(self.heights)
+        ends = np.column_stack((self.begin_s, self.end_s)).ravel()
+        return np.interp(time_s, ends, np.column_stack((risen - self.heights, risen)).ravel())
 
     def knots_beside(self, time_s: Array) -> Array:
         """When they begin and end, but at none of some times, in order."""

@@ -154,15 +154,16 @@ def jump_issues(remainder: Remainder, problem: Problem) -> tuple[Issue, ...]:
     if remainder.open_jumps == 0:
         return ()
     found = ((segment, untimed_jumps(segment)) for segment in problem.segments)
-    segment, places = next((s, places) for s, places in found if places.size)
+    segment, spans_s = next((s, spans_s) for s, spans_s in found if spans_s.size)
     count = remainder.open_jumps
     others = f", the first of {count} such jumps in all logs" if count > 1 else ""
-    begin_s, end_s = segment.time_s[places[0] : places[0] + 2].tolist()
+    begin_s, end_s = spans_s[0].tolist()
+    ends = "samples" if segment.jump_spans_s is None else "readings"
     return (
         Issue(
             "untimed-jumps",
             "info",
-            f"{segment.log_name}: the input jumps between the samples at {begin_s:.6g} and "
+            f"{segment.log_name}: the input jumps between the {ends} at {begin_s:.6g} and "
             f"{end_s:.6g} s{others}; when exactly is not recorded, and what that changes in the "
             "motion is counted as no misfit",
             "sample faster than the input moves, or record when the valve switches",

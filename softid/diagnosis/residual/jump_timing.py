@@ -1,7 +1,7 @@
 """Jumps of the input that fall between two samples: nobody knows when exactly.
 
-Between two samples the input is drawn straight, as if a jump took the whole interval from one to
-the next. A valve switches at once, somewhere within it. What the actuator does until it has settled
+Between two samples, or two readings of a slower gauge, the input is drawn straight, as if a jump
+took the whole interval from one to the next. A valve switches at once, somewhere within it. What the actuator does until it has settled
 is then off by up to its speed times half an interval, after every such jump by another amount: for
 a slow converter and a quick actuator many times the noise, and nothing that a law explains.
 """
@@ -23,10 +23,10 @@ from softid.diagnosis.residual.projection import basis_of
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.intersample import is_abrupt
 from softid.parallel import in_parallel
-from softid.segment import Segment
+from softid.segment import Segment, with_rows
 
 Array = npt.NDArray[np.float64]
-Places = npt.NDArray[np.intp]
+Jumps = npt.NDArray[np.intp]
 Part = tuple[int, int, slice, Array]
 """Kind of pulse, jump, the samples that see it, and what it changes there."""
 
@@ -39,9 +39,11 @@ MOST_SPENT = 0.5
 TRIED = 0.25
 """Share of a jump by which the input is moved within its interval to see what its moment does."""
 
-KNOTS = np.array([0.25, 0.75])
-"""Places within the interval at which it is moved, and goes straight between."""
+KNOTS = np.array([0.0, 0.25, 0.75, 1.0])
+"""Places within the interval between which it goes straight. It is moved at the inner two."""
 
+APART = 1e-3
+"""Share of the interval within which a knot is where a sample is."""
 
 MOST_TO_ONE_SIDE = 3.0
 """Standard deviations that the mean of the moments is off the middles at most by chance."""
@@ -51,7 +53,7 @@ FURTHEST = 3.0**0.5
 
 
 class Pulse(NamedTuple):
-    """Moves of the input at the two places within an interval, per unit.
+    """Moves of the input at the inner two knots of an interval, per unit.
 
     ``moment`` is the integral or the first moment of such a pulse, ``deviation`` the standard
     deviation of that of a jump's.
@@ -109,8 +111,8 @@ class OpenJumps:
         return abs(mean) * self.count**0.5 < MOST_TO_ONE_SIDE and size < FURTHEST
 
 
-def untimed_jumps(segment: Segment) -> Places:
-    """Last samples before intervals in which the input jumps.
+def untimed_jumps(segment: Segment) -> Array:
+    """Intervals in which the input jumps.
 
     Parameters
     ----------
@@ -119,15 +121,17 @@ def untimed_jumps(segment: Segment) -> Places:
 
     Returns
     -------
-    array of int
-        Rows of the segment, each followed by the next sample.
+    array
+        When each interval begins and ends, shape (J, 2).
     """
-    nowhere: Places = np.zeros(0, np.intp)
     rows = segment.samples_of(np.arange(segment.input.size))
     if rows.size < 4:
-        return nowhere
-    found: Places = rows[:-1][is_abrupt(segment.input[rows]) & (np.diff(rows) == 1)]
-    return found if found.size <= MOST_JUMPS else nowhere
+        return np.empty((0, 2))
+    found = segment.jump_spans_s
+    if found is None:
+        before = rows[:-1][is_abrupt(segment.input[rows]) & (np.diff(rows) == 1)]
+        found = segment.time_s[np.column_stack((before, before + 1))]
+    return found if len(found) <= MOST_JUMPS else found[:0]
 
 
 def with_open_jumps(
@@ -213,29 +217,29 @@ def part_of_jumps(model: Candidate, k: int, *, noise: float) -> Array:
         standard deviation, shape (n, 2 J).
     """
     segment = model.problem.segments[k]
-    places = untimed_jumps(segment)
-    sampled = segment.samples_of(np.arange(segment.time_s.size))
-    after = np.searchsorted(sampled, places + 1)
+    spans_s = untimed_jumps(segment)
+    sampled_s = segment.samples_of(segment.time_s)
+    after = np.searchsorted(sampled_s, spans_s[:, 0], side="right")
 
-    def told_apart(kind: int, group: Places) -> list[Part]:
-        apart = _response(model, k, places[group], PULSES[kind])
-        windows = [slice(*w) for w in pairwise((*after[group].tolist(), sampled.size))]
+    def told_apart(kind: int, group: Jumps) -> list[Part]:
+        apart = _response(model, k, spans_s[group], PULSES[kind])
+        windows = [slice(*w) for w in pairwise((*after[group].tolist(), sampled_s.size))]
         hidden = float(np.abs(apart).max()) <= UNSEEN * noise
         if hidden or all(_has_faded(apart[window]) for window in windows[:-1]):
             parts = zip(group.tolist(), windows, strict=True)
             return [(kind, jump, window, apart[window]) for jump, window in parts]
         return [part for fewer in _shared_out(group) for part in told_apart(kind, fewer)]
 
-    columns = np.zeros((sampled.size, len(PULSES), places.size))
-    tasks = product(range(len(PULSES)), _shared_out(np.arange(places.size)))
+    columns = np.zeros((sampled_s.size, len(PULSES), len(spans_s)))
+    tasks = product(range(len(PULSES)), _shared_out(np.arange(len(spans_s))))
     for parts in in_parallel(lambda task: told_apart(*task), tasks):
         for kind, jump, window, apart in parts:
             columns[window, kind, jump] = apart
-    found: Array = columns.reshape(sampled.size, -1)
+    found: Array = columns.reshape(sampled_s.size, -1)
     return found
 
 
-def _shared_out(jumps: Places) -> list[Places]:
+def _shared_out(jumps: Jumps) -> list[Jumps]:
     """Every so many of them together, without empty groups."""
     return [jumps[first::TOGETHER] for first in range(min(TOGETHER, jumps.size))]
 
@@ -246,34 +250,27 @@ def _has_faded(response: Array) -> bool:
     return float(late.max()) <= FADED * float(np.abs(response).max())
 
 
-def _response(model: Candidate, k: int, places: Places, pulse: Pulse) -> Array:
-    """Change of the first output with a pulse at every place, per standard deviation."""
+def _response(model: Candidate, k: int, spans_s: Array, pulse: Pulse) -> Array:
+    """Change of the first output with a pulse in every interval, per standard deviation."""
     segment = model.problem.segments[k]
-    heights = TRIED * (segment.input[places + 1] - segment.input[places])
+    heights = TRIED * np.diff(np.interp(spans_s, segment.time_s, segment.input)).ravel()
     there, back = (
-        simulated(model, k, _with_pulses(segment, places, side * heights, pulse))
+        simulated(model, k, _with_pulses(segment, spans_s, side * heights, pulse))
         for side in (1.0, -1.0)
     )
     apart: Array = (there - back) / (2.0 * TRIED * pulse.moment) * pulse.deviation
     return apart
 
 
-def _with_pulses(segment: Segment, places: Places, heights: Array, pulse: Pulse) -> Segment:
-    """A segment with an input that is higher at two knots within every interval."""
-    at = np.repeat(places + 1, 2)
-    rows = np.ones(segment.time_s.size, np.bool_)
-    is_sample = rows if segment.is_sample is None else segment.is_sample
-
-    def between(values: Array) -> Array:
-        begin, end = values[places, np.newaxis], values[places + 1, np.newaxis]
-        return (1.0 - KNOTS) * begin + KNOTS * end
-
-    higher = between(segment.input) + heights[:, np.newaxis] * (pulse.first, pulse.second)
+def _with_pulses(segment: Segment, spans_s: Array, heights: Array, pulse: Pulse) -> Segment:
+    """A segment with an input that is moved at the inner knots of every interval."""
+    lasting_s = np.diff(spans_s)
+    knot_s = spans_s[:, :1] + lasting_s * KNOTS
+    moved = heights[:, np.newaxis] * (0.0, pulse.first, pulse.second, 0.0)
+    beside = np.searchsorted(segment.time_s, knot_s - APART * lasting_s)
+    nearest_s = segment.time_s[np.minimum(beside, segment.time_s.size - 1)]
+    new_s = np.unique(knot_s[np.abs(nearest_s - knot_s) > APART * lasting_s])
+    finer = with_rows(segment, new_s, np.interp(new_s, segment.time_s, segment.input))
     return replace(
-        segment,
-        time_s=np.insert(segment.time_s, at, between(segment.time_s).ravel()),
-        input=np.insert(segment.input, at, higher.ravel()),
-        outputs={name: np.insert(y, at, np.nan) for name, y in segment.outputs.items()},
-        used={name: np.insert(used, at, False) for name, used in segment.used.items()},
-        is_sample=np.insert(is_sample, at, False),
+        finer, input=finer.input + np.interp(finer.time_s, knot_s.ravel(), moved.ravel())
     )

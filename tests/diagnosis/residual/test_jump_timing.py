@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -79,8 +80,9 @@ def test_jumps_within_an_interval_are_found() -> None:
     (segment,) = log.segments()
     found = untimed_jumps(segment)
     heights = np.abs(np.diff(segment.input))
-    assert found.tolist() == np.flatnonzero(heights > 0.05 * np.ptp(segment.input)).tolist()
-    assert found.size > 12
+    before = np.flatnonzero(heights > 0.05 * np.ptp(segment.input))
+    assert found.tolist() == segment.time_s[np.column_stack((before, before + 1))].tolist()
+    assert len(found) > 12
 
 
 def test_what_takes_several_samples_is_no_jump() -> None:
@@ -98,9 +100,10 @@ def test_columns_are_what_a_jump_at_a_share_of_the_interval_does(share: float) -
     """
     problem = linear_problem([linear_log()])
     (segment,) = problem.segments
-    place = int(untimed_jumps(segment)[0])
+    spans_s = untimed_jumps(segment)
+    place = int(np.searchsorted(segment.time_s, spans_s[0, 0]))
     columns = part_of_jumps(standing(problem, problem.unknowns(TRUTH)), 0, noise=0.0)[
-        :, :: untimed_jumps(segment).size
+        :, :: len(spans_s)
     ]
     fine_s = np.arange(100 * (segment.time_s.size - 1) + 1) / (100 * RATE_HZ)
     straight = np.interp(fine_s, segment.time_s, segment.input)
@@ -114,6 +117,24 @@ def test_columns_are_what_a_jump_at_a_share_of_the_interval_does(share: float) -
     later = slice(place + 2, None)
     expected = (columns @ (first, second))[later]
     assert expected == pytest.approx(apart[later], abs=0.02 * np.abs(columns[later]).max())
+
+
+def by_slower_gauge(log: Log, factor: int) -> Log:
+    """The same recording with a pressure that is read at every so many samples, with noise."""
+    channel = log.channels["pressure"]
+    noisy = channel.values + 0.02 * np.random.default_rng(len(log)).standard_normal(len(log))
+    read = noisy[np.arange(len(log)) // factor * factor]
+    return replace(log, channels={**log.channels, "pressure": replace(channel, values=read)})
+
+
+def test_a_moment_between_two_readings_of_a_slower_gauge_is_open() -> None:
+    """Output at 100 Hz, pressure at 20: clean data are called clean, and the reading is told."""
+    logs = [by_slower_gauge(switched(seed, period_s=0.01), 5) for seed in (1, 2)]
+    found = softid.diagnose(logs[0], hold_out=logs[1:], model="oscillator")
+    assert found.verdict is Verdict.ADEQUATE
+    assert found.remainder.open_jumps > 12
+    (remark,) = (issue for issue in found.issues if issue.code == "untimed-jumps")
+    assert "jumps between the readings at" in remark.message
 
 
 def test_an_open_moment_is_no_misfit() -> None:
@@ -230,7 +251,7 @@ def test_jumps_that_share_a_simulation_are_told_apart(
     """
     problem = linear_problem([linear_log(samples=3000)])
     model = standing(problem, problem.unknowns({**TRUTH, "N": damping}))
-    jumps = untimed_jumps(problem.segments[0]).size
+    jumps = len(untimed_jumps(problem.segments[0]))
     simulate, count = Oscillator.response, []
 
     def counted(*args: Any, **options: Any) -> Any:
