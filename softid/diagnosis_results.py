@@ -44,6 +44,7 @@ class Doubt(Enum):
     UNKNOWN_SIZE = "unknown size"
     AT_BOUND = "at bound"
     TOO_SLOW = "too slow"
+    TOO_QUICK = "too quick"
     MAY_BE_ZERO = "may be zero"
     CANCELS = "cancels"
     DISPLACES = "displaces"

@@ -307,6 +307,17 @@ class CauseSearch:
             left = with_held_out(left, before, base.candidate, held_out, base.sigma)
         return None if left.misses_held_out else SearchResult(self._nothing, left, ())
 
+    def with_nothing_but(self, left: Remainder) -> SearchResult:
+        """The base alone, where what is left behind a description is what counts as left by it.
+
+        Parameters
+        ----------
+        left
+            What a chain leaves that only makes up for what is not on record.
+        """
+        rms = self._left_by_base.rms
+        return SearchResult(self._nothing, replace(left, rms=rms, explained_share=1.0), ())
+
     def explained_by_moments(self) -> SearchResult | None:
         """The base alone, if nothing but the moments of jumps of the input is unknown.
 

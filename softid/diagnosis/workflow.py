@@ -61,7 +61,7 @@ from softid.diagnosis.verdict.cause_results import (
     whole_gain_of,
 )
 from softid.diagnosis.verdict.chain_consistency import consistent_names
-from softid.diagnosis.verdict.doubts import with_doubts
+from softid.diagnosis.verdict.doubts import is_within_samples, with_doubts
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import (
@@ -212,8 +212,14 @@ def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
     """
     search.report("computing errors", 0.9)
     answer = _answer(search.base, found, search.seed)
-    alone = search.without_causes() if answer.verdict is Verdict.UNKNOWN else None
-    if alone and (alone.remainder.open_jumps > 0 or may_be_chance(answer.descriptive)):
+    alone = None
+    if answer.verdict is Verdict.UNKNOWN:
+        alone = search.without_causes()
+        if alone is None and is_within_samples(answer.descriptive, answer.remainder):
+            alone = search.with_nothing_but(answer.remainder)
+        elif alone and not (alone.remainder.open_jumps or may_be_chance(answer.descriptive)):
+            alone = None
+    if alone is not None:
         refused = unsure_issues(answer.descriptive)
         answer = _answer(search.base, alone, search.seed)
         answer = replace(answer, issues=(*answer.issues, *refused))

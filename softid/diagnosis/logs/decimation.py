@@ -22,7 +22,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.intersample import BEFORE, HELD, IntArray, Intersample, is_abrupt, jumps
+from softid.intersample import BEFORE, HELD, Intersample, is_abrupt, jumps
 from softid.log import Log
 from softid.segment import Segment, with_rows
 

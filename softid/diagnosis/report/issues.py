@@ -10,7 +10,7 @@ from softid.diagnosis.report.phrases import DOUBTS, listed, lowered, percent
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
 from softid.diagnosis.verdict.naming import LEAST_GAIN
-from softid.diagnosis_results import Cause, Remainder
+from softid.diagnosis_results import Cause, Doubt, Remainder
 from softid.effects import EFFECTS
 from softid.errors import Issue
 from softid.fitters.problem import Problem
@@ -20,6 +20,11 @@ REFUSED = "not-held-out"
 
 UNSURE = "unsure-law"
 """Code of the remark that a law explains a little and may be chance."""
+
+UNSURE_REMEDIES = {
+    Doubt.TOO_QUICK: "sample the input faster, which would show what it does meanwhile",
+}
+"""What to do where it is not to record more."""
 
 NEGLIGIBLE_MISFIT = "negligible-misfit"
 """Code of the remark that nothing was looked for."""
@@ -134,7 +139,9 @@ def unsure_issues(descriptions: Sequence[Cause]) -> tuple[Issue, ...]:
             "info",
             f"{lowered(cause.title)} would lower the BIC by {cause.delta_bic:.0f}, but it "
             f"{DOUBTS[cause.doubt]}",
-            "record more of the same moves, which would show whether it is there",
+            UNSURE_REMEDIES.get(
+                cause.doubt, "record more of the same moves, which would show whether it is there"
+            ),
         )
         for cause in descriptions
         if cause.doubt in DOUBTS

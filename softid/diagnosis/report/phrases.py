@@ -54,6 +54,8 @@ DOUBTS = {
     "hold out a log that has it, too",
     Doubt.UNKNOWN_SIZE: "gains little, and not even the order of magnitude of its size is known",
     Doubt.TOO_SLOW: "may be slower than these logs can tell",
+    Doubt.TOO_QUICK: "is over within a tenth of a sampling interval, in which nobody knows what "
+    "the input did",
     Doubt.MAY_BE_ZERO: "may as well have a size of zero",
     Doubt.CANCELS: "nearly cancels another of these laws, and what both leave of each other is the "
     "shape of a third",

@@ -1,9 +1,10 @@
 """Jumps of the input that fall between two samples: nobody knows when exactly.
 
 Between two samples, or two readings of a slower gauge, the input is drawn straight, as if a jump
-took the whole interval from one to the next. A valve switches at once, somewhere within it. What the actuator does until it has settled
-is then off by up to its speed times half an interval, after every such jump by another amount: for
-a slow converter and a quick actuator many times the noise, and nothing that a law explains.
+took the whole interval from one to the next. A valve switches at once, somewhere within it. What
+the actuator does until it has settled is then off by up to its speed times half an interval, after
+every such jump by another amount: for a slow converter and a quick actuator many times the noise,
+and nothing that a law explains.
 """
 
 from __future__ import annotations

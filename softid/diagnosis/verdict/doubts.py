@@ -12,10 +12,17 @@ from softid.diagnosis.verdict.displacement import behind, displacing
 from softid.diagnosis.verdict.naming import doubt_of, most_variation
 from softid.diagnosis.verdict.occurrence import occurs
 from softid.diagnosis_results import Cause, Doubt, Remainder
+from softid.effects import extended_name
+from softid.effects.base import Effect, Scale
 from softid.results import FitResult
 
 NO_GAIN = (Doubt.GAINS_NOTHING, Doubt.MAY_GAIN_NOTHING)
 """What is held out refuses these, if it holds them at all."""
+
+
+WITHIN_A_SAMPLE = 0.1
+"""Share of a sampling interval up to which a lag or a delay may as well be what the input did in
+it."""
 
 
 def with_doubts(
@@ -53,7 +60,43 @@ def with_doubts(
     told = []
     for cause, link in zip(causes, chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
+        if doubt is None and is_within_a_sample(cause, link.added, scale):
+            doubt = Doubt.TOO_QUICK
         if doubt in NO_GAIN and not occurs(link.added, final, base.candidate, held_out, scale):
             doubt = Doubt.DOES_NOT_OCCUR
         told.append(replace(cause, doubt=against.get(cause.key, doubt)))
     return tuple(told)
+
+
+def is_within_samples(descriptions: Sequence[Cause], left: Remainder) -> bool:
+    """Whether all that was missing is what the input did between its samples.
+
+    Parameters
+    ----------
+    descriptions
+        What may not be named.
+    left
+        What is left behind it.
+    """
+    quick = [cause.doubt is Doubt.TOO_QUICK for cause in descriptions]
+    return any(quick) and all(quick) and not left.leaves_something
+
+
+def is_within_a_sample(cause: Cause, effect: Effect, scale: Scale) -> bool:
+    """Whether a cause whose size is a time is over before a sampling interval has hardly begun.
+
+    Parameters
+    ----------
+    cause
+        The cause with its parameters.
+    effect
+        Its effect.
+    scale
+        Sizes of the logs.
+    """
+    if effect.amplitude is None or not effect.takes_time(scale):
+        return False
+    values = {p.name: p.value for p in cause.parameters}
+    size = values[extended_name(effect, effect.amplitude)]
+    ratio = values.get(extended_name(effect, "ratio"), 1.0)
+    return size * max(ratio, 1.0) < WITHIN_A_SAMPLE * scale.period_s

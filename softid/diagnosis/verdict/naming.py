@@ -206,8 +206,9 @@ CHANCE = (
     Doubt.DOES_NOT_OCCUR,
     Doubt.MAY_BE_ZERO,
     Doubt.UNKNOWN_SIZE,
+    Doubt.TOO_QUICK,
 )
-"""Doubts whether there is anything; the others are whether it is this."""
+"""Doubts whether there is anything in the actuator; the others are whether it is this."""
 
 
 def may_be_chance(descriptions: Sequence[Cause]) -> bool:

@@ -1,0 +1,53 @@
+"""Laws that are over within a sampling interval."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from handmade_diagnosis import cause, estimate, remainder
+from textbook_effects import round_scale
+
+from softid.diagnosis.verdict.doubts import is_within_a_sample, is_within_samples
+from softid.diagnosis_results import Doubt
+from softid.effects import effect_of
+
+SCALE = replace(round_scale(), period_s=0.02)
+NOISE = remainder(structured=False, explained=1.0)
+
+
+@pytest.mark.parametrize(
+    ("key", "values", "within"),
+    [
+        ("delay", {"tau": 0.0019}, True),
+        ("delay", {"tau": 0.0021}, False),
+        ("sensor_lag", {"tau": 0.0019}, True),
+        ("pneumatic_lag.separate", {"tau": 0.0004, "ratio": 4.0}, True),
+        ("pneumatic_lag.separate", {"tau": 0.0004, "ratio": 6.0}, False),
+        ("pneumatic_lag.separate", {"tau": 0.0021, "ratio": 0.1}, False),
+        ("sensor_drift", {"rate": 1e-4}, False),
+    ],
+)
+def test_the_longer_time_counts(key: str, values: dict[str, float], within: bool) -> None:
+    """A tenth of an interval of 20 ms; a rate is no time."""
+    effect = effect_of(key)
+    parameters = [estimate(f"{effect.name}_{name}", v, "s") for name, v in values.items()]
+    told = cause(key, parameters, before=2.0, after=1.0)
+    assert is_within_a_sample(told, effect, SCALE) is within
+
+
+@pytest.mark.parametrize(
+    ("doubts", "structured", "all_of_it"),
+    [
+        ([Doubt.TOO_QUICK], False, True),
+        ([Doubt.TOO_QUICK], True, False),
+        ([Doubt.TOO_QUICK, None], False, False),
+        ([], False, False),
+    ],
+)
+def test_what_is_within_samples_is_all_or_it_is_not(
+    doubts: list[Doubt | None], structured: bool, all_of_it: bool
+) -> None:
+    """Only where nothing else is described, and nothing is left behind it."""
+    told = [replace(cause("delay", [], before=2.0, after=1.0), doubt=d) for d in doubts]
+    assert is_within_samples(told, replace(NOISE, structured=structured)) is all_of_it
