@@ -1,9 +1,8 @@
 r"""Equation of motion of a bending actuator and its integration with exact sensitivities.
 
 The law is C_m(θ)·[M(θ)·θ̈ + D(θ)·θ̇²] + C_d·θ̇ + s·K(θ) + τ0 − d·F(p) = 0 with the compensation
-C_m = a·θ² + b·|θ| + c. M is even and D odd in θ; both are power series in θ² whose coefficients
-are moments of the line density, so nothing cancels near θ = 0. The elastic torque is a sum over
-points of the wall, F is proportional to the pressure.
+C_m = a·θ² + b·|θ| + c. M, D and K are those of `softid.kernels.bending_body`, F is proportional to
+the pressure.
 
 The parts of the law are one small function, `torque_parts`, which the integrator itself calls; a
 further effect adds its own torque to those parts.
@@ -11,17 +10,23 @@ further effect adds its own torque to those parts.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels import bending_body
+from softid.kernels.bending_body import (
+    LARGEST_ANGLE_RAD,
+    Body,
+    elastic_parts,
+    elastic_torque,
+    inertia_parts,
+    parts_at,
+    parts_with_slopes_at,
+)
+from softid.kernels.cache_invalidation import follow_sources
 from softid.kernels.decorators import kernel
 
 Array = npt.NDArray[np.float64]
-
-LARGEST_ANGLE_RAD = 2.0 * np.pi
-"""A full circle: the series hold up to here, and beyond it the actuator would meet itself."""
 
 SMALLEST_COMPENSATION = 1e-3
 """C_m at or below this is no mass; the response is then NaN."""
@@ -29,89 +34,6 @@ SMALLEST_COMPENSATION = 1e-3
 MARCH_RAD = 0.05
 N_DYNAMIC = 7
 """Parameters of the equation of motion, in order: C_d, a, b, c, stiffness s, drive d, τ0."""
-
-
-class Body(NamedTuple):
-    """What geometry and material contribute, as plain arrays.
-
-    Attributes
-    ----------
-    inertia
-        m_k of M(θ) = Σ m_k·θ^(2k) in kg·m², shape (T,).
-    velocity
-        d_k of D(θ) = θ·Σ d_k·θ^(2k) in kg·m², shape (T,).
-    stretch
-        Wall point → dλ/dθ in 1/rad, so that λ = 1 ± stretch·θ, shape (W,).
-    lever
-        Wall point → ∫ y dA in m³, shape (W,).
-    constants
-        2·C10 and 4·C20 in Pa, the neutral layer's torque per angle in N·m/rad, and F/p in N·m/kPa.
-    """
-
-    inertia: Array
-    velocity: Array
-    stretch: Array
-    lever: Array
-    constants: Array
-
-
-@kernel
-def inertia_parts(angle: float, body: Body) -> tuple[float, float, float, float]:
-    """M, dM/dθ, D and dD/dθ at an angle, in kg·m² and kg·m²/rad."""
-    q = angle * angle
-    m = dm = d = dd = 0.0
-    for k in range(body.inertia.size - 1, -1, -1):
-        dm = dm * q + m
-        m = m * q + body.inertia[k]
-        dd = dd * q + d
-        d = d * q + body.velocity[k]
-    return m, 2.0 * angle * dm, angle * d, d + 2.0 * q * dd
-
-
-@kernel
-def elastic_torque(angle: float, body: Body) -> float:
-    """K(θ) in N·m: plane-strain Yeoh walls on both sides, and the neutral layer; odd in θ."""
-    c1, c2 = body.constants[0], body.constants[1]
-    total = 0.0
-    for k in range(body.stretch.size):
-        z = body.stretch[k] * angle
-        up, down = 1.0 + z, 1.0 - z
-        over = 1.0 / (up * down)
-        by_up, by_down = down * over, up * over
-        one, two = up - by_up, down - by_down
-        total += body.lever[k] * (
-            (up - by_up * by_up * by_up) * (c1 + c2 * one * one)
-            - (down - by_down * by_down * by_down) * (c1 + c2 * two * two)
-        )
-    torque: float = total + body.constants[2] * angle
-    return torque
-
-
-@kernel
-def elastic_parts(angle: float, body: Body) -> tuple[float, float]:
-    """K(θ) in N·m and dK/dθ in N·m/rad."""
-    c1, c2 = body.constants[0], body.constants[1]
-    total = slope = 0.0
-    for k in range(body.stretch.size):
-        z = body.stretch[k] * angle
-        up, down = 1.0 + z, 1.0 - z
-        over = 1.0 / (up * down)
-        by_up, by_down = down * over, up * over
-        up3, down3 = by_up * by_up * by_up, by_down * by_down * by_down
-        one, two = up - by_up, down - by_down
-        stress_up, stress_down = c1 + c2 * one * one, c1 + c2 * two * two
-        total += body.lever[k] * ((up - up3) * stress_up - (down - down3) * stress_down)
-        slope += (
-            body.lever[k]
-            * body.stretch[k]
-            * (
-                (1.0 + 3.0 * up3 * by_up) * stress_up
-                + (up - up3) * 2.0 * c2 * one * (1.0 + by_up * by_up)
-                + (1.0 + 3.0 * down3 * by_down) * stress_down
-                + (down - down3) * 2.0 * c2 * two * (1.0 + by_down * by_down)
-            )
-        )
-    return total + body.constants[2] * angle, slope + body.constants[2]
 
 
 @kernel
@@ -146,17 +68,13 @@ def torque_parts(
     """
     if not abs(angle) <= LARGEST_ANGLE_RAD:
         return np.nan, np.nan, np.nan, np.nan, np.nan
-    q = angle * angle
-    m = d = 0.0
-    for k in range(body.inertia.size - 1, -1, -1):
-        m = m * q + body.inertia[k]
-        d = d * q + body.velocity[k]
+    m, d, k = parts_at(angle, body)
     c_m = compensation(angle, theta)
     return (
         c_m * m,
-        c_m * angle * d * velocity * velocity,
+        c_m * d * velocity * velocity,
         theta[0] * velocity,
-        theta[4] * elastic_torque(angle, body) + theta[6],
+        theta[4] * k + theta[6],
         theta[5] * body.constants[3] * pressure_kpa,
     )
 
@@ -188,8 +106,7 @@ def acceleration_slopes(
     if not abs(angle) <= LARGEST_ANGLE_RAD:
         slopes[:] = np.nan
         return np.nan
-    m, m_by, d, d_by = inertia_parts(angle, body)
-    k, k_by = elastic_parts(angle, body)
+    m, m_by, d, d_by, k, k_by = parts_with_slopes_at(angle, body)
     size = abs(angle)
     c_m = compensation(angle, theta)
     bent = 2.0 * theta[1] * angle + theta[2] * (
@@ -343,6 +260,17 @@ def rest_angle(pressure_kpa: float, theta: Array, body: Body) -> float:
 
 
 @kernel
+def rest_slopes(angle: float, pressure_kpa: float, theta: Array, body: Body, slopes: Array) -> None:
+    """∂(rest angle)/∂(seven parameters) at a rest angle; ``slopes`` has shape (7,)."""
+    torque, slope = elastic_parts(angle, body)
+    stiffness = theta[4] * slope
+    slopes[:4] = 0.0
+    slopes[4] = -torque / stiffness
+    slopes[5] = body.constants[3] * pressure_kpa / stiffness
+    slopes[6] = -1.0 / stiffness
+
+
+@kernel
 def fastest_rates(angles: Array, theta: Array, body: Body) -> tuple[float, float]:
     """Largest natural frequency √(s·K′/C_m·M) and damping rate C_d/(C_m·M) over angles, in 1/s.
 
@@ -358,3 +286,16 @@ def fastest_rates(angles: Array, theta: Array, body: Body) -> tuple[float, float
         swing = max(swing, theta[4] * slope / (c_m * m))
         fading = max(fading, theta[0] / (c_m * m))
     return np.sqrt(swing), fading
+
+
+for _kernel in (
+    torque_parts,
+    acceleration,
+    acceleration_slopes,
+    propagate_bending,
+    propagate_bending_with_sensitivities,
+    rest_angle,
+    rest_slopes,
+    fastest_rates,
+):
+    follow_sources(_kernel, (bending_body,))

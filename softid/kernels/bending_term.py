@@ -9,7 +9,8 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.bending import Body, torque_parts
+from softid.kernels.bending import torque_parts
+from softid.kernels.bending_body import CELLS, ORDER, Body
 from softid.kernels.terms import (
     LAW_DAMPING,
     LAW_DRIVE,
@@ -26,6 +27,9 @@ N_THETA = 8
 
 REST_TORQUE = 6
 
+N_CONSTANTS = 5
+"""Length of `Body.constants`."""
+
 
 def pack(theta: Array, body: Body) -> Array:
     """Parameters and body in one array, as `law_address` reads them.
@@ -38,8 +42,8 @@ def pack(theta: Array, body: Body) -> Array:
         Geometry and material.
     """
     sizes = np.array([body.inertia.size, body.stretch.size], np.float64)
-    parts = (theta, sizes, body.inertia, body.velocity, body.stretch, body.lever, body.constants)
-    return np.concatenate(parts)
+    lists = (body.inertia, body.velocity, body.stretch, body.lever, body.constants)
+    return np.concatenate((theta, sizes, *lists, body.table.ravel()))
 
 
 def _law(x: float, v: float, z: float, u: float, t: float, parameters: Any, result: Any) -> None:
@@ -48,13 +52,16 @@ def _law(x: float, v: float, z: float, u: float, t: float, parameters: Any, resu
     first = N_THETA + 2
     wall = first + 2 * n_inertia
     after = wall + 2 * n_wall
-    whole = numba.carray(parameters, (after + 3,))  # type: ignore[attr-defined]
+    table = after + N_CONSTANTS
+    size = table + 3 * CELLS * ORDER
+    whole = numba.carray(parameters, (size,))  # type: ignore[attr-defined]
     body = Body(
         whole[first : first + n_inertia],
         whole[first + n_inertia : wall],
         whole[wall : wall + n_wall],
         whole[wall + n_wall : after],
-        whole[after:],
+        whole[after:table],
+        whole[table:].reshape(CELLS, 3, ORDER),
     )
     inertia, inertial, damping, elastic, driving = torque_parts(x, v, u, whole[:N_THETA], body)
     rest_torque = parameters[REST_TORQUE]

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError
-from softid.kernels.bending import Body
+from softid.kernels.bending_body import Body, tabulated
 from softid.models.bending_inertia import Inertia, Kernels, Stretch, inertia_series
 
 Array = npt.NDArray[np.float64]
@@ -160,7 +160,7 @@ class Actuator:
         drive = PA_PER_KPA * self.chamber_width_m * height**2 / 2.0
         mass, velocity = inertia_series(self.stretches, self.length_m, inertia, kernels)
         constants = np.array([2.0 * self.c10_pa, 4.0 * self.c20_pa, layer, drive])
-        return Body(mass, velocity, stretch, levers, constants)
+        return tabulated(mass, velocity, stretch, levers, constants)
 
 
 VALUES = tuple(f.name for f in fields(Actuator) if f.name != "assumed")

@@ -12,16 +12,15 @@ import numpy.typing as npt
 
 from softid.errors import Issue, UsageError
 from softid.kernels.bending import (
-    LARGEST_ANGLE_RAD,
     N_DYNAMIC,
-    Body,
-    elastic_parts,
     fastest_rates,
     propagate_bending,
     propagate_bending_with_sensitivities,
     rest_angle,
+    rest_slopes,
     torque_parts,
 )
+from softid.kernels.bending_body import LARGEST_ANGLE_RAD, MOST_STRETCH, Body
 from softid.models.actuator_geometry import Actuator
 from softid.models.base import Model, MotionTerm, Response, require_choice
 from softid.models.bending_inertia import INERTIAS, KERNELS, Inertia, Kernels
@@ -47,9 +46,6 @@ MAX_SUBSTEPS = 16
 that is stiffer than that ends in NaN, which a fit rejects."""
 
 OVERSHOOT = 2.0
-MOST_STRETCH = 0.9
-"""Where the pressed wall is a tenth of its length, its stiffness is no guide to a step."""
-
 N_ANGLES = 9
 _MOVES: Array = 1e-3 * np.array([1e-3, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-2, 1.0])
 """The law is linear in its parameters, so that a difference of any size is its derivative."""
@@ -282,6 +278,7 @@ class Equilibrium(Actuator, Model):
         levels = np.array([rest_angle(p, theta, body) for p in ends])
         levels = np.where(np.isfinite(levels), levels, [np.sign(p) for p in ends])
         low, high = min(0.0, levels.min()), max(0.0, levels.max())
+        # where the pressed wall is a tenth of its length, its stiffness is no guide to a step
         widest = min(LARGEST_ANGLE_RAD, MOST_STRETCH / float(body.stretch.max()))
         angles = OVERSHOOT * np.linspace(low, high, N_ANGLES)
         if theta[1] > 0.0:  # where C_m is smallest
@@ -333,11 +330,9 @@ def _body(model: Equilibrium) -> Body:
 
 def _rest_slopes(angle: float, pressure_kpa: float, theta: Array, body: Body) -> Array:
     """∂(rest angle)/∂(seven parameters), shape (7,)."""
-    torque, slope = elastic_parts(angle, body)
-    slopes = np.zeros(N_DYNAMIC)
-    slopes[4:] = -torque, body.constants[3] * pressure_kpa, -1.0
-    found: Array = slopes / (theta[4] * slope)
-    return found
+    slopes = np.empty(N_DYNAMIC)
+    rest_slopes(angle, pressure_kpa, theta, body, slopes)
+    return slopes
 
 
 def _positive(

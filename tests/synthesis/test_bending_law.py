@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from softid.errors import InputError
-from softid.kernels.bending import inertia_parts
+from softid.kernels.bending_body import inertia_parts
 from softid.log import Log
 from softid.models.actuator_geometry import Actuator
 from softid.models.equilibrium import NAMES, Equilibrium

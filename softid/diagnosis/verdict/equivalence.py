@@ -239,7 +239,7 @@ _FASTER = "the sensor beside a faster one, or the pressure at the actuator itsel
 POLE_AND_ZERO = EquivalenceClass(
     ("creep of the material", UNLISTED["gauge_lag"], UNLISTED["sensor_lead"]),
     ("creep", "gauge_lag", "sensor_lead"),
-    "In a linear model each adds one pole and one zero, and this one is hardly slower than the "
+    "In a linear model each adds one pole and one zero, and this one is not much slower than the "
     "motion itself, so that it may as well be no creep",
     _FASTER,
 )
