@@ -130,7 +130,7 @@ class CauseSearch:
         """
         if self.base.is_negligible:
             return self._nothing
-        if is_astray(self.base.candidate):
+        if self._is_astray:
             return self.grow(self._nothing, max_links=1, extra=self.multistart)
         chain = self._first_where_base_stands
         if chain.links and len(chain.links[0].added.amplitudes) > 1:
@@ -225,7 +225,7 @@ class CauseSearch:
         known
             What was found without them: where they lead to the same first cause, the rest is known.
         """
-        if known.met_multistart or is_astray(self.base.candidate):
+        if known.met_multistart or self._is_astray:
             return None
         chain = self._first_from_multistart
         if known.first is not None and _is_same(chain.final, known.first):
@@ -267,6 +267,10 @@ class CauseSearch:
                 if found.is_sure:
                     return found
         return None
+
+    @cached_property
+    def _is_astray(self) -> bool:
+        return is_astray(self.base.candidate)
 
     @cached_property
     def _left_by_base(self) -> Remainder:
@@ -341,7 +345,7 @@ class CauseSearch:
         """Whether a single cause leaves structure, and was not raced with a multistart."""
         if len(chain.links) != 1 or len(chain.links[0].added.amplitudes) > 1:
             return False
-        return not is_astray(self.base.candidate) and self.remainder_of(chain.final).structured
+        return not self._is_astray and self.remainder_of(chain.final).structured
 
     def _explains_little(self, chain: Chain) -> bool:
         """Whether a first cause may stand for another, and does not explain half of the misfit."""

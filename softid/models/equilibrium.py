@@ -273,6 +273,10 @@ class Equilibrium(Actuator, Model):
 
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals by the fastest motion over the reached angles."""
+        return self.plan_for(theta, segment, MAX_PHASE_PER_STEP)
+
+    def plan_for(self, theta: Array, segment: Segment, phase: float) -> Division:
+        """`plan` with another largest product of step and natural frequency."""
         body = _body(self)
         ends = (float(segment.input.min()), float(segment.input.max()))
         levels = np.array([rest_angle(p, theta, body) for p in ends])
@@ -286,7 +290,7 @@ class Equilibrium(Actuator, Model):
             angles = np.append(angles, np.clip((-lightest, lightest), angles[0], angles[-1]))
         angles = np.clip(angles, -widest, widest)
         swing, fading = fastest_rates(angles, theta, body)
-        rate = max(swing / MAX_PHASE_PER_STEP, fading / MAX_FADING_PER_STEP)
+        rate = max(swing / phase, fading / MAX_FADING_PER_STEP)
         wanted = np.diff(segment.time_s) * (rate if np.isfinite(rate) else 0.0)
         counts = np.clip(np.ceil(wanted), 1, MAX_SUBSTEPS).astype(np.intp)
         return Division(held(segment.time_s), held(segment.input), counts.astype(np.int16), "rk4")
