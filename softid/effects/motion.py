@@ -57,9 +57,10 @@ class _Terms:
         """What the kernel integrates; it moves and restores the arrays, so they are its own."""
         from softid.kernels.equation import Equation
 
-        law = 0 if term is None else term.address
+        law, slopes = (0, 0) if term is None else (term.address, term.slopes_address)
         own = theta.copy() if term is None else term.parameters.copy()[: theta.size]
-        return Equation(law, own, self.addresses, self.eta.copy(), self.eta_from, self.own)
+        eta = self.eta.copy()
+        return Equation(law, slopes, own, self.addresses, eta, self.eta_from, self.own)
 
 
 def simulate_motion(
@@ -124,7 +125,7 @@ def simulate_motion(
             return observed(model, outputs, motion)
     return _integrated(
         model,
-        _gather(effects, scale, theta, eta, term),
+        _gather(effects, scale, eta),
         theta,
         segment,
         outputs,
@@ -254,9 +255,7 @@ def _span(columns: npt.NDArray[np.int64]) -> slice | npt.NDArray[np.int64]:
     return slice(0, count) if np.array_equal(columns, np.arange(count)) else columns
 
 
-def _gather(
-    effects: Sequence[StateEffect], scale: Scale, theta: Array, eta: Array, term: MotionTerm | None
-) -> _Terms:
+def _gather(effects: Sequence[StateEffect], scale: Scale, eta: Array) -> _Terms:
     values: list[float] = []
     begins, own = [0], []
     columns: list[int] = []
@@ -277,7 +276,6 @@ def _gather(
         if effect.has_state:
             follows.append(effect.follows_position)
     ranges = [scale.x_span, scale.v_max, *(scale.x_span if does else 1.0 for does in follows)]
-    own_moves = DIFFERENCE * np.maximum(np.abs(theta), 1e-12) if term is None else term.moves
     return _Terms(
         np.array([effect.address() for effect in effects], np.int64),
         np.array(values, np.float64),
@@ -285,7 +283,7 @@ def _gather(
         np.array(own, np.int64),
         tuple(follows),
         np.array(ranges, np.float64),
-        np.concatenate((own_moves, DIFFERENCE * np.array(sizes))),
+        DIFFERENCE * np.array(sizes),
         np.array(columns, np.int64),
     )
 
@@ -339,18 +337,22 @@ def _rest_by(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: f
     if law is not None and not terms.addresses.size:
         by[: theta.size] = law.equilibrium_by(u)
         return by
+    least = 1e-12 if law is not None else 1.0  # the others are affine in θ, of which some are zero
+    for k, step in enumerate(DIFFERENCE * np.maximum(np.abs(theta), least)):
+        there = _unbalanced(model, terms, _moved(theta, k, step), u, t)(x)
+        by[k] = -(there - left) / step / slope
     for k in np.flatnonzero(terms.moves).tolist():
         step = terms.moves[k]
-        if k < theta.size:
-            moved = theta.copy()
-            moved[k] += step
-            there = _unbalanced(model, terms, moved, u, t)(x)
-        else:
-            eta = terms.eta.copy()
-            eta[k - theta.size] += step
-            there = _unbalanced(model, replace(terms, eta=eta), theta, u, t)(x)
-        by[k] = -(there - left) / step / slope
+        elsewhere = replace(terms, eta=_moved(terms.eta, k, step))
+        there = _unbalanced(model, elsewhere, theta, u, t)(x)
+        by[theta.size + k] = -(there - left) / step / slope
     return by
+
+
+def _moved(values: Array, k: int, step: float) -> Array:
+    moved = values.copy()
+    moved[k] += step
+    return moved
 
 
 def rest(
@@ -370,7 +372,7 @@ def rest(
     u
         The input.
     """
-    terms = _gather(effects, scale, theta, eta, model.motion_term(theta))
+    terms = _gather(effects, scale, eta)
     return _rest_position(model, terms, theta, u, 0.0)
 
 

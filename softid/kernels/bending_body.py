@@ -1,4 +1,4 @@
-r"""What geometry and material make of a bending actuator: inertia and elastic torque over its angle.
+"""What geometry and material make of a bending actuator: inertia and elastic torque by its angle.
 
 M is even and D odd in θ; both are power series in θ² whose coefficients are moments of the line
 density, so nothing cancels near θ = 0. The elastic torque is a sum over points of the wall. Each of

@@ -10,6 +10,10 @@ import numpy.typing as npt
 from softid.kernels.decorators import inner
 from softid.kernels.terms import (
     DAMPING,
+    FACTOR_DAMPING,
+    FACTOR_ELASTIC,
+    FACTOR_INERTIA,
+    FACTOR_INERTIAL,
     FORCE,
     INERTIA,
     LAW_DAMPING,
@@ -17,6 +21,7 @@ from softid.kernels.terms import (
     LAW_ELASTIC,
     LAW_INERTIA,
     LAW_INERTIAL,
+    N_FACTORS,
     RATE,
     SHIFT,
     STIFFNESS,
@@ -35,6 +40,9 @@ class Equation(NamedTuple):
     ----------
     law
         Address of a law that is not affine in its state, or 0.
+    law_slopes
+        Address of what differentiates that law by θ: (x, v, position of the spring, u,
+        acceleration, address of θ, address of the result).
     theta
         Parameters of the model, shape (K,). A law finds its constants behind them in memory, so
         this may be the beginning of a longer array.
@@ -49,6 +57,7 @@ class Equation(NamedTuple):
     """
 
     law: int
+    law_slopes: int
     theta: Array
     terms: Index
     eta: Array
@@ -76,6 +85,8 @@ class Instants(NamedTuple):
         1 + Δm, 1 + Δd, 1 + Δq, x − s and the inertia m, shape (3, 5).
     result
         Result of one term, shape (6,).
+    by_theta
+        That of a law's slopes, shape (4 + K,).
     """
 
     place: Array
@@ -84,6 +95,7 @@ class Instants(NamedTuple):
     rates: Array
     parts: Array
     result: Array
+    by_theta: Array
 
 
 @inner
@@ -135,3 +147,20 @@ def unbalanced(equation: Equation, at: Instants, c: int) -> float:
     heavy = (inertia * a + inertial) * more_m
     left: float = heavy + damping * more_d + elastic * more_q - drive + extra
     return left
+
+
+@inner
+def differentiate_law(equation: Equation, at: Instants, c: int) -> None:
+    """Derivatives of the unbalanced force at instant ``c`` by θ, behind the factors.
+
+    The parts there are those that `unbalanced` has left.
+    """
+    points, parts, by_theta = at.points, at.parts, at.by_theta
+    a = points[c, points.shape[1] - 1]
+    by_theta[FACTOR_INERTIA], by_theta[FACTOR_INERTIAL] = a * parts[c, 0], parts[c, 0]
+    by_theta[FACTOR_DAMPING], by_theta[FACTOR_ELASTIC] = parts[c, 1], parts[c, 2]
+    for p in range(N_FACTORS, by_theta.size):
+        by_theta[p] = 0.0
+    theta, room = equation.theta.ctypes.data, by_theta.ctypes.data
+    u, eased = at.place[1, c], parts[c, 3]
+    call_term(equation.law_slopes, points[c, 0], points[c, 1], eased, u, a, theta, room)

@@ -8,10 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.decorators import inlined
-from softid.kernels.equation import Equation, unbalanced
+from softid.kernels.equation import Equation, differentiate_law, unbalanced
 from softid.kernels.radau import B1, A
 from softid.kernels.radau_stages import Step
 from softid.kernels.small_matrix import LANES, multiply_columns, weighted_sum
+from softid.kernels.terms import N_FACTORS
 
 Array = npt.NDArray[np.float64]
 
@@ -110,27 +111,37 @@ def _force_by_coefficients(step: Step, coefficients_by: Array, i: int, transfer:
 
 
 @inlined
+def _add_law(equation: Equation, step: Step, weights: Array, tangent: Array) -> None:
+    """Add what the parameters of a law that is not affine do to the force at the stages."""
+    for c in range(3):
+        differentiate_law(equation, step.at, c)
+        for p in range(equation.theta.size):
+            for s in range(2 + len(step.own)):
+                force = step.at.by_theta[N_FACTORS + p]
+                tangent[s, p // LANES, p % LANES] -= weights[s, c] * force
+
+
+@inlined
 def _add_moved(
     equation: Equation, step: Step, moves: Array, weights: Array, tangent: Array
 ) -> None:
-    """Add what moving a parameter does to force and own rates at the stages."""
-    at, n_theta = step.at, equation.theta.size
-    for p in range(n_theta if equation.law == 0 else 0, moves.size):
-        if moves[p] == 0.0:
+    """Add what moving a parameter of a term does to force and own rates at the stages."""
+    at, eta = step.at, equation.eta
+    for place in range(moves.size):
+        if moves[place] == 0.0:
             continue
-        vector = equation.theta if p < n_theta else equation.eta
-        place = p if p < n_theta else p - n_theta
-        here = vector[place]
-        vector[place] = here + moves[p]
+        p = equation.theta.size + place
+        here = eta[place]
+        eta[place] = here + moves[place]
         for c in range(3):
-            force = (unbalanced(equation, at, c) - step.residual[c]) / moves[p]
+            force = (unbalanced(equation, at, c) - step.residual[c]) / moves[place]
             for s in range(2 + len(step.own)):
                 tangent[s, p // LANES, p % LANES] -= weights[s, c] * force
             for k in range(len(step.own)):
-                rate = (at.rates[c, k] - step.rates[c, k]) / moves[p]
+                rate = (at.rates[c, k] - step.rates[c, k]) / moves[place]
                 for s in range(2 + len(step.own)):
                     tangent[s, p // LANES, p % LANES] += weights[s, 3 * (k + 1) + c] * rate
-        vector[place] = here
+        eta[place] = here
 
 
 @inlined
@@ -157,7 +168,8 @@ def carry(
     i
         Which of the n belong to the step.
     moves
-        By how much each parameter is moved to differentiate, shape (K + H,); zero for a constant.
+        By how much each parameter of a term is moved to differentiate, shape (H,); zero for a
+        constant.
     transfer
         Room; forces are zero in groups that the affine law does not reach.
     tangent
@@ -172,4 +184,6 @@ def carry(
     if equation.law == 0:
         _force_by_coefficients(step, coefficients_by, i, transfer)
     multiply_columns(transfer.matrix, transfer.columns, tangent)
+    if equation.law != 0:
+        _add_law(equation, step, transfer.weights, tangent)
     _add_moved(equation, step, moves, transfer.weights, tangent)

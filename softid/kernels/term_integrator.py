@@ -29,7 +29,7 @@ from softid.kernels.radau import STAGES
 from softid.kernels.radau_stages import Step, advance, solve_stages
 from softid.kernels.small_matrix import LANES, groups
 from softid.kernels.step_sensitivities import Transfer, carry
-from softid.kernels.terms import TERM_SIZE
+from softid.kernels.terms import N_FACTORS, TERM_SIZE
 
 Array = npt.NDArray[np.float64]
 
@@ -68,7 +68,8 @@ class Course(NamedTuple):
     scale
         Ranges of x, v and the own states, shape (2 + Z,).
     moves
-        By how much each parameter is moved to differentiate, shape (K + H,); zero for a constant.
+        By how much each parameter of a term is moved to differentiate, shape (H,); zero for a
+        constant.
     """
 
     step_s: Array
@@ -79,7 +80,7 @@ class Course(NamedTuple):
     moves: Array
 
 
-def _room(scale: Array) -> Step:
+def _room(scale: Array, n_theta: int = 0) -> Step:
     n_own = scale.size - 2
     size = 3 + 3 * n_own
     at = Instants(
@@ -89,6 +90,7 @@ def _room(scale: Array) -> Step:
         np.empty((3, n_own)),
         np.empty((3, 5)),
         np.empty(TERM_SIZE),
+        np.empty(N_FACTORS + n_theta),
     )
     return Step(
         at,
@@ -312,7 +314,7 @@ def integrate(
         Receives ∂x/∂(θ, η, x₀, v₀) after each step, shape (L, K + H + 2); of length 0 when no
         derivatives are wanted.
     """
-    step = _room(course.scale)
+    step = _room(course.scale, equation.theta.size)
     n_states, columns = tangent.shape
     carried = np.zeros((n_states, groups(columns), LANES))
     flat = carried.reshape(n_states, -1)

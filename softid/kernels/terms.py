@@ -31,6 +31,10 @@ TERM_SIZE = 6
 LAW_INERTIA, LAW_DAMPING, LAW_ELASTIC, LAW_DRIVE, LAW_INERTIAL = range(5)
 """Places in a law's result: m, d, q, g and i."""
 
+FACTOR_INERTIA, FACTOR_INERTIAL, FACTOR_DAMPING, FACTOR_ELASTIC, N_FACTORS = range(5)
+"""Places in the result of a law's slopes, which come filled: what m, i, d and q count by in the
+unbalanced force. Behind them it adds the derivatives of that force by θ."""
+
 _POINTER: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
 SIGNATURE = types.void(*(types.float64,) * 5, _POINTER, _POINTER)
 """(position, velocity, own state, input, time, parameters, result) of a term or a law."""

@@ -58,8 +58,8 @@ class MotionTerm:
         Address of the compiled law.
     parameters
         θ, and behind it the constants of the law, shape (K + C,).
-    moves
-        By how much each of θ is moved to differentiate the law, shape (K,).
+    slopes_address
+        Address of what differentiates it by θ; see `softid.kernels.equation.Equation`.
     equilibrium
         Position at rest under an input; NaN when there is none.
     drift_at
@@ -68,7 +68,7 @@ class MotionTerm:
 
     address: int
     parameters: Array
-    moves: Array
+    slopes_address: int
     equilibrium: Callable[[float], float]
     drift_at: int | None = None
 

@@ -47,9 +47,6 @@ that is stiffer than that ends in NaN, which a fit rejects."""
 
 OVERSHOOT = 2.0
 N_ANGLES = 9
-_MOVES: Array = 1e-3 * np.array([1e-3, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-2, 1.0])
-"""The law is linear in its parameters, so that a difference of any size is its derivative."""
-
 _DEE = "DEE 2022"
 
 
@@ -254,13 +251,13 @@ class Equilibrium(Actuator, Model):
 
     def motion_term(self, theta: Array) -> MotionTerm:
         """The compiled law with its body, by which effects join the motion."""
-        from softid.kernels.bending_term import law_address, pack
+        from softid.kernels.bending_term import law_address, pack, slopes_address
 
         body = _body(self)
         return MotionTerm(
             law_address(),
             pack(theta, body),
-            _MOVES,
+            slopes_address(),
             lambda pressure_kpa: float(rest_angle(pressure_kpa, theta, body)),
             N_DYNAMIC,
         )

@@ -102,7 +102,7 @@ WIDEST = 512 / float(BODY.constants[4])
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.01, 0.7, -1.9, 3.2, 0.999 * WIDEST, -1.05 * WIDEST])
 def test_the_table_holds_what_its_series_say(angle: float) -> None:
-    """To rounding, up to where the wall has lost nine tenths of its length; beyond, by the series."""
+    """To rounding, until the wall has lost nine tenths of its length; beyond, by the series."""
     m, m_by, d, d_by = inertia_parts(angle, BODY)
     k, k_by = elastic_parts(angle, BODY)
     exact = np.array([m, m_by, d, d_by, k, k_by])
