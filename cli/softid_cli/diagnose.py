@@ -12,7 +12,7 @@ import click
 from softid.errors import InputError, UsageError
 from softid_cli.console import announce_compilation, progress
 from softid_cli.effects import no_such_effect
-from softid_cli.model_options import GEOMETRY_MODEL, model_option, shape_options
+from softid_cli.model_options import described_models, model_option, shape_options
 from softid_cli.options import (
     FILE,
     GreedyCommand,
@@ -161,6 +161,7 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:
             hold_out=logs[len(request.logs) :],
             model=model,
             parameters=parameters,
+            preferred=described_models(request.geometry) if model is None else (),
             effects=request.effects,
             seed=request.seed,
             progress=report,
@@ -179,15 +180,9 @@ def _base(
 ) -> tuple[Model | None, ParameterSet | None, SavedModel | None]:
     """The base model, its start values and the record that they come from."""
     chosen = request.chosen_model()
-    if request.geometry is not None and chosen is None:
-        raise UsageError(
-            "a geometry file describes one model, and none was named",
-            where="--geometry",
-            remedy=f"name --model {GEOMETRY_MODEL}",
-        )
     if request.params is None:
         return chosen, None, None
-    if chosen is not None:
+    if chosen is not None or request.geometry is not None:
         raise UsageError(
             "the base model is given twice",
             where="--params and options of the model",

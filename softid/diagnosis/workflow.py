@@ -96,6 +96,7 @@ def diagnose(
     hold_out: Sequence[Log] = (),
     model: Model | str | None = None,
     parameters: ParameterSet | lmfit.Parameters | None = None,
+    preferred: Sequence[Model] = (),
     effects: Sequence[str] = (),
     seed: int = 0,
     progress: Progress | None = None,
@@ -117,6 +118,8 @@ def diagnose(
         Base model, its name, or None to choose.
     parameters
         Bounds, fixed values, ties and start values of the named model.
+    preferred
+        Without a model: as in `softid.fit`.
     effects
         Keys of the effects to consider; empty for the whole catalogue.
     seed
@@ -151,7 +154,13 @@ def diagnose(
         usual = reading_unless_held(recorded)
         recordings = recordings.each(lambda log: log.with_intersample(usual))
     require_enough(recordings.logs, recordings.hold_out)
-    request = Request(model, parameters, seed, lambda m, fraction: report(m, 0.3 * fraction))
+    request = Request(
+        model,
+        parameters,
+        seed,
+        lambda m, fraction: report(m, 0.3 * fraction),
+        preferred=preferred if model is None else (),
+    )
     whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)
     if is_in_doubt:
         recordings, base = read_as_judged(recordings, request, base)

@@ -119,6 +119,8 @@ class Model(ABC):
         Whether its coefficients stay whatever the input does.
     inertia_parameter, stiffness_parameter
         Parameters that are the inertia and the stiffness; None where none of them is.
+    force_unit
+        Unit of the terms of the equation of motion where no stiffness tells it.
     rest_parameter
         Parameter that says where the position is zero, held where the sensor zero does; or None.
     damping_parameters
@@ -138,6 +140,7 @@ class Model(ABC):
     is_linear: ClassVar[bool] = False
     inertia_parameter: ClassVar[str | None] = None
     stiffness_parameter: ClassVar[str | None] = None
+    force_unit: ClassVar[str] = "1"
     rest_parameter: ClassVar[str | None] = None
     damping_parameters: ClassVar[tuple[str, ...]] = ()
 

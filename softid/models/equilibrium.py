@@ -96,6 +96,7 @@ class Equilibrium(Actuator, Model):
     states: ClassVar[tuple[str, ...]] = ("x", "v")
     inputs: ClassVar[tuple[str, ...]] = ("pressure", "pressure_command")
     outputs: ClassVar[tuple[str, ...]] = ("angle",)
+    force_unit: ClassVar[str] = "N·m"
     identified_by: ClassVar[Mapping[str, str]] = {
         "C_d": "a step after which the angle swings, sampled well above that swing",
         "a": "steps of two levels or more, and of both signs: the swing must reach large angles",

@@ -67,6 +67,19 @@ def test_a_wrong_file_is_one_sentence(softid: Cli, desk: Desk, geometry: Path) -
     assert softid("fit", "a.csv", "--geometry", "none.toml").code == 3
 
 
+def test_a_diagnosis_may_choose_it_too(softid: Cli, geometry: Path) -> None:
+    """With the file alone, as a fit; a creep of the material is a torque over an angle."""
+    log = bundled_datasets() / "data" / "equilibrium_20.csv"
+    options = ("--geometry", geometry, "--effects", "creep", "--no-plots", "--out", "out")
+    told = softid("diagnose", log, *options)
+    assert told.code == 0, told.err
+    found = json.loads(Path("out/diagnosis.json").read_text(encoding="utf-8"))
+    assert found["base"]["model"]["name"] == "equilibrium"
+    refused = softid("diagnose", log, "--geometry", geometry, "--params", "out/params.json")
+    assert refused.code == 2
+    assert "the base model is given twice" in refused.err
+
+
 def test_from_a_log_to_a_simulation(softid: Cli, geometry: Path) -> None:
     """The whole way on a bundled log: chosen, labelled, saved, simulated from the file alone."""
     log = bundled_datasets() / "data" / "equilibrium_20.csv"

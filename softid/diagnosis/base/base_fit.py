@@ -188,6 +188,8 @@ class Request:
         As in `diagnose`.
     instead_of
         The fit of the model that the user asked for, where ``model`` is another.
+    preferred
+        As in `diagnose`.
     """
 
     model: Model | str | None
@@ -195,6 +197,7 @@ class Request:
     seed: int
     progress: Progress
     instead_of: BaseFit | None = None
+    preferred: Sequence[Model] = ()
 
     def fit_base(self, logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> BaseFit:
         """Fit the base.
@@ -220,6 +223,7 @@ class Request:
             model=self.model,
             hold_out=hold_out,
             parameters=self.parameters,
+            preferred=self.preferred,
             seed=self.seed,
             thorough=thorough,
             moving=True,

@@ -161,6 +161,6 @@ def _force_unit(problem: Problem) -> str:
     """Unit of the stiffness times that of the position; a pure number where there is none."""
     model = problem.model
     if model.stiffness_parameter is None:
-        return "1"
+        return model.force_unit
     x_unit = str(getattr(model, "x_unit", ""))
     return problem.parameters[model.stiffness_parameter].unit.removesuffix(f"/{x_unit}") or "1"

@@ -16,7 +16,7 @@ from softid.diagnosis.refit.characteristic_scales import (
 )
 from softid.fitters.problem import Problem
 from softid.log import Log
-from softid.models import Muscle, Oscillator
+from softid.models import Equilibrium, Muscle, Oscillator
 
 PERIOD_S = 1.0 / RATE_HZ
 
@@ -37,6 +37,13 @@ def test_spans_and_units() -> None:
     assert scale.duration_s == pytest.approx(log.time_s[-1])
     units = (scale.u_unit, scale.x_unit, scale.y_unit, scale.force_unit)
     assert units == ("kPa", "rad", "rad", "kPa")
+
+
+def test_a_bending_actuator_is_a_balance_of_torques() -> None:
+    """Its stiffness is a share of the geometry's and tells no unit."""
+    problem = Problem(Equilibrium(), Equilibrium().parameters(), [linear_log()])
+    at = problem.unknowns(Equilibrium().parameters().values_dict())
+    assert scale_of(problem, at).force_unit == "N·m"
 
 
 def test_the_output_counts_from_the_zero_of_its_log() -> None:
