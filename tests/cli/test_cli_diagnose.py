@@ -148,7 +148,7 @@ MISTAKES: dict[str, tuple[tuple[str, ...], int, str]] = {
     "twice": (("a.csv", "--params", "p.json", "--model", "muscle"), 2, "given twice"),
     "no params": (("a.csv", "--params", "p.json"), 3, "no such file"),
     "extended": (("a.csv", "--params", "extended.json"), 3, "has effects already"),
-    "geometry": (("a.csv", "--geometry", "g.toml"), 2, "name --model equilibrium"),
+    "geometry": (("a.csv", "--geometry", "g.toml"), 3, "the geometry cannot be read"),
     "a file": (("a.csv", "--out", "extended.json"), 3, "a file, not a folder"),
 }
 

@@ -125,8 +125,10 @@ def with_other_explanations(
     elif is_unknown and (leaves or not known):
         told = others.all(base)
     following = [issue.remedy for issue in (*told, *known)]
+    is_none = bool(told) and answer.verdict is Verdict.UNKNOWN  # a tie of descriptions says nothing
     return replace(
         answer,
+        alternatives=() if is_none else answer.alternatives,
         issues=(*answer.issues, *told),
         next_experiment=following[0] if following else answer.next_experiment,
     )

@@ -250,8 +250,8 @@ def given_up(dropped: Sequence[str]) -> str:
     )
 
 
-def doubts_about(cause: Cause) -> list[str]:
-    """Sentences on why a description is no cause; none where that lies in what it leaves.
+def doubt_about(cause: Cause) -> str:
+    """Why a description is no cause, in a sentence; none where that lies in what it leaves.
 
     Parameters
     ----------
@@ -260,7 +260,8 @@ def doubts_about(cause: Cause) -> list[str]:
     """
     reason = DOUBTS.get(cause.doubt) if cause.doubt is not None else None
     told = sentence(f"{lowered(cause.title)} {reason}") if reason else ""
-    return [part for part in (told, at_bounds(cause), unsteady(cause)) if part]
+    varies = unsteady(cause)
+    return varies if cause.doubt is Doubt.VARIES else told or at_bounds(cause) or varies
 
 
 def at_bounds(cause: Cause) -> str:
@@ -314,7 +315,7 @@ def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
     occur = all(c.doubt is not Doubt.DOES_NOT_OCCUR for c in descriptive)
     if occur and all(c.delta_bic < fewest and _held_out_fall(c) < least for c in descriptive):
         return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
-    reasons = [part for cause in descriptive for part in doubts_about(cause)]
+    reasons = filter(None, map(doubt_about, descriptive))
     told = f"Besides, {names} {verb} a part of the misfit, with a law that is not sure enough"
     return " ".join((f"{told} for a name.", *reasons))
 

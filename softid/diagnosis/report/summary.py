@@ -22,7 +22,7 @@ from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLES,
     described,
-    doubts_about,
+    doubt_about,
     given_up,
     listed,
     lowered,
@@ -196,7 +196,7 @@ def summarise(
             told.append(described(descriptive, causes))
         told.append(teller.mended((*causes, *descriptive)))
         if verdict is Verdict.PARTIAL or remainder.structured:
-            told += _partial(teller, remainder)
+            told += _partial(teller, remainder, is_tied=bool(alternatives))
         else:
             looks = "does not follow from the motion" if marks else noise_like(remainder)
             told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
@@ -243,7 +243,7 @@ def _unknown(
         takes = "takes" if len(tried) == 1 else "take"
         told.append(f"The best description, {names}, {takes} away {taken_by(remainder)}.")
         if remainder.explained_share >= WORTH_DOUBTS:
-            told += [part for cause in tried for part in doubts_about(cause)]
+            told += map(doubt_about, tried)
             told += [_not_told_apart(tie) for tie in alternatives]
     if not remainder.structured:
         left = teller.size(remainder.rms)
@@ -258,14 +258,20 @@ def _not_told_apart(tie: Alternative) -> str:
     return f"These logs do not tell {title_of(first)} from {titles_of(others, last=' or ')}."
 
 
-def _partial(teller: ErrorTexts, remainder: Remainder) -> list[str]:
+def _partial(teller: ErrorTexts, remainder: Remainder, *, is_tied: bool) -> list[str]:
     """The share that is explained, and what is left where that is more than noise."""
-    explained = f"That is {percent(remainder.explained_share)} of the misfit above the noise."
+    explained = f"That is {percent(remainder.explained_share)} of the misfit above the noise"
+    if remainder.misses_held_out:
+        explained += (
+            f" on the fitted samples and {percent(remainder.held_out_share)} on those held out"
+        )
+    more = teller.more_held_out(remainder, is_tied=is_tied)
     if remainder.structured:
-        return [explained, _left(teller, remainder)]
+        more = more if remainder.misses_held_out else ""
+        return [f"{explained}.", _left(teller, remainder), more]
     left = teller.size(remainder.rms)
     looks = f"What is left on the fitted samples, {left} rms, {noise_like(remainder)}."
-    return [explained, looks, teller.more_held_out(remainder)]
+    return [f"{explained}.", looks, more]
 
 
 def _left(teller: ErrorTexts, remainder: Remainder) -> str:

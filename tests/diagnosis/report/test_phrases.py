@@ -12,7 +12,7 @@ from softid.diagnosis.report.phrases import (
     PREDICTORS,
     UNLIKE_NOISE,
     described,
-    doubts_about,
+    doubt_about,
     percent_below,
     taken_by,
     unsteady,
@@ -52,7 +52,7 @@ def test_doubts_are_told_of_descriptions_that_take_away_half(share: float, are_t
     doubted = tuple(replace(c, doubt=Doubt.CANCELS) for c in found.descriptive)
     left = replace(found.remainder, explained_share=share)
     text = told(replace(found, descriptive=doubted, remainder=left))
-    assert (doubts_about(doubted[0])[0] in text) is are_told
+    assert (doubt_about(doubted[0]) in text) is are_told
 
 
 def test_values_that_only_count_together_are_told_as_such() -> None:
@@ -188,10 +188,12 @@ def test_every_doubt_about_a_description_is_told(doubt: Doubt) -> None:
     told = replace(cause("sensor_drift", [rate], before=2.0, after=1.9), doubt=doubt)
     if doubt is Doubt.VARIES:
         told = replace(told, variation=Variation("x", 0.2, 0.1, 1e-9))
-    (why,) = doubts_about(told)
+    why = doubt_about(told)
+    bounded = replace(told, parameters=(replace(rate, at_bound=True),))
+    assert doubt_about(bounded).count(".") == 1
     assert "rift of the sensor" in why
     assert why.endswith(".")
-    assert doubts_about(cause("sensor_drift", [], before=2.0, after=1.0)) == []
+    assert doubt_about(cause("sensor_drift", [], before=2.0, after=1.0)) == ""
 
 
 @pytest.mark.parametrize(("spread", "size"), [(0.004, "a little"), (0.2, "by about 20 %")])

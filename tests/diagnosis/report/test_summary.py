@@ -117,11 +117,17 @@ def test_a_class_is_named_as_a_whole() -> None:
 
 def test_partial_names_the_rest() -> None:
     """Speed (31 %) and earlier input (22 %) are told, position (1 %) is not."""
-    text = told(diagnosis(Verdict.PARTIAL))
+    found = diagnosis(Verdict.PARTIAL)
+    text = told(found)
     assert "That is 95 % of the misfit above the noise." in text
+    elsewhere = replace(found.remainder, misses_held_out=True, held_out_share=0.8)
     assert f"37 % of its power follows from {PREDICTORS}, where chance reaches 3 %" in text
     assert "most of it from the speed and the input a while before." in text
     assert "the position" not in text
+    elsewhere = replace(found.remainder, misses_held_out=True, held_out_share=0.8)
+    missing = told(replace(found, remainder=elsewhere))
+    assert "on the fitted samples and 80 % on those held out." in missing
+    assert "The held-out samples keep more" in missing
 
 
 def test_ambiguous_names_the_set_and_what_splits_it() -> None:
