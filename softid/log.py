@@ -78,9 +78,9 @@ class Log:
         What the input does between samples: ``"straight"`` (first-order hold), ``"smooth"``, a
         cubic where it bends, ``"held"`` until the next sample where it jumps, ``"zoh"`` (zero-order
         hold) held at every sample, or None to let a fit decide, which elsewhere means straight.
-    jump_spans_s
-        Begin and end of every span in which the input jumped at a moment that a slower gauge does
-        not tell, shape (J, 2), in order; None for a gauge that is read at every sample.
+    input_read_s
+        When a gauge that is slower than the log read the input, shape (R,), in order; None for one
+        that is read at every sample.
 
     Raises
     ------
@@ -100,7 +100,7 @@ class Log:
     issues: tuple[Issue, ...] = ()
     metadata: Mapping[str, str] = field(default_factory=dict)
     intersample: Intersample | None = None
-    jump_spans_s: Array | None = None
+    input_read_s: Array | None = None
 
     def __post_init__(self) -> None:
         time = read_only(self.time_s)
@@ -212,9 +212,9 @@ class Log:
         keep = ~self.masked[span] if self.masked is not None else np.ones(stop - start, bool)
         used = {name: keep & np.isfinite(values) for name, values in outputs.items()}
         u = self.channels[self.input].values[span]
-        time_s, spans_s = self.time_s[span], self.jump_spans_s
-        if spans_s is not None:
-            spans_s = spans_s[(spans_s[:, 0] >= time_s[0]) & (spans_s[:, 1] <= time_s[-1])]
+        time_s, read_s = self.time_s[span], self.input_read_s
+        if read_s is not None:
+            read_s = read_s[(read_s >= time_s[0]) & (read_s <= time_s[-1])]
         segment = Segment(
             self.name,
             index,
@@ -225,7 +225,7 @@ class Log:
             outputs,
             used,
             float(self.time_s[0]),
-            jump_spans_s=spans_s,
+            input_read_s=read_s,
         )
         return with_knots(segment, self.between_samples)
 

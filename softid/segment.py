@@ -14,6 +14,9 @@ from softid.intersample import Intersample, knots
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
+APART = 1e-3
+"""Share of an interval within which a knot is where a row is."""
+
 
 @dataclass(frozen=True, eq=False)
 class Segment:
@@ -39,8 +42,8 @@ class Segment:
         Time of the log's first sample.
     is_sample
         Which rows are samples, shape (n,), where others are knots of a held input; else None.
-    jump_spans_s
-        As in `Log`, those within this stretch.
+    input_read_s
+        As in `Log`, within this stretch.
     """
 
     log_name: str
@@ -53,7 +56,14 @@ class Segment:
     used: Mapping[str, BoolArray]
     log_start_s: float = 0.0
     is_sample: BoolArray | None = None
-    jump_spans_s: Array | None = None
+    input_read_s: Array | None = None
+
+    @property
+    def readings(self) -> tuple[Array, Array]:
+        """Times at which the input was read, and what it was then, each of shape (R,)."""
+        if self.input_read_s is None:
+            return self.samples_of(self.time_s), self.samples_of(self.input)
+        return self.input_read_s, np.interp(self.input_read_s, self.time_s, self.input)
 
     def samples_of(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Those of rows, the first axis of an array, that are samples."""
@@ -119,3 +129,23 @@ def with_rows(segment: Segment, knot_s: Array, level: Array) -> Segment:
         used={name: np.insert(used, places, False) for name, used in segment.used.items()},
         is_sample=np.insert(rows, places, False),
     )
+
+
+def with_added(segment: Segment, knot_s: Array, added: Array) -> Segment:
+    """The segment with an input to which something is added that goes straight between knots.
+
+    Parameters
+    ----------
+    segment
+        A stretch; rows are put in where a knot is at none.
+    knot_s, added
+        Times and what is added at them, each of shape (J, K), for J intervals one after the other
+        at both ends of which nothing is added.
+    """
+    apart_s = APART * (knot_s[:, -1:] - knot_s[:, :1])
+    beside = np.searchsorted(segment.time_s, knot_s - apart_s)
+    nearest_s = segment.time_s[np.minimum(beside, segment.time_s.size - 1)]
+    new_s = np.unique(knot_s[np.abs(nearest_s - knot_s) > apart_s])
+    finer = with_rows(segment, new_s, np.interp(new_s, segment.time_s, segment.input))
+    more = np.interp(finer.time_s, knot_s.ravel(), added.ravel()) if added.size else 0.0
+    return replace(finer, input=finer.input + more)

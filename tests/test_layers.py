@@ -50,6 +50,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("changes",),
     ("search",),
     ("verdict",),
+    ("search_result",),
     ("cause_search",),
     ("plainer_model",),
     ("strategy",),

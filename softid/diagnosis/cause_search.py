@@ -19,6 +19,7 @@ from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, se
 from softid.diagnosis.search.indistinct import with_rivals_in_misfit
 from softid.diagnosis.search.multistart import is_astray, multistart_candidates
 from softid.diagnosis.search.two_of_first_order import chain_of_first_order
+from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.verdict.held_out_error import with_held_out
 from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, nameable
 from softid.diagnosis_results import Remainder
@@ -37,46 +38,6 @@ NEAR_CURVE = 1.02
 HALF = 0.5
 """A first cause that explains a smaller share of the misfit is raced with a multistart before a
 second one is looked for, and beside two that explain less no third is."""
-
-
-@dataclass(frozen=True)
-class SearchResult:
-    """What a search found.
-
-    Attributes
-    ----------
-    chain
-        The causes.
-    remainder
-        What they leave.
-    is_named
-        Which of them may be named.
-    first
-        The model with the cause that was found first, as it was then; None without a cause.
-    met_multistart
-        Whether candidates from a multistart took part.
-    """
-
-    chain: Chain
-    remainder: Remainder
-    is_named: tuple[bool, ...]
-    first: Candidate | None = None
-    met_multistart: bool = False
-
-    @property
-    def came_to_nothing(self) -> bool:
-        """Whether structure is left, there or on what is held out, and no cause explains it."""
-        missed = self.remainder.misses_held_out and bool(self.chain.links)
-        return (self.remainder.structured or missed) and not any(self.is_named)
-
-    @property
-    def is_sure(self) -> bool:
-        """Whether causes may be named that leave noise and next to nothing of the misfit.
-
-        Many tries find something that explains most of any misfit, so no less will do.
-        """
-        whole = self.remainder.explained_share > EXPLAINED
-        return any(self.is_named) and whole and not self.remainder.leaves_something
 
 
 @dataclass(frozen=True, eq=False)

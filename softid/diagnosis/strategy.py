@@ -13,9 +13,10 @@ from softid.diagnosis.base.intersample_selection import (
     intersample_after_first_cause,
     recordings_read_as,
 )
-from softid.diagnosis.cause_search import CauseSearch, SearchResult
+from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.search_result import SearchResult
 from softid.intersample import Intersample
 from softid.log import Log
 

@@ -19,7 +19,7 @@ from softid.diagnosis.base.intersample_selection import (
 )
 from softid.diagnosis.base.judged_intersample import read_as_judged
 from softid.diagnosis.base.reduced_base import reduced_base_issues, reduced_if_better
-from softid.diagnosis.cause_search import CauseSearch, SearchResult
+from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.logs.input_gaps import without_lost_input
@@ -30,6 +30,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.report.changes import held_out_change_issues
+from softid.diagnosis.report.coarse_sampling import with_coarse_sampling
 from softid.diagnosis.report.issues import (
     averaging_issues,
     jump_issues,
@@ -51,6 +52,7 @@ from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
 from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import search_causes, search_with_intersample
 from softid.diagnosis.verdict.cause_results import (
     alternatives_of,
@@ -171,6 +173,7 @@ def diagnose(
     answer = with_other_explanations(answer, base, others)
     if count == 1:  # the mean of several samples lies between the steps
         answer = with_rounding(answer, recorded, base.candidate)
+        answer = with_coarse_sampling(answer, base.candidate)
     issues = (
         *negligible_issues(base),
         *plainer_model_issues(chosen, base),

@@ -70,14 +70,13 @@ def without_repeats(log: Log) -> Log:
     if hold is None or hold.factor < LEAST_FACTOR:
         return log
     values = channel.values.copy()
-    spans_s = [np.empty((0, 2))]
+    every_s = []
     for segment in log.segments():
         span = slice(segment.start, segment.stop)
         time_s = log.time_s[span]
         read_s, read = _readings(time_s, values[span], hold)
         values[span] = _course(time_s, read_s, read)
-        before = np.flatnonzero(is_abrupt(read))
-        spans_s.append(np.column_stack((read_s[before], read_s[before + 1])))
+        every_s.append(read_s)
     issue = Issue(
         REPEATED_INPUT,
         "info",
@@ -91,7 +90,7 @@ def without_repeats(log: Log) -> Log:
         log,
         channels=channels,
         issues=(*log.issues, issue),
-        jump_spans_s=np.concatenate(spans_s),
+        input_read_s=np.concatenate(every_s),
     )
 
 

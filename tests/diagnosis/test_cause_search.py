@@ -20,8 +20,9 @@ from handmade_searches import (
 )
 
 from softid.diagnosis import cause_search
-from softid.diagnosis.cause_search import CauseSearch, SearchResult
+from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis_results import Remainder
 from softid.effects import effect_of
 

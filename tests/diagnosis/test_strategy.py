@@ -19,8 +19,9 @@ from handmade_searches import (
     searched_as,
 )
 
-from softid.diagnosis.cause_search import CauseSearch, SearchResult
+from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import BETTER_BASE, search_causes
 from softid.diagnosis_results import Remainder
 

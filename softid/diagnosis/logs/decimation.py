@@ -179,7 +179,7 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
         issues=log.issues,
         metadata=log.metadata,
         intersample=log.intersample,
-        jump_spans_s=log.jump_spans_s,
+        input_read_s=log.input_read_s,
         recorded=log,
         count=count,
         knots=(knot_s, np.interp(knot_s, time_s, nodes) + jumping.until(knot_s)),
@@ -201,14 +201,13 @@ class _Jumps:
     def of(cls, log: Log, *, most: float) -> _Jumps:
         """Those of a log, none where there are too many; held ones take next to no time."""
         values, reading = log.channels[log.input].values, log.between_samples
-        at = np.flatnonzero(is_abrupt(values))
-        spans_s = log.jump_spans_s
-        if spans_s is None:
-            spans_s = log.time_s[np.column_stack((at, at + 1))]
+        read_s = log.time_s if log.input_read_s is None else log.input_read_s
+        at = np.flatnonzero(is_abrupt(np.interp(read_s, log.time_s, values)))
+        spans_s = read_s[np.column_stack((at, at + 1))]
         spans_s = spans_s if len(spans_s) <= most else spans_s[:0]
         begin_s, end_s = spans_s.T
         heights = np.diff(np.interp(spans_s, log.time_s, values)).ravel()
-        if log.jump_spans_s is None and begin_s.size:
+        if log.input_read_s is None and begin_s.size:
             is_held = np.isin(at, jumps(values)) & (reading == "held") | (reading == "zoh")
             begin_s = np.where(is_held, end_s - BEFORE * (end_s - begin_s), begin_s)
         return cls(begin_s, end_s, heights)

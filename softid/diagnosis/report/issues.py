@@ -165,7 +165,7 @@ def jump_issues(remainder: Remainder, problem: Problem) -> tuple[Issue, ...]:
     count = remainder.open_jumps
     others = f", the first of {count} such jumps in all logs" if count > 1 else ""
     begin_s, end_s = spans_s[0].tolist()
-    ends = "samples" if segment.jump_spans_s is None else "readings"
+    ends = "samples" if segment.input_read_s is None else "readings"
     return (
         Issue(
             "untimed-jumps",

@@ -54,8 +54,7 @@ DOUBTS = {
     "hold out a log that has it, too",
     Doubt.UNKNOWN_SIZE: "gains little, and not even the order of magnitude of its size is known",
     Doubt.TOO_SLOW: "may be slower than these logs can tell",
-    Doubt.TOO_QUICK: "is over within a tenth of a sampling interval, in which nobody knows what "
-    "the input did",
+    Doubt.TOO_QUICK: "is over within a tenth of a sampling interval, whose course is not on record",
     Doubt.MAY_BE_ZERO: "may as well have a size of zero",
     Doubt.CANCELS: "nearly cancels another of these laws, and what both leave of each other is the "
     "shape of a third",
@@ -397,6 +396,5 @@ def with_open_moments(count: int) -> str:
     """
     if count == 0:
         return ""
-    if count == 1:
-        return ", once the moment of a jump of the input between two samples is left open"
-    return f", once the moments of {count} jumps of the input between two samples are left open"
+    what, verb = ("moment of a jump", "is") if count == 1 else (f"moments of {count} jumps", "are")
+    return f", once the {what} of the input between two samples {verb} left open"

@@ -388,9 +388,7 @@ def _next(
     alternatives: Sequence[Alternative],
     next_experiment: str | None,
 ) -> list[str]:
-    told = []
-    if next_experiment:
-        told.append(f"Next: {next_experiment.rstrip('.')}.")
+    told = [f"Next: {next_experiment.rstrip('.')}."] if next_experiment else []
     tied = {name for a in alternatives for name in a.effects}
     sure = [cause for cause in causes if cause.effect not in tied and cause.remedy]
     remedies = [cause.remedy for cause in sure if not cause.remedy.startswith("none")]

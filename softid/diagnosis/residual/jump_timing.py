@@ -24,7 +24,7 @@ from softid.diagnosis.residual.projection import basis_of
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.intersample import is_abrupt
 from softid.parallel import in_parallel
-from softid.segment import Segment, with_rows
+from softid.segment import Segment, with_added
 
 Array = npt.NDArray[np.float64]
 Jumps = npt.NDArray[np.intp]
@@ -43,8 +43,6 @@ TRIED = 0.25
 KNOTS = np.array([0.0, 0.25, 0.75, 1.0])
 """Places within the interval between which it goes straight. It is moved at the inner two."""
 
-APART = 1e-3
-"""Share of the interval within which a knot is where a sample is."""
 
 MOST_TO_ONE_SIDE = 3.0
 """Standard deviations that the mean of the moments is off the middles at most by chance."""
@@ -128,10 +126,12 @@ def untimed_jumps(segment: Segment) -> Array:
     rows = segment.samples_of(np.arange(segment.input.size))
     if rows.size < 4:
         return np.empty((0, 2))
-    found = segment.jump_spans_s
-    if found is None:
-        before = rows[:-1][is_abrupt(segment.input[rows]) & (np.diff(rows) == 1)]
-        found = segment.time_s[np.column_stack((before, before + 1))]
+    read_s, read = segment.readings
+    jumps = is_abrupt(read)
+    if segment.input_read_s is None:
+        jumps &= np.diff(rows) == 1
+    before = np.flatnonzero(jumps)
+    found = read_s[np.column_stack((before, before + 1))]
     return found if len(found) <= MOST_JUMPS else found[:0]
 
 
@@ -265,13 +265,7 @@ def _response(model: Candidate, k: int, spans_s: Array, pulse: Pulse) -> Array:
 
 def _with_pulses(segment: Segment, spans_s: Array, heights: Array, pulse: Pulse) -> Segment:
     """A segment with an input that is moved at the inner knots of every interval."""
-    lasting_s = np.diff(spans_s)
-    knot_s = spans_s[:, :1] + lasting_s * KNOTS
-    moved = heights[:, np.newaxis] * (0.0, pulse.first, pulse.second, 0.0)
-    beside = np.searchsorted(segment.time_s, knot_s - APART * lasting_s)
-    nearest_s = segment.time_s[np.minimum(beside, segment.time_s.size - 1)]
-    new_s = np.unique(knot_s[np.abs(nearest_s - knot_s) > APART * lasting_s])
-    finer = with_rows(segment, new_s, np.interp(new_s, segment.time_s, segment.input))
-    return replace(
-        finer, input=finer.input + np.interp(finer.time_s, knot_s.ravel(), moved.ravel())
+    knot_s = spans_s[:, :1] + np.diff(spans_s) * KNOTS
+    return with_added(
+        segment, knot_s, heights[:, np.newaxis] * (0.0, pulse.first, pulse.second, 0.0)
     )

@@ -1,0 +1,50 @@
+"""What a search for causes found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.verdict.naming import EXPLAINED
+from softid.diagnosis_results import Remainder
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """What a search found.
+
+    Attributes
+    ----------
+    chain
+        The causes.
+    remainder
+        What they leave.
+    is_named
+        Which of them may be named.
+    first
+        The model with the cause that was found first, as it was then; None without a cause.
+    met_multistart
+        Whether candidates from a multistart took part.
+    """
+
+    chain: Chain
+    remainder: Remainder
+    is_named: tuple[bool, ...]
+    first: Candidate | None = None
+    met_multistart: bool = False
+
+    @property
+    def came_to_nothing(self) -> bool:
+        """Whether structure is left, there or on what is held out, and no cause explains it."""
+        missed = self.remainder.misses_held_out and bool(self.chain.links)
+        return (self.remainder.structured or missed) and not any(self.is_named)
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether causes may be named that leave noise and next to nothing of the misfit.
+
+        Many tries find something that explains most of any misfit, so no less will do.
+        """
+        whole = self.remainder.explained_share > EXPLAINED
+        return any(self.is_named) and whole and not self.remainder.leaves_something
