@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -20,9 +20,13 @@ Array = npt.NDArray[np.float64]
 
 STIFFNESSES: Array = np.geomspace(0.05, 20.0, 61)
 MASSES: Array = np.geomspace(0.05, 20.0, 31)
-DAMPING_RATIOS = (0.03, 0.1, 0.3, 1.0, 3.0)
+DAMPING_RATIO = 0.3
+OTHER_DAMPING_RATIOS = (0.03, 0.1, 1.0, 3.0)
 STATIC_POINTS = 200
 N_STARTS = 4
+
+BEST_MASSES = 8
+"""So many are tried with all dampings: how fast a motion swings is seen with any."""
 
 MOST_SAMPLES = 1600
 """Samples at which a simulation of the grid is compared; of more, every so manieth is taken."""
@@ -51,20 +55,27 @@ def equilibrium_starts(
     theta[4] = _stiffness(model, theta, segments, output)
     swing_angle = _largest_rest(model, theta, segments)
     thinned = _thinned(segments)
-    scored = []
     masses = MASSES if not declared["c"].fixed else np.array([theta[3]])
-    for mass, ratio in product(masses.tolist(), DAMPING_RATIOS):
-        at = theta.copy()
-        at[0], at[3] = 1.0, mass
-        swing, fading = fastest_rates(np.array([swing_angle]), at, model.compiled_body)
-        at[0] = 2.0 * ratio * swing / fading
-        score = _score(model, at, thinned, output)
-        if np.isfinite(score):
-            scored.append((score, at))
-    scored.sort(key=lambda row: row[0])
+
+    def scored(grid: Iterable[tuple[float, float]]) -> list[tuple[float, Array]]:
+        found = []
+        for mass, ratio in grid:
+            at = theta.copy()
+            at[0], at[3] = 1.0, mass
+            swing, fading = fastest_rates(np.array([swing_angle]), at, model.compiled_body)
+            at[0] = 2.0 * ratio * swing / fading
+            score = _score(model, at, thinned, output)
+            if np.isfinite(score):
+                found.append((score, at))
+        return sorted(found, key=lambda row: row[0])
+
+    first = scored((mass, DAMPING_RATIO) for mass in masses.tolist())
+    best = [float(at[3]) for _, at in first[:BEST_MASSES]]
+    again = scored(product(best or masses.tolist(), OTHER_DAMPING_RATIOS))
+    ranked = sorted([*first, *again], key=lambda row: row[0])
     names = declared.names
     starts = []
-    for _, at in scored[:N_STARTS]:
+    for _, at in ranked[:N_STARTS]:
         named = dict(zip(names, at.tolist(), strict=True))
         starts.append(
             declared.with_values({k: v for k, v in named.items() if not declared[k].fixed})

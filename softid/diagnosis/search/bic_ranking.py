@@ -63,10 +63,11 @@ def rank(
         replace(c, minimum=replace(c.minimum, damping=None), whitener=model) for c in candidates
     ]
     white = in_parallel(lambda c: advance(c, sigma, 1), placed)
-    fewest = min(len(c.effects) for c in candidates)
+    counts = [len(c.effects) for c in candidates]
+    extended = min(counts) if counts.count(min(counts)) == 1 else -1
 
     def polished(candidate: Candidate, leader: float, evaluations: int) -> Candidate:
-        if len(candidate.effects) > fewest and not can_catch_up(candidate, leader):
+        if len(candidate.effects) != extended and not can_catch_up(candidate, leader):
             return candidate
         return advance(candidate, sigma, evaluations)
 
