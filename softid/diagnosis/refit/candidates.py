@@ -181,9 +181,10 @@ def prior_about(
     known
         Free parameters of what is extended.
     variance
-        Variance of the weighted residual.
+        Variance of the weighted residual; where what is extended has no finite response, it is
+        taken as 1, which the weights make it.
     """
-    variance = max(variance, float(np.finfo(float).tiny))
+    variance = max(variance, float(np.finfo(float).tiny)) if np.isfinite(variance) else 1.0
     weight = np.zeros(problem.size)
     for k, name in enumerate(problem.free):
         p = problem.parameters[name]

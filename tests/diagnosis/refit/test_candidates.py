@@ -204,3 +204,13 @@ def test_a_lost_candidate_keeps_its_prior() -> None:
 def test_values_are_named_after_their_effect() -> None:
     """As in an extended model."""
     assert named_values(Bow(), {"c": 2.0}) == {"bow_c": 2.0}
+
+
+def test_a_base_without_a_finite_response_has_a_prior_all_the_same() -> None:
+    """With an infinite variance it would hold everything where it is, and be no number there."""
+    problem = linear_problem([linear_log()])
+    z = problem.unknowns(TRUTH)
+    lost = prior_about(problem, z, problem.free, np.inf)
+    usual = prior_about(problem, z, problem.free, 1.0)
+    assert lost.weight.tolist() == usual.weight.tolist()
+    assert lost.cost(z) == 0.0
