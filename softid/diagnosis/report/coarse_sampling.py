@@ -35,6 +35,9 @@ mean over that interval by a standard deviation of 1/√12 of the height."""
 ABOVE_NOISE = 8.0
 """An input bends where that change is so many times its median size."""
 
+LEAST_READINGS = 4
+"""So few tell no bend."""
+
 COARSE_SAMPLING = "coarse-sampling"
 """Code of the remark that the input moves faster than it is sampled."""
 
@@ -108,6 +111,8 @@ def coarse_sampling_issues(final: Candidate, *, open_jumps: int = 0) -> tuple[Is
 def _another_course(segment: Segment, k: int, *, without_jumps: bool) -> Segment:
     """The segment with a draw of what its input did where it bends."""
     time_s, u = segment.readings
+    if u.size < LEAST_READINGS:
+        return segment
     bends = np.abs(np.diff(u, 3, prepend=u[:1], append=u[-1:]))
     is_open = bends > ABOVE_NOISE * float(np.median(bends))
     bends = np.minimum(bends, 2.0 * np.abs(np.diff(u)))  # beside a jump it is flat
