@@ -131,6 +131,23 @@ def with_rows(segment: Segment, knot_s: Array, level: Array) -> Segment:
     )
 
 
+def absent_times(time_s: Array, knot_s: Array, apart_s: Array | float) -> Array:
+    """Those of some times that are at no row, in order and each once.
+
+    Parameters
+    ----------
+    time_s
+        Times of the rows, shape (n,).
+    knot_s
+        The times, of any shape.
+    apart_s
+        Up to where a time is that of a row.
+    """
+    after = np.searchsorted(time_s, knot_s - apart_s)
+    nearest_s = time_s[np.minimum(after, time_s.size - 1)]
+    return np.unique(knot_s[np.abs(nearest_s - knot_s) > apart_s])
+
+
 def with_added(segment: Segment, knot_s: Array, added: Array) -> Segment:
     """The segment with an input to which something is added that goes straight between knots.
 
@@ -142,10 +159,7 @@ def with_added(segment: Segment, knot_s: Array, added: Array) -> Segment:
         Times and what is added at them, each of shape (J, K), for J intervals one after the other
         at both ends of which nothing is added.
     """
-    apart_s = APART * (knot_s[:, -1:] - knot_s[:, :1])
-    beside = np.searchsorted(segment.time_s, knot_s - apart_s)
-    nearest_s = segment.time_s[np.minimum(beside, segment.time_s.size - 1)]
-    new_s = np.unique(knot_s[np.abs(nearest_s - knot_s) > apart_s])
+    new_s = absent_times(segment.time_s, knot_s, APART * (knot_s[:, -1:] - knot_s[:, :1]))
     finer = with_rows(segment, new_s, np.interp(new_s, segment.time_s, segment.input))
     more = np.interp(finer.time_s, knot_s.ravel(), added.ravel()) if added.size else 0.0
     return replace(finer, input=finer.input + more)

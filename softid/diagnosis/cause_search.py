@@ -20,9 +20,10 @@ from softid.diagnosis.search.indistinct import with_rivals_in_misfit
 from softid.diagnosis.search.multistart import is_astray, multistart_candidates
 from softid.diagnosis.search.two_of_first_order import chain_of_first_order
 from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.verdict.doubts import is_within_samples
 from softid.diagnosis.verdict.held_out_error import with_held_out
-from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, nameable
-from softid.diagnosis_results import Remainder
+from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, may_be_chance, nameable
+from softid.diagnosis_results import Cause, Remainder
 from softid.effects.base import Effect
 
 SAME_OPTIMUM = 1e-3
@@ -272,16 +273,27 @@ class CauseSearch:
             left = with_held_out(left, before, base.candidate, held_out, base.sigma)
         return None if left.misses_held_out else SearchResult(self._nothing, left, ())
 
-    def with_nothing_but(self, left: Remainder) -> SearchResult:
-        """The base alone, where what is left behind a description is what counts as left by it.
+    def alone_beside(self, described: Sequence[Cause], left: Remainder) -> SearchResult | None:
+        """The base alone, if there may be nothing in the actuator behind descriptions.
+
+        Where it leaves structure that the course of the input between its samples makes, what is
+        left behind the descriptions is what counts as left by it.
 
         Parameters
         ----------
+        described
+            What may not be named.
         left
-            What a chain leaves that only makes up for what is not on record.
+            What is left behind it.
         """
-        rms = self._left_by_base.rms
-        return SearchResult(self._nothing, replace(left, rms=rms, explained_share=1.0), ())
+        alone = self.without_causes()
+        if alone is not None:
+            is_nothing = alone.remainder.open_jumps > 0 or may_be_chance(described)
+            return alone if is_nothing else None
+        if not is_within_samples(described, left):
+            return None
+        left = replace(left, rms=self._left_by_base.rms, explained_share=1.0)
+        return SearchResult(self._nothing, left, ())
 
     def explained_by_moments(self) -> SearchResult | None:
         """The base alone, if nothing but the moments of jumps of the input is unknown.

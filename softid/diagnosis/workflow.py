@@ -63,12 +63,11 @@ from softid.diagnosis.verdict.cause_results import (
     whole_gain_of,
 )
 from softid.diagnosis.verdict.chain_consistency import consistent_names
-from softid.diagnosis.verdict.doubts import is_within_samples, with_doubts
+from softid.diagnosis.verdict.doubts import with_doubts
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import (
     gains_by,
-    may_be_chance,
     may_gain_nothing,
     verdict_of,
 )
@@ -161,7 +160,7 @@ def diagnose(
         parameters,
         seed,
         lambda m, fraction: report(m, 0.3 * fraction),
-        preferred=preferred if model is None else (),
+        preferred=preferred,
     )
     whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)
     if is_in_doubt:
@@ -224,13 +223,8 @@ def _surest_answer(search: CauseSearch, found: SearchResult) -> Diagnosis:
     """
     search.report("computing errors", 0.9)
     answer = _answer(search.base, found, search.seed)
-    alone = None
-    if answer.verdict is Verdict.UNKNOWN:
-        alone = search.without_causes()
-        if alone is None and is_within_samples(answer.descriptive, answer.remainder):
-            alone = search.with_nothing_but(answer.remainder)
-        elif alone and not (alone.remainder.open_jumps or may_be_chance(answer.descriptive)):
-            alone = None
+    is_unknown = answer.verdict is Verdict.UNKNOWN
+    alone = search.alone_beside(answer.descriptive, answer.remainder) if is_unknown else None
     if alone is not None:
         refused = unsure_issues(answer.descriptive)
         answer = _answer(search.base, alone, search.seed)

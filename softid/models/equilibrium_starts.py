@@ -29,7 +29,7 @@ BEST_MASSES = 8
 """So many are tried with all dampings: how fast a motion swings is seen with any."""
 
 MOST_SAMPLES = 1600
-"""Samples at which a simulation of the grid is compared; of more, every so manieth is taken."""
+"""Samples at which a simulation of the grid is compared; of more, every k-th is taken."""
 
 ROUGH_PHASE = 0.6
 """Largest product of step and natural frequency there: the swing is then late by a hundredth of a

@@ -68,7 +68,7 @@ def test_a_wrong_file_is_one_sentence(softid: Cli, desk: Desk, geometry: Path) -
 
 
 def test_a_diagnosis_may_choose_it_too(softid: Cli, geometry: Path) -> None:
-    """With the file alone, as a fit; a creep of the material is a torque over an angle."""
+    """With the file alone, as a fit."""
     log = bundled_datasets() / "data" / "equilibrium_20.csv"
     options = ("--geometry", geometry, "--effects", "creep", "--no-plots", "--out", "out")
     told = softid("diagnose", log, *options)

@@ -17,6 +17,7 @@ from softid.kernels.bending import (
     torque_parts,
 )
 from softid.kernels.bending_body import (
+    CELLS,
     Body,
     elastic_parts,
     elastic_torque,
@@ -97,7 +98,8 @@ def test_elastic_torque_is_the_slope_of_an_energy() -> None:
         assert slope == pytest.approx(moved / 2e-5, rel=1e-6)
 
 
-WIDEST = 512 / float(BODY.constants[4])
+WIDEST = CELLS / float(BODY.constants[4])
+"""The largest angle of the table."""
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.01, 0.7, -1.9, 3.2, 0.999 * WIDEST, -1.05 * WIDEST])

@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from softid.intersample import BEFORE, HELD, Intersample, is_abrupt, jumps
 from softid.log import Log
-from softid.segment import Segment, with_rows
+from softid.segment import Segment, absent_times, with_rows
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -201,16 +201,16 @@ class _Jumps:
     def of(cls, log: Log, *, most: float) -> _Jumps:
         """Those of a log, none where there are too many; held ones take next to no time."""
         values, reading = log.channels[log.input].values, log.between_samples
-        read_s = log.time_s if log.input_read_s is None else log.input_read_s
-        at = np.flatnonzero(is_abrupt(np.interp(read_s, log.time_s, values)))
-        spans_s = read_s[np.column_stack((at, at + 1))]
-        spans_s = spans_s if len(spans_s) <= most else spans_s[:0]
-        begin_s, end_s = spans_s.T
-        heights = np.diff(np.interp(spans_s, log.time_s, values)).ravel()
-        if log.input_read_s is None and begin_s.size:
+        read_s, read = log.time_s, values
+        if log.input_read_s is not None:
+            read_s, read = log.input_read_s, np.interp(log.input_read_s, log.time_s, values)
+        at = np.flatnonzero(is_abrupt(read))
+        at = at if at.size <= most else at[:0]
+        begin_s, end_s = read_s[at], read_s[at + 1]
+        if log.input_read_s is None:
             is_held = np.isin(at, jumps(values)) & (reading == "held") | (reading == "zoh")
             begin_s = np.where(is_held, end_s - BEFORE * (end_s - begin_s), begin_s)
-        return cls(begin_s, end_s, heights)
+        return cls(begin_s, end_s, np.diff(read)[at])
 
     def is_in_one(self, time_s: Array) -> Array:
         """1 for the last sample before each, the first one after it and what is between, else 0."""
@@ -232,11 +232,8 @@ class _Jumps:
 
     def knots_beside(self, time_s: Array) -> Array:
         """When they begin and end, but at none of some times, in order."""
-        knot_s = np.unique(np.concatenate((self.begin_s, self.end_s)))
-        apart = APART * float(np.median(np.diff(time_s)))
-        after = np.searchsorted(time_s, knot_s - apart)
-        known = time_s[np.minimum(after, time_s.size - 1)]
-        return knot_s[np.abs(known - knot_s) > apart]
+        knot_s = np.concatenate((self.begin_s, self.end_s))
+        return absent_times(time_s, knot_s, APART * float(np.median(np.diff(time_s))))
 
 
 def read_as(log: Log, reading: Intersample) -> Log:

@@ -125,10 +125,10 @@ def with_other_explanations(
     elif is_unknown and (leaves or not known):
         told = others.all(base)
     following = [issue.remedy for issue in (*told, *known)]
-    is_none = bool(told) and answer.verdict is Verdict.UNKNOWN  # a tie of descriptions says nothing
+    is_told = bool(told) and answer.verdict is Verdict.UNKNOWN
     return replace(
         answer,
-        alternatives=() if is_none else answer.alternatives,
+        alternatives=() if is_told else answer.alternatives,  # a tie of descriptions says nothing
         issues=(*answer.issues, *told),
         next_experiment=following[0] if following else answer.next_experiment,
     )

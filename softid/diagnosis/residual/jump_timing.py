@@ -43,7 +43,6 @@ TRIED = 0.25
 KNOTS = np.array([0.0, 0.25, 0.75, 1.0])
 """Places within the interval between which it goes straight. It is moved at the inner two."""
 
-
 MOST_TO_ONE_SIDE = 3.0
 """Standard deviations that the mean of the moments is off the middles at most by chance."""
 

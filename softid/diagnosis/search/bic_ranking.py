@@ -63,11 +63,12 @@ def rank(
         replace(c, minimum=replace(c.minimum, damping=None), whitener=model) for c in candidates
     ]
     white = in_parallel(lambda c: advance(c, sigma, 1), placed)
-    counts = [len(c.effects) for c in candidates]
-    extended = min(counts) if counts.count(min(counts)) == 1 else -1
+    fewest, *others = sorted(len(c.effects) for c in candidates)
+    all_extend_one = fewest not in others
 
     def polished(candidate: Candidate, leader: float, evaluations: int) -> Candidate:
-        if len(candidate.effects) != extended and not can_catch_up(candidate, leader):
+        is_extended = all_extend_one and len(candidate.effects) == fewest
+        if not is_extended and not can_catch_up(candidate, leader):
             return candidate
         return advance(candidate, sigma, evaluations)
 

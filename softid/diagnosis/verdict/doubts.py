@@ -19,7 +19,6 @@ from softid.results import FitResult
 NO_GAIN = (Doubt.GAINS_NOTHING, Doubt.MAY_GAIN_NOTHING)
 """What is held out refuses these, if it holds them at all."""
 
-
 WITHIN_A_SAMPLE = 0.1
 """Share of a sampling interval up to which a lag or a delay may as well be what the input did in
 it."""

@@ -120,7 +120,6 @@ def test_partial_names_the_rest() -> None:
     found = diagnosis(Verdict.PARTIAL)
     text = told(found)
     assert "That is 95 % of the misfit above the noise." in text
-    elsewhere = replace(found.remainder, misses_held_out=True, held_out_share=0.8)
     assert f"37 % of its power follows from {PREDICTORS}, where chance reaches 3 %" in text
     assert "most of it from the speed and the input a while before." in text
     assert "the position" not in text
