@@ -12,7 +12,7 @@ from softid.diagnosis.base.base_fit import BaseFit, Progress
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import BETTER, NO_WORSE
 from softid.diagnosis.residual.assessment import assess
-from softid.diagnosis.search.alternative_first import alternative_first_links, promises_the_rest
+from softid.diagnosis.search.alternative_first import alternative_first_links, that_promise_the_rest
 from softid.diagnosis.search.backward_revision import revised
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, select_forward
@@ -214,12 +214,12 @@ class CauseSearch:
         """
         name = known.links[0].added.name if known.links else None
         base = self.base
-        for other in alternative_first_links(
+        others = alternative_first_links(
             name, base.candidate, self.effects, base.scale, base.sigma
+        )
+        for other in that_promise_the_rest(
+            others, self.remainder_of, self.effects, base.scale, base.sigma
         ):
-            left = self.remainder_of(other.final)
-            if not promises_the_rest(other, left, self.effects, base.scale, base.sigma):
-                continue
             longer = self.grow(other, max_links=2)
             if len(longer.links) == 1 and longer.final.squares >= known.final.squares:
                 continue  # it was raced with its own forms only

@@ -6,8 +6,9 @@ helps, while from the second best single cause the search goes straight to the t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from operator import itemgetter
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import (
@@ -32,34 +33,6 @@ what a second cause leaves beside it, slow as a drift, passes for noise that cou
 LEAST_PROMISE = 0.3
 """Where two causes explain all, the second promises most of what the first leaves; below this share
 none is raced."""
-
-
-def promises_the_rest(
-    chain: Chain,
-    left: Remainder,
-    effects: Sequence[Effect],
-    scale: Scale,
-    sigma: Mapping[str, float],
-) -> bool:
-    """Whether a second cause may take away what the first leaves above the noise.
-
-    Parameters
-    ----------
-    chain
-        The base with the first cause.
-    left
-        What that leaves.
-    effects
-        The catalogue.
-    scale
-        Sizes of the base fit.
-    sigma
-        Output channel → scale that its residual is divided by.
-    """
-    others = [effect for effect in effects if effect.name != chain.final.effects[-1].name]
-    most = max((s.drop for s in screen(chain.final, others, scale, sigma)), default=0.0)
-    misfit = chain.final.squares * max(left.excess, 0.0) / (1.0 + max(left.excess, 0.0))
-    return most >= LEAST_PROMISE * misfit
 
 
 def alternative_first_links(
@@ -92,6 +65,42 @@ def alternative_first_links(
         if link is not None and (is_accepted(link, FIRST) or _takes_much(link)):
             found = converged(link.chosen.plain, sigma)
             yield Chain((replace(link, found=found),), None, found)
+
+
+def that_promise_the_rest(
+    chains: Iterable[Chain],
+    remainder_of: Callable[[Candidate], Remainder],
+    effects: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Chain]:
+    """Chains whose second cause may take away what the first leaves above the noise.
+
+    The one that would leave least comes first: to race a second cause takes as long as all of this,
+    and behind a first cause that stands for both it comes to nothing.
+
+    Parameters
+    ----------
+    chains
+        The base with a first cause each.
+    remainder_of
+        What a model leaves.
+    effects
+        The catalogue.
+    scale
+        Sizes of the base fit.
+    sigma
+        Output channel → scale that its residual is divided by.
+    """
+    left = []
+    for chain in chains:
+        others = [effect for effect in effects if effect.name != chain.final.effects[-1].name]
+        most = max((s.drop for s in screen(chain.final, others, scale, sigma)), default=0.0)
+        excess = max(remainder_of(chain.final).excess, 0.0)
+        misfit = chain.final.squares * excess / (1.0 + excess)
+        if most >= LEAST_PROMISE * misfit:
+            left.append((chain.final.squares - most, chain))
+    return [chain for _, chain in sorted(left, key=itemgetter(0))]
 
 
 def _takes_much(link: Link) -> bool:

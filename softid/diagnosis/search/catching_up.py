@@ -19,6 +19,10 @@ predicts."""
 PACE = 3.0
 """And one whose distance is less than so many times what it gained in the round."""
 
+STANDS_STILL = 0.1
+"""One that gained less in the round than this share of what its quadratic model still predicts goes
+nowhere: a bound, or a curve of the cost that no parabola is like, holds it."""
+
 SMALLEST_GAIN = 4.0
 """When nobody has lowered n ln(S) by this much after two rounds, the race is over."""
 
@@ -75,7 +79,8 @@ def can_catch_up(candidate: Candidate, leader: float, *, gained: float = 0.0) ->
 def is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: float) -> bool:
     """Whether a better one with the same effects will not be left behind by this one.
 
-    Of one law only the best optimum counts, so being near is not enough.
+    Of one law only the best optimum counts, so being near is not enough, nor is a promise that a
+    round did not begin to keep.
 
     Parameters
     ----------
@@ -84,10 +89,12 @@ def is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: flo
     others
         All that ran with it, itself among them.
     gained
-        Fall of n ln(S) in the last round.
+        Fall of n ln(S) in the last round, negative where that changed the samples.
     """
     mine = min(c.squares for c in others if c.keys == candidate.keys)
     if not candidate.squares > mine:
         return False
     promised = candidate.minimum.offset**2 * candidate.problem.size
-    return -gain(mine, candidate) + SMALLEST_GAIN > max(REACH * promised, PACE * gained)
+    stands_still = 0.0 <= gained < STANDS_STILL * promised
+    hoped_for = max(0.0 if stands_still else REACH * promised, PACE * gained)
+    return -gain(mine, candidate) + SMALLEST_GAIN > hoped_for

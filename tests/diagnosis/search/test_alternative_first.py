@@ -12,7 +12,7 @@ from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standin
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.alternative_first import (
     alternative_first_links,
-    promises_the_rest,
+    that_promise_the_rest,
 )
 from softid.diagnosis.search.forward_selection import FIRST, converged, is_accepted
 from softid.effects import effect_of
@@ -50,7 +50,27 @@ def test_a_second_cause_promises_what_is_left(others: str, excess: float, promis
     drift, second = effect_of("sensor_drift"), Bow() if others == "bow" else effect_of(others)
     (chain,) = alternative_first_links(None, base, (drift,), scale, SIGMA)
     left: Any = SimpleNamespace(excess=excess)
-    assert promises_the_rest(chain, left, (drift, second), scale, SIGMA) is promises
+    found = that_promise_the_rest([chain], lambda model: left, (drift, second), scale, SIGMA)
+    assert found == ([chain] if promises else [])
+
+
+def test_the_first_cause_behind_which_least_may_be_left_begins() -> None:
+    """Known truth: a drift that slackens, as a parabola beside it. A warm-up takes most of both,
+    and behind it neither of the two takes all; behind the drift the parabola does."""
+    time_s = linear_log().time_s
+    slackening = -0.02 * time_s + 0.2 * (time_s / time_s[-1]) ** 2
+    problem = linear_problem([linear_log(noise=0.001, added=slackening)])
+    z = problem.unknowns(TRUTH)
+    base, scale = converged(standing(problem, z), SIGMA), scale_of(problem, z)
+    effects = (effect_of("sensor_warmup"), effect_of("sensor_drift"), Bow())
+    warmup, drift = (
+        next(alternative_first_links(None, base, (effect,), scale, SIGMA))
+        for effect in effects[:2]
+    )
+    assert warmup.final.squares < drift.final.squares
+    left: Any = SimpleNamespace(excess=1e-9)
+    found = that_promise_the_rest([warmup, drift], lambda model: left, effects, scale, SIGMA)
+    assert found == [drift, warmup]
 
 
 @pytest.mark.parametrize(("swing", "begun"), [(0.1, True), (0.3, False)])
