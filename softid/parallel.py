@@ -77,8 +77,25 @@ def in_parallel(
     if getattr(_here, "has_part", False):
         return [work(task) for task in tasks]
     workers = min(workers or min(MAX_WORKERS, _cores()), len(tasks))
-    with _matrix_libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas"):
+    with matrices_on_one_thread():
         return _shared_out(work, tasks, workers)
+
+
+@contextlib.contextmanager
+def matrices_on_one_thread() -> Iterator[None]:
+    """Keep matrix libraries to one thread inside the ``with`` block, or in a decorated function.
+
+    The matrices of a fit are narrow: a second thread hardly helps, and where another program has
+    the core, both wait for it, at many times the cost of the product.
+
+    Examples
+    --------
+    >>> with matrices_on_one_thread():
+    ...     float(np.ones(2) @ np.ones(2))
+    2.0
+    """
+    with _matrix_libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas"):
+        yield
 
 
 def _shared_out(

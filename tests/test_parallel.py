@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+import softid
 from softid import parallel
 from softid.parallel import MAX_WORKERS, in_parallel
 
@@ -23,6 +24,16 @@ HAS_FORK = sys.platform == "linux"
 WAYS = [False, pytest.param(True, marks=pytest.mark.skipif(not HAS_FORK, reason="no fork here"))]
 
 Share = Callable[..., None]
+
+
+def threads() -> set[int]:
+    """How many the matrix libraries that are loaded may take."""
+    return {lib["num_threads"] for lib in threadpool_info() if lib["user_api"] == "blas"}
+
+
+def require_two_threads() -> None:
+    if threads() != {2}:
+        pytest.skip("the matrix library has one thread only")
 
 
 @pytest.fixture
@@ -149,17 +160,28 @@ def test_a_part_is_not_shared_out_again(share: Share, *, forked: bool) -> None:
 @pytest.mark.parametrize("workers", [1, 2])
 def test_factorisations_take_one_thread_each(workers: int) -> None:
     """Their threads on cores that are taken wait for one another; afterwards all is as before."""
-
-    def threads() -> set[int]:
-        found = threadpool_info()
-        return {lib["num_threads"] for lib in found if lib["user_api"] == "blas"}
-
     with threadpool_limits(2, user_api="blas"):
-        if threads() != {2}:
-            pytest.skip("the matrix library has one thread only")
+        require_two_threads()
         inside = in_parallel(lambda _: threads(), range(4), workers=workers)
         assert inside == [{1}] * 4
         assert threads() == {2}
+
+
+@pytest.mark.parametrize("verb", [softid.fit, softid.diagnose])
+def test_a_fit_takes_one_thread(verb: Callable[..., object]) -> None:
+    """It tells its progress with one thread in the matrix library, and leaves two as it found."""
+    time_s = 0.02 * np.arange(600)
+    pressure = np.where(time_s % 4.0 < 2.0, 0.0, 100.0)
+    angle = np.convolve(pressure, 0.05 * 0.95 ** np.arange(200))[:600]
+    angle += np.random.default_rng(0).standard_normal(600)
+    log = softid.Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
+    seen: list[set[int]] = []
+    with threadpool_limits(2, user_api="blas"):
+        require_two_threads()
+        verb(log, model="oscillator", progress=lambda message, fraction: seen.append(threads()))
+        assert threads() == {2}
+    assert seen
+    assert all(counts == {1} for counts in seen)
 
 
 INTERRUPTED = """

@@ -82,6 +82,7 @@ from softid.identification.repeated_input import without_repeats
 from softid.identification.workflow import Identification
 from softid.log import Log
 from softid.models.base import Model
+from softid.parallel import matrices_on_one_thread
 from softid.parameters import ParameterSet
 from softid.results import FitResult
 
@@ -91,6 +92,7 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 
+@matrices_on_one_thread()
 def diagnose(
     logs: Log | Sequence[Log],
     *,

@@ -48,7 +48,10 @@ class PiecewiseProblem(Problem):
         self._keep(whole, cuts)
 
     def _keep(self, whole: Problem, cuts: Sequence[Sequence[tuple[int, int]]]) -> None:
-        """Take these ranges of samples of every segment, each as a segment of its own."""
+        """Take these ranges of samples of every segment, each as a segment of its own.
+
+        A log that none of them lies in has no zero, for nothing would tell it.
+        """
         self.segments, self.owner, self.at_rest, self.stuck = [], [], [], []
         starts = zip(whole.at_rest, whole.stuck, strict=True)
         every = zip(whole.plain_segments, whole.owner, starts, cuts, strict=True)
@@ -59,6 +62,9 @@ class PiecewiseProblem(Problem):
                 self.owner.append(owner)
                 self.at_rest.append(rest and start == 0)
                 self.stuck.append(stuck and start == 0)
+        kept = sorted(set(self.owner))
+        self.logs = tuple(whole.logs[k] for k in kept)
+        self.owner = [kept.index(k) for k in self.owner]
         self._layout()
 
     def started(self, values: Mapping[str, float]) -> Array:

@@ -218,8 +218,8 @@ def _search(
     if starts and far:
         rough = rough_problem(objective.problem, objective.problem.free_unknowns(starts[0]))
     points = [objective.problem.unknowns(start, with_zeros=False) for start in starts]
-    first_led = None if rough is None else leads(objective, points, rough, most)
-    begins: Sequence[Array | Lead] = first_led or points
+    first_led = leads(objective, points, rough, most) if rough is not None else []
+    begins: Sequence[Array | Lead] = [*first_led, *points[len(first_led) :]]
     scouted: list[tuple[Minimum, Array]] = []
     for begin, end in itertools.pairwise([0, *range(first, len(starts), SCOUTS), len(starts)]):
         limit = most if begin == 0 and alone_if_white else SCOUT_EVALUATIONS

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.multiple_shooting import PiecewiseProblem
+from softid.fitters.noise_level import at_noise_level
 from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
@@ -40,6 +41,10 @@ WINDOWS = 2
 """One window in the middle of a log is half the work around the same samples; where it does not
 show the motion, two, which begin and end with the log."""
 
+MOST_WINDOWED = 4
+"""Of several segments so many at most have a window each, in their middle: those whose input has
+the widest range. Where such windows are too short, fewer and longer ones may do."""
+
 COVERED = 0.8
 """Share of the range of the input that windows must hold."""
 
@@ -54,10 +59,6 @@ LEAST_SAVING = 4
 
 ROUGH_TOLERANCE = 0.1
 """`attainable_offset` at which a run over fewer samples ends: their optimum is another one."""
-
-MANY = 64
-"""Where all samples cost so many times what windows do, all starts go through the windows, and the
-best of them go on: from a false optimum of the first one the way would be long."""
 
 LEADERS = 2
 """So many starts go through the windows at a time."""
@@ -80,12 +81,15 @@ class Lead:
         With which a run over all samples goes on; None where it begins anew.
     cost
         That of the rough problem there; infinite if nowhere.
+    is_white
+        Whether the rough problem is explained down to white noise there, as in `at_noise_level`.
     """
 
     start: Array
     point: Array
     damping: float | None = None
     cost: float = np.inf
+    is_white: bool = False
 
 
 class ThinnedProblem(Problem):
@@ -113,22 +117,30 @@ class WindowedProblem(PiecewiseProblem):
     whole
         The problem.
     windows
-        About how many of them all segments make together.
+        How many of them: in a single segment side by side, else one in each of so many segments.
     """
 
     def __init__(self, whole: Problem, windows: int = WINDOWS) -> None:
         self._adopt(whole)
-        total = sum(segment.time_s.size for segment in whole.plain_segments)
-        cuts = []
-        for segment in whole.plain_segments:
-            n = segment.time_s.size
-            count = max(1, round(windows * n / total))
-            size = max(1, WINDOWED * n // total // count)
+        segments = whole.plain_segments
+        widest = sorted(range(len(segments)), key=lambda k: -float(np.ptp(segments[k].input)))
+        kept = set(widest[:windows])
+        total = sum(segments[k].time_s.size for k in kept)
+        count = windows if len(segments) == 1 else 1
+        cuts: list[list[tuple[int, int]]] = [[] for _ in segments]
+        for k in kept:
+            n = segments[k].time_s.size
+            size = min(n, max(1, WINDOWED * n // total // count))
             begins = np.linspace(0, n - size, count).astype(int).tolist()
             if count == 1:
                 begins = [(n - size) // 2]
-            cuts.append([(begin, begin + size) for begin in begins])
+            cuts[k] = [(begin, begin + size) for begin in begins]
         self._keep(whole, cuts)
+
+
+def _numbers_of_windows(segments: int) -> range:
+    """How many windows are tried, in turn: one first in a single segment, else one in each."""
+    return range(1, WINDOWS + 1) if segments == 1 else range(min(segments, MOST_WINDOWED), 0, -1)
 
 
 def rough_problem(problem: Problem, z: Array) -> Problem | None:
@@ -141,9 +153,8 @@ def rough_problem(problem: Problem, z: Array) -> Problem | None:
     z
         Unknowns at a start, whose motion is looked at, shape (U,).
     """
-    few = len(problem.segments) <= WINDOWS and bool(problem.model.start_states)
-    if few and problem.n_samples >= LEAST_SAVING * WINDOWED:
-        for count in range(1, WINDOWS + 1):
+    if problem.model.start_states and problem.n_samples >= LEAST_SAVING * WINDOWED:
+        for count in _numbers_of_windows(len(problem.segments)):
             windows = WindowedProblem(problem, count)
             if _show_the_motion(windows, problem, z):
                 return windows
@@ -207,16 +218,20 @@ def led(objective: Objective, start: Array, problem: Problem, evaluations: int) 
     damping = found.damping
     if damping is not None:
         damping *= whole.n_samples / max(problem.n_samples, 1)
-    point = found.point
-    if isinstance(problem, WindowedProblem):
-        point = whole.unknowns(problem.values(found.point), with_zeros=False)
-    return Lead(start, point, damping, found.normal.cost)
+    if not isinstance(problem, WindowedProblem):
+        return Lead(start, found.point, damping, found.normal.cost)
+    point = whole.unknowns(problem.values(found.point), with_zeros=False)
+    is_white = at_noise_level(problem, found)
+    return Lead(start, point, damping, found.normal.cost, is_white)
 
 
 def leads(
     objective: Objective, starts: Sequence[Array], problem: Problem, evaluations: int
-) -> list[Lead] | None:
-    """All starts gone through a rough problem, the best first; None where that costs too much.
+) -> list[Lead]:
+    """The first starts gone through windows, the best first; none without windows.
+
+    All but those that follow one which explains its windows down to white noise. Over all samples,
+    the way from a false optimum of the first would be long.
 
     Parameters
     ----------
@@ -225,14 +240,17 @@ def leads(
     starts
         Unknowns of the whole problem.
     """
-    if objective.problem.n_samples < MANY * problem.n_samples:
-        return None
+    if not isinstance(problem, WindowedProblem):
+        return []
 
     def run(start: Array) -> Lead:
         return led(objective, start, problem, evaluations)
 
+    found = [run(starts[0])]
     with ThreadPoolExecutor(max_workers=LEADERS) as pool:
-        return sorted(pool.map(run, starts), key=lambda lead: lead.cost)
+        while len(found) < len(starts) and not any(lead.is_white for lead in found):
+            found += pool.map(run, starts[len(found) :][:LEADERS])
+    return sorted(found, key=lambda lead: lead.cost)
 
 
 def _steps(problem: Problem, z: Array) -> int:

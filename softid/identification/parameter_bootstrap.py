@@ -14,7 +14,7 @@ from softid.fitters.problem import Problem
 from softid.fitters.redrawn import RedrawnProblem
 from softid.identification.refitting import refitted
 from softid.log import Log
-from softid.parallel import in_parallel
+from softid.parallel import in_parallel, matrices_on_one_thread
 from softid.results import FitResult
 from softid.uncertainty.bootstrap import BootstrapResult, common_block, resample
 
@@ -27,6 +27,7 @@ FEWEST_DRAWS = 20
 """With fewer, the limits of a 95 % interval are the extremes of the draws."""
 
 
+@matrices_on_one_thread()
 def bootstrap_parameters(
     result: FitResult,
     logs: Log | Sequence[Log],

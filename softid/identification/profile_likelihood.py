@@ -13,6 +13,7 @@ from softid.fitters.problem import Problem
 from softid.identification.parameter_covariance import errors_of
 from softid.identification.refitting import refitted
 from softid.log import Log
+from softid.parallel import matrices_on_one_thread
 from softid.results import FitResult
 from softid.uncertainty.profile import ProfileResult, profile
 
@@ -23,6 +24,7 @@ REFIT_EVALUATIONS = 200
 before, and every point of the profile takes two."""
 
 
+@matrices_on_one_thread()
 def profile_parameter(
     result: FitResult, logs: Log | Sequence[Log], name: str, *, seed: int = 0
 ) -> ProfileResult:

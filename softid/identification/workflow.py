@@ -43,6 +43,7 @@ from softid.identification.response_sign import falls_with_input, opposed
 from softid.intersample import HELD
 from softid.log import Log, LogSet
 from softid.models.base import Model
+from softid.parallel import matrices_on_one_thread
 from softid.parameters import ParameterSet
 from softid.results import FitResult
 
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
 Progress = Callable[[str, float], None]
 
 
+@matrices_on_one_thread()
 def fit(
     logs: Log | Sequence[Log],
     *,

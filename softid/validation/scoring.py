@@ -16,6 +16,7 @@ from softid.identification.repeated_input import without_repeats
 from softid.intersample import HELD
 from softid.log import Log, LogSet
 from softid.models.base import Model
+from softid.parallel import matrices_on_one_thread
 from softid.records import SavedModel
 from softid.results import FitResult, Validation
 
@@ -35,6 +36,7 @@ class _Scored:
     intersample: object
 
 
+@matrices_on_one_thread()
 def validate(
     fitted: FitResult | SavedModel,
     logs: Log | Sequence[Log],
