@@ -77,7 +77,7 @@ def _moves(log: Log) -> bool:
 
 
 def without_dropouts(log: Log) -> Log:
-    """Leave drop-outs of the outputs out of the residuals, and say so.
+    """Leave drop-outs and stale readings of the outputs out of the residuals, and say so.
 
     Missing and masked samples are left out already; these are samples that hold a wrong number.
     """
@@ -93,8 +93,8 @@ def without_dropouts(log: Log) -> Log:
     issue = Issue(
         "drop-out",
         "info",
-        f"{log.name}: {count} samples are drop-outs, the first at {first_s:.4g} s; they are left "
-        "out of the residuals",
+        f"{log.name}: {count} samples are drop-outs or stale, the first at {first_s:.4g} s; they "
+        "are left out of the residuals",
         "see them with `softid inspect`",
     )
     return replace(log.with_masked(dropped), issues=(*log.issues, issue))

@@ -60,7 +60,8 @@ class Frozen:
     value
         The value.
     reason
-        ``"noise vanishes"`` or ``"input moves"``.
+        ``"stale"`` where its noise vanishes and it is elsewhere afterwards, ``"noise vanishes"``
+        where it goes on from there, ``"input moves"`` where it has no noise.
     """
 
     start: int
@@ -68,7 +69,16 @@ class Frozen:
     start_s: float
     length_s: float
     value: float
-    reason: Literal["noise vanishes", "input moves"]
+    reason: Literal["stale", "noise vanishes", "input moves"]
+
+    @property
+    def meanwhile(self) -> str:
+        """What goes on while it is stuck, as a sentence ends with it."""
+        return {
+            "stale": "its noise vanishes; then it jumps",
+            "noise vanishes": "its noise vanishes",
+            "input moves": "the input moves",
+        }[self.reason]
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from softid.quality.hum import find_hum
 from softid.quality.issues import list_issues, list_stuck
 from softid.quality.relations import check_sign, command_lag, step_response
 from softid.quality.sampling import describe_sampling
-from softid.quality.stuck import find_frozen, find_saturation, may_be_stuck
+from softid.quality.stuck import find_frozen, find_saturation, may_be_frozen, may_be_stuck
 from softid.quality.trace import Runs, Trace
 
 Array = npt.NDArray[np.float64]
@@ -129,7 +129,7 @@ def inspect(log: Log) -> Inspection:
 
 
 def dropout_mask(log: Log) -> BoolArray:
-    """Samples at which an output drops out, shape (n,), ready for `Log.with_masked`.
+    """Samples at which an output drops out or is stale, shape (n,), for `Log.with_masked`.
 
     Parameters
     ----------
@@ -138,11 +138,16 @@ def dropout_mask(log: Log) -> BoolArray:
     """
     mask = np.zeros(len(log), bool)
     for name in log.outputs:
-        channel = log.channels[name]
-        if _kind(log, name) != "command" and not may_drop_out(channel.values):
+        values, is_command = log.channels[name].values, _kind(log, name) == "command"
+        drops_out, sticks = may_drop_out(values) or is_command, may_be_frozen(values)
+        if not (drops_out or sticks):
             continue
-        for dropout in find_dropouts(_trace(log, channel, None)):
+        trace = _trace(log, log.channels[name], None)
+        for dropout in find_dropouts(trace) if drops_out else ():
             mask[dropout.start : dropout.stop] = True
+        for frozen in find_frozen(trace, None) if sticks and not is_command else ():
+            if frozen.reason == "stale":
+                mask[frozen.start : frozen.stop] = True
     return mask
 
 

@@ -36,6 +36,7 @@ NAMED = 4
 INTERMITTENT = 3
 """Distinct stuck values from which on the noise itself is said to come and go."""
 
+STALE_REMEDY = "leave the stretch out if the value is stale"
 TOLD_HERE = ("missing-output",)
 WATCHED: tuple[Role, ...] = ("input", "output", "command")
 
@@ -299,13 +300,13 @@ def _of_frozen(channel: ChannelReport) -> Iterator[Issue]:
         )
         return
     for frozen in channel.frozen:
-        why = "its noise vanishes" if frozen.reason == "noise vanishes" else "the input moves"
         yield Issue(
             "frozen-channel",
             "warning",
             f"{channel.name} is stuck at {_shown(channel, frozen.value)} for "
-            f"{frozen.length_s:.2f} s from {frozen.start_s:.2f} s, while {why}",
-            "check the sensor; leave the stretch out if the value is stale",
+            f"{frozen.length_s:.2f} s from {frozen.start_s:.2f} s, while {frozen.meanwhile}",
+            "check the sensor; "
+            + ("a fit leaves the stretch out" if frozen.reason == "stale" else STALE_REMEDY),
         )
 
 

@@ -16,7 +16,14 @@ FROZEN_SAMPLES = 30
 """Samples, or holds, of one value from which a channel may be frozen …"""
 
 FROZEN_S = 1.0
-"""… and the time: of a fast log thirty samples are no time at all."""
+"""… and the time, where it stands while the input moves: a late answer stands, too …"""
+
+NOISELESS_S = 0.2
+"""… and where its noise vanishes: of a fast log thirty samples are no time at all."""
+
+STALE_JUMP = 6.0
+"""Noise, in standard deviations, by which the reading is elsewhere after a stretch without any: it
+did not see where the actuator went, and nothing that stands still jumps."""
 
 FROZEN_OVER_USUAL = 20.0
 """The same in usual runs of a noisy channel, which on a coarse grid are long."""
@@ -58,6 +65,18 @@ def may_be_stuck(values: Array) -> bool:
     return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= FLAT_SAMPLES
 
 
+def may_be_frozen(values: Array) -> bool:
+    """Whether `find_frozen` can find anything, without what takes long.
+
+    Parameters
+    ----------
+    values
+        All samples of the log, shape (n,); may hold NaN.
+    """
+    runs = Runs.of(values)
+    return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= FROZEN_SAMPLES
+
+
 def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
     """Find stretches on which a channel that is alive elsewhere repeats one value exactly.
 
@@ -76,13 +95,15 @@ def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
     usual = weighted_median(runs.length[runs.length < FROZEN_SAMPLES * trace.repeats])
     least = max(FROZEN_SAMPLES * trace.repeats, FROZEN_OVER_USUAL * usual)
     extremes = (float(runs.value.min()), float(runs.value.max()))
-    for k in np.flatnonzero((runs.length >= FROZEN_SAMPLES) & (held_s >= FROZEN_S)):
+    for k in np.flatnonzero((runs.length >= FROZEN_SAMPLES) & (held_s >= NOISELESS_S)):
         span = slice(int(runs.start[k]), int(runs.stop[k]))
         value = float(runs.value[k])
-        reason: Literal["noise vanishes", "input moves"]
-        if trace.noisy and runs.length[k] >= least and value not in extremes:
-            reason = "noise vanishes"
-        elif input_values is not None and value not in extremes and _moves(input_values, span):
+        reason: Literal["stale", "noise vanishes", "input moves"]
+        if value in extremes:
+            continue
+        if trace.noisy and runs.length[k] >= least:
+            reason = "stale" if _jumps_behind(trace, runs, int(k)) else "noise vanishes"
+        elif held_s[k] >= FROZEN_S and input_values is not None and _moves(input_values, span):
             reason = "input moves"
         else:
             continue
@@ -97,6 +118,13 @@ def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
             )
         )
     return tuple(found)
+
+
+def _jumps_behind(trace: Trace, runs: Runs, k: int) -> bool:
+    """Whether the value behind a run lies further off than noise carries it."""
+    if k + 1 == runs.start.size or trace.noise_std is None:
+        return False
+    return abs(float(runs.value[k + 1] - runs.value[k])) > STALE_JUMP * trace.noise_std
 
 
 def _moves(input_values: Array, span: slice) -> bool:

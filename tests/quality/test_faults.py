@@ -108,14 +108,14 @@ def test_a_command_that_flickers() -> None:
 
 
 def test_a_frozen_channel() -> None:
-    """2.5 s of one value in a noisy channel, 2 s into a rung."""
+    """2.5 s of one value in a noisy channel, from 2 s into a rung to beyond it."""
 
     def fault(values: np.ndarray) -> np.ndarray:
         values[1000:1250] = values[1000]
         return values
 
     (found,) = inspect(with_fault(staircase_log(), "pressure", fault)).channel("pressure").frozen
-    assert (found.start, found.stop, found.reason) == (1000, 1250, "noise vanishes")
+    assert (found.start, found.stop, found.reason) == (1000, 1250, "stale")
     assert found.length_s == pytest.approx(2.49)
 
 

@@ -10,7 +10,7 @@ from linear_motion import linear_log
 
 from softid.identification import fit
 from softid.log import Log
-from softid.quality import stuck_outputs
+from softid.quality import dropout_mask, stuck_outputs
 
 
 def with_angle(values: np.ndarray) -> Log:
@@ -42,3 +42,29 @@ def test_what_an_output_is_stuck_at(values: np.ndarray, code: str | None) -> Non
     if code:
         (issue,) = stuck_outputs(log)
         assert issue.message.startswith(f"{log.name}: angle ")
+
+
+@pytest.mark.parametrize("seconds", [0.6, 2.0])
+def test_a_stale_reading_is_no_motion(seconds: float) -> None:
+    """The last value is repeated for a while, and the actuator is elsewhere when the sensor is back.
+
+    Known truth: what is left out are these samples, and the stiffness is what it is without them.
+    """
+    whole = noisy()
+    stale = slice(230, 230 + round(50.0 * seconds))
+    values = whole.copy()
+    values[stale] = values[230]
+    log = with_angle(values)
+    np.testing.assert_array_equal(np.flatnonzero(dropout_mask(log)), np.arange(1000)[stale])
+    found, without = (fit(one, model="oscillator") for one in (log, with_angle(whole)))
+    assert found.parameter("Q").value == pytest.approx(without.parameter("Q").value, rel=1e-3)
+    assert found.statistics[0].rmse == pytest.approx(without.statistics[0].rmse, rel=0.02)
+    assert any("stale" in issue.message for issue in found.issues)
+
+
+def test_a_reading_without_noise_that_goes_on_from_there_is_kept() -> None:
+    """A pump stops and its noise with it; the actuator is at rest, so that nothing was missed."""
+    values = noisy().copy()
+    values[:48] = values[20]
+    log = with_angle(values)
+    assert not dropout_mask(log).any()
