@@ -20,11 +20,14 @@ from softid.records.params import (
 from softid.records.plain import Plain, dump_json, to_jsonable
 from softid.records.reading import known_value, recorded_plots
 from softid.records.writing import write_folder
+from softid.results import FitResult
 
 DIAGNOSIS_SCHEMA = "softid.diagnosis/1"
 RECORD = "diagnosis.json"
 BASE_PARAMS = "params.json"
 EXTENDED_PARAMS = "extended_params.json"
+FILES = {"base": BASE_PARAMS, "extended": EXTENDED_PARAMS}
+"""Attribute of a diagnosis → file of the model that it is."""
 
 
 def save_diagnosis(
@@ -38,7 +41,7 @@ def save_diagnosis(
         What `softid.diagnose` returned.
     folder
         Target: it gets ``diagnosis.json``, ``params.json`` of the base model and, where causes were
-        found, ``extended_params.json``.
+        found, ``extended_params.json``; no file of a model that stopped short of its optimum.
     overwrite
         Whether files of those names may be replaced.
 
@@ -49,8 +52,6 @@ def save_diagnosis(
 
     Raises
     ------
-    IdentificationError
-        The fit of the base model did not succeed.
     OutputError
         A file exists and may not be replaced, or something cannot be written.
     """
@@ -64,34 +65,35 @@ def save_diagnosis(
 def diagnosis_files(diagnosis: Diagnosis) -> dict[str, dict[str, Plain]]:
     """File name within the folder of a diagnosis → content as plain values, the record first.
 
-    An extended model that stopped short of its optimum is not written, and the record says so.
+    A model that stopped short of its optimum is not written, and the record says so. What is wrong
+    with a base is told all the same: the more it misses, the less of an optimum it has.
 
     Parameters
     ----------
     diagnosis
         What `softid.diagnose` returned.
-
-    Raises
-    ------
-    IdentificationError
-        The fit of the base model did not succeed.
     """
-    models = {BASE_PARAMS: fit_document(diagnosis.base)}
-    extended = diagnosis.extended
-    if extended is not None and not extended.success:
+    models: dict[str, dict[str, Plain]] = {}
+    sums: dict[str, Plain] = {}
+    for what, name in FILES.items():
+        fit: FitResult | None = getattr(diagnosis, what)
+        if fit is None:
+            continue
+        if fit.success:
+            models[name] = fit_document(fit)
+            sums[f"{what}_sha256"] = _sha256(dump_json(models[name]))
+            continue
         issue = Issue(
-            "extended-not-converged",
+            f"{what}-not-converged",
             "warning",
-            f"the extended model has no params.json: {extended.status.value}",
+            f"the {what} model has no params.json: {fit.status.value}",
             "record the next experiment, or choose a simpler --model",
         )
-        diagnosis = replace(diagnosis, extended=None, issues=(*diagnosis.issues, issue))
-    elif extended is not None:
-        models[EXTENDED_PARAMS] = fit_document(extended)
-    record = diagnosis_document(diagnosis)
-    if EXTENDED_PARAMS in models:
-        record["extended_sha256"] = _sha256(dump_json(models[EXTENDED_PARAMS]))
-    return {RECORD: record, **models}
+        diagnosis = replace(diagnosis, issues=(*diagnosis.issues, issue))
+        if what == "extended":
+            diagnosis = replace(diagnosis, extended=None)
+    base = BASE_PARAMS if diagnosis.base.success else None
+    return {RECORD: diagnosis_document(diagnosis, base=base) | sums, **models}
 
 
 def superseded(folder: Path) -> dict[str, str]:
@@ -105,11 +107,11 @@ def superseded(folder: Path) -> dict[str, str]:
     Returns
     -------
     dict
-        File name → sha256 with which it was written: the plots and the extended model.
+        File name → sha256 with which it was written: the plots and both models.
     """
     known = dict(recorded_plots(folder / RECORD))
-    old = known_value(folder / RECORD, "extended_sha256")
-    return known | {EXTENDED_PARAMS: old} if isinstance(old, str) else known
+    sums = {name: known_value(folder / RECORD, f"{what}_sha256") for what, name in FILES.items()}
+    return known | {name: old for name, old in sums.items() if isinstance(old, str)}
 
 
 def _sha256(text: str) -> str:

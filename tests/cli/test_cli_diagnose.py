@@ -166,14 +166,21 @@ def test_what_is_wrong_is_said(softid: Cli, bench: Desk, tmp_path: Path, mistake
 
 
 def test_a_failure_writes_nothing(softid: Cli, bench: Desk, tmp_path: Path) -> None:
-    """4 whether the library refuses or its base fit ended short of the optimum."""
+    """4 when the library refuses."""
     bench.answer = IdentificationError("no start gave a finite response")
     assert softid("diagnose", "a.csv").code == 4
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_base_short_of_its_optimum_is_told_of(softid: Cli, bench: Desk, tmp_path: Path) -> None:
+    """The answer stands; only the values that are parameters of nothing have no file."""
     bench.answer = Diagnosis(
         **{**vars(write_summary(diagnosis(Verdict.NAMED))), "base": failed_fit()}
     )
-    assert softid("diagnose", "a.csv").code == 4
-    assert list(tmp_path.iterdir()) == []
+    told = softid("diagnose", "a.csv", "--out", "out")
+    assert told.code == 0
+    assert "diagnosis.json  extended_params.json" in told.out
+    assert not (tmp_path / "out" / "params.json").exists()
 
 
 def test_the_tables_tell_what_a_cause_was_added_to(softid: Cli, bench: Desk) -> None:

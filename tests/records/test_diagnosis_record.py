@@ -13,7 +13,7 @@ from handmade_diagnosis import diagnosis, odd_diagnosis
 from jsonschema import Draft202012Validator
 
 from softid.diagnosis_results import Variation, Verdict
-from softid.errors import IdentificationError, OutputError
+from softid.errors import OutputError
 from softid.records import load_params, save_diagnosis
 from softid.records.reading import load_schema
 from softid.results import FitStatus
@@ -137,11 +137,20 @@ def test_an_extended_model_that_did_not_converge_is_not_written(tmp_path: Path) 
     assert not (tmp_path / "extended_params.json").exists()
 
 
+def test_what_is_wrong_with_a_base_that_did_not_converge_is_told(tmp_path: Path) -> None:
+    """Its values are no parameters, and an earlier result's are not left in their place."""
+    save_diagnosis(diagnosis(Verdict.UNKNOWN), tmp_path)
+    found = replace(diagnosis(Verdict.UNKNOWN), base=failed_fit())
+    save_diagnosis(found, tmp_path, overwrite=True)
+    document = strict(tmp_path / "diagnosis.json")
+    assert document["verdict"] == "unknown"
+    assert document["base"]["params"] is None
+    assert document["issues"][-1]["code"] == "base-not-converged"
+    assert not (tmp_path / "params.json").exists()
+
+
 def test_nothing_is_half_written(tmp_path: Path) -> None:
-    """A failed base leaves no folder; an existing result stays without overwrite."""
-    with pytest.raises(IdentificationError):
-        save_diagnosis(replace(diagnosis(Verdict.NAMED), base=failed_fit()), tmp_path / "out")
-    assert list(tmp_path.iterdir()) == []
+    """An existing result stays without overwrite."""
     save_diagnosis(diagnosis(Verdict.NAMED), tmp_path / "out")
     before = (tmp_path / "out" / "diagnosis.json").read_bytes()
     with pytest.raises(

@@ -64,8 +64,7 @@ def test_the_first_cause_behind_which_least_may_be_left_begins() -> None:
     base, scale = converged(standing(problem, z), SIGMA), scale_of(problem, z)
     effects = (effect_of("sensor_warmup"), effect_of("sensor_drift"), Bow())
     warmup, drift = (
-        next(alternative_first_links(None, base, (effect,), scale, SIGMA))
-        for effect in effects[:2]
+        next(alternative_first_links(None, base, (effect,), scale, SIGMA)) for effect in effects[:2]
     )
     assert warmup.final.squares < drift.final.squares
     left: Any = SimpleNamespace(excess=1e-9)
