@@ -31,7 +31,8 @@ BETTER_BY = 10.0
 """n·ln(mean square) must fall by this much: both readings have the same number of unknowns."""
 
 LONG = 100_000
-"""Of a log with more samples a beginning is looked at: how an input is recorded does not change."""
+"""Where the logs have more samples, beginnings of together so many are looked at: how an input is
+recorded does not change."""
 
 LOOKS = 2
 """Evaluations before the promise of the normal equations is asked."""
@@ -130,20 +131,24 @@ class Explained:
 
     @classmethod
     def by(cls, problem: Problem, optimum: Optimum) -> Explained:
-        """What an optimum explains; of long logs, what one of their beginnings does.
+        """What an optimum explains; of long logs, what one of a part of them does.
 
         Parameters
         ----------
         problem, optimum
             A fit.
         """
-        cut = tuple(beginning(log, LONG) for log in problem.logs)
+        cut = _long_enough(problem.logs)
         if cut == tuple(problem.logs):
             return cls(problem, optimum.unknowns, _misfit(problem, optimum))
         part = Problem(problem.model, problem.parameters, cut)
         start = part.unknowns(problem.values(optimum.unknowns))
         there = Objective(part, optimum.sigma).solve(start, SCOUT_EVALUATIONS)
         return cls(part, there.point, misfit_of(part, there.point))
+
+
+def _long_enough(logs: Sequence[Log]) -> tuple[Log, ...]:
+    return tuple(beginning(log, LONG // len(logs)) for log in logs)
 
 
 def explains_better(own: Explained, other: LogSet) -> bool:
@@ -160,7 +165,7 @@ def explains_better(own: Explained, other: LogSet) -> bool:
         The logs with another input.
     """
     problem = own.problem
-    logs = [replace(beginning(log, LONG)) for log in other]  # copies, which take their cuts along
+    logs = [replace(log) for log in _long_enough(other.logs)]  # copies take their cuts along
     changed = Problem(problem.model, problem.parameters, logs)
     wanted = own.misfit - BETTER_BY
     if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:

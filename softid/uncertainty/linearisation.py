@@ -293,27 +293,38 @@ def linearise(
 def _scaled_svd(gram: Array, stacked: Callable[[], Array]) -> tuple[Array, Array, Array]:
     """Column lengths (1 for a zero column), singular values (K,) and right vectors (K, K).
 
-    From the products JᵀJ where they are clear enough, else from J, which is then asked for.
+    From the products JᵀJ where those of the columns that are not zero are clear enough, else from
+    J, which is then asked for.
     """
     norm = np.sqrt(np.maximum(np.diag(gram), 0.0))
-    norm = np.where(norm > 0.0, norm, 1.0)
+    felt = norm > 0.0
+    count = int(felt.sum())
+    norm = np.where(felt, norm, 1.0)
     scaled = gram / np.outer(norm, norm)
-    if np.isfinite(scaled).all():
-        values, vectors = np.linalg.eigh(scaled)
+    singular = np.zeros(norm.size)
+    if count and np.isfinite(scaled).all():
+        values, vectors = np.linalg.eigh(scaled[np.ix_(felt, felt)])
         if values[0] > CLEAR**2 * values[-1]:
-            return norm, np.sqrt(values[::-1]), vectors.T[::-1]
+            singular[:count] = np.sqrt(values[::-1])
+            right = np.zeros(gram.shape)
+            right[:count, felt] = vectors.T[::-1]
+            right[count:, ~felt] = np.eye(norm.size - count)
+            return norm, singular, right
     rows = stacked()
     triangle = np.linalg.qr(rows / norm, mode="r")
     _, found, right = np.linalg.svd(triangle, full_matrices=True)
-    singular = np.zeros(rows.shape[1])
     singular[: found.size] = found
     return norm, singular, right
 
 
 def is_clear(block: ResidualBlock) -> bool:
-    """Whether the products of a block's derivatives tell all that the derivatives do."""
+    """Whether the products of a block's derivatives tell all that the derivatives do.
+
+    The zero of another log, which its columns do not hold, says nothing against it.
+    """
     singular = block.decomposed[1]
-    return bool(singular[-1] > CLEAR * singular[0])
+    felt = int(np.count_nonzero(np.diag(block.gram) > 0.0))
+    return felt > 0 and bool(singular[felt - 1] > CLEAR * singular[0])
 
 
 def projection(block: ResidualBlock) -> Array:

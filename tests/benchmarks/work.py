@@ -52,17 +52,18 @@ def response(time_s: np.ndarray, pressure_bar: np.ndarray) -> np.ndarray:
     return x
 
 
-def log_of(n: int, *, exact: bool = True) -> Log:
+def log_of(n: int, *, exact: bool = True, seed: int = 1) -> Log:
     """The log: contraction in mm with 0.5 % noise; without ``exact`` softid makes the response."""
-    time_s, pressure = PERIOD_S * np.arange(n), drive_bar(n)
+    time_s, pressure = PERIOD_S * np.arange(n), drive_bar(n, seed)
     x = response(time_s, pressure) if exact else quick_response(time_s, pressure)
-    rng = np.random.default_rng(2)
+    rng = np.random.default_rng(1 + seed)
     y = x + NOISE * np.ptp(x) * rng.standard_normal(n)
     return Log.from_arrays(
         time_s,
         {"pressure": 100.0 * pressure, "contraction": y},
         outputs=("contraction",),
         units={"contraction": "mm"},
+        name=f"log-{seed}",
     )
 
 
