@@ -131,3 +131,16 @@ def test_stretches_of_stretches_are_longer_stretches() -> None:
     twice, once = fine.coarser(4).coarser(4), fine.coarser(16)
     for name in ("rows", "residuals", "counts"):
         np.testing.assert_allclose(getattr(twice, name)[0], getattr(once, name)[0], rtol=1e-12)
+
+
+def test_a_column_of_zeros_asks_for_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The zero of another log: singular values are numpy's, from the products alone."""
+    design = np.column_stack((DESIGN[:, 0], np.zeros(40), DESIGN[:, 1:]))
+    block = ResidualBlock("a", (design,), (np.ones(40),))
+    monkeypatch.setattr(ResidualBlock, "stacked", property(lambda self: pytest.fail("asked for")))
+    norm, singular, vectors = block.decomposed
+    assert norm[1] == 1.0
+    np.testing.assert_allclose(singular, np.linalg.svd(design / norm, compute_uv=False), atol=1e-12)
+    np.testing.assert_allclose(np.abs(vectors[-1]), [0.0, 1.0, 0.0, 0.0], atol=1e-12)
+    assert is_clear(block)
+    assert linearise([block]).undetermined == ((1,),)
