@@ -15,8 +15,8 @@ Array = npt.NDArray[np.float64]
 
 
 CHUNK = 8192
-"""Points of a transform that are weighted at a time: they stay in the processor's cache, and take no
-second array as long as a log."""
+"""Points of a transform that are weighted at a time: they stay in the processor's cache, and no
+second array of the transform's length is made."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -46,7 +46,7 @@ def test_what_an_output_is_stuck_at(values: np.ndarray, code: str | None) -> Non
 
 @pytest.mark.parametrize("seconds", [0.6, 2.0])
 def test_a_stale_reading_is_no_motion(seconds: float) -> None:
-    """The last value is repeated for a while, and the actuator is elsewhere when the sensor is back.
+    """The last value is repeated for a while, and the actuator is elsewhere afterwards.
 
     Known truth: what is left out are these samples, and the stiffness is what it is without them.
     """

@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from softid.diagnosis.report.phrases import VARIATIONS, title_of, titles_of, variables_left
 from softid.diagnosis.search.forward_selection import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     HELD_INPUT,
+    LAGS,
     LINEAR_FILTERS,
     LOWER_END,
     OWN_DAMPING,
     PRESLIDING,
     REPLACED,
+    RESONANCES,
     THINNING,
     EquivalenceClass,
     splitting_experiment,
     why_unsplit,
 )
-from softid.diagnosis_results import Alternative, Remainder, Verdict
+from softid.diagnosis_results import Alternative, Diagnosis, Remainder, Verdict
 from softid.models import MODELS
 from softid.results import FitResult
+
+
+SPLITS = ". What splits them: "
+"""Stands between why causes are tied and what to record."""
 
 
 def is_linear(base: FitResult) -> bool:
@@ -28,7 +36,7 @@ def is_linear(base: FitResult) -> bool:
     return MODELS[base.model.name].is_linear
 
 
-def why_tied(alternative: Alternative, *, linear: bool) -> str:
+def why_tied(alternative: Alternative, *, linear: bool, extended: FitResult | None = None) -> str:
     """Why causes are not told apart, and what would do it.
 
     Parameters
@@ -37,11 +45,61 @@ def why_tied(alternative: Alternative, *, linear: bool) -> str:
         The causes.
     linear
         Whether the base model is linear.
+    extended
+        The model with the causes: where their times may be the actuator's, its own are told.
     """
     known = law_that_ties(alternative, linear=linear)
     if known is not None:
-        return f"{known.why}. What splits them: {known.splits}."
+        own = _own_times(known, extended) if extended is not None else ()
+        here = f", here {' and '.join(own)}" if own else ""
+        return f"{known.why}{here}{SPLITS}{known.splits}."
     return why_unsplit(alternative.keys, alike=_are_alike(alternative))
+
+
+def with_reasons(found: Diagnosis) -> tuple[Alternative, ...]:
+    """The ties of a diagnosis with why they are; words that one has already stay.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers.
+    """
+    linear = is_linear(found.base)
+    return tuple(
+        a if a.why else replace(a, why=why_tied(a, linear=linear, extended=found.extended))
+        for a in found.alternatives
+    )
+
+
+def reason_of(alternative: Alternative, *, linear: bool) -> str | None:
+    """Why a law, and not these logs, ties causes, without what splits them; None where none does.
+
+    Parameters
+    ----------
+    alternative, linear
+        As in `why_tied`.
+    """
+    known = law_that_ties(alternative, linear=linear)
+    if known is None:
+        return None
+    return alternative.why.partition(SPLITS)[0] or known.why
+
+
+def _own_times(known: EquivalenceClass, extended: FitResult) -> tuple[str, ...]:
+    """What of an actuator may change places with what a cause has, as numbers with units."""
+    own = {name: value for name, (value, _) in extended.derived.items()}
+    tau, frequency = own.get("time_constant"), own.get("natural_frequency")
+    damping = own.get("damping_ratio")
+    if known is RESONANCES and frequency and damping is not None:
+        return f"{1.0 / frequency:.4g} s", f"{damping:.4g}"
+    if known is not LAGS or tau is None:
+        return ()
+    if not frequency or damping is None:
+        return (f"{tau:.4g} s",)
+    if damping < 1.0:
+        return ()
+    slow = (damping + math.sqrt(damping**2 - 1.0)) / (2.0 * math.pi * frequency)
+    return f"{slow:.4g} s", f"{tau - slow:.4g} s"
 
 
 def _are_alike(alternative: Alternative) -> bool:

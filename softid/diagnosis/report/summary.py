@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
-from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, what_next, why_tied
+from softid.diagnosis.report.ambiguity import is_linear, reason_of, what_next, with_reasons
 from softid.diagnosis.report.changes import (
     CHANGE_POINT,
     HELD_OUT_CHANGE,
@@ -82,9 +82,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         A diagnosis in numbers; words that it has already stay, but for the paragraph.
     """
     linear = is_linear(found.base)
-    alternatives = tuple(
-        a if a.why else replace(a, why=why_tied(a, linear=linear)) for a in found.alternatives
-    )
+    alternatives = with_reasons(found)
     following = found.next_experiment or _remedy_of_disturbance(found)
     following = following or what_next(
         found.verdict, alternatives=alternatives, remainder=found.remainder, linear=linear
@@ -311,9 +309,9 @@ def _explained(
         values = values_of(cause.parameters)
         if tie is not None:
             named = titles_of(tie.keys, last=" or ")
-            law = law_that_ties(tie, linear=linear)
-            if law is not None:
-                reason = f"{law.why}. As {lowered(cause.title)} it"
+            reason = reason_of(tie, linear=linear)
+            if reason is not None:
+                reason = f"{reason}. As {lowered(cause.title)} it"
             else:
                 behind = max(tie.delta_bic.values(), default=0.0)
                 by = "a little" if behind < SAME else "less than what none of them explains"

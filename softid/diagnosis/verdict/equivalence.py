@@ -245,23 +245,21 @@ POLE_AND_ZERO = EquivalenceClass(
 )
 """A creep that begins while the actuator still moves."""
 
-LINEAR_FILTERS: tuple[EquivalenceClass, ...] = (
-    EquivalenceClass(
-        ("a lag of the pneumatics", "a lag of the sensor"),
-        ("pneumatic_lag", "sensor_lag"),
-        "In a linear model a lag of the input and one of the sensor give the same output, and its "
-        "time may change places with one of an actuator that does not ring",
-        _FASTER,
-    ),
-    EquivalenceClass(
-        ("a resonance of the supply line", "a resonance of the sensor"),
-        ("line_resonance", "sensor_resonance"),
-        "In a linear model a resonance before the actuator and one of the sensor give the same "
-        "output, and its period and damping may change places with the actuator's own",
-        _FASTER,
-    ),
-    POLE_AND_ZERO,
+LAGS = EquivalenceClass(
+    ("a lag of the pneumatics", "a lag of the sensor"),
+    ("pneumatic_lag", "sensor_lag"),
+    "In a linear model a lag of the input and one of the sensor give the same output, and its time "
+    "may change places with one of an actuator that does not ring",
+    _FASTER,
 )
+RESONANCES = EquivalenceClass(
+    ("a resonance of the supply line", "a resonance of the sensor"),
+    ("line_resonance", "sensor_resonance"),
+    "In a linear model a resonance before the actuator and one of the sensor give the same output, "
+    "and its period and damping may change places with the actuator's own",
+    _FASTER,
+)
+LINEAR_FILTERS = (LAGS, RESONANCES, POLE_AND_ZERO)
 """Linear operations may change places. A stiffness that goes with the pressure tells them apart."""
 
 SINE = "a sine of 0.5 Hz"

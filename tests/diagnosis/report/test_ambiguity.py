@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from handmade import fit_result
 from handmade_diagnosis import remainder
 
 from softid.diagnosis.report.ambiguity import law_that_ties, what_next, why_tied
@@ -139,3 +140,22 @@ def test_a_law_in_no_catalogue_says_why_and_what_splits_it(
     assert why_tied(tied, linear=linear) == f"{known.why}. What splits them: {known.splits}."
     told = what_next(Verdict.AMBIGUOUS, alternatives=[tied], remainder=NOISE, linear=linear)
     assert told == f"record {known.splits}"
+
+
+@pytest.mark.parametrize(
+    ("keys", "own", "told"),
+    [
+        (("line_resonance", "sensor_resonance"), (0.01, 5.0, 0.2), "own, here 0.2 s and 0.2."),
+        (("pneumatic_lag", "sensor_lag"), (0.3, None, None), "ring, here 0.3 s."),
+        (("pneumatic_lag", "sensor_lag"), (0.3, 1.125395, 1.06066), "ring, here 0.2 s and 0.1 s."),
+        (("pneumatic_lag", "sensor_lag"), (0.01, 5.0, 0.2), "that does not ring."),
+    ],
+)
+def test_what_may_change_places_is_told_in_numbers(
+    keys: tuple[str, ...], own: tuple[float | None, ...], told: str
+) -> None:
+    """Closed form: poles of 0.2 and 0.1 s are √50/2π = 1.125 Hz and a damping of 0.3·√50/2."""
+    names = ("time_constant", "natural_frequency", "damping_ratio")
+    known = {name: (value, "") for name, value in zip(names, own, strict=True) if value is not None}
+    why = why_tied(tie(*keys), linear=True, extended=replace(fit_result(), derived=known))
+    assert told in why
