@@ -26,7 +26,6 @@ from softid.diagnosis_results import Alternative, Diagnosis, Remainder, Verdict
 from softid.models import MODELS
 from softid.results import FitResult
 
-
 SPLITS = ". What splits them: "
 """Stands between why causes are tied and what to record."""
 
