@@ -207,6 +207,9 @@ class Log:
         return tuple(self._segment(k, a, b) for k, (a, b) in enumerate(spans))
 
     def _segment(self, index: int, start: int, stop: int) -> Segment:
+        return with_knots(self._rows(index, start, stop), self.between_samples)
+
+    def _rows(self, index: int, start: int, stop: int) -> Segment:
         span = slice(start, stop)
         outputs = {name: self.channels[name].values[span] for name in self.outputs}
         keep = ~self.masked[span] if self.masked is not None else np.ones(stop - start, bool)
@@ -215,7 +218,7 @@ class Log:
         time_s, read_s = self.time_s[span], self.input_read_s
         if read_s is not None:
             read_s = read_s[(read_s >= time_s[0]) & (read_s <= time_s[-1])]
-        segment = Segment(
+        return Segment(
             self.name,
             index,
             start,
@@ -227,7 +230,6 @@ class Log:
             float(self.time_s[0]),
             input_read_s=read_s,
         )
-        return with_knots(segment, self.between_samples)
 
     @property
     def between_samples(self) -> Intersample:

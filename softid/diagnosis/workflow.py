@@ -25,6 +25,7 @@ from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.logs.input_gaps import without_lost_input
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
+from softid.diagnosis.logs.slow_outputs import at_readings
 from softid.diagnosis.plainer_model import PlainerModels, plainer_model_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
@@ -77,7 +78,7 @@ from softid.effects import effects_of
 from softid.errors import Issue
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.parameter_constraints import ParameterConstraints
-from softid.identification.preparation import as_log_set, without_dropouts
+from softid.identification.preparation import as_log_set, as_logs, without_dropouts
 from softid.identification.repeated_input import without_repeats
 from softid.identification.workflow import Identification
 from softid.log import Log
@@ -96,7 +97,7 @@ Array = npt.NDArray[np.float64]
 def diagnose(
     logs: Log | Sequence[Log],
     *,
-    hold_out: Sequence[Log] = (),
+    hold_out: Log | Sequence[Log] = (),
     model: Model | str | None = None,
     parameters: ParameterSet | lmfit.Parameters | None = None,
     preferred: Sequence[Model] = (),
@@ -152,7 +153,7 @@ def diagnose(
     report = _rising(progress)
     recorded = as_log_set(logs)
     is_in_doubt = is_open(recorded)
-    recordings = Recordings(recorded, tuple(hold_out)).each(_cleaned)
+    recordings = Recordings(recorded, as_logs(hold_out)).each(_cleaned)
     if is_measured(recorded):
         usual = reading_unless_held(recorded)
         recordings = recordings.each(lambda log: log.with_intersample(usual))
@@ -381,7 +382,7 @@ def _with_variations(
 
 def _cleaned(log: Log) -> Log:
     """The log as it is fitted, averaged and judged by: a drop-out must be in none of the three."""
-    return without_dropouts(without_input_noise(without_repeats(log)))
+    return at_readings(without_dropouts(without_input_noise(without_repeats(log))))
 
 
 def _fit_of(final: Candidate, identified: Identification, seed: int) -> FitResult:

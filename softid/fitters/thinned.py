@@ -34,6 +34,10 @@ led beside the basin, and the fit took twice as long as without."""
 WORTHWHILE = 0.5
 """Largest share of the steps of all samples that block averages may take."""
 
+WHOLE = 0.5
+"""Least share of the residuals that lie in blocks of which no sample is missing: an output that is
+read once in three rows has no such block."""
+
 WINDOWED = 2500
 """Samples in all windows together."""
 
@@ -161,7 +165,8 @@ def rough_problem(problem: Problem, z: Array) -> Problem | None:
     length = thinning(problem)
     if length > 1:
         averaged = ThinnedProblem(problem, length)
-        if _steps(averaged, z) <= WORTHWHILE * _steps(problem, z):
+        holds_most = averaged.n_samples >= WHOLE * problem.n_samples / length
+        if holds_most and _steps(averaged, z) <= WORTHWHILE * _steps(problem, z):
             return averaged
     return None
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.errors import InputError, Issue, UsageError
+from softid.identification.repeated_output import repeated_readings
 from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
@@ -77,10 +78,26 @@ def _moves(log: Log) -> bool:
 
 
 def without_dropouts(log: Log) -> Log:
-    """Leave drop-outs and stale readings of the outputs out of the residuals, and say so.
+    """Leave drop-outs, stale and repeated readings out of the residuals, and say so.
 
     Missing and masked samples are left out already; these are samples that hold a wrong number.
     """
+    log = _without_wrong(log)
+    repeated = repeated_readings(log)
+    if not repeated.any():
+        return log
+    issue = Issue(
+        "repeated-output",
+        "info",
+        f"{log.name}: {' and '.join(log.outputs)} repeats each reading for about "
+        f"{len(log) / (len(log) - int(repeated.sum())):.2g} samples; the repeats are left out of "
+        "the residuals",
+        "record all channels at one rate",
+    )
+    return replace(log.with_masked(repeated), issues=(*log.issues, issue))
+
+
+def _without_wrong(log: Log) -> Log:
     dropped = dropout_mask(log)
     if log.masked is not None:
         dropped &= ~log.masked

@@ -63,7 +63,7 @@ def without_repeats(log: Log) -> Log:
         A log; its outputs are not touched.
     """
     channel = log.channels[log.input]
-    if log.input == COMMAND or log.intersample is not None or not _repeats(channel.values):
+    if log.input == COMMAND or log.intersample is not None or not repeats(channel.values):
         return log
     grid = find_quantisation(channel.values)
     hold = find_hold(log.time_s, channel.values, grid.step if grid else None)
@@ -108,8 +108,14 @@ def _course(time_s: Array, read_s: Array, read: Array) -> Array:
     return course
 
 
-def _repeats(values: Array) -> bool:
-    """Whether runs of equal values are so long that a slower sensor may make them; soon told."""
+def repeats(values: Array) -> bool:
+    """Whether runs of equal values are so long that a slower sensor may make them; soon told.
+
+    Parameters
+    ----------
+    values
+        Samples of a channel, shape (n,).
+    """
     lengths = np.diff(run_starts(values))
     if lengths.size == 0:
         return False

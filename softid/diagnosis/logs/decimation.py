@@ -22,6 +22,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.logs.slow_outputs import SlowOutputLog
 from softid.intersample import BEFORE, HELD, Intersample, is_abrupt, jumps
 from softid.log import Log
 from softid.segment import Segment, absent_times, with_rows
@@ -58,6 +59,8 @@ def samples_to_average(
 ) -> int:
     """Over how many samples the logs may be averaged; 1 for not at all.
 
+    An input that was recorded between slow readings of the outputs would be lost in averages.
+
     Parameters
     ----------
     logs
@@ -70,7 +73,7 @@ def samples_to_average(
     per_motion
         So many averages are left in a time constant of the motion at least.
     """
-    if not all(is_regular(log) for log in logs):
+    if not all(is_regular(log) and not isinstance(log, SlowOutputLog) for log in logs):
         return 1
     wanted = sum(len(log) for log in logs) / enough
     period_s = max(log.period_s for log in logs)

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.logs.decimation import is_regular
+from softid.diagnosis.logs.slow_outputs import SlowOutputLog
 from softid.intersample import HELD
 from softid.log import Log
 
@@ -25,7 +26,7 @@ def evenly_sampled(log: Log) -> Log | None:
     """The log at even times, a median interval apart; itself where it is even already.
 
     None for a log that stalls, and for an input that is held between its samples: where it changes
-    would move.
+    would move. Of one whose outputs are slow, what the input does between them is left out.
 
     Parameters
     ----------
@@ -40,6 +41,10 @@ def evenly_sampled(log: Log) -> Log | None:
     >>> even.time_s.tolist(), even.channels["angle"].values.tolist()
     ([0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 2.0, 3.0, 4.0])
     """
+    if isinstance(log, SlowOutputLog):
+        if log.between_samples in HELD:
+            return None
+        log = log.at_samples_alone()
     if is_regular(log):
         return log
     if len(log.segments()) > 1 or log.between_samples in HELD:

@@ -1,0 +1,110 @@
+"""Logs whose outputs are read more slowly than their input, such as a camera beside a gauge.
+
+Most of their rows hold no reading of an output. What looks at residuals in turn, noise and averages
+alike, would find single ones with gaps between them; so the rows with a reading are the samples
+here, and the input goes on between them as it was recorded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.log import Log
+from softid.segment import Segment, absent_times, with_rows
+
+BoolArray = npt.NDArray[np.bool_]
+
+APART = 1e-6
+"""Share of a sampling interval within which two rows are one."""
+
+USUAL = 0.5
+"""An output is slow where more than this share of its readings follow each other with rows between
+them; where samples were lost most readings have none."""
+
+
+@dataclass(frozen=True, eq=False)
+class SlowOutputLog(Log):
+    """The rows of another log at which its outputs were read.
+
+    Attributes
+    ----------
+    recorded
+        The other one, whose input is the course between the samples.
+    """
+
+    recorded: Log = field(kw_only=True)
+
+    @property
+    def as_recorded(self) -> Log:
+        """The other one: the input has its extremes between the readings."""
+        return self.recorded
+
+    def at_samples_alone(self) -> Log:
+        """The samples as a plain log, between which the input is straight."""
+        return Log(
+            name=self.name,
+            time_s=self.time_s,
+            channels=self.channels,
+            input=self.input,
+            outputs=self.outputs,
+            masked=self.masked,
+            source=self.source,
+            issues=self.issues,
+            metadata=self.metadata,
+            intersample=self.intersample,
+        )
+
+    def _rows(self, index: int, start: int, stop: int) -> Segment:
+        segment = super()._rows(index, start, stop)
+        whole = self.recorded
+        within = (whole.time_s > segment.time_s[0]) & (whole.time_s < segment.time_s[-1])
+        between_s = absent_times(segment.time_s, whole.time_s[within], APART * whole.period_s)
+        course = whole.channels[whole.input].values
+        return with_rows(segment, between_s, np.interp(between_s, whole.time_s, course))
+
+
+def at_readings(log: Log) -> Log:
+    """The log at the rows at which an output was read; itself where that is at nearly all of them.
+
+    Parameters
+    ----------
+    log
+        A log; what is masked counts as not read.
+
+    Examples
+    --------
+    >>> angle = [0.0, np.nan, 2.0, np.nan, 4.0, np.nan, 6.0]
+    >>> log = Log.from_arrays(range(7), {"pressure": [0, 1, 2, 3, 9, 3, 2], "angle": angle})
+    >>> slow = at_readings(log)
+    >>> slow.time_s.tolist(), slow.segments()[0].input.tolist()
+    ([0.0, 2.0, 4.0, 6.0], [0.0, 1.0, 2.0, 3.0, 9.0, 3.0, 2.0])
+    """
+    rows = np.flatnonzero(_is_read(log))
+    if rows.size < 2 or float(np.mean(np.diff(rows) > 1)) <= USUAL:
+        return log
+    assert log.masked is not None
+    return SlowOutputLog(
+        name=log.name,
+        time_s=log.time_s[rows],
+        channels={k: replace(c, values=c.values[rows]) for k, c in log.channels.items()},
+        input=log.input,
+        outputs=log.outputs,
+        masked=log.masked[rows],
+        source=log.source,
+        issues=log.issues,
+        metadata=log.metadata,
+        intersample=log.intersample,
+        input_read_s=log.time_s if log.input_read_s is None else log.input_read_s,
+        recorded=log,
+    )
+
+
+def _is_read(log: Log) -> BoolArray:
+    """At which rows an output counts, shape (n,)."""
+    assert log.masked is not None
+    finite = [np.isfinite(log.channels[name].values) for name in log.outputs]
+    read: BoolArray = ~log.masked & np.any(finite, axis=0)
+    return read

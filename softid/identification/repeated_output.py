@@ -1,0 +1,57 @@
+"""An output that a slower sensor delivers: each reading is repeated until the next one arrives.
+
+A camera of 30 frames a second in a log of 100 rows a second says one thing three times. The repeats
+are no readings: they are late, by one row, by two, as a lag of the sensor would be.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.excitation import find_hold, find_quantisation, fresh_samples
+from softid.identification.intersample_choice import COMMAND
+from softid.identification.repeated_input import LEAST_FACTOR, repeats
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+def repeated_readings(log: Log) -> BoolArray:
+    """At which rows every output repeats what it said before, shape (n,).
+
+    Parameters
+    ----------
+    log
+        A log; a commanded output is what it is at every row.
+
+    Examples
+    --------
+    >>> readings = np.random.default_rng(0).normal(size=50)
+    >>> channels = {"pressure": np.arange(150.0), "angle": np.repeat(readings, 3)}
+    >>> repeated_readings(Log.from_arrays(np.arange(150.0), channels))[:6].tolist()
+    [False, True, True, False, True, True]
+    """
+    assert log.masked is not None
+    every = np.ones(len(log), bool)
+    for name in log.outputs:
+        if name == COMMAND:
+            return np.zeros(len(log), bool)
+        every &= _repeated(log.time_s, log.channels[name].values)
+    return every & ~log.masked
+
+
+def _repeated(time_s: Array, values: Array) -> BoolArray:
+    """At which rows one channel does; missing ones say nothing."""
+    known = np.flatnonzero(np.isfinite(values))
+    found = np.zeros(values.size, bool)
+    if known.size < 2 or not repeats(values[known]):
+        return found
+    grid = find_quantisation(values[known])
+    hold = find_hold(time_s[known], values[known], grid.step if grid else None)
+    if hold is None or hold.factor < LEAST_FACTOR:
+        return found
+    found[known] = True
+    found[known[fresh_samples(time_s[known], values[known], hold)]] = False
+    return found
