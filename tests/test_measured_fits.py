@@ -106,10 +106,11 @@ def uniform(log: Log, rate_hz: float) -> Log:
 
 
 def test_two_segment_arm(measured: Path) -> None:
-    """Reached 86.1/91.7 → 80.5/70.2."""
+    """Reached 88.0/90.6 → 83.8/69.6. The angle of the April logs repeats each reading twice; with
+    the repeats in the residuals it was 86.1/91.7 → 80.5/70.2."""
     result = fitted(measured / "two-segment-arm", ["Jan5_1", "apr4_1"], ["Jan5_2", "apr4_2"])
     found = percent(result)
-    floors = {"Jan5_1": 85.0, "apr4_1": 91.0, "Jan5_2": 80.0, "apr4_2": 69.0}
+    floors = {"Jan5_1": 87.5, "apr4_1": 90.0, "Jan5_2": 83.0, "apr4_2": 69.0}
     assert all(found[name] > floor for name, floor in floors.items()), found
 
 

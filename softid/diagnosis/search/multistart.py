@@ -104,7 +104,7 @@ def multistart_candidates(
         chosen = _best(found, effect, scale, weights)
         if isinstance(effect, InputEffect | OutputEffect) and _comes_first(effect, scale):
             own = [
-                (values, _driven(rough, effect, values, scale)) for values in effect.starts(scale)
+                (values, driven(rough, effect, values, scale)) for values in effect.starts(scale)
             ]
             chosen += _best(own, effect, scale, weights)
         return chosen
@@ -151,10 +151,20 @@ def _best(
     return [candidate for squares, candidate in best if np.isfinite(squares)]
 
 
-def _driven(
+def driven(
     base: Candidate, effect: InputEffect | OutputEffect, values: Mapping[str, float], scale: Scale
 ) -> list[Candidate]:
-    """The base at start values for what arrives behind an effect."""
+    """The base at start values for what arrives behind an effect.
+
+    Parameters
+    ----------
+    base
+        The base fit, without effects.
+    effect, values
+        The effect, and its parameters there.
+    scale
+        Sizes of the base fit.
+    """
     eta = effect.parameters(scale).with_values(values).values_vector()
     arriving = [
         replace(s, input=effect.apply(eta, s.time_s - s.log_start_s, s.input, scale))

@@ -121,6 +121,7 @@ UNLISTED: dict[str, str] = {
     "pressure_gain_drift": "a pressure that falls behind what is recorded, by a leak that grows or "
     "a gauge whose gain drifts",
     "rate_limit": "a supply that fills and vents at no more than one rate",
+    "input_limit": "a supply that gives no more than one pressure",
     "relief_leak": "a leak that opens above a pressure, as a relief valve does",
     "thinning_damping": "a damping of the actuator that grows less than in proportion to its speed",
     "bent_reading": "a sensor whose gain is not the same over its range",
@@ -157,11 +158,11 @@ BENT_READING = EquivalenceClass(
 
 LIMITED_RATE = EquivalenceClass(
     ("a valve or a lag", UNLISTED["rate_limit"]),
-    ("rate_limit",),
+    ("rate_limit", "input_limit"),
     "A refit with such a limit in its place explains these logs as well or better",
     "small and large steps from one level, or the pressure at the actuator itself",
 )
-"""Large steps are late, small ones are not."""
+"""Large steps are late, or lead no higher; small ones are not."""
 
 TWO_CREEPS = EquivalenceClass(
     ("a cause beside the creep", UNLISTED["second_creep"]),

@@ -23,6 +23,7 @@ from softid.diagnosis.refit.extension import (
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import INDISTINCT, Link
+from softid.diagnosis.search.multistart import driven
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
 from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
@@ -35,7 +36,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
     BentReading,
     SecondCreep,
 )
-from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit
+from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
 from softid.effects import effect_of
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -46,6 +47,10 @@ has come near by then."""
 
 NEAR = 2.0
 """It has where it leaves less than so many times what the causes leave."""
+
+
+CURVED = (InputLimit, ReliefLeak)
+"""Laws of the input that bend the static curve."""
 
 
 @dataclass(frozen=True)
@@ -174,6 +179,9 @@ def refitted_with(
 ) -> Candidate:
     """The base with effects of a model that stands, and others from the best of their starts.
 
+    One of `CURVED` in the place of all also begins at start values of the base for what arrives
+    behind it: what stood for it has bent the curve of the base.
+
     Parameters
     ----------
     known
@@ -193,6 +201,12 @@ def refitted_with(
         start_unknowns(problem, known.problem, known.minimum.point, values)
         for values in _start_values(laws, base)
     ]
+    if not kept and isinstance(laws[0], CURVED):
+        starts += [
+            start_unknowns(problem, place.problem, place.minimum.point, named_values(laws[0], own))
+            for own in laws[0].starts(base.scale)
+            for place in driven(base.candidate, laws[0], own, base.scale)
+        ]
     z = min(starts, key=lambda start: squares_at(problem, start, base.sigma))
     found = advance(begun(known, effects, problem, z), base.sigma, FIRST)
     return found if found.squares > near else advance(found, base.sigma, REFITTING)

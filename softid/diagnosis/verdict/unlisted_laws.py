@@ -20,7 +20,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     SettlingStiffness,
     one_parameter,
 )
-from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit, ReliefLeak
+from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
 from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
 from softid.kernels.earlier_input import read_at
@@ -290,6 +290,7 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     PressureGainDrift,
     PressureDrift,
     RateLimit,
+    InputLimit,
     ReliefLeak,
     BentReading,
     DampingDrift,

@@ -27,6 +27,12 @@ START_TIMES = (0.2, 0.7, 2.5)
 LEAST_LOST, MOST_LOST, START_LOST = 1e-3, 20.0, 0.3
 """Bounds and start of what a leak loses of the pressure beyond that at which it opens."""
 
+LIMITED_AT = (0.5, 0.75, 0.9)
+"""Starts of the pressure that a supply does not exceed, as shares of the input's range."""
+
+CORNER = 0.005
+"""Width of the corner there, as a share of the range: an edge has no slope to follow."""
+
 OPENS_AT = (0.3, 0.6)
 """Starts of the pressure at which it opens, as shares of the input's range."""
 
@@ -127,3 +133,34 @@ class ReliefLeak(InputEffect):
     def bends_in_s(self, eta: Array) -> float:
         """The time constant above the leak."""
         return float(eta[0] / (1.0 + eta[2]))
+
+
+@dataclass(frozen=True)
+class InputLimit(InputEffect):
+    """A pressure that never exceeds a limit, pa = min(p, top), with a corner of a small width."""
+
+    name: ClassVar[str] = "input_limit"
+    title: ClassVar[str] = "Limit of the supply"
+    law: ClassVar[str] = "arriving u = min(u, top)"
+    meaning: ClassVar[str] = "The supply or the regulator gives no more than a pressure."
+    signature: ClassVar[str] = "Nothing moves above one pressure, however quickly it is passed."
+    remedy: ClassVar[str] = "the pressure at the actuator itself, at the highest command"
+    shown_by: ClassVar[str] = "levels close to each other at the upper end of the range"
+    source: ClassVar[str] = "Tao and Kokotović, Adaptive Control of Systems, Wiley 1996"
+    amplitude: ClassVar[str] = "top"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The pressure that is not exceeded."""
+        top = Parameter("top", scale.u_high, scale.u_unit, scale.u_low, scale.u_high)
+        return ParameterSet((replace(top, meaning="largest pressure", source=self.source),))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """At several levels in the upper half of the range."""
+        return tuple({"top": scale.u_low + share * scale.u_span} for share in LIMITED_AT)
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """The input up to the limit."""
+        del time_s
+        width = CORNER * scale.u_span
+        arriving: Array = u - width * np.logaddexp(0.0, (u - eta[0]) / width)
+        return arriving
