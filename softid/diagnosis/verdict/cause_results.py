@@ -22,6 +22,11 @@ from softid.scores import fit_percent
 Array = npt.NDArray[np.float64]
 
 
+HARDLY = 0.05
+"""A richer form whose ratio differs from that of the plain one by less than this share is told as
+plain: so much is the work of what else is not in the model. A vent that is 2 % slower is none."""
+
+
 def causes_of(
     chain: Chain,
     errors: Sequence[Array],
@@ -67,7 +72,7 @@ def causes_of(
 
 
 def told_as(effect: Effect, parameters: Sequence[ParameterEstimate]) -> Effect:
-    """The effect, or its plain form where its parameters do not tell the two apart.
+    """The effect, or its plain form where its parameters do not tell the two apart, or hardly.
 
     Parameters
     ----------
@@ -81,7 +86,8 @@ def told_as(effect: Effect, parameters: Sequence[ParameterEstimate]) -> Effect:
     name, value = effect.plain_at
     for p in parameters:
         if p.name == extended_name(effect, name) and p.ci95 is not None:
-            return effect_of(effect.name) if p.ci95[0] <= value <= p.ci95[1] else effect
+            is_plain = p.ci95[0] <= value <= p.ci95[1] or abs(p.value - value) < HARDLY * abs(value)
+            return effect_of(effect.name) if is_plain else effect
     return effect
 
 

@@ -48,8 +48,8 @@ MOST_GAINED = 9.0
 EARLIEST = 0.1
 """Bound of the time by which a reading runs ahead, as a share of the longest log."""
 
-MOST_PLAY, START_PLAY = 0.3, (0.02, 0.08)
-"""Bound and starts of half a play, as a share of the range."""
+MOST_PLAY, START_PLAY = 0.6, (0.04, 0.16)
+"""Bound and starts of a play, as a share of the range."""
 
 
 @dataclass(frozen=True)
@@ -192,20 +192,18 @@ class EarlyReading(OutputEffect):
 
 @dataclass(frozen=True)
 class Play(Effect):
-    """Play of half the width w, as a share of what moves."""
+    """Play of the width w, from one side to the other, as a share of the range."""
 
-    law: ClassVar[str] = "it follows only when it is a width away"
+    law: ClassVar[str] = "it follows only when it is half the play away"
     shown_by: ClassVar[str] = "small moves up and down"
     signature: ClassVar[str] = "The residual is flat for a while after every turn."
     source: ClassVar[str] = "Tao and Kokotović, Adaptive Control of Systems, Wiley 1996"
     amplitude: ClassVar[str] = "w"
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """Half the width as a share of the range."""
+        """The width as a share of the range."""
         del scale
-        return one_parameter(
-            "w", START_PLAY[0], "1", 0.0, MOST_PLAY, "half of the play", self.source
-        )
+        return one_parameter("w", START_PLAY[0], "1", 0.0, MOST_PLAY, "the play", self.source)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Small and large."""
@@ -226,7 +224,7 @@ class InputPlay(Play, InputEffect):
         """The input with play."""
         del time_s
         arriving = np.array(u, np.float64)
-        play(arriving, max(float(eta[0]), 0.0) * scale.u_span)
+        play(arriving, 0.5 * max(float(eta[0]), 0.0) * scale.u_span)
         return arriving
 
 
@@ -243,7 +241,7 @@ class OutputPlay(Play, OutputEffect):
         """The reading with play."""
         del time_s
         recorded = np.array(y, np.float64)
-        play(recorded, max(float(eta[0]), 0.0) * scale.y_span)
+        play(recorded, 0.5 * max(float(eta[0]), 0.0) * scale.y_span)
         return recorded
 
 
