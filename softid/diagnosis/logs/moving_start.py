@@ -78,9 +78,9 @@ def without_moving_start(log: Log, motion_s: float, *, states: int) -> Log:
     issue = Issue(
         "moving-start",
         "info",
-        f"{log.name}: at the beginning, {first_s[0]:.4g} s{others}, a motion goes on or has just "
-        f"ended; what {log.input} did before is not known, and {unknown.sum()} samples that may "
-        "depend on it are left out of the residuals",
+        f"{log.name}: at the beginning, {first_s[0]:.4g} s{others}, there is no rest of "
+        f"{max(LONGEST_S, motion_s):.2g} s; what {log.input} did before is not known, and "
+        f"{unknown.sum()} samples that may depend on it are left out of the residuals",
         "begin to record a few seconds before the motion",
     )
     return replace(log.with_masked(unknown), issues=(*log.issues, issue))

@@ -13,6 +13,7 @@ from softid.diagnosis.report.changes import (
     HELD_OUT_CHANGE,
     LOG_DIFFERENCES,
 )
+from softid.diagnosis.report.descriptions import described
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
@@ -21,7 +22,6 @@ from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW, UNLIST
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLES,
-    described,
     doubt_about,
     given_up,
     listed,

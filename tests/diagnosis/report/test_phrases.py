@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from handmade_diagnosis import cause, diagnosis, estimate, remainder
 
+from softid.diagnosis.report.descriptions import described
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     UNLIKE_NOISE,
-    described,
     doubt_about,
     percent_below,
     taken_by,

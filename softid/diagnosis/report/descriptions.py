@@ -1,0 +1,39 @@
+"""What the descriptions beside some causes are, and why they are no more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from softid.diagnosis.report.phrases import doubt_about, listed, lowered
+from softid.diagnosis_results import Cause, Doubt
+
+SMALL = 0.85
+"""What leaves less than this share of the error on what is held out is no small part of it."""
+
+
+def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
+    """What the descriptions beside some causes are, and why they are no more.
+
+    Parameters
+    ----------
+    descriptive, causes
+        As in `Diagnosis`.
+    """
+    names = listed([lowered(cause.title) for cause in descriptive])
+    verb = "describes" if len(descriptive) == 1 else "describe"
+    fewest = min((cause.delta_bic for cause in causes), default=math.inf)
+    least = min((_held_out_fall(cause) for cause in causes), default=math.inf)
+    occur = all(c.doubt is not Doubt.DOES_NOT_OCCUR for c in descriptive)
+    small = all(c.holdout_rmse_after > SMALL * c.holdout_rmse_before for c in descriptive)
+    less = all(c.delta_bic < fewest and _held_out_fall(c) < least for c in descriptive)
+    if occur and small and less:
+        return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
+    reasons = filter(None, map(doubt_about, descriptive))
+    told = f"Besides, {names} {verb} a part of the misfit, with a law that is not sure enough"
+    return " ".join((f"{told} for a name.", *reasons))
+
+
+def _held_out_fall(cause: Cause) -> float:
+    """By how much the mean square error on what is held out falls."""
+    return cause.holdout_rmse_before**2 - cause.holdout_rmse_after**2
