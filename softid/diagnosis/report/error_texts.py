@@ -12,6 +12,8 @@ from softid.results import FitResult
 MORE = 1.25
 """What is held out keeps more when its error is so many times that of the fitted samples."""
 
+ASTRAY = 3.0
+"""A model does not carry over to what is held out when it errs there by so many times as much."""
 
 HARDLY = 2.0
 """Fit in per cent below which a model says no more than a constant."""
@@ -52,6 +54,7 @@ class ErrorTexts:
         mine = [g for g in gains if g.channel == self.first]
         held = [g for g in mine if g.held_out]
         self.rows = held or mine
+        self.fitted = [g for g in mine if not g.held_out]
         self.held_out = bool(held)
 
     def size(self, value: float) -> str:
@@ -63,8 +66,7 @@ class ErrorTexts:
 
     def error(self, pick: Callable[[Gain], float]) -> float:
         """Root mean square over all logs; NaN when there is none."""
-        n = sum(g.n for g in self.rows)
-        return math.sqrt(sum(g.n * pick(g) ** 2 for g in self.rows) / n) if n else math.nan
+        return _error_of(self.rows, pick)
 
     def percents(self, pick: Callable[[Gain], float]) -> str:
         """The fit of the logs in per cent, of those in which anything moves."""
@@ -80,14 +82,21 @@ class ErrorTexts:
         if not self.rows:
             return f"{model} was fitted, and no sample of {self.first} was left to judge it on."
         where = "held-out samples" if self.held_out else "the fitted samples"
-        before = self.size(self.error(lambda g: g.rmse_before))
+        error, fitted = (_error_of(rows, _before) for rows in (self.rows, self.fitted))
+        before = self.size(error)
         fit = self.percents(lambda g: g.fit_percent_before)
         if any(g.fit_percent_before < RUNS_AWAY for g in self.rows):
             return (
                 f"{model} runs away on {where}, by {before} rms: nothing in the fitted ones holds "
                 "its parameters there."
             )
-        return f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
+        told = f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
+        if self.held_out and error > ASTRAY * fitted:
+            told += (
+                f" On the fitted ones it is {self.size(fitted)}: the model does not carry over, and "
+                "what is gained there is in part better parameters."
+            )
+        return told
 
     def more_held_out(self, remainder: Remainder, *, is_tied: bool = False) -> str:
         """That what is held out keeps more than what was fitted, where it does.
@@ -148,3 +157,12 @@ class ErrorTexts:
             f"{with_it} the error goes from {self.size(before)} to {self.size(after)} "
             f"(gain {gain}{sure}; fit {fit})."
         )
+
+
+def _before(gain: Gain) -> float:
+    return gain.rmse_before
+
+
+def _error_of(rows: Sequence[Gain], pick: Callable[[Gain], float]) -> float:
+    n = sum(g.n for g in rows)
+    return math.sqrt(sum(g.n * pick(g) ** 2 for g in rows) / n) if n else math.nan

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from handmade_diagnosis import diagnosis
+from handmade_diagnosis import diagnosis, gain
 
 from softid.diagnosis.report.issues import REFUSED
 from softid.diagnosis.report.summary import write_summary
@@ -80,3 +80,15 @@ def test_a_model_that_runs_away_has_no_fit() -> None:
     text = write_summary(replace(found, gains=far)).summary
     assert text.startswith("The muscle model runs away on held-out samples, by 138 deg rms:")
     assert "fit -" not in text
+
+
+@pytest.mark.parametrize(("held", "carries_over"), [(5.9, True), (6.1, False)])
+def test_a_base_that_does_not_carry_over_is_told(held: float, carries_over: bool) -> None:
+    """2 degrees on the fitted samples, nearly or just above three times that on the others."""
+    gains = (
+        gain("a", before=2.0, after=0.2, held_out=False),
+        gain("b", before=held, after=0.2, held_out=True),
+    )
+    text = write_summary(replace(diagnosis(Verdict.NAMED), gains=gains)).summary
+    assert f"misses angle by {held:.3g} deg rms on held-out samples" in text
+    assert ("On the fitted ones it is 2 deg: the model does not carry over" in text) != carries_over
