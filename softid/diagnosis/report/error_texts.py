@@ -93,8 +93,8 @@ class ErrorTexts:
         told = f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
         if self.held_out and error > ASTRAY * fitted:
             told += (
-                f" On the fitted ones it is {self.size(fitted)}: the model does not carry over, and "
-                "what is gained there is in part better parameters."
+                f" On the fitted ones it is {self.size(fitted)}: the model does not carry over, "
+                "and what is gained there is in part better parameters."
             )
         return told
 
