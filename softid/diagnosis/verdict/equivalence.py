@@ -127,6 +127,7 @@ UNLISTED: dict[str, str] = {
     "bent_reading": "a sensor whose gain is not the same over its range",
     "early_reading": "a reading that runs ahead of the recorded input, by an offset of the clocks "
     "or a gauge that is late",
+    "smoothed_reading": "a reading that was smoothed afterwards, by what came before and after",
     "settling_stiffness": "a stiffness that changes with the time and settles",
     "second_creep": "a second creep of another time",
     "damping_drift": "a damping that changes at a constant rate",
@@ -195,6 +196,7 @@ BEYOND = EquivalenceClass(
         "position_damping",
         "damping_drift",
         "early_reading",
+        "smoothed_reading",
         "input_play",
         "output_play",
         "relief_leak",

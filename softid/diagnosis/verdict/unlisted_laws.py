@@ -21,9 +21,9 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     one_parameter,
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
+from softid.diagnosis.verdict.unlisted_readings import EarlyReading, SmoothedReading
 from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
-from softid.kernels.earlier_input import read_at
 from softid.kernels.filters import play
 from softid.kernels.terms import DAMPING, FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
@@ -44,9 +44,6 @@ DAMPING_KNOTS = 11
 
 MOST_GAINED = 9.0
 """Bound of what a damping gains somewhere in the range."""
-
-EARLIEST = 0.1
-"""Bound of the time by which a reading runs ahead, as a share of the longest log."""
 
 MOST_PLAY, START_PLAY = 0.6, (0.04, 0.16)
 """Bound and starts of a play, as a share of the range."""
@@ -154,43 +151,6 @@ class PositionDamping(StateEffect):
 
 
 @dataclass(frozen=True)
-class EarlyReading(OutputEffect):
-    """A reading that runs ahead of the recorded input, y(t + s)."""
-
-    name: ClassVar[str] = "early_reading"
-    title: ClassVar[str] = "Reading that runs ahead"
-    law: ClassVar[str] = "recorded y(t) = y(t + s)"
-    meaning: ClassVar[str] = "The clocks are offset, or the pressure is recorded late."
-    signature: ClassVar[str] = "The residual goes with the speed; the output moves first."
-    remedy: ClassVar[str] = "both channels with one clock, and the pressure with a faster gauge"
-    shown_by: ClassVar[str] = "fast steps"
-    source: ClassVar[str] = "a constant offset of the clocks"
-    amplitude: ClassVar[str] = "s"
-
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """By how much it runs ahead, up to a tenth of the log."""
-        longest = max(EARLIEST * scale.duration_s, scale.motion_s)
-        return one_parameter(
-            "s", 0.3 * scale.motion_s, "s", 0.0, longest, "time ahead", self.source
-        )
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Fractions of the motion's own time."""
-        return tuple({"s": share * scale.motion_s} for share in (0.1, 0.4))
-
-    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
-        """Read what comes later; the end goes on as it was going."""
-        del scale
-        last = (y[-1] - y[-2]) / (time_s[-1] - time_s[-2])
-        later = time_s + eta[0]
-        beyond = last * np.maximum(later - time_s[-1], 0.0)
-        recorded = np.empty(y.size)
-        read_at(later, time_s, y, recorded)
-        recorded += beyond
-        return recorded
-
-
-@dataclass(frozen=True)
 class Play(Effect):
     """Play of the width w, from one side to the other, as a share of the range."""
 
@@ -295,6 +255,7 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     SettlingStiffness,
     PositionDamping,
     EarlyReading,
+    SmoothedReading,
     InputPlay,
     OutputPlay,
 )

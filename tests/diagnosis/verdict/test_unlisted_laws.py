@@ -21,13 +21,13 @@ from softid.diagnosis.verdict.unlisted_drifts import (
 from softid.diagnosis.verdict.unlisted_laws import (
     UNLISTED_LAWS,
     BentReading,
-    EarlyReading,
     InputPlay,
     OutputPlay,
     PositionDamping,
     SecondCreep,
 )
-from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit, ReliefLeak
+from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
+from softid.diagnosis.verdict.unlisted_readings import EarlyReading, SmoothedReading
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.kernels.terms import DAMPING, FORCE, RATE, STIFFNESS
@@ -71,6 +71,15 @@ def test_a_limit_is_followed() -> None:
     np.testing.assert_array_equal(RateLimit().apply(np.array([0.0]), time_s, u, scale), u)
 
 
+def test_a_supply_gives_no_more() -> None:
+    """Up to the limit as recorded, above it the limit, with a corner of 0.5 % of the range."""
+    scale = sizes_of("muscle")
+    u = scale.u_low + scale.u_span * np.array([0.0, 0.4, 0.6, 0.65, 0.9])
+    top = scale.u_low + 0.6 * scale.u_span
+    found = (InputLimit().apply(np.array([top]), np.arange(5.0), u, scale) - top) / scale.u_span
+    np.testing.assert_allclose(found, [-0.6, -0.2, -0.005 * np.log(2.0), 0.0, 0.0], atol=1e-6)
+
+
 def test_a_leak_opens_above_a_pressure() -> None:
     """A hold at 60 kPa after one at 20: of what is beyond 40 kPa two thirds arrive, at once where
     there is no restriction."""
@@ -99,6 +108,21 @@ def test_a_reading_runs_ahead() -> None:
     time_s = 0.1 * np.arange(11)
     found = EarlyReading().apply(np.array([0.25]), time_s, 2.0 * time_s, sizes_of("muscle"))
     np.testing.assert_allclose(found, 2.0 * time_s + 0.5)
+
+
+def test_a_reading_is_smoothed_over_what_comes_before_and_after() -> None:
+    """Closed form: a line stays, t² gains w²/12, and a window that is cut off at the begin is
+    centred elsewhere; the integral is that of straight lines, which adds h²/6 to t²."""
+    h, w = 0.01, 0.3
+    time_s = h * np.arange(301)
+    law, scale = SmoothedReading(), sizes_of("muscle")
+    inner = slice(20, -20)
+    found = law.apply(np.array([w]), time_s, 2.0 * time_s, scale)
+    np.testing.assert_allclose(found[inner], 2.0 * time_s[inner], atol=1e-12)
+    assert found[0] == pytest.approx(2.0 * w / 4.0)
+    bent = law.apply(np.array([w]), time_s, time_s**2, scale) - time_s**2
+    np.testing.assert_allclose(bent[inner], w**2 / 12.0 + h**2 / 6.0, rtol=1e-6)
+    np.testing.assert_array_equal(law.apply(np.array([0.0]), time_s, time_s**2, scale), time_s**2)
 
 
 @pytest.mark.parametrize("law", [InputPlay(), OutputPlay()], ids=lambda law: law.name)

@@ -1,0 +1,114 @@
+"""Laws of the reading in no catalogue that know what comes later: clocks that differ, filters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.verdict.unlisted_drifts import one_parameter
+from softid.effects.base import OutputEffect, Scale
+from softid.kernels.earlier_input import read_at
+from softid.parameters import ParameterSet
+
+Array = npt.NDArray[np.float64]
+
+EARLIEST = 0.1
+"""Bound of the time by which a reading runs ahead, as a share of the longest log."""
+
+WIDEST = 0.1
+"""Bound of the time over which a reading is smoothed, as a share of the longest log."""
+
+START_WIDTHS = (0.3, 1.0, 3.0)
+"""Starts of it, in times of the motion."""
+
+
+@dataclass(frozen=True)
+class EarlyReading(OutputEffect):
+    """A reading that runs ahead of the recorded input, y(t + s)."""
+
+    name: ClassVar[str] = "early_reading"
+    title: ClassVar[str] = "Reading that runs ahead"
+    law: ClassVar[str] = "recorded y(t) = y(t + s)"
+    meaning: ClassVar[str] = "The clocks are offset, or the pressure is recorded late."
+    signature: ClassVar[str] = "The residual goes with the speed; the output moves first."
+    remedy: ClassVar[str] = "both channels with one clock, and the pressure with a faster gauge"
+    shown_by: ClassVar[str] = "fast steps"
+    source: ClassVar[str] = "a constant offset of the clocks"
+    amplitude: ClassVar[str] = "s"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """By how much it runs ahead, up to a tenth of the log."""
+        longest = max(EARLIEST * scale.duration_s, scale.motion_s)
+        return one_parameter(
+            "s", 0.3 * scale.motion_s, "s", 0.0, longest, "time ahead", self.source
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Fractions of the motion's own time."""
+        return tuple({"s": share * scale.motion_s} for share in (0.1, 0.4))
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Read what comes later; the end goes on as it was going."""
+        del scale
+        last = (y[-1] - y[-2]) / (time_s[-1] - time_s[-2])
+        later = time_s + eta[0]
+        beyond = last * np.maximum(later - time_s[-1], 0.0)
+        recorded = np.empty(y.size)
+        read_at(later, time_s, y, recorded)
+        recorded += beyond
+        return recorded
+
+
+@dataclass(frozen=True)
+class SmoothedReading(OutputEffect):
+    """A reading that was smoothed afterwards, the mean of y from t − w/2 to t + w/2.
+
+    A filter that runs over the record there and back does nearly the same: it delays nothing.
+    """
+
+    name: ClassVar[str] = "smoothed_reading"
+    title: ClassVar[str] = "Reading that was smoothed"
+    law: ClassVar[str] = "recorded y(t) = mean of y from t - w/2 to t + w/2"
+    meaning: ClassVar[str] = "The record was filtered there and back, or averaged over windows."
+    signature: ClassVar[str] = "The reading begins to move before the input does, and has no edges."
+    remedy: ClassVar[str] = "the same record as it was before any filter"
+    shown_by: ClassVar[str] = "fast steps without any filter"
+    source: ClassVar[str] = "Gustafsson, IEEE Trans. Signal Process. 44, 988 (1996)"
+    amplitude: ClassVar[str] = "w"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The width of the window, up to a tenth of the log."""
+        longest = max(WIDEST * scale.duration_s, scale.motion_s)
+        return one_parameter("w", 0.3 * scale.motion_s, "s", 0.0, longest, "window", self.source)
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """From a fraction to a few of the motion's own times."""
+        longest = self.parameters(scale)["w"].upper
+        return tuple({"w": min(share * scale.motion_s, longest)} for share in START_WIDTHS)
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Means over the window, of which the ends of the log cut off a part."""
+        del scale
+        area = np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(time_s))))
+        begin_s, end_s = (
+            np.clip(time_s + side * eta[0], time_s[0], time_s[-1]) for side in (-0.5, 0.5)
+        )
+        width_s = end_s - begin_s
+        narrow = width_s <= 0.0
+        means = (_area_at(end_s, time_s, y, area) - _area_at(begin_s, time_s, y, area)) / np.where(
+            narrow, 1.0, width_s
+        )
+        return np.where(narrow, y, means)
+
+
+def _area_at(at_s: Array, time_s: Array, y: Array, area: Array) -> Array:
+    """The integral of straight lines through some samples up to some times."""
+    k = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, time_s.size - 2)
+    since_s = at_s - time_s[k]
+    slope = (y[k + 1] - y[k]) / (time_s[k + 1] - time_s[k])
+    found: Array = area[k] + since_s * (y[k] + 0.5 * slope * since_s)
+    return found
