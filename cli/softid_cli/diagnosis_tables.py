@@ -21,11 +21,20 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     """Print the paragraph, the causes, what cannot be split, and issues."""
     print_text(diagnosis.summary)
     _print_causes("", diagnosis.causes, diagnosis)
-    _print_causes("Description, not a cause:", diagnosis.descriptive, diagnosis)
+    _print_causes(_of_descriptions(diagnosis), diagnosis.descriptive, diagnosis)
     for alternative in diagnosis.alternatives:
         print_text("")
         print_text(f"Cannot be split: {', '.join(alternative.keys)}. {alternative.why}".rstrip())
     print_issues(diagnosis.issues)
+
+
+def _of_descriptions(diagnosis: Diagnosis) -> str:
+    """The heading of descriptions; a law or an event that is told stands before them."""
+    from softid.diagnosis.report.summary import WHAT_IT_IS
+
+    if any(issue.code in WHAT_IT_IS for issue in diagnosis.issues):
+        return "A description, which explains less than what is told above:"
+    return "Description, not a cause:"
 
 
 def _print_causes(heading: str, causes: Sequence[Cause], diagnosis: Diagnosis) -> None:

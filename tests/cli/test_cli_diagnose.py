@@ -16,9 +16,10 @@ from extended_fits import extended_fit
 from handmade import failed_fit, fit_result
 from handmade_diagnosis import FRICTION, cause, diagnosis, estimate
 
+from softid.diagnosis.report.other_explanations import UNLISTED_LAW
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis_results import Diagnosis, Verdict
-from softid.errors import IdentificationError
+from softid.errors import IdentificationError, Issue
 from softid.log import Log
 from softid.records import load_params, save_fit
 
@@ -121,6 +122,17 @@ def test_every_verdict_is_printed(softid: Cli, bench: Desk, verdict: Verdict) ->
     assert ("Cannot be split: delay, pneumatic_lag." in flat) is (verdict is Verdict.AMBIGUOUS)
     assert ("Description, not a cause:" in flat) is (verdict is Verdict.UNKNOWN)
     assert ("ΔBIC" in flat) is (verdict is not Verdict.ADEQUATE)
+
+
+def test_a_law_that_is_told_stands_before_descriptions(softid: Cli, bench: Desk) -> None:
+    """The table says that what it holds is not what the paragraph tells."""
+    found = diagnosis(Verdict.UNKNOWN)
+    law = Issue(UNLISTED_LAW, "info", "what is missing behaves like play")
+    bench.answer = write_summary(replace(found, issues=(*found.issues, law)))
+    flat = " ".join(softid("diagnose", "a.csv").out.split())
+    assert "What is missing behaves like play." in flat
+    assert "A description, which explains less than what is told above:" in flat
+    assert "Description, not a cause" not in flat
 
 
 def test_results_are_replaced_when_told(softid: Cli, bench: Desk, tmp_path: Path) -> None:
