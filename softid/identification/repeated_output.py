@@ -28,9 +28,9 @@ def repeated_readings(log: Log) -> BoolArray:
 
     Examples
     --------
-    >>> readings = np.random.default_rng(0).normal(size=50)
-    >>> channels = {"pressure": np.arange(150.0), "angle": np.repeat(readings, 3)}
-    >>> repeated_readings(Log.from_arrays(np.arange(150.0), channels))[:6].tolist()
+    >>> readings = np.random.default_rng(0).normal(size=200)
+    >>> channels = {"pressure": np.arange(600.0), "angle": np.repeat(readings, 3)}
+    >>> repeated_readings(Log.from_arrays(np.arange(600.0), channels))[:6].tolist()
     [False, True, True, False, True, True]
     """
     assert log.masked is not None
