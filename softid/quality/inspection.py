@@ -30,7 +30,7 @@ from softid.quality.hum import find_hum
 from softid.quality.issues import list_issues, list_stuck
 from softid.quality.relations import check_sign, command_lag, step_response
 from softid.quality.sampling import describe_sampling
-from softid.quality.stuck import find_frozen, find_saturation, may_be_frozen, may_be_stuck
+from softid.quality.stuck import FROZEN_SAMPLES, find_frozen, find_saturation, may_be_stuck
 from softid.quality.trace import Runs, Trace
 
 Array = npt.NDArray[np.float64]
@@ -139,7 +139,7 @@ def dropout_mask(log: Log) -> BoolArray:
     mask = np.zeros(len(log), bool)
     for name in log.outputs:
         values, is_command = log.channels[name].values, _kind(log, name) == "command"
-        drops_out, sticks = may_drop_out(values) or is_command, may_be_frozen(values)
+        drops_out, sticks = may_drop_out(values) or is_command, may_be_stuck(values, FROZEN_SAMPLES)
         if not (drops_out or sticks):
             continue
         trace = _trace(log, log.channels[name], None)

@@ -53,28 +53,18 @@ ARRIVAL_STEPS = 2.0
 """Usual move, in steps of the grid, from which its speed is known at all."""
 
 
-def may_be_stuck(values: Array) -> bool:
+def may_be_stuck(values: Array, least: int = FLAT_SAMPLES) -> bool:
     """Whether `find_saturation` or `find_frozen` can find anything, without what takes long.
 
     Parameters
     ----------
     values
         All samples of the log, shape (n,); may hold NaN.
+    least
+        Length of the run from which on they can; `FROZEN_SAMPLES` for the latter alone.
     """
     runs = Runs.of(values)
-    return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= FLAT_SAMPLES
-
-
-def may_be_frozen(values: Array) -> bool:
-    """Whether `find_frozen` can find anything, without what takes long.
-
-    Parameters
-    ----------
-    values
-        All samples of the log, shape (n,); may hold NaN.
-    """
-    runs = Runs.of(values)
-    return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= FROZEN_SAMPLES
+    return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= least
 
 
 def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
