@@ -25,7 +25,6 @@ from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.logs.input_gaps import without_lost_input
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
-from softid.diagnosis.logs.slow_outputs import at_readings
 from softid.diagnosis.plainer_model import PlainerModels, plainer_model_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
@@ -80,6 +79,7 @@ from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.preparation import as_log_set, as_logs, without_dropouts
 from softid.identification.repeated_input import without_repeats
+from softid.identification.slow_outputs import at_readings
 from softid.identification.workflow import Identification
 from softid.log import Log
 from softid.models.base import Model

@@ -11,6 +11,7 @@ from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
 from softid.identification.preparation import as_log_set, without_dropouts
 from softid.identification.repeated_input import without_repeats
+from softid.identification.slow_outputs import at_readings
 from softid.intersample import HELD
 from softid.log import Log
 from softid.parameters import ParameterSet
@@ -41,7 +42,7 @@ def refitted(
     reading = result.options.get("intersample")
     cleaned = (without_dropouts(log) for log in as_log_set(logs))
     read = [
-        (log if reading in HELD else without_repeats(log)).with_intersample(reading)
+        at_readings(log if reading in HELD else without_repeats(log)).with_intersample(reading)
         for log in cleaned
     ]
     model = model_of(result.model)

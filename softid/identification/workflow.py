@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -40,6 +40,7 @@ from softid.identification.preparation import (
 )
 from softid.identification.repeated_input import without_repeats
 from softid.identification.response_sign import falls_with_input, opposed
+from softid.identification.slow_outputs import at_readings
 from softid.intersample import HELD
 from softid.log import Log, LogSet
 from softid.models.base import Model
@@ -183,10 +184,11 @@ def identify(
     InputError, UsageError, IdentificationError
         As `fit`.
     """
-    recorded = tuple(with_faults_told(without_dropouts(log)) for log in as_log_set(logs))
-    recorded_held = tuple(without_dropouts(log) for log in as_logs(hold_out))
-    log_set = LogSet(tuple(without_repeats(log) for log in recorded))
-    held = tuple(without_repeats(log) for log in recorded_held)
+    cleaned = tuple(with_faults_told(without_dropouts(log)) for log in as_log_set(logs))
+    cleaned_held = tuple(without_dropouts(log) for log in as_logs(hold_out))
+    recorded, recorded_held = map(_at_readings, (cleaned, cleaned_held))
+    log_set = LogSet(_at_readings(without_repeats(log) for log in cleaned))
+    held = _at_readings(without_repeats(log) for log in cleaned_held)
     require_outputs(held)
     _require_new(log_set, held)
     if model is None and parameters is not None:
@@ -227,6 +229,10 @@ def identify(
         problem, unknowns = found.problem, found.optimum.unknowns
         held = read_as_fitted(bridged, reading, problem.model, problem.values(unknowns))
     return Identification(found, read, held, choice)
+
+
+def _at_readings(logs: Iterable[Log]) -> tuple[Log, ...]:
+    return tuple(at_readings(log) for log in logs)
 
 
 def _otherwise_read(recorded: Sequence[Log], bridged: Sequence[Log]) -> Iterator[tuple[Log, ...]]:

@@ -13,6 +13,7 @@ from softid.identification.issues import extrapolation
 from softid.identification.new_log_reading import read_as_fitted
 from softid.identification.preparation import as_log_set, without_dropouts
 from softid.identification.repeated_input import without_repeats
+from softid.identification.slow_outputs import at_readings
 from softid.intersample import HELD
 from softid.log import Log, LogSet
 from softid.models.base import Model
@@ -72,7 +73,7 @@ def validate(
     scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
     cleaned = (without_dropouts(log) for log in as_log_set(logs))
     is_held = scored.intersample in HELD
-    bridged = (log if is_held else without_repeats(log) for log in cleaned)
+    bridged = (at_readings(log if is_held else without_repeats(log)) for log in cleaned)
     given = LogSet(tuple(bridged))
     for log in given:
         if (log.input, log.outputs) != (scored.input, scored.outputs):

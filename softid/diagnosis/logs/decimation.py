@@ -22,7 +22,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.logs.slow_outputs import SlowOutputLog
+from softid.identification.slow_outputs import SlowOutputLog
 from softid.intersample import BEFORE, HELD, Intersample, is_abrupt, jumps
 from softid.log import Log
 from softid.segment import Segment, absent_times, with_rows

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.logs.decimation import is_regular
-from softid.diagnosis.logs.slow_outputs import SlowOutputLog
+from softid.identification.slow_outputs import SlowOutputLog
 from softid.intersample import HELD
 from softid.log import Log
 
