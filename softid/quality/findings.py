@@ -60,8 +60,8 @@ class Frozen:
     value
         The value.
     reason
-        ``"stale"`` where its noise vanishes and it is elsewhere afterwards, ``"noise vanishes"``
-        where it goes on from there, ``"input moves"`` where it has no noise.
+        ``"stale"`` where its noise vanishes although the motion goes on, ``"noise vanishes"`` where
+        there may be none, ``"input moves"`` where it has no noise.
     """
 
     start: int
@@ -75,7 +75,7 @@ class Frozen:
     def meanwhile(self) -> str:
         """What goes on while it is stuck, as a sentence ends with it."""
         return {
-            "stale": "its noise vanishes; then it jumps",
+            "stale": "its noise vanishes, though the motion goes on",
             "noise vanishes": "its noise vanishes",
             "input moves": "the input moves",
         }[self.reason]

@@ -145,7 +145,8 @@ def dropout_mask(log: Log) -> BoolArray:
         trace = _trace(log, log.channels[name], None)
         for dropout in find_dropouts(trace) if drops_out else ():
             mask[dropout.start : dropout.stop] = True
-        for frozen in find_frozen(trace, None) if sticks and not is_command else ():
+        driving = log.channels[log.input].values
+        for frozen in find_frozen(trace, driving) if sticks and not is_command else ():
             if frozen.reason == "stale":
                 mask[frozen.start : frozen.stop] = True
     return mask

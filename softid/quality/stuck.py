@@ -23,7 +23,8 @@ NOISELESS_S = 0.2
 
 STALE_JUMP = 6.0
 """Noise, in standard deviations, by which the reading is elsewhere after a stretch without any: it
-did not see where the actuator went, and nothing that stands still jumps."""
+did not see where the actuator went, and nothing that stands still jumps. Nor did it where the input
+went elsewhere and came back."""
 
 FROZEN_OVER_USUAL = 20.0
 """The same in usual runs of a noisy channel, which on a coarse grid are long."""
@@ -91,9 +92,11 @@ def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
         reason: Literal["stale", "noise vanishes", "input moves"]
         if value in extremes:
             continue
+        moves = input_values is not None and _moves(input_values, span)
         if trace.noisy and runs.length[k] >= least:
-            reason = "stale" if _jumps_behind(trace, runs, int(k)) else "noise vanishes"
-        elif held_s[k] >= FROZEN_S and input_values is not None and _moves(input_values, span):
+            stale = moves or _jumps_behind(trace, runs, int(k))
+            reason = "stale" if stale else "noise vanishes"
+        elif held_s[k] >= FROZEN_S and moves:
             reason = "input moves"
         else:
             continue

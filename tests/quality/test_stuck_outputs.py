@@ -62,6 +62,22 @@ def test_a_stale_reading_is_no_motion(seconds: float) -> None:
     assert any("stale" in issue.message for issue in found.issues)
 
 
+def test_a_stale_reading_that_goes_on_from_near_there_is_none() -> None:
+    """The sensor is back when the motion is where it was, after the input went far away."""
+    log = linear_log(noise=0.01)
+    pressure, values = log.channels["pressure"].values, noisy().copy()
+    begin = 150
+    end = next(
+        k
+        for k in range(begin + 45, 400)
+        if abs(values[k] - values[begin]) < 0.02
+        and np.median(np.abs(pressure[begin:k] - pressure[begin])) > 0.2 * np.ptp(pressure)
+    )
+    values[begin:end] = values[begin]
+    found = dropout_mask(with_angle(values))
+    np.testing.assert_array_equal(np.flatnonzero(found), np.arange(begin, end))
+
+
 def test_a_reading_without_noise_that_goes_on_from_there_is_kept() -> None:
     """A pump stops and its noise with it; the actuator is at rest, so that nothing was missed."""
     values = noisy().copy()
