@@ -63,11 +63,10 @@ def without_repeats(log: Log) -> Log:
         A log; its outputs are not touched.
     """
     channel = log.channels[log.input]
-    if log.input == COMMAND or log.intersample is not None or not repeats(channel.values):
+    if log.input == COMMAND or log.intersample is not None:
         return log
-    grid = find_quantisation(channel.values)
-    hold = find_hold(log.time_s, channel.values, grid.step if grid else None)
-    if hold is None or hold.factor < LEAST_FACTOR:
+    hold = hold_of(log.time_s, channel.values)
+    if hold is None:
         return log
     values = channel.values.copy()
     every_s = []
@@ -108,14 +107,23 @@ def _course(time_s: Array, read_s: Array, read: Array) -> Array:
     return course
 
 
-def repeats(values: Array) -> bool:
-    """Whether runs of equal values are so long that a slower sensor may make them; soon told.
+def hold_of(time_s: Array, values: Array) -> SampleHold | None:
+    """How a channel repeats what a slower sensor says; None for one that does not.
 
     Parameters
     ----------
-    values
-        Samples of a channel, shape (n,).
+    time_s, values
+        Samples of the channel, each of shape (n,), none of them missing.
     """
+    if not _repeats(values):
+        return None
+    grid = find_quantisation(values)
+    hold = find_hold(time_s, values, grid.step if grid else None)
+    return hold if hold is not None and hold.factor >= LEAST_FACTOR else None
+
+
+def _repeats(values: Array) -> bool:
+    """Whether runs of equal values are so long that a slower sensor may make them; soon told."""
     lengths = np.diff(run_starts(values))
     if lengths.size == 0:
         return False

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from softid.excitation import find_hold, find_quantisation, fresh_samples
+from softid.excitation import fresh_samples
 from softid.identification.intersample_choice import COMMAND
-from softid.identification.repeated_input import LEAST_FACTOR, repeats
+from softid.identification.repeated_input import hold_of
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -46,11 +46,8 @@ def _repeated(time_s: Array, values: Array) -> BoolArray:
     """At which rows one channel does; missing ones say nothing."""
     known = np.flatnonzero(np.isfinite(values))
     found = np.zeros(values.size, bool)
-    if known.size < 2 or not repeats(values[known]):
-        return found
-    grid = find_quantisation(values[known])
-    hold = find_hold(time_s[known], values[known], grid.step if grid else None)
-    if hold is None or hold.factor < LEAST_FACTOR:
+    hold = hold_of(time_s[known], values[known])
+    if hold is None:
         return found
     found[known] = True
     found[known[fresh_samples(time_s[known], values[known], hold)]] = False

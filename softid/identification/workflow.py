@@ -186,7 +186,7 @@ def identify(
     """
     cleaned = tuple(with_faults_told(without_dropouts(log)) for log in as_log_set(logs))
     cleaned_held = tuple(without_dropouts(log) for log in as_logs(hold_out))
-    recorded, recorded_held = map(_at_readings, (cleaned, cleaned_held))
+    recorded, recorded_held = _at_readings(cleaned), _at_readings(cleaned_held)
     log_set = LogSet(_at_readings(without_repeats(log) for log in cleaned))
     held = _at_readings(without_repeats(log) for log in cleaned_held)
     require_outputs(held)

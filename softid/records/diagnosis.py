@@ -20,14 +20,13 @@ from softid.records.params import (
 from softid.records.plain import Plain, dump_json, to_jsonable
 from softid.records.reading import known_value, recorded_plots
 from softid.records.writing import write_folder
-from softid.results import FitResult
 
 DIAGNOSIS_SCHEMA = "softid.diagnosis/1"
 RECORD = "diagnosis.json"
 BASE_PARAMS = "params.json"
 EXTENDED_PARAMS = "extended_params.json"
 FILES = {"base": BASE_PARAMS, "extended": EXTENDED_PARAMS}
-"""Attribute of a diagnosis → file of the model that it is."""
+"""Model of a diagnosis → its file."""
 
 
 def save_diagnosis(
@@ -75,11 +74,11 @@ def diagnosis_files(diagnosis: Diagnosis) -> dict[str, dict[str, Plain]]:
     """
     models: dict[str, dict[str, Plain]] = {}
     sums: dict[str, Plain] = {}
-    for what, name in FILES.items():
-        fit: FitResult | None = getattr(diagnosis, what)
+    for what, fit in (("base", diagnosis.base), ("extended", diagnosis.extended)):
         if fit is None:
             continue
         if fit.success:
+            name = FILES[what]
             models[name] = fit_document(fit)
             sums[f"{what}_sha256"] = _sha256(dump_json(models[name]))
             continue

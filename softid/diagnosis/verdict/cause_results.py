@@ -21,7 +21,6 @@ from softid.scores import fit_percent
 
 Array = npt.NDArray[np.float64]
 
-
 HARDLY = 0.05
 """A richer form whose ratio differs from that of the plain one by less than this share is told as
 plain: so much is the work of what else is not in the model. A vent that is 2 % slower is none."""

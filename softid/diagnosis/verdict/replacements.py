@@ -48,7 +48,6 @@ has come near by then."""
 NEAR = 2.0
 """It has where it leaves less than so many times what the causes leave."""
 
-
 CURVED = (InputLimit, ReliefLeak)
 """Laws of the input that bend the static curve."""
 
