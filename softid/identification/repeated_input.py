@@ -22,6 +22,7 @@ from softid.excitation import (
     run_starts,
 )
 from softid.identification.intersample_choice import COMMAND
+from softid.identification.sensor_clock import find_clock
 from softid.intersample import is_abrupt
 from softid.log import Log
 
@@ -34,15 +35,8 @@ brings news at every sample, repeat as many values, but not each."""
 MUCH_LONGER = 4.0
 """Runs of equal values so many times as long as the commonest are holds that somebody wanted."""
 
-REGULAR = 1.1
-"""First sights of regular readings are late by up to one sampling interval of the log, and a little
-for the rounding of its times."""
-
 LEAST_READINGS = 4
 """So many readings between two jumps make a cubic."""
-
-ROUNDING = 1e-6
-"""Share of a period by which a sum of periods may be off."""
 
 REPEATED_INPUT = "repeated-input"
 """Code of the remark that repeats of the input were bridged."""
@@ -138,16 +132,10 @@ def _readings(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Ar
     allow readings at regular times, these are the latest such times; else it was read when it is
     first seen.
     """
-    seen_s = time_s[run_starts(values)[1:]]
-    number = np.concatenate(([0.0], np.cumsum(np.round(np.diff(seen_s) / hold.hold_s))))
-    if seen_s.size > 1 and number[-1] > 0.0:
-        period_s = float(np.polyfit(number, seen_s, 1)[0])
-        late_s = seen_s - period_s * number
-        if np.ptp(late_s) <= REGULAR * float(np.median(np.diff(time_s))):
-            first_s = float(late_s.min())
-            before = np.floor((first_s - time_s[0]) / period_s)
-            read_s = np.arange(first_s - before * period_s, time_s[-1], period_s)
-            at = np.searchsorted(time_s, read_s - ROUNDING * period_s)
-            return read_s, values[at]
+    clock = find_clock(time_s, run_starts(values)[1:])
+    if clock is not None:
+        read_s = clock.readings_s(time_s[0], time_s[-1])
+        at = np.searchsorted(time_s, read_s - clock.allowance_s)
+        return read_s, values[at]
     fresh = fresh_samples(time_s, values, hold)
     return time_s[fresh], values[fresh]

@@ -1,8 +1,9 @@
 """Logs whose outputs are read more slowly than their input, such as a camera beside a gauge.
 
 Most of their rows hold no reading of an output. What looks at residuals in turn, noise and averages
-alike, would find single ones with gaps between them; so the rows with a reading are the samples
-here, and the input goes on between them as it was recorded.
+alike, would find single ones with gaps between them; so the readings are the samples here, and the
+input goes on between them as it was recorded. A reading is seen in a row after it was taken; where
+the sensor has a clock of its own, it counts from when it was taken.
 """
 
 from __future__ import annotations
@@ -12,10 +13,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.identification.sensor_clock import find_clock
 from softid.log import Log
-from softid.segment import Segment, absent_times, with_rows
+from softid.segment import Segment, absent_times, with_knots, with_rows
 
+Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+IntArray = npt.NDArray[np.intp]
 
 APART = 1e-6
 """Share of a sampling interval within which two rows are one."""
@@ -27,12 +31,12 @@ them; where samples were lost most readings have none."""
 
 @dataclass(frozen=True, eq=False)
 class SlowOutputLog(Log):
-    """The rows of another log at which its outputs were read.
+    """The readings that another log has of its outputs, where these are slower than its rows.
 
     Attributes
     ----------
     recorded
-        The other one, whose input is the course between the samples.
+        The other one, whose input is the course at the samples and between them.
     """
 
     recorded: Log = field(kw_only=True)
@@ -57,17 +61,27 @@ class SlowOutputLog(Log):
             intersample=self.intersample,
         )
 
-    def _rows(self, index: int, start: int, stop: int) -> Segment:
-        segment = super()._rows(index, start, stop)
-        whole = self.recorded
-        within = (whole.time_s > segment.time_s[0]) & (whole.time_s < segment.time_s[-1])
-        between_s = absent_times(segment.time_s, whole.time_s[within], APART * whole.period_s)
-        course = whole.channels[whole.input].values
-        return with_rows(segment, between_s, np.interp(between_s, whole.time_s, course))
+    def _segment(self, index: int, start: int, stop: int) -> Segment:
+        samples = self._rows(index, start, stop)
+        first_s, last_s = samples.time_s[0], samples.time_s[-1]
+        rows_s = self.recorded.time_s
+        first = max(int(np.searchsorted(rows_s, first_s, "right")) - 1, 0)
+        whole = with_knots(
+            self.recorded._rows(index, first, int(np.searchsorted(rows_s, last_s)) + 1),
+            self.between_samples,
+        )
+        at_samples = np.interp(samples.time_s, whole.time_s, whole.input)
+        within_s = whole.time_s[(whole.time_s > first_s) & (whole.time_s < last_s)]
+        between_s = absent_times(samples.time_s, within_s, APART * self.recorded.period_s)
+        return with_rows(
+            replace(samples, input=at_samples),
+            between_s,
+            np.interp(between_s, whole.time_s, whole.input),
+        )
 
 
 def at_readings(log: Log) -> Log:
-    """The log at the rows at which an output was read; itself where that is at nearly all of them.
+    """The log at the times at which an output was read; itself where that is at nearly all rows.
 
     Parameters
     ----------
@@ -86,10 +100,14 @@ def at_readings(log: Log) -> Log:
     if rows.size < 2 or float(np.mean(np.diff(rows) > 1)) <= USUAL:
         return log
     assert log.masked is not None
+    rows, time_s = _taken(log.time_s, rows)
+    channels = {k: replace(c, values=c.values[rows]) for k, c in log.channels.items()}
+    course = np.interp(time_s, log.time_s, log.channels[log.input].values)
+    channels[log.input] = replace(channels[log.input], values=course)
     return SlowOutputLog(
         name=log.name,
-        time_s=log.time_s[rows],
-        channels={k: replace(c, values=c.values[rows]) for k, c in log.channels.items()},
+        time_s=time_s,
+        channels=channels,
         input=log.input,
         outputs=log.outputs,
         masked=log.masked[rows],
@@ -108,3 +126,18 @@ def _is_read(log: Log) -> BoolArray:
     finite = [np.isfinite(log.channels[name].values) for name in log.outputs]
     read: BoolArray = ~log.masked & np.any(finite, axis=0)
     return read
+
+
+def _taken(time_s: Array, rows: IntArray) -> tuple[IntArray, Array]:
+    """The rows whose readings were taken within the log, and when."""
+    seen_s = time_s[rows]
+    clock = find_clock(time_s, rows[1:] if rows[0] == 0 else rows)
+    if clock is None:
+        return rows, seen_s
+    taken_s = np.minimum(clock.last_reading_s(seen_s), seen_s)
+    if float(np.max(seen_s - taken_s)) <= clock.allowance_s:
+        return rows, seen_s
+    before_s = np.where(rows > 0, time_s[rows - 1], time_s[0] - clock.period_s)
+    taken_s = np.where(taken_s > before_s, taken_s, seen_s)
+    within = taken_s >= time_s[0]
+    return rows[within], taken_s[within]

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem
-from slow_camera import EVERY, slow
+from slow_camera import EVERY, free_camera, slow
 
 from softid.identification import fit
 from softid.identification.slow_outputs import SlowOutputLog, at_readings
+from softid.log import Log
 from softid.validation import validate
 
 
@@ -54,3 +55,33 @@ def test_a_fit_takes_readings_for_samples(intersample: str | None) -> None:
     assert row.n == simulated.time_s.size == -(-len(log) // EVERY)
     (again,) = validate(found, log).statistics
     assert again.rmse == pytest.approx(row.rmse, rel=1e-4)
+
+
+@pytest.mark.parametrize("frames_hz", [17.3, 24.0])
+@pytest.mark.parametrize("repeated", [True, False])
+def test_a_camera_with_its_own_clock_is_not_late(frames_hz: float, repeated: bool) -> None:
+    """Known truth: the parameters within three standard errors, and nothing but noise left.
+
+    Taken when it is seen, a frame is late by nothing to a whole row, which leaves 0.008 rad.
+    """
+    log = free_camera(frames_hz, repeated=repeated)
+    found = fit(log, model="oscillator")
+    for name, true in TRUTH.items():
+        parameter = found.parameter(name)
+        assert parameter.value == pytest.approx(true, abs=3.0 * parameter.stderr)
+    (row,) = found.statistics
+    assert row.rmse == pytest.approx(0.002, rel=0.1)
+    (again,) = validate(found, log).statistics
+    assert again.rmse == pytest.approx(row.rmse, rel=1e-4)
+
+
+def test_frames_with_rows_of_their_own_are_where_they_are() -> None:
+    """A file that was merged from two has the times of both, however uneven a camera's are."""
+    log = linear_log()
+    rng = np.random.default_rng(0)
+    frames_s = log.time_s[0] + np.arange(1, 240) / 13.0 + rng.uniform(-0.004, 0.004, 239)
+    time_s, where = np.unique(np.concatenate((log.time_s, frames_s)), return_index=True)
+    angle = np.where(where < len(log), np.nan, np.interp(time_s, log.time_s, log.time_s))
+    pressure = np.interp(time_s, log.time_s, log.channels["pressure"].values)
+    merged = Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})
+    np.testing.assert_array_equal(at_readings(merged).time_s, frames_s)
