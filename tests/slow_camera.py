@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-
 from linear_motion import RATE_HZ, linear_angle, pressure_course
 
 from softid.log import Log

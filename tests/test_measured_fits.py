@@ -6,6 +6,7 @@ log: 84/78/89 → 77 (three-chamber arm), 91 to 95 → 93 to 94 (gripper), 81/90
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ import pytest
 from softid.identification import fit
 from softid.log import Log
 from softid.readers import load
-from softid.results import FitResult
+from softid.results import FitResult, FitStatistics
 from softid.validation import validate
 
 
@@ -63,39 +64,35 @@ def test_leaving_the_fitted_range_is_called_extrapolation(measured: Path) -> Non
 
 
 def test_gripper_finger(measured: Path) -> None:
-    """Reached 91.0 to 94.7 → 92.2 to 93.6, but for the level at which the finger hardly moves.
+    """Reached 88.3 to 95.5 → 90.1 to 95.4, but for the level at which the finger hardly moves.
 
-    scipy's least_squares on an independent simulation of the same law, one zero per log, ends at
-    the same figures to the digit; with every log weighted alike it reaches 92.3 to 93.7 held out.
-    What is left is the camera, which repeats its angle for some samples and then jumps, and that
-    explains the difference from the figures above: see the next test.
+    The camera repeats its angle for some samples and then jumps. With the repeats in the residuals
+    it was 91.0 to 94.7 → 92.2 to 93.6, to the digit what scipy's least_squares on an independent
+    simulation of the same law reaches; without them the mean held out is 93.4 instead of 92.8.
     """
     held = [f"calibration_flex_{k}" for k in (60, 100, 140, 180)]
     names = [f"calibration_flex_{k}" for k in (40, 80, 120, 160, 200)]
     found = percent(fitted(measured / "gripper-finger", names, held))
-    assert min(found[name] for name in names) > 90.5
-    assert min(found[name] for name in held) > 91.7
+    assert min(found[name] for name in names) > 88.0
+    assert min(found[name] for name in held) > 89.6
+    assert np.mean([found[name] for name in held]) > 93.0
 
 
 @pytest.mark.parametrize("rate_hz", [30.0, 100.0])
-def test_a_uniform_grid_flatters_the_gripper_finger(measured: Path, rate_hz: float) -> None:
+def test_a_uniform_grid_is_not_needed_for_the_gripper_finger(
+    measured: Path, rate_hz: float
+) -> None:
     """The same logs interpolated to 30 Hz reach 91.7 to 95.2 → 92.9 to 94.6, to 100 Hz 91.3 to 95.1
-    → 92.5 to 94.2: straight lines between the samples smooth the camera's jumps. On the samples as
-    measured the models so found are no better than one fitted to those, so that nothing speaks for
-    resampling.
+    → 92.5 to 94.2: straight lines between the samples smooth the camera's jumps. On the frames of
+    the held-out logs these models leave 1.01 deg rms, and one fitted to frames 1.03.
     """
     names = [f"calibration_flex_{k}" for k in (40, 80, 120, 160, 200)]
     held = [f"calibration_flex_{k}" for k in (60, 100, 140, 180)]
-    smooth, smooth_held = (
-        [uniform(log, rate_hz) for log in logs(measured / "gripper-finger", chosen)]
-        for chosen in (names, held)
-    )
-    result = fit(smooth, model="muscle", hold_out=smooth_held)
-    as_measured = validate(result, logs(measured / "gripper-finger", held))
-    plain = percent(fitted(measured / "gripper-finger", names, held))
-    for row in as_measured.statistics:
-        assert percent(result)[row.log] > row.fit_percent + 0.2
-        assert row.fit_percent < plain[row.log] + 0.1
+    smooth = [uniform(log, rate_hz) for log in logs(measured / "gripper-finger", names)]
+    resampled = validate(fit(smooth, model="muscle"), logs(measured / "gripper-finger", held))
+    plain = fitted(measured / "gripper-finger", names, held)
+    on_frames = rms([row for row in plain.statistics if not row.in_sample])
+    assert on_frames == pytest.approx(rms(resampled.statistics), rel=0.04)
 
 
 def uniform(log: Log, rate_hz: float) -> Log:
@@ -103,6 +100,12 @@ def uniform(log: Log, rate_hz: float) -> Log:
     angle = np.interp(time_s, log.time_s, log.channels["angle"].values)
     pressure = np.interp(time_s, log.time_s, log.pressure_kpa)
     return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name=log.name)
+
+
+def rms(statistics: Iterable[FitStatistics]) -> float:
+    """Root mean square of what several logs leave together."""
+    squares = [row.n * row.rmse**2 for row in statistics]
+    return float(np.sqrt(sum(squares) / sum(row.n for row in statistics)))
 
 
 def test_two_segment_arm(measured: Path) -> None:

@@ -7,6 +7,7 @@ pressure by half a step on average, which looks like a lag of the actuator and f
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -14,26 +15,22 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
-from softid.excitation import (
-    SampleHold,
-    find_hold,
-    find_quantisation,
-    fresh_samples,
-    run_starts,
-)
+from softid.excitation import SampleHold, run_starts
 from softid.identification.intersample_choice import COMMAND
+from softid.identification.repeated_output import rows_without_news
+from softid.identification.repeated_values import has_new_values, hold_of, new_readings
 from softid.identification.sensor_clock import find_clock
 from softid.intersample import is_abrupt
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
-LEAST_FACTOR = 1.5
-"""Samples for which a value is repeated at least: steps that somebody wanted, beside a course that
-brings news at every sample, repeat as many values, but not each."""
+RARELY = 0.02
+"""Share of the rows without news of the outputs in which the input may change …"""
 
-MUCH_LONGER = 4.0
-"""Runs of equal values so many times as long as the commonest are holds that somebody wanted."""
+EXPECTED_CHANGES = 20.0
+"""… where it changes so often elsewhere that so many changes would be expected in them."""
 
 LEAST_READINGS = 4
 """So many readings between two jumps make a cubic."""
@@ -56,25 +53,42 @@ def without_repeats(log: Log) -> Log:
     log
         A log; its outputs are not touched.
     """
-    channel = log.channels[log.input]
     if log.input == COMMAND or log.intersample is not None:
         return log
-    hold = hold_of(log.time_s, channel.values)
-    if hold is None:
-        return log
+    values = log.channels[log.input].values
+    hold = hold_of(log.time_s, values)
+    if hold is not None:
+        told = (
+            f"repeats each value for about {hold.factor:.2g} samples (new values at "
+            f"{hold.rate_hz:.3g} Hz)"
+        )
+        return _bridged(log, lambda span: _readings(log.time_s[span], values[span], hold), told)
+    lost = _lost_rows(log)
+    if lost is not None:
+        told = f"repeats its last value in {int(lost.sum())} rows, as all else does"
+
+        def others(span: slice) -> tuple[Array, Array]:
+            known = ~lost[span]
+            return log.time_s[span][known], values[span][known]
+
+        return _bridged(log, others, told)
+    return log
+
+
+def _bridged(log: Log, readings: Callable[[slice], tuple[Array, Array]], told: str) -> Log:
+    """The log with an input that goes on between its readings, and what is told of them."""
+    channel = log.channels[log.input]
     values = channel.values.copy()
     every_s = []
     for segment in log.segments():
         span = slice(segment.start, segment.stop)
-        time_s = log.time_s[span]
-        read_s, read = _readings(time_s, values[span], hold)
-        values[span] = _course(time_s, read_s, read)
+        read_s, read = readings(span)
+        values[span] = _course(log.time_s[span], read_s, read)
         every_s.append(read_s)
     issue = Issue(
         REPEATED_INPUT,
         "info",
-        f"{log.name}: {log.input} repeats each value for about {hold.factor:.2g} samples (new "
-        f"values at {hold.rate_hz:.3g} Hz); it is taken as smooth between the new ones, "
+        f"{log.name}: {log.input} {told}; it is taken as smooth between the new ones, "
         "and as straight where it jumps",
         "record all channels at one rate; if it is a command, map it as pressure_command",
     )
@@ -85,6 +99,21 @@ def without_repeats(log: Log) -> Log:
         issues=(*log.issues, issue),
         input_read_s=np.concatenate(every_s),
     )
+
+
+def _lost_rows(log: Log) -> BoolArray | None:
+    """Rows that repeat the one before as a whole, shape (n,); None where there are no such rows.
+
+    The outputs say which: what they repeat is repeated by the input, too, which elsewhere changes.
+    """
+    stale = rows_without_news(log)
+    if not stale.any():
+        return None
+    changes = np.diff(log.channels[log.input].values, prepend=np.nan) != 0.0
+    expected = float(np.mean(changes[~stale])) * int(stale.sum())
+    if expected < EXPECTED_CHANGES or float(np.mean(changes[stale])) > RARELY:
+        return None
+    return stale
 
 
 def _course(time_s: Array, read_s: Array, read: Array) -> Array:
@@ -101,30 +130,6 @@ def _course(time_s: Array, read_s: Array, read: Array) -> Array:
     return course
 
 
-def hold_of(time_s: Array, values: Array) -> SampleHold | None:
-    """How a channel repeats what a slower sensor says; None for one that does not.
-
-    Parameters
-    ----------
-    time_s, values
-        Samples of the channel, each of shape (n,), none of them missing.
-    """
-    if not _repeats(values):
-        return None
-    grid = find_quantisation(values)
-    hold = find_hold(time_s, values, grid.step if grid else None)
-    return hold if hold is not None and hold.factor >= LEAST_FACTOR else None
-
-
-def _repeats(values: Array) -> bool:
-    """Whether runs of equal values are so long that a slower sensor may make them; soon told."""
-    lengths = np.diff(run_starts(values))
-    if lengths.size == 0:
-        return False
-    usual = int(np.argmax(np.bincount(lengths)))
-    return float(np.mean(lengths[lengths <= MUCH_LONGER * usual])) >= LEAST_FACTOR
-
-
 def _readings(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Array]:
     """When the sensor was read, and what it said.
 
@@ -133,9 +138,10 @@ def _readings(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Ar
     first seen.
     """
     clock = find_clock(time_s, run_starts(values)[1:])
-    if clock is not None:
-        read_s = clock.readings_s(time_s[0], time_s[-1])
-        at = np.searchsorted(time_s, read_s - clock.allowance_s)
-        return read_s, values[at]
-    fresh = fresh_samples(time_s, values, hold)
-    return time_s[fresh], values[fresh]
+    fresh = new_readings(time_s, values, hold)
+    if clock is None:
+        return time_s[fresh], values[fresh]
+    if has_new_values(values):
+        return clock.taken_s(time_s, fresh), values[fresh]
+    read_s = clock.readings_s(time_s[0], time_s[-1])
+    return read_s, values[np.searchsorted(time_s, read_s - clock.allowance_s)]

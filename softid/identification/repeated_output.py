@@ -9,9 +9,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from softid.excitation import fresh_samples
 from softid.identification.intersample_choice import COMMAND
-from softid.identification.repeated_input import hold_of
+from softid.identification.repeated_values import hold_of, new_readings
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -34,12 +33,17 @@ def repeated_readings(log: Log) -> BoolArray:
     [False, True, True, False, True, True]
     """
     assert log.masked is not None
+    return rows_without_news(log) & ~log.masked
+
+
+def rows_without_news(log: Log) -> BoolArray:
+    """The same with what is masked, shape (n,)."""
     every = np.ones(len(log), bool)
     for name in log.outputs:
         if name == COMMAND:
             return np.zeros(len(log), bool)
         every &= _repeated(log.time_s, log.channels[name].values)
-    return every & ~log.masked
+    return every
 
 
 def _repeated(time_s: Array, values: Array) -> BoolArray:
@@ -50,5 +54,5 @@ def _repeated(time_s: Array, values: Array) -> BoolArray:
     if hold is None:
         return found
     found[known] = True
-    found[known[fresh_samples(time_s[known], values[known], hold)]] = False
+    found[known[new_readings(time_s[known], values[known], hold)]] = False
     return found

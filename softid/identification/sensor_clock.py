@@ -48,10 +48,21 @@ class SensorClock:
     period_s: float
     allowance_s: float
 
-    def last_reading_s(self, time_s: Array) -> Array:
-        """When the last reading was taken that rows at ``time_s`` show; the same shape."""
-        number = np.floor((time_s + self.allowance_s - self.first_s) / self.period_s)
-        return self.first_s + self.period_s * number
+    def taken_s(self, time_s: Array, seen: IntArray) -> Array:
+        """When the readings were taken that are first seen at some rows, shape (R,).
+
+        Parameters
+        ----------
+        time_s
+            Times of the log's rows, shape (n,).
+        seen
+            The rows, shape (R,), rising. What the clock contradicts is taken when it is seen.
+        """
+        seen_s = time_s[seen]
+        number = np.floor((seen_s + self.allowance_s - self.first_s) / self.period_s)
+        taken_s = np.minimum(self.first_s + self.period_s * number, seen_s)
+        before_s = np.where(seen > 0, time_s[seen - 1], time_s[0] - self.period_s)
+        return np.where(taken_s > before_s, taken_s, seen_s)
 
     def readings_s(self, start_s: float, stop_s: float) -> Array:
         """All times of readings that are not before ``start_s``, and before ``stop_s``."""
@@ -75,8 +86,8 @@ def find_clock(time_s: Array, seen: IntArray) -> SensorClock | None:
     --------
     A sensor that is read every 2.5 rows:
 
-    >>> clock = find_clock(np.arange(40.0), np.ceil(2.5 * np.arange(1, 15)).astype(int))
-    >>> clock.last_reading_s(np.array([3.0, 5.0, 8.0])).round(1).tolist()
+    >>> rows = np.ceil(2.5 * np.arange(1, 15)).astype(int)
+    >>> find_clock(np.arange(40.0), rows).taken_s(np.arange(40.0), rows[:3]).round(1).tolist()
     [2.5, 5.0, 7.5]
     """
     if seen.size < 3:

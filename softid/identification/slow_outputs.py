@@ -134,10 +134,8 @@ def _taken(time_s: Array, rows: IntArray) -> tuple[IntArray, Array]:
     clock = find_clock(time_s, rows[1:] if rows[0] == 0 else rows)
     if clock is None:
         return rows, seen_s
-    taken_s = np.minimum(clock.last_reading_s(seen_s), seen_s)
+    taken_s = clock.taken_s(time_s, rows)
     if float(np.max(seen_s - taken_s)) <= clock.allowance_s:
         return rows, seen_s
-    before_s = np.where(rows > 0, time_s[rows - 1], time_s[0] - clock.period_s)
-    taken_s = np.where(taken_s > before_s, taken_s, seen_s)
     within = taken_s >= time_s[0]
     return rows[within], taken_s[within]

@@ -56,3 +56,35 @@ def test_a_slow_camera_does_not_change_the_parameters() -> None:
     (row,) = found.statistics
     assert row.n == -(-len(log) // 3)
     assert row.rmse == pytest.approx(0.002, rel=0.15)
+
+
+def lost(log: Log, share: float, *, seed: int = 0) -> Log:
+    """The log with an angle that repeats its last reading where one was lost, at random."""
+    channel = log.channels["angle"]
+    arrived = np.random.default_rng(seed).random(len(log)) >= share
+    last = np.maximum.accumulate(np.where(arrived, np.arange(len(log)), 0))
+    values = channel.values[last]
+    return replace(log, channels={**log.channels, "angle": replace(channel, values=values)})
+
+
+def test_a_repeat_in_the_place_of_a_lost_packet_is_none() -> None:
+    """Known truth: three in ten were lost; their repeats would leave 0.025 rad, not 0.002."""
+    log = lost(linear_log(noise=0.002), 0.3)
+    stale = np.append(False, np.diff(log.channels["angle"].values) == 0.0)
+    np.testing.assert_array_equal(repeated_readings(log), stale)
+    found = fit(log, model="oscillator")
+    for name, true in TRUTH.items():
+        parameter = found.parameter(name)
+        assert parameter.value == pytest.approx(true, abs=3.0 * parameter.stderr)
+    assert found.statistics[0].rmse == pytest.approx(0.002, rel=0.15)
+
+
+@pytest.mark.parametrize("bits", [8, 10])
+def test_a_converter_behind_a_curve_repeats_values_by_chance(bits: int) -> None:
+    """Its values are on no even grid, but they come again and again."""
+    log = linear_log(noise=0.002)
+    channel = log.channels["angle"]
+    levels = 2.0**bits
+    values = np.round(np.sqrt(np.clip(channel.values + 0.1, 0.0, None) / 3.0) * levels)
+    curved = replace(channel, values=3.0 * (values / levels) ** 2)
+    assert not repeated_readings(replace(log, channels={**log.channels, "angle": curved})).any()
