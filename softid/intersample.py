@@ -13,6 +13,7 @@ behind a resonance or a lag. Where it bends at both ends of an interval alike, i
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -79,6 +80,10 @@ RESOLVED = 3.0
 fast enough it bends there alike. A corner does not, nor does noise."""
 
 
+LEAST_READINGS = 4
+"""So many readings between two jumps make a cubic."""
+
+
 def jumps(values: Array) -> IntArray:
     """Indices k such that the input jumps between samples k and k + 1 and is flat on both sides.
 
@@ -127,6 +132,35 @@ def is_abrupt(values: Array) -> npt.NDArray[np.bool_]:
     beside = np.convolve(change, np.ones(3), "same")[: change.size]
     found: npt.NDArray[np.bool_] = (change > least) & (change > WITHIN * beside)
     return found
+
+
+def course_at(time_s: Array, read_s: Array, read: Array) -> Array:
+    """The input at some times: a cubic spline through the readings, but straight where it jumps.
+
+    What a spline swings beside a jump is not on record.
+
+    Parameters
+    ----------
+    time_s
+        The times, shape (n,).
+    read_s, read
+        When the input was read, rising, and what it was then, each of shape (R,).
+
+    Returns
+    -------
+    Array
+        Shape (n,); before the first reading and after the last one it is as then.
+    """
+    from scipy.interpolate import CubicSpline
+
+    course: Array = np.interp(time_s, read_s, read)
+    ends = np.flatnonzero(is_abrupt(read)) + 1
+    for first, stop in pairwise((0, *ends.tolist(), read.size)):
+        if stop - first >= LEAST_READINGS:
+            smooth = CubicSpline(read_s[first:stop], read[first:stop])
+            inside = (time_s >= read_s[first]) & (time_s <= read_s[stop - 1])
+            course[inside] = smooth(time_s[inside])
+    return course
 
 
 def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array, Array]:

@@ -28,6 +28,11 @@ STALL_MIN_PERIODS = 10.0
 few samples are lost, for each piece needs an initial state of its own."""
 
 
+def stall_of(period_s: float) -> float:
+    """Longest interval in a channel that has not stalled: max(0.5 s, 10 periods)."""
+    return max(STALL_MIN_S, STALL_MIN_PERIODS * period_s)
+
+
 @dataclass(frozen=True)
 class Source:
     """Where a log came from.
@@ -193,7 +198,7 @@ class Log:
     @property
     def stall_s(self) -> float:
         """Longest interval that still belongs to one segment: max(0.5 s, 10 periods)."""
-        return max(STALL_MIN_S, STALL_MIN_PERIODS * self.period_s)
+        return stall_of(self.period_s)
 
     def segments(self) -> tuple[Segment, ...]:
         """Stretches between stalls, in order; single samples between two stalls are dropped."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +19,7 @@ from softid.identification.intersample_choice import COMMAND
 from softid.identification.repeated_output import rows_without_news
 from softid.identification.repeated_values import has_new_values, hold_of, new_readings
 from softid.identification.sensor_clock import find_clock
-from softid.intersample import is_abrupt
+from softid.intersample import course_at
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -31,9 +30,6 @@ RARELY = 0.02
 
 EXPECTED_CHANGES = 20.0
 """… where it changes so often elsewhere that so many changes would be expected in them."""
-
-LEAST_READINGS = 4
-"""So many readings between two jumps make a cubic."""
 
 REPEATED_INPUT = "repeated-input"
 """Code of the remark that repeats of the input were bridged."""
@@ -83,7 +79,7 @@ def _bridged(log: Log, readings: Callable[[slice], tuple[Array, Array]], told: s
     for segment in log.segments():
         span = slice(segment.start, segment.stop)
         read_s, read = readings(span)
-        values[span] = _course(log.time_s[span], read_s, read)
+        values[span] = course_at(log.time_s[span], read_s, read)
         every_s.append(read_s)
     issue = Issue(
         REPEATED_INPUT,
@@ -114,20 +110,6 @@ def _lost_rows(log: Log) -> BoolArray | None:
     if expected < EXPECTED_CHANGES or float(np.mean(changes[stale])) > RARELY:
         return None
     return stale
-
-
-def _course(time_s: Array, read_s: Array, read: Array) -> Array:
-    """The input at the samples of a log, from readings between which it moves on."""
-    from scipy.interpolate import CubicSpline
-
-    course: Array = np.interp(time_s, read_s, read)
-    ends = np.flatnonzero(is_abrupt(read)) + 1
-    for first, stop in pairwise((0, *ends.tolist(), read.size)):
-        if stop - first >= LEAST_READINGS:
-            smooth = CubicSpline(read_s[first:stop], read[first:stop])
-            inside = (time_s >= read_s[first]) & (time_s <= read_s[stop - 1])
-            course[inside] = smooth(time_s[inside])
-    return course
 
 
 def _readings(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Array]:

@@ -1,75 +1,32 @@
-"""Making a log's samples usable without inventing any: what is dropped is said."""
+"""Making a log's samples usable without inventing any: what is dropped is said.
+
+In a file that was merged from two recorders the input is interpolated between its readings.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.channels import Channel
 from softid.errors import InputError, Issue
 from softid.log import Log
-from softid.readers.base import Array, IntArray
+from softid.readers.merging import with_input_between, with_rows_joined
+from softid.readers.samples import Samples
 
 SMALLEST_RELATIVE_SPAN = 1e-9
 """An input that moves less than this part of its size is constant but for rounding."""
 
 
-@dataclass(frozen=True, eq=False)
-class Samples:
-    """A log's samples while they are cleaned.
-
-    Attributes
-    ----------
-    where
-        File, for messages.
-    row_word
-        What a row number counts.
-    rows
-        Row of the file of every sample, shape (n,).
-    time_s
-        Times, shape (n,).
-    channels
-        Channel name → channel.
-    issues
-        What was done so far.
-    """
-
-    where: str
-    row_word: str
-    rows: IntArray
-    time_s: Array
-    channels: Mapping[str, Channel]
-    issues: tuple[Issue, ...] = ()
-
-    def keeping(self, kept: npt.NDArray[np.bool_], *reasons: Issue) -> Samples:
-        """Only some of the samples, and why."""
-        channels = {k: replace(c, values=c.values[kept]) for k, c in self.channels.items()}
-        return replace(
-            self,
-            rows=self.rows[kept],
-            time_s=self.time_s[kept],
-            channels=channels,
-            issues=(*self.issues, *reasons),
-        )
-
-    def row(self, sample: int) -> str:
-        """The file's row of a sample, for messages."""
-        return f"{self.row_word} {self.rows[sample]}"
-
-    def column(self, name: str) -> str:
-        """File and column of a channel, for messages."""
-        return f"{self.where}, column {self.channels[name].column or name}"
-
-
 def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
     """Drop what cannot be used and refuse what cannot be repaired.
 
-    Samples without time or input are dropped, so that the gap acts as a stall; so are rows that
-    repeat the row before. Of rows that share a time but differ, the first stays. Missing outputs
-    stay NaN and leave the residuals.
+    Samples without time or input are dropped, so that the gap acts as a stall, but for those of
+    another recorder (`with_input_between`). Rows that share a time are one if they do not
+    contradict each other, as those that repeat the row before; else the first stays. Missing
+    outputs stay NaN and leave the residuals.
 
     Parameters
     ----------
@@ -100,6 +57,8 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
         )
     rows = samples.time_s.size
     samples = _drop_missing(samples, np.isfinite(samples.time_s), "time")
+    samples = with_rows_joined(samples)
+    samples = with_input_between(samples, input=input, outputs=outputs)
     samples = _drop_missing(samples, np.isfinite(samples.channels[input].values), input)
     _require_forward(samples)
     samples = _drop_repeated(samples)

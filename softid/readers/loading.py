@@ -8,10 +8,11 @@ from pathlib import Path
 
 from softid.log import Log, Source
 from softid.readers.assignment import find_channels
-from softid.readers.cleaning import Samples, clean
+from softid.readers.cleaning import clean
 from softid.readers.files import require_file
 from softid.readers.formats import READERS, split_suffix
 from softid.readers.roles import choose_roles
+from softid.readers.samples import Samples
 from softid.readers.sidecar import Sidecar, find_sidecar, read_sidecar
 
 
@@ -111,6 +112,7 @@ def load(
         source=Source(where, table.head.sha256, table.head.file_format),
         issues=(*table.head.issues, *found.issues, *samples.issues),
         metadata={**table.head.metadata, **found.times.metadata, **said.metadata},
+        input_read_s=samples.input_read_s,
     )
 
 
