@@ -55,6 +55,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("plainer_model",),
     ("strategy",),
     ("report",),
+    ("answer",),
     ("workflow",),
     ("",),
 )

@@ -112,6 +112,20 @@ class PlainerModels:
     def _is_in_doubt(self, chain: Chain) -> bool:
         return _bends(chain) or self.search.leaves_structure(chain)
 
+    def after_first_cause(self, extended: ModelSearch, found: Chain) -> ModelSearch | None:
+        """A plainer model that is likelier with one cause than the chosen one is with all it has.
+
+        Parameters
+        ----------
+        extended
+            The model that was extended.
+        found
+            Its causes, which have no name.
+        """
+        if extended is not self.chosen:
+            return None
+        return self._likelier(found, lambda rival: rival.first)
+
     def after_all_causes(
         self, extended: ModelSearch, found: Chain, *, is_unnamed: bool, is_explained: bool
     ) -> ModelSearch | None:

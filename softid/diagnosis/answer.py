@@ -1,0 +1,157 @@
+"""The answer of a diagnosis in numbers: errors of the parameters, gains, and which names stay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.base.reduced_base import reduced_base_issues
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.optimum import optimum_of
+from softid.diagnosis.report.changes import held_out_change_issues
+from softid.diagnosis.report.issues import (
+    refusal_issues,
+)
+from softid.diagnosis.residual.disturbances import disturbance_issues
+from softid.diagnosis.residual.motion import residual_context
+from softid.diagnosis.residual.parameter_constancy import variations
+from softid.diagnosis.search.backward_revision import prefix_models, refit_without
+from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.verdict.cause_results import (
+    alternatives_of,
+    causes_of,
+    evidence_of,
+    gains_of,
+    told_as,
+    whole_gain_of,
+)
+from softid.diagnosis.verdict.chain_consistency import consistent_names
+from softid.diagnosis.verdict.doubts import with_doubts
+from softid.diagnosis.verdict.gain_interval import gain_interval
+from softid.diagnosis.verdict.law_rivals import with_rivals
+from softid.diagnosis.verdict.naming import (
+    gains_by,
+    may_gain_nothing,
+    verdict_of,
+)
+from softid.diagnosis.verdict.profile_intervals import with_intervals
+from softid.diagnosis_results import Cause, Diagnosis, Remainder
+from softid.errors import Issue
+from softid.identification.assembly import OptimisedProblem, assemble
+from softid.identification.parameter_constraints import ParameterConstraints
+from softid.identification.workflow import Identification
+from softid.results import FitResult
+
+Array = npt.NDArray[np.float64]
+
+
+def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
+    """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
+    chain, remainder, held_out = found.chain, found.remainder, base.held_out
+    rng = np.random.default_rng(seed)
+    asked_for = base.asked_for.identified
+    before = assemble(
+        asked_for.found, asked_for.logs, asked_for.hold_out, choice=asked_for.choice, seed=seed
+    )
+    extends = bool(chain.links) or base.instead_of is not None
+    after = _fit_of(chain.final, base.identified, seed) if extends else None
+    models = prefix_models(chain, base.candidate, base.scale, base.sigma)
+    errors = [held_out.first_errors(model) for model in models]
+    causes = causes_of(chain, errors, after, rng)
+    causes = _with_errors_without(causes, chain, base, errors[-1], rng)
+    causes = _with_variations(causes, chain, base, found.remainder)
+    causes = with_doubts(causes, chain, after, remainder, base)
+    sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
+    is_named = consistent_names(chain.links, causes, sure, chain.final.squares)
+    forms = {
+        link.added.key: told_as(link.added, cause.parameters).key
+        for link, cause in zip(chain.links, causes, strict=True)
+    }
+    after, causes = with_intervals(after, causes, is_named, chain, base.sigma)
+    links = with_rivals(chain, causes, list(forms.values()), is_named, base)
+    told = list(zip(causes, is_named, strict=True))
+    named = [link for link, stays in zip(links, is_named, strict=True) if stays]
+    if base.instead_of is not None:
+        errors = [held_out.first_errors(base.instead_of.candidate), *errors]
+    return Diagnosis(
+        verdict=verdict_of(links, is_named, remainder),
+        summary="",
+        base=before,
+        extended=after,
+        causes=tuple(cause for cause, stays in told if stays),
+        descriptive=tuple(cause for cause, stays in told if not stays),
+        alternatives=alternatives_of(named or links, forms),
+        remainder=remainder,
+        gains=gains_of(base.asked_for.candidate, chain.final, held_out, before),
+        evidence=evidence_of(chain),
+        next_experiment=None,
+        issues=(
+            *(after if after is not None and named else before).issues,
+            *_issues_of_rest(base, chain, before),
+            *refusal_issues(chain, held_out),
+            *held_out_change_issues(
+                chain.final, remainder, held_out, base.scale, is_sure=all(is_named)
+            ),
+        ),
+        gain_ci95=whole_gain_of(errors, rng),
+    )
+
+
+def _issues_of_rest(base: BaseFit, chain: Chain, fit: FitResult) -> tuple[Issue, ...]:
+    """That a reduced base is extended, and disturbances in what is left."""
+    row = next(r for r in fit.statistics if r.channel == fit.outputs[0])
+    return (
+        *reduced_base_issues(base, unit=row.display_unit, factor=row.display_factor),
+        *disturbance_issues(
+            residual_context(chain.final),
+            base.scale.motion_s,
+            channel=row.channel,
+            unit=row.display_unit,
+            factor=row.display_factor,
+        ),
+    )
+
+
+def _with_errors_without(
+    causes: Sequence[Cause], chain: Chain, base: BaseFit, whole: Array, rng: np.random.Generator
+) -> tuple[Cause, ...]:
+    """The causes; those that may gain nothing in their place with the error of leaving them out.
+
+    It is only told where the other causes surely do worse without this one than the ``whole`` does.
+    """
+    found = []
+    for position, cause in enumerate(causes):
+        if len(causes) > 1 and (not gains_by(cause, np.inf) or may_gain_nothing(cause)):
+            model = refit_without(chain, position, base.candidate, base.scale, base.sigma)
+            gained = gain_interval(base.held_out.first_errors(model), whole, rng)
+            if gained is None or gained[0] > 0.0:
+                cause = replace(cause, holdout_rmse_without=base.held_out.rms(model))
+        found.append(cause)
+    return tuple(found)
+
+
+def _with_variations(
+    causes: Sequence[Cause], chain: Chain, base: BaseFit, remainder: Remainder
+) -> tuple[Cause, ...]:
+    """The causes with how their sizes vary throughout the logs."""
+    if not causes:
+        return ()
+    added = [link.added for link in chain.links]
+    varied = variations(chain.final, added, base.sigma, with_open_jumps=remainder.open_jumps > 0)
+    return tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
+
+
+def _fit_of(final: Candidate, identified: Identification, seed: int) -> FitResult:
+    """The extended model as a fit with errors and scores."""
+    problem = final.problem
+    optimum = optimum_of(final, identified.found.optimum.sigma)
+    constraints = ParameterConstraints.of(problem.model.parameters(), None)
+    found = OptimisedProblem(problem, optimum, identified.found.unseen, constraints)
+    return assemble(
+        found, identified.logs, identified.hold_out, choice=identified.choice, seed=seed
+    )
