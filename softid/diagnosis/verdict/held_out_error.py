@@ -27,6 +27,10 @@ UNLIKELY = 6.63
 """Errors of the parameters make hardly more than so many times the mean square that is expected of
 them: 99 % of χ² with one degree of freedom, for one unsure parameter may make all of it."""
 
+ASTRAY = 3.0
+"""A model that errs so many times as much there as on fitted samples, where only slow noise that no
+rest shows could explain it, is wrong: unsure parameters and slow noise are one guess too many."""
+
 
 def with_held_out(
     remainder: Remainder,
@@ -68,10 +72,11 @@ def with_held_out(
     if jumps is not None and timed <= most:
         power = timed
         remainder = replace(remainder, open_jumps_held_out=jumps.count)
+    strays = remainder.colour_s is not None and power > (ASTRAY * remainder.rms) ** 2
     return replace(
         remainder,
         held_out_share=held_out_share(before, float(np.sqrt(power)), noise + unsure),
-        misses_held_out=power > most,
+        misses_held_out=power > most or strays,
     )
 
 

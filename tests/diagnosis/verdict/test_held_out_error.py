@@ -125,3 +125,23 @@ def test_blocks_between_fitted_samples_ask_little_of_the_parameters() -> None:
     model = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
     assert 0.0 < parametric_power(model, held, SIGMA) < 0.01 * NOISE**2
     assert not told_of(LEFT, model, held).misses_held_out
+
+
+class Unsure(HeldOutLogs):
+    """Logs that ask for what the fitted ones hardly know."""
+
+    def slopes(self, candidate: Candidate) -> np.ndarray:
+        """A hundred times those that there are."""
+        return 100.0 * super().slopes(candidate)
+
+
+@pytest.mark.parametrize("colour_s", [None, 3.0])
+def test_unsure_parameters_and_slow_noise_are_no_excuse_together(colour_s: float | None) -> None:
+    """A sensor that is off by 30 % may be the errors of parameters, which are that unsure.
+
+    Not so where what is left of the fitted samples is itself said to be slow noise that no rest
+    shows.
+    """
+    judge = Unsure((fast_log(noise=NOISE, gain=1.3),))
+    told = told_of(replace(LEFT, colour_s=colour_s), fitted(seed=3), judge)
+    assert told.misses_held_out is (colour_s is not None)
