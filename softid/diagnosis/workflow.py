@@ -151,7 +151,7 @@ def diagnose(
         *plainer_model_issues(chosen, base),
         *restriction_issues(effects),
         *averaging_issues(count),
-        *(permanent_set_issues(whole) if base.candidate.has_spring else ()),
+        *(permanent_set_issues(whole, base.scale.motion_s) if base.candidate.has_spring else ()),
         *motion_shown_issues(base, answer),
         *jump_issues(answer.remainder, base.candidate.problem),
         *joint_cause_issues(answer),

@@ -27,6 +27,10 @@ largest speed covers in a second: the steps then err by less than 3e-4 up to kw 
 PLACES = (0.35, 0.6, 0.8, 0.92)
 """Starts of the place, in the upper two thirds of the range of positions."""
 
+BEYOND = 0.15
+"""Share of the range of positions beyond it at which the contact may begin: the model without one
+does not reach quite so far as the actuator that leans on it."""
+
 STIFFEST = 100.0
 """Largest stiffness, in those of the actuator: a stiffer obstacle gives way by less than a
 hundredth of what the actuator would move without it."""
@@ -82,7 +86,7 @@ class Contact(StateEffect):
                     scale.x_low + PLACES[1] * scale.x_span,
                     scale.x_unit,
                     scale.x_low,
-                    scale.x_high,
+                    scale.x_high + BEYOND * scale.x_span,
                     meaning="position at which the contact begins, less the sensor zero of the log",
                     source=self.source,
                 ),

@@ -222,3 +222,15 @@ def test_slow_noise_needs_no_rest(names: list[str], verdict: Verdict) -> None:
 def test_clean_data_stay_adequate(rig: Rig) -> None:
     """Eight draws with noise that is white, and that is slow beside a rest that shows it."""
     assert not any(outcome_of([], seed, rig).told for seed in DRAWS)
+
+
+def test_a_contact_beyond_what_the_model_reaches_is_found() -> None:
+    """Known truth: the hold-out leans on a wall at 74.6 mm, and the base bends down before it."""
+    truth = {"xw": 74.6, "kw": 5.0}
+    pair = hidden_pair(["contact"], seed=2, values={"contact": truth})
+    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="muscle")
+    assert [cause.effect for cause in found.causes] == ["contact"]
+    assert found.extended is not None
+    place = found.extended.parameter("contact_xw")
+    low, high = place.ci95
+    assert low <= truth["xw"] <= high

@@ -41,6 +41,9 @@ STILL_GOING = 0.05
 """The output has settled when the halves of the window's tail differ by less than this share of the
 set."""
 
+SETTLED = 4.0
+"""A rest lasts so many time constants of the motion at least: 2 % of a move are left then."""
+
 NOISE_STEPS = 3.0
 """A set is more than so many median second differences, which are 1.65 standard deviations of white
 noise each."""
@@ -66,7 +69,7 @@ class ResidualSet:
     share: float
 
 
-def residual_set(log: Log, output: str) -> ResidualSet | None:
+def residual_set(log: Log, output: str, motion_s: float = 0.0) -> ResidualSet | None:
     """The set that the first cycle of a log leaves; None where the log cannot show one.
 
     Parameters
@@ -75,6 +78,8 @@ def residual_set(log: Log, output: str) -> ResidualSet | None:
         A log that begins at rest and holds its input at the first level again later.
     output
         Channel that is looked at.
+    motion_s
+        Time constant of the motion; what is still under way in a rest is no set.
 
     Examples
     --------
@@ -100,7 +105,8 @@ def residual_set(log: Log, output: str) -> ResidualSet | None:
     cycle = int(np.argmax(away > AWAY * span))
     for window in settled_windows(time_s, u, tail=TAIL):
         apart = abs(window.level - float(np.median(u[start]))) / span
-        if apart <= SAME_LEVEL and window.start > cycle > 0:
+        rests_s = (time_s[window.stop - 1] - time_s[window.start]) / TAIL
+        if apart <= SAME_LEVEL and window.start > cycle > 0 and rests_s >= SETTLED * motion_s:
             return _set_of(y, start, slice(window.start, window.stop), window.level, apart)
     return None
 
@@ -131,18 +137,20 @@ def _change(y: Array, part: slice) -> float:
     return abs(float(np.median(first) - np.median(second))) if first.size else 0.0
 
 
-def permanent_set_issues(logs: Iterable[Log]) -> tuple[Issue, ...]:
+def permanent_set_issues(logs: Iterable[Log], motion_s: float) -> tuple[Issue, ...]:
     """A remark for every log whose first cycle leaves a notable set in its first output.
 
     Parameters
     ----------
     logs
         The logs.
+    motion_s
+        As in `residual_set`.
     """
     found = []
     for log in logs:
         output = log.outputs[0]
-        left = residual_set(log, output)
+        left = residual_set(log, output, motion_s)
         if left is not None and left.share > NOTABLE_SET:
             found.append(_told(log, output, left))
     return tuple(found)

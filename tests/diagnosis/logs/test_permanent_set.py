@@ -64,9 +64,16 @@ def test_a_motion_that_ends_at_the_beginning_leaves_no_set() -> None:
     assert residual_set(begun, "angle") is None
 
 
+def test_a_rest_that_is_short_against_the_motion_leaves_no_set() -> None:
+    """Ten seconds are ten time constants of one second, and not yet three of four."""
+    log = cycled(0.2, tau_s=1.0)
+    assert residual_set(log, "angle", 1.0) is not None
+    assert residual_set(log, "angle", 4.0) is None
+
+
 def test_the_remark_tells_the_numbers() -> None:
     """Log, both positions and the share; a set of less than a twentieth is not told."""
-    (remark,) = permanent_set_issues([cycled(0.2, noise=0.001), cycled(0.04, noise=0.001)])
+    (remark,) = permanent_set_issues([cycled(0.2, noise=0.001), cycled(0.04, noise=0.001)], 0.1)
     assert "cycled: angle begins at" in remark.message
     assert "a set of 20 % of its range" in remark.message
     assert remark.remedy
@@ -75,7 +82,7 @@ def test_the_remark_tells_the_numbers() -> None:
 @pytest.mark.parametrize(("name", "leaves"), [("hysteresis", True), ("delay", False)])
 def test_effects_that_leave_one(name: str, leaves: bool) -> None:
     """Known truth: a hysteresis begins without memory and keeps some; a delay keeps nothing."""
-    assert bool(permanent_set_issues(hidden_pair([name], seed=3).logs[:1])) is leaves
+    assert bool(permanent_set_issues(hidden_pair([name], seed=3).logs[:1], 0.2)) is leaves
 
 
 def test_the_arms_keep_a_bend(measured: Path) -> None:
