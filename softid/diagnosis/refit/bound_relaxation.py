@@ -15,10 +15,10 @@ import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, advance, standing_at
 from softid.diagnosis.refit.characteristic_scales import elastic_force
+from softid.diagnosis.refit.extension import united_bounds
 from softid.effects import ExtendedModel, belongs_to, extended_name
 from softid.effects.base import Effect
 from softid.fitters.problem import Problem
-from softid.parameters import Parameter
 
 GROWN = 1.2
 """So much more force makes the bounds worth moving."""
@@ -56,7 +56,7 @@ def with_own_bounds(candidate: Candidate) -> Candidate:
     wider = replace(model, scale=replace(model.scale, force=force))
     declared = wider.parameters()
     for known in problem.parameters.values():
-        declared = declared.replacing(_united(known, declared[known.name]))
+        declared = declared.replacing(united_bounds(known, declared[known.name]))
     return replace(candidate, problem=Problem(wider, declared, problem.logs))
 
 
@@ -113,9 +113,3 @@ def _is_held(candidate: Candidate) -> bool:
             if upper[k] - z[k] <= near or (negative and z[k] - lower[k] <= near):
                 return True
     return False
-
-
-def _united(known: Parameter, declared: Parameter) -> Parameter:
-    """A parameter as it is, within the bounds of both."""
-    lower, upper = min(known.lower, declared.lower), max(known.upper, declared.upper)
-    return replace(known, lower=lower, upper=upper)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from softid.effects import ExtendedModel, extended_name
 from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
-from softid.parameters import ParameterSet
+from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
@@ -126,11 +126,42 @@ def with_fewer_effects(
     effects
         Those that stay, in the order in which they act; there may be none.
     """
-    problem = extend_in_order(base, effects, scale) if effects else base
+    problem = within_bounds_of(extend_in_order(base, effects, scale), whole) if effects else base
     known = whole.free_by_name(unknowns)
     z = np.zeros(problem.size)
     z[: len(problem.free)] = [known[name] for name in problem.free]
     return problem, problem.with_nuisance_of(z, whole, unknowns)
+
+
+def within_bounds_of(problem: Problem, whole: Problem) -> Problem:
+    """The problem with what it shares with another one within the bounds of both.
+
+    An effect may have been let beyond its own, and what is clipped to them begins elsewhere.
+
+    Parameters
+    ----------
+    problem
+        A model with effects.
+    whole
+        One that has some of them, and perhaps others.
+    """
+    model, known = problem.model, whole.model
+    shared = [p for p in problem.parameters.values() if p.name in whole.parameters.names]
+    united = {p.name: united_bounds(p, whole.parameters[p.name]) for p in shared}
+    if not (isinstance(model, ExtendedModel) and isinstance(known, ExtendedModel)):
+        return problem
+    if known.scale == model.scale and all(united[p.name] == p for p in shared):
+        return problem
+    declared = problem.parameters
+    for parameter in united.values():
+        declared = declared.replacing(parameter)
+    return Problem(replace(model, scale=known.scale), declared, problem.logs)
+
+
+def united_bounds(known: Parameter, declared: Parameter) -> Parameter:
+    """A parameter as it is, within the bounds of both."""
+    lower, upper = min(known.lower, declared.lower), max(known.upper, declared.upper)
+    return replace(known, lower=lower, upper=upper)
 
 
 def named_values(effect: Effect, values: Mapping[str, float]) -> dict[str, float]:

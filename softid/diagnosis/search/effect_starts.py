@@ -16,7 +16,12 @@ from softid.diagnosis.refit.candidates import (
     prior_about,
     standing_at,
 )
-from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
+from softid.diagnosis.refit.extension import (
+    extend,
+    named_values,
+    start_unknowns,
+    within_bounds_of,
+)
 from softid.diagnosis.search.screening import Signature
 from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
@@ -237,7 +242,7 @@ def with_effect(fitted: Candidate, whole: Candidate, effect: Effect, scale: Scal
     scale
         Sizes of the base fit.
     """
-    problem = extend(fitted.problem, (effect,), scale)
+    problem = within_bounds_of(extend(fitted.problem, (effect,), scale), whole.problem)
     z = start_unknowns(problem, whole.problem, whole.minimum.point, {})
     return begun(whole, (*fitted.effects, effect), problem, z)
 

@@ -11,13 +11,15 @@ from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 from softid.diagnosis.refit.bound_relaxation import released, with_own_bounds
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.refit.extension import extend, start_unknowns
+from softid.diagnosis.refit.extension import extend, start_unknowns, with_fewer_effects
+from softid.diagnosis.search.effect_starts import with_effect
 from softid.diagnosis.search.forward_selection import converged
-from softid.effects import ExtendedModel
+from softid.effects import ExtendedModel, effect_of
 from softid.effects.stiffening import Stiffening
 
 LOG = linear_log(noise=0.01)
-EFFECT = Stiffening()
+EFFECT, DRIFT = Stiffening(), effect_of("sensor_drift")
+SCALE = scale_of(linear_problem([LOG]), linear_problem([LOG]).unknowns(TRUTH))
 
 
 def standing_at(share: float, *, force: float) -> Candidate:
@@ -47,6 +49,26 @@ def test_a_size_at_the_bound_of_a_weak_base_gets_its_own() -> None:
     assert isinstance(model, ExtendedModel)
     assert model.parameters()["stiffening_k3"].upper == pytest.approx(after.upper)
     assert freed.problem.parameters["Q"] == held.problem.parameters["Q"]
+
+
+def test_what_stays_or_comes_back_stands_where_it_stood() -> None:
+    """Bounds of its own are kept when another effect goes and when it is added again.
+
+    Clipped to those of the base it would begin at a hundredth of its size.
+    """
+    freed = with_own_bounds(standing_at(1.0, force=0.01))
+    weak = replace(SCALE, force=0.01 * SCALE.force)
+    base, whole = linear_problem([LOG]), extend(freed.problem, (DRIFT,), weak)
+    size = 50.0 * freed.parameters["stiffening_k3"]
+    start = {"stiffening_k3": size, "sensor_drift_rate": 0.0}
+    both = start_unknowns(whole, base, base.unknowns(TRUTH), start)
+    alone, z = with_fewer_effects(whole, both, base, (EFFECT,), weak)
+    assert alone.values(z)["stiffening_k3"] == pytest.approx(size)
+    lower, upper = alone.bounds()
+    assert np.all((z >= lower) & (z <= upper))
+    fitted, standing_both = standing(base, base.unknowns(TRUTH)), standing(whole, both)
+    again = with_effect(fitted, standing_both, EFFECT, weak)
+    assert again.parameters["stiffening_k3"] == pytest.approx(size)
 
 
 @pytest.mark.parametrize(("share", "force"), [(0.5, 0.01), (1.0, 1.0)])
