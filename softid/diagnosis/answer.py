@@ -34,11 +34,7 @@ from softid.diagnosis.verdict.chain_consistency import consistent_names
 from softid.diagnosis.verdict.doubts import with_doubts
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.law_rivals import with_rivals
-from softid.diagnosis.verdict.naming import (
-    gains_by,
-    may_gain_nothing,
-    verdict_of,
-)
+from softid.diagnosis.verdict.naming import asks_for_the_others, verdict_of
 from softid.diagnosis.verdict.profile_intervals import with_intervals
 from softid.diagnosis_results import Cause, Diagnosis, Remainder
 from softid.errors import Issue
@@ -126,7 +122,7 @@ def _with_errors_without(
     """
     found = []
     for position, cause in enumerate(causes):
-        if len(causes) > 1 and (not gains_by(cause, np.inf) or may_gain_nothing(cause)):
+        if len(causes) > 1 and asks_for_the_others(cause, chain.links[position].added):
             model = refit_without(chain, position, base.candidate, base.scale, base.sigma)
             gained = gain_interval(base.held_out.first_errors(model), whole, rng)
             if gained is None or gained[0] > 0.0:

@@ -145,6 +145,23 @@ def may_gain_nothing(cause: Cause) -> bool:
     return cause.gain_ci95[0] <= (-BARELY * gain if gain > SLIGHT_GAIN else 0.0)
 
 
+def asks_for_the_others(cause: Cause, effect: Effect) -> bool:
+    """Whether what a cause gains beside those before it leaves its name open.
+
+    What the others leave without it decides then.
+
+    Parameters
+    ----------
+    cause
+        The cause with its parameters and its held-out errors.
+    effect
+        Its effect.
+    """
+    if not gains_by(cause, np.inf) or may_gain_nothing(cause):
+        return True
+    return not effect.changes_sign and _is_slight(cause, np.inf) and _is_unknown(cause, effect)
+
+
 def most_variation(remainder: Remainder) -> float:
     """How much letting its size vary may take away beside what a cause takes away.
 
@@ -192,7 +209,7 @@ def doubt_of(
     if cause.variation is not None and cause.variation.share > varies:
         return Doubt.VARIES
     if not effect.changes_sign and _is_unknown(cause, effect):
-        if _is_slight(cause):
+        if _is_slight(cause, whole):
             return Doubt.UNKNOWN_SIZE
         sizes = {extended_name(effect, name) for name in effect.amplitudes}
         if any(_is_at_ceiling(p) for p in cause.parameters if p.name not in sizes):
@@ -239,10 +256,12 @@ def _doubt_of_values(cause: Cause, effect: Effect, extended: FitResult) -> Doubt
     return Doubt.MAY_BE_ZERO if zero else None
 
 
-def _is_slight(cause: Cause) -> bool:
-    """Whether a cause gains little on what is held out."""
-    before, after = cause.holdout_rmse_before, cause.holdout_rmse_after
-    return after > (1.0 - SLIGHT_GAIN) * before
+def _is_slight(cause: Cause, whole: float) -> bool:
+    """Whether a cause gains little on what is held out, beside those before it or all others."""
+    most, without = 1.0 - SLIGHT_GAIN, cause.holdout_rmse_without
+    if without is not None and whole <= most * without:
+        return False
+    return cause.holdout_rmse_after > most * cause.holdout_rmse_before
 
 
 def _is_unknown(cause: Cause, effect: Effect) -> bool:

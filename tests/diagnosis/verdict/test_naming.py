@@ -13,6 +13,7 @@ from handmade_diagnosis import cause, estimate, remainder
 
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.naming import (
+    asks_for_the_others,
     doubt_of,
     may_be_chance,
     most_variation,
@@ -370,3 +371,19 @@ def test_a_cause_whose_size_varies_is_another(share: float | None, named: bool) 
 def test_beside_something_smaller_a_size_may_vary_more(structured: bool, most: float) -> None:
     """What else is left has a law of its own, which the size of the main cause follows a little."""
     assert most_variation(remainder(structured=structured, explained=0.9)) == most
+
+
+@pytest.mark.parametrize(("without", "named"), [(None, False), (2.0, False), (3.0, True)])
+def test_a_size_of_any_order_needs_a_gain(without: float | None, named: bool) -> None:
+    """First of several it takes a twentieth away; beside all others it may be much more.
+
+    A law known up to a common factor of its forces knows no force beside a free static curve.
+    """
+    size = replace(estimate("hysteresis_alpha", 0.1, "kPa"), ci95=(0.02, 0.9), at_bound=False)
+    told = cause("hysteresis", [size], before=2.2, after=2.1)
+    told = replace(told, holdout_rmse_without=without, gain_ci95=(0.02, 0.1))
+    hysteresis = effect_of("hysteresis")
+    assert asks_for_the_others(told, hysteresis)
+    found = doubt_of(told, hysteresis, fit_result(), 1.9)
+    assert (found is None) is named
+    assert named or found is Doubt.UNKNOWN_SIZE
