@@ -6,9 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import VARIATIONS, title_of, titles_of, variables_left
+from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of, variables_left
 from softid.diagnosis.search.forward_selection import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
+    BEYOND,
     HELD_INPUT,
     LAGS,
     LINEAR_FILTERS,
@@ -25,6 +26,10 @@ from softid.diagnosis.verdict.equivalence import (
 from softid.diagnosis_results import Alternative, Diagnosis, Remainder, Verdict
 from softid.models import MODELS
 from softid.results import FitResult
+
+SAME = 10.0
+"""A BIC that is less above another one says no more than it; where it is more, what none of the
+causes explains outweighs that."""
 
 SPLITS = ". What splits them: "
 """Stands between why causes are tied and what to record."""
@@ -70,18 +75,26 @@ def with_reasons(found: Diagnosis) -> tuple[Alternative, ...]:
     )
 
 
-def reason_of(alternative: Alternative, *, linear: bool) -> str | None:
-    """Why a law, and not these logs, ties causes, without what splits them; None where none does.
+def told_as_tied(alternative: Alternative, title: str, *, linear: bool) -> str:
+    """The causes of a tie and what makes it, up to the values that the first would have.
 
     Parameters
     ----------
     alternative, linear
         As in `why_tied`.
+    title
+        Heading of the first.
     """
+    named, first = titles_of(alternative.keys, last=" or "), lowered(title)
     known = law_that_ties(alternative, linear=linear)
-    if known is None:
-        return None
-    return alternative.why.partition(SPLITS)[0] or known.why
+    which = "most likely the last" if known is BEYOND else "and the logs do not say which"
+    if known is not None:
+        reason = f"{alternative.why.partition(SPLITS)[0] or known.why}. As {first} it"
+    else:
+        behind = max(alternative.delta_bic.values(), default=0.0)
+        by = "a little" if behind < SAME else "less than what none of them explains"
+        reason = f"The best by {by}, {first},"
+    return f"one of these, {which}: {named}. {reason}"
 
 
 def _own_times(known: EquivalenceClass, extended: FitResult) -> tuple[str, ...]:

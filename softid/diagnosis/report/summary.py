@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
-from softid.diagnosis.report.ambiguity import is_linear, reason_of, what_next, with_reasons
+from softid.diagnosis.report.ambiguity import is_linear, told_as_tied, what_next, with_reasons
 from softid.diagnosis.report.changes import (
     CHANGE_POINT,
     HELD_OUT_CHANGE,
@@ -58,10 +58,6 @@ from softid.diagnosis_results import (
     dropped_from,
 )
 from softid.results import FitResult
-
-SAME = 10.0
-"""A BIC that is less above another one says no more than it; where it is more, what none of the
-causes explains outweighs that."""
 
 WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW)
 """Codes of remarks that say what a misfit is for which no cause is named."""
@@ -308,18 +304,8 @@ def _explained(
         opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
         values = values_of(cause.parameters)
         if tie is not None:
-            named = titles_of(tie.keys, last=" or ")
-            reason = reason_of(tie, linear=linear)
-            if reason is not None:
-                reason = f"{reason}. As {lowered(cause.title)} it"
-            else:
-                behind = max(tie.delta_bic.values(), default=0.0)
-                by = "a little" if behind < SAME else "less than what none of them explains"
-                reason = f"The best by {by}, {lowered(cause.title)},"
-            told.append(
-                f"{opening} one of these, and the logs do not say which: {named}. {reason} would "
-                f"have {values}."
-            )
+            tied = told_as_tied(tie, cause.title, linear=linear)
+            told.append(f"{opening} {tied} would have {values}.")
         else:
             told.append(
                 f"{opening} {named_whole(cause, linear=linear)} ({cause.key}) with {values}. "
