@@ -39,6 +39,7 @@ from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
     with_other_explanations,
 )
+from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.search_result import SearchResult
@@ -155,6 +156,7 @@ def diagnose(
         *motion_shown_issues(base, answer),
         *jump_issues(answer.remainder, base.candidate.problem),
         *joint_cause_issues(answer),
+        *reading_issues(answer),
     )
     return write_summary(replace(answer, issues=(*answer.issues, *issues)))
 

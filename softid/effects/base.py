@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import numpy.typing as npt
 
+from softid.effects.wording import Wording
 from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -95,15 +96,6 @@ class Scale:
 
 
 @dataclass(frozen=True)
-class Wording:
-    """What an effect is called, what happens, and what to do in hardware."""
-
-    title: str
-    meaning: str
-    remedy: str
-
-
-@dataclass(frozen=True)
 class Effect(ABC):
     """A physical effect; a subclass of one of the three stages is one file and one table line.
 
@@ -151,6 +143,8 @@ class Effect(ABC):
         are as late.
     has_one_form
         Whether its law is exact, so that it mends the form of no other and needs no mending.
+    readings
+        Parameters that are told less the sensor zero of a log, as positions and readings are.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one; None for others.
     """
@@ -176,6 +170,7 @@ class Effect(ABC):
     mutes: ClassVar[bool] = False
     slowness: ClassVar[float] = 1.0
     has_one_form: ClassVar[bool] = False
+    readings: ClassVar[tuple[str, ...]] = ()
     plain_at: ClassVar[tuple[str, float] | None] = None
 
     @property

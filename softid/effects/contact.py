@@ -63,6 +63,7 @@ class Contact(StateEffect):
     remedy: ClassVar[str] = "clear the workspace, or keep below the position of contact"
     shown_by: ClassVar[str] = "steps to high pressure, with the place looked at"
     source: ClassVar[str] = "Johnson, Contact Mechanics, 4.3 (elastic foundation)"
+    readings: ClassVar[tuple[str, ...]] = ("xw",)
     amplitude: ClassVar[str] = "kw"
     essential: ClassVar[tuple[str, ...]] = ("xw",)
 

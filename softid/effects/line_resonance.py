@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import InputEffect, Scale, Wording
+from softid.effects.base import InputEffect, Scale
 from softid.effects.second_order import (
     as_lag,
     ringing_parameters,
@@ -17,6 +17,7 @@ from softid.effects.second_order import (
     rings,
     shorter_time,
 )
+from softid.effects.wording import Wording
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 

@@ -41,7 +41,7 @@ class SensorClipping(OutputEffect):
     law: ClassVar[str] = "recorded y = min(y, upper) + sensor zero of the log"
     meaning: ClassVar[str] = (
         "The motion goes on, but the reading stops at the end of the sensor's range: at the limit "
-        "told here plus the sensor zero of the log."
+        "plus the sensor zero of the log."
     )
     signature: ClassVar[str] = (
         "The reading has flat ends at one exact value, and the residual is there the part of the "
@@ -53,6 +53,7 @@ class SensorClipping(OutputEffect):
     source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.2"
     amplitude: ClassVar[str | None] = None
     mutes: ClassVar[bool] = True
+    readings: ClassVar[tuple[str, ...]] = ("upper", "lower")
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The upper limit, from 0.3 of the range to a whole range beyond it."""

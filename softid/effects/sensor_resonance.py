@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import OutputEffect, Scale, Wording
+from softid.effects.base import OutputEffect, Scale
 from softid.effects.finer_motion import PIECES, finer_motion
 from softid.effects.second_order import (
     as_lag,
@@ -18,6 +18,7 @@ from softid.effects.second_order import (
     rings,
     shorter_time,
 )
+from softid.effects.wording import Wording
 from softid.kernels.filters import resonance
 from softid.parameters import ParameterSet
 

@@ -173,13 +173,14 @@ def _is_open_within(p: ParameterEstimate) -> bool:
     return p.ci95[0] <= p.lower and p.ci95[1] >= p.upper
 
 
-def _within_bounds(p: ParameterEstimate) -> tuple[float, float] | None:
-    """The interval of a value as far as its bounds allow."""
-    if p.ci95 is None:
-        return None
-    lower = -math.inf if p.lower is None else p.lower
-    upper = math.inf if p.upper is None else p.upper
-    return max(p.ci95[0], lower), min(p.ci95[1], upper)
+def _ends_within_bounds(p: ParameterEstimate) -> tuple[str, str]:
+    """The ends of the interval of a value; open where they are no nearer than its bounds."""
+    low, high = p.ci95 or (None, None)
+    is_low_open = low is None or not math.isfinite(low) or (p.lower is not None and low <= p.lower)
+    is_high_open = (
+        high is None or not math.isfinite(high) or (p.upper is not None and high >= p.upper)
+    )
+    return "…" if is_low_open else f"{low:.3g}", "…" if is_high_open else f"{high:.3g}"
 
 
 def _value(p: ParameterEstimate) -> str:
@@ -193,11 +194,8 @@ def _value(p: ParameterEstimate) -> str:
         return (
             f"{name}, which is not known within its bounds of {p.lower:.3g} to {p.upper:.3g}{unit}"
         )
-    ends = _within_bounds(p)
-    low, high = (
-        "…" if e is None or not math.isfinite(e) else f"{e:.3g}" for e in ends or (None,) * 2
-    )
-    interval = f" [{low}, {high}]" if ends is not None else ""
+    low, high = _ends_within_bounds(p)
+    interval = f" [{low}, {high}]" if p.ci95 is not None else ""
     bound = ", at its bound" if p.at_bound else ""
     return f"{name} = {p.value:.3g}{interval}{unit}{bound}"
 

@@ -1,0 +1,56 @@
+"""Limits and places of causes as the logs read them, with the sensor zeros."""
+
+from __future__ import annotations
+
+from softid.diagnosis_results import Cause, Diagnosis
+from softid.effects import EFFECTS
+from softid.errors import Issue
+from softid.results import FitResult
+
+READING = "told-reading"
+"""Code of the remark that says at which reading a cause acts."""
+
+LEAST_ZERO = 0.01
+"""Share of the range of the first output from which a sensor zero makes a difference."""
+
+MOST_LOGS = 3
+"""So many logs are told one by one."""
+
+
+def reading_issues(found: Diagnosis) -> tuple[Issue, ...]:
+    """At which readings causes act whose parameters are told less the sensor zeros.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers.
+    """
+    if found.extended is None:
+        return ()
+    causes = (*found.causes, *found.descriptive)
+    told = (_told(cause, found.extended) for cause in causes if cause.key in EFFECTS)
+    return tuple(issue for issue in told if issue is not None)
+
+
+def _told(cause: Cause, extended: FitResult) -> Issue | None:
+    first = extended.outputs[0]
+    row = next(s for s in extended.statistics if s.channel == first)
+    low, high = extended.fitted_range[first]
+    logs = {s.log for s in extended.statistics if s.in_sample}
+    zeros = {n.log: n.zero[first] for n in extended.nuisances if n.log in logs and first in n.zero}
+    if max(map(abs, zeros.values()), default=0.0) < LEAST_ZERO * (high - low):
+        return None
+    of = {f"{cause.effect}_{name}": name for name in EFFECTS[cause.key].readings}
+    parts = []
+    for p in cause.parameters:
+        name = of.get(p.name)
+        if name is None or p.unit != row.unit:
+            continue
+        readings = [f"{(p.value + zero) * row.display_factor:.3g}" for zero in zeros.values()]
+        if len(readings) > MOST_LOGS:
+            continue
+        where = [f"{r} {row.display_unit} in {log}" for r, log in zip(readings, zeros, strict=True)]
+        parts.append(f"{name} is a reading of {' and '.join(where)}")
+    if not parts:
+        return None
+    return Issue(READING, "info", f"{cause.key}: {'; '.join(parts)}")

@@ -1,0 +1,41 @@
+"""Limits and places of causes, told as the logs read them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from handmade import fit_result
+from handmade_diagnosis import cause, diagnosis, estimate
+
+from softid.diagnosis.report.readings import reading_issues
+from softid.diagnosis_results import Diagnosis, Verdict
+
+
+def found(key: str, name: str, value: float, *, unit: str = "rad") -> Diagnosis:
+    """A diagnosis of one cause over a fit whose log has a sensor zero of a thirtieth of a rad."""
+    told = cause(key, [estimate(name, value, unit)], before=0.02, after=0.01)
+    return replace(diagnosis(Verdict.NAMED), causes=(told,), extended=fit_result())
+
+
+@pytest.mark.parametrize(
+    ("key", "name"),
+    [("sensor_clipping.lower", "sensor_clipping_lower"), ("contact", "contact_xw")],
+)
+def test_a_limit_is_told_with_the_zero(key: str, name: str) -> None:
+    """By hand: 0.2 rad and a zero of 0.1/3 rad are 13.4 deg in the fitted log; others are not."""
+    (issue,) = reading_issues(found(key, name, 0.2))
+    reading = np.rad2deg(0.2 + 0.1 / 3)
+    short = name.rpartition("_")[2]
+    assert issue.message == f"{key}: {short} is a reading of {reading:.3g} deg in step_1"
+
+
+def test_what_is_no_reading_is_not_told() -> None:
+    """A time; a place in another unit than the output's; a zero that makes no difference."""
+    assert reading_issues(found("delay", "delay_tau", 0.2, unit="s")) == ()
+    assert reading_issues(found("contact", "contact_xw", 0.2, unit="mm")) == ()
+    small = found("contact", "contact_xw", 0.2)
+    assert small.extended is not None
+    wide = replace(small.extended, fitted_range={"pressure": (0.0, 80.0), "angle": (0.0, 50.0)})
+    assert reading_issues(replace(small, extended=wide)) == ()
