@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -40,6 +40,7 @@ def draw_chain(
     title: str = "The chain",
     tied: Mapping[str, Sequence[str]] | None = None,
     step: str = "cause",
+    described: Collection[str] = (),
 ) -> Figure:
     """Draw the held-out error of the base and after each cause, with the interval of its gain.
 
@@ -60,6 +61,8 @@ def draw_chain(
         Effect of a link → all effects of which it may be either.
     step
         What is added at each step.
+    described
+        Keys of links that describe a part and are no cause.
 
     Returns
     -------
@@ -112,7 +115,8 @@ def draw_chain(
     axes.set_xlim(-0.5, len(causes) + 0.5)
     either = {effect: keys for effect, keys in (tied or {}).items() if len(keys) > 1}
     told = [" or ".join(spoken(k) for k in either.get(c.effect, (c.key,))) for c in causes]
-    names = [base, *(f"+ {name}" for name in told)]
+    marks = [" (description)" if c.key in described else "" for c in causes]
+    names = [base, *(f"+ {name}{mark}" for name, mark in zip(told, marks, strict=True))]
     axes.set_xticks(range(len(names)), [_folded(n) for n in names])
     axes.tick_params(axis="x", labelsize=LABEL_SIZE - 1, length=0)
     axes.xaxis.set_label_coords(0.5, -0.105)

@@ -227,10 +227,11 @@ def plain_name(key: str) -> str:
 
 def chain_figure(diagnosis: Diagnosis) -> Figure | None:
     """Held-out error by link; None when nothing was added."""
-    links = diagnosis.causes or diagnosis.descriptive
+    links = sorted((*diagnosis.causes, *diagnosis.descriptive), key=lambda link: link.round)
     if not links:
         return None
     what = "causes" if diagnosis.causes else "laws that describe and do not explain"
+    described = {link.key for link in diagnosis.descriptive} if diagnosis.causes else set()
     dropped = dropped_from(diagnosis)
     without = f" without {listed(dropped)}" if dropped else ""
     return draw_chain(
@@ -239,7 +240,8 @@ def chain_figure(diagnosis: Diagnosis) -> Figure | None:
         base=f"{diagnosis.base.model.name} model{without}",
         title=f"Held-out error along the chain of {what}",
         tied={effect: tie.keys for tie in diagnosis.alternatives for effect in tie.effects},
-        step="cause" if diagnosis.causes else "law",
+        step="cause" if not diagnosis.descriptive else "law",
+        described=described,
     )
 
 

@@ -13,6 +13,7 @@ from softid.plots import png_bytes, png_files
 from softid.plots.canvas import Display
 from softid.plots.chain import draw_chain
 from softid.plots.diagnosis_gallery import (
+    chain_figure,
     diagnosis_figures,
     taken_candidates,
     tied_candidates,
@@ -139,6 +140,22 @@ def test_a_step_of_the_chain_names_all_that_it_may_be() -> None:
     names = [" ".join(tick.get_text().split()) for tick in axes.get_xticklabels()]
     assert names == ["base model", "+ creep or contact", "+ delay"]
     assert axes.get_xlabel() == "model, one law more at each step"
+
+
+def test_a_description_between_causes_has_its_step(named: Diagnosis) -> None:
+    """The links stand in the order of the chain, and each falls from where the one before ended."""
+    first = replace(cause("hysteresis", 2.0, 1.0), added_to=())
+    creep = replace(cause("creep", 1.0, 0.5), added_to=("hysteresis",))
+    last = replace(cause("ageing", 0.5, 0.25), added_to=("hysteresis", "creep"))
+    links = replace(named, causes=(last, first), descriptive=(creep,), alternatives=())
+    figure = chain_figure(links)
+    assert figure is not None
+    (axes,) = figure.axes
+    names = [" ".join(tick.get_text().split()) for tick in axes.get_xticklabels()]
+    assert names[1:] == ["+ hysteresis", "+ creep (description)", "+ ageing"]
+    heights = np.asarray(axes.lines[0].get_ydata())
+    np.testing.assert_allclose(heights / heights[0], [1.0, 0.5, 0.25, 0.125])
+    assert png_bytes(figure)[:4] == b"\x89PNG"
 
 
 def test_a_chain_goes_past_a_model_without_a_response() -> None:

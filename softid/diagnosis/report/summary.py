@@ -30,6 +30,7 @@ from softid.diagnosis.report.phrases import (
     neighbours_of,
     noise_like,
     percent,
+    percent_below,
     sentence,
     structure_of_rest,
     taken_by,
@@ -254,7 +255,8 @@ def _not_told_apart(tie: Alternative) -> str:
 
 def _partial(teller: ErrorTexts, remainder: Remainder, *, is_tied: bool) -> list[str]:
     """The share that is explained, and what is left where that is more than noise."""
-    explained = f"That is {percent(remainder.explained_share)} of the misfit above the noise"
+    share = percent_below(remainder.explained_share, 1.0)
+    explained = f"That is {share} of the misfit above the noise"
     if remainder.misses_held_out:
         explained += (
             f" on the fitted samples and {percent(remainder.held_out_share)} on those held out"
