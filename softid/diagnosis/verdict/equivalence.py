@@ -129,6 +129,7 @@ UNLISTED: dict[str, str] = {
     "or a gauge that is late",
     "smoothed_reading": "a reading that was smoothed afterwards, by what came before and after",
     "settling_stiffness": "a stiffness that changes with the time and settles",
+    "recovering_softening": "a softening by use that recovers at rest, as a material that warms up",
     "second_creep": "a second creep of another time",
     "damping_drift": "a damping that changes at a constant rate",
     "input_play": "play of the valve or the regulator",
@@ -175,7 +176,7 @@ TWO_CREEPS = EquivalenceClass(
 
 SETTLING = EquivalenceClass(
     ("a stiffness or a gain that changes", UNLISTED["settling_stiffness"]),
-    ("settling_stiffness",),
+    ("settling_stiffness", "recovering_softening"),
     "A refit with such a stiffness in its place explains these logs better",
     "the same two levels again and again, for long, and the same log after a rest",
 )

@@ -29,6 +29,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
     PressureDrift,
     PressureGainDrift,
+    RecoveringSoftening,
     SettlingStiffness,
 )
 from softid.diagnosis.verdict.unlisted_laws import (
@@ -95,7 +96,9 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),)),
     Replacement((*DRIFTS, "hysteresis", "softening"), ((SecondCreep(),),), beside="creep"),
     Replacement(
-        ("softening", "ageing", "sensor_gain_drift"), ((SettlingStiffness(),),), behind=0.0
+        ("softening", "ageing", "sensor_gain_drift"),
+        ((SettlingStiffness(),), (RecoveringSoftening(),)),
+        behind=0.0,
     ),
     Replacement(
         ("sensor_clipping.both",), ((effect_of("sensor_clipping"), effect_of("dead_zone")),)
@@ -196,8 +199,10 @@ def refitted_with(
     """
     effects = (*kept, *laws)
     problem = extend_in_order(base.candidate.problem, acting_order(kept, laws), base.scale)
+    places = (known,) if kept else (known, base.candidate)
     starts = [
-        start_unknowns(problem, known.problem, known.minimum.point, values)
+        start_unknowns(problem, place.problem, place.minimum.point, values)
+        for place in places
         for values in _start_values(laws, base)
     ]
     if not kept and isinstance(laws[0], CURVED):

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import Effect, InputEffect, Scale, StateEffect
-from softid.kernels.terms import DAMPING, FORCE, STIFFNESS
+from softid.kernels.terms import DAMPING, FORCE, RATE, STIFFNESS
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -25,6 +25,12 @@ START = 0.1
 
 SETTLING, SETTLING_STARTS = (0.03, 1.0), (0.1, 0.3)
 """Bounds and starts of a time in which something settles, as shares of the longest log."""
+
+PATHS = (0.01, 3.0)
+"""Bounds of a path over which something is lost, as shares of the whole one."""
+
+LEAST = 1e-4
+"""Least share of a stiffness that is lost."""
 
 
 def one_parameter(
@@ -184,3 +190,49 @@ class SettlingStiffness(StateEffect):
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
         """Relative change of the stiffness."""
         out[STIFFNESS] += eta[0] * (1.0 - exp(-t / eta[1]))
+
+
+@dataclass(frozen=True)
+class RecoveringSoftening(StateEffect):
+    """A softening by use that goes back at rest, Q (1 − s (1 − e^{−w})), ẇ = |v|/W0 − w/τ."""
+
+    name: ClassVar[str] = "recovering_softening"
+    title: ClassVar[str] = "Softening that recovers"
+    law: ClassVar[str] = "Q (1 - s (1 - exp(-w))),  w' = |v|/W0 - w/tau"
+    meaning: ClassVar[str] = "The actuator warms up while it moves, and cools down while it rests."
+    signature: ClassVar[str] = (
+        "The residual grows with the position after much motion, not at rest."
+    )
+    remedy: ClassVar[str] = "let it cool down between the moves, or cycle it until it stays warm"
+    shown_by: ClassVar[str] = "the same moves after a long rest and after many others"
+    source: ClassVar[str] = "first order"
+    amplitude: ClassVar[str] = "share"
+    counts_position: ClassVar[bool] = True
+    essential: ClassVar[tuple[str, ...]] = ("tau",)
+    has_state: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The share s that is lost at most, the path W0 over which it goes, and the time τ."""
+        shortest, longest = (share * scale.duration_s for share in SETTLING)
+        least, most = (share * scale.travel for share in PATHS)
+        unit = scale.x_unit
+        return ParameterSet(
+            (
+                Parameter("share", START, "1", LEAST, LARGEST, "log", meaning="lost at most"),
+                Parameter("W0", (least * most) ** 0.5, unit, least, most, "log"),
+                Parameter("tau", (shortest * longest) ** 0.5, "s", shortest, longest, "log"),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """As much as the mean speed holds up, within a tenth or a third of the log."""
+        return tuple(
+            {"share": 2.0 * START, "W0": share * scale.travel, "tau": share * scale.duration_s}
+            for share in SETTLING_STARTS
+        )
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Relative change of the stiffness, and what has been gone and is not forgotten."""
+        out[STIFFNESS] -= eta[0] * (1.0 - exp(-z))
+        out[RATE] += abs(v) / eta[1] - z / eta[2]

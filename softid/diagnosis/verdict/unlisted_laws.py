@@ -17,6 +17,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
     PressureDrift,
     PressureGainDrift,
+    RecoveringSoftening,
     SettlingStiffness,
     one_parameter,
 )
@@ -253,6 +254,7 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     BentReading,
     DampingDrift,
     SettlingStiffness,
+    RecoveringSoftening,
     PositionDamping,
     EarlyReading,
     SmoothedReading,

@@ -25,6 +25,7 @@ def base_over(*names: str, seed: int) -> BaseFit:
         ("input_backlash", "input_play"),
         ("output_backlash", "output_play"),
         ("rate_limit", "rate_limit"),
+        ("self_heating", "recovering_softening"),
     ],
 )
 def test_what_is_hidden_is_told(hidden: str, law: str) -> None:

@@ -16,6 +16,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
     PressureDrift,
     PressureGainDrift,
+    RecoveringSoftening,
     SettlingStiffness,
 )
 from softid.diagnosis.verdict.unlisted_laws import (
@@ -153,6 +154,15 @@ def test_a_stiffness_settles() -> None:
         out = np.zeros(8)
         SettlingStiffness.step(0.0, 0.0, 0.0, 0.0, time_s, np.array([0.2, 10.0]), out)
         assert out[STIFFNESS] == pytest.approx(expected)
+
+
+def test_a_softening_recovers_with_its_time() -> None:
+    """By hand: of a share of 0.2 all but exp(−0.5) is gone; |v|/W0 − w/τ = 3/6 − 0.5/10."""
+    out = np.zeros(8)
+    eta = np.array([0.2, 6.0, 10.0])
+    RecoveringSoftening.step(0.0, -3.0, 0.5, 0.0, 0.0, eta, out)
+    assert out[STIFFNESS] == pytest.approx(-0.2 * (1.0 - np.exp(-0.5)))
+    assert out[RATE] == pytest.approx(0.45)
 
 
 def test_a_second_creep_follows_the_law_of_a_creep() -> None:
