@@ -52,7 +52,7 @@ def ranked(
     return Ranked(made, made, bic)
 
 
-def link(fall: float, *, before: float = 100.0, after: float = 50.0) -> Link:
-    """A round in which a delay lowers the BIC by so much."""
-    base, chosen = ranked((), 0.0, before), ranked(("delay",), -fall, after)
-    return Link(base, (chosen, base), chosen, ("delay",), (), before)
+def link(fall: float, *, before: float = 100.0, after: float = 50.0, key: str = "delay") -> Link:
+    """A round in which an effect lowers the BIC by so much."""
+    base, chosen = ranked((), 0.0, before), ranked((key,), -fall, after)
+    return Link(base, (chosen, base), chosen, (key,), (), before)

@@ -43,6 +43,7 @@ class Ageing(StateEffect):
     remedy: ClassVar[str] = "let it reach its temperature first, or identify it again now and then"
     shown_by: ClassVar[str] = "the same two levels at the beginning and at the end of a long log"
     source: ClassVar[str] = "Treloar, The Physics of Rubber Elasticity, ch. 2"
+    begins_with_log: ClassVar[bool] = True
     amplitude: ClassVar[str] = "r"
     counts_position: ClassVar[bool] = True
     changes_sign: ClassVar[bool] = True

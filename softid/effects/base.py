@@ -143,6 +143,8 @@ class Effect(ABC):
         are as late.
     has_one_form
         Whether its law is exact, so that it mends the form of no other and needs no mending.
+    begins_with_log
+        Whether it goes on from the beginning of every log, as if nothing had been before.
     readings
         Parameters that are told less the sensor zero of a log, as positions and readings are.
     plain_at
@@ -170,6 +172,7 @@ class Effect(ABC):
     mutes: ClassVar[bool] = False
     slowness: ClassVar[float] = 1.0
     has_one_form: ClassVar[bool] = False
+    begins_with_log: ClassVar[bool] = False
     readings: ClassVar[tuple[str, ...]] = ()
     plain_at: ClassVar[tuple[str, float] | None] = None
 

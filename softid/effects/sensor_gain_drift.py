@@ -46,6 +46,7 @@ class SensorGainDrift(OutputEffect):
     )
     shown_by: ClassVar[str] = "the same fast steps at the beginning and at the end of a long log"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
+    begins_with_log: ClassVar[bool] = True
     amplitude: ClassVar[str] = "g"
     counts_position: ClassVar[bool] = True
     changes_sign: ClassVar[bool] = True

@@ -52,6 +52,7 @@ class SensorWarmup(OutputEffect):
     remedy: ClassVar[str] = "switch the sensor on long before the log, or log a rest first"
     shown_by: ClassVar[str] = "a record much longer than the warm-up, with rests in it"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
+    begins_with_log: ClassVar[bool] = True
     amplitude: ClassVar[str] = "size"
     essential: ClassVar[tuple[str, ...]] = ("time",)
     changes_sign: ClassVar[bool] = True

@@ -48,6 +48,7 @@ class Softening(StateEffect):
     remedy: ClassVar[str] = "cycle a new actuator over its full range before it is used"
     shown_by: ClassVar[str] = "many cycles with pauses between them"
     source: ClassVar[str] = "Mullins 1969, doi 10.5254/1.3539210"
+    begins_with_log: ClassVar[bool] = True
     amplitude: ClassVar[str] = "s"
     counts_position: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("W0",)

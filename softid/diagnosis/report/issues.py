@@ -114,13 +114,19 @@ def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
     takes = percent(1.0 - best.squares / chain.final.squares)
     worse = after > (1.0 + LEAST_GAIN) * before
     change = f"adds {percent(after / before - 1.0)} to it" if worse else "leaves it as it is"
+    remedy = "hold out a log like the fitted ones, or none: then blocks of the logs judge"
+    if chain.last.added.begins_with_log:
+        remedy = (
+            "if what is held out was recorded after the others, hold out none, and blocks of the "
+            "logs judge: this law begins anew with every log"
+        )
     return (
         Issue(
             REFUSED,
             "info",
             f"{lowered(chain.last.added.title)} would take away {takes} of the squared error on "
             f"the fitted samples, but on what is held out it {change}",
-            "hold out a log like the fitted ones, or none: then blocks of the logs judge",
+            remedy,
         ),
     )
 

@@ -38,6 +38,16 @@ def test_a_law_that_what_is_held_out_refuses_is_told(after: float, words: str | 
         assert words in shown.summary
 
 
+@pytest.mark.parametrize(("key", "anew"), [("delay", False), ("softening", True)])
+def test_what_begins_with_a_log_may_have_begun_before(key: str, anew: bool) -> None:
+    """A rubber that the first log has worn in is worn in when the second begins."""
+    found = link(300.0, key=key)
+    (told,) = refusal_issues(Chain((), found, found.before.candidate), judge(1.0, 1.4))
+    assert told.remedy is not None
+    assert ("recorded after the others" in told.remedy) is anew
+    assert "blocks of the logs judge" in told.remedy
+
+
 def test_nothing_is_refused_that_did_not_pay_or_was_added() -> None:
     """A fall of the BIC by 10 is chance; a chain with a link has its cause."""
     chance, found = link(10.0), link(300.0)
