@@ -239,6 +239,8 @@ class Remainder:
     colour_s
         Correlation time of what is left, in s, where it has all marks of slow noise and no rest
         shows the noise alone; else None.
+    noise_from_rounding
+        Whether the rounding of the reading told it, for no noise blurs that.
     against_noise
         What slow noise, which no rest shows, would not do; None where nothing speaks against it, or
         the question does not arise.
@@ -260,6 +262,7 @@ class Remainder:
     open_jumps_held_out: int = 0
     colour_s: float | None = None
     against_noise: NotNoise | None = None
+    noise_from_rounding: bool = False
 
     @property
     def carries_over(self) -> bool:
@@ -270,6 +273,11 @@ class Remainder:
     def noise_power(self) -> float:
         """Mean square of the noise: what is left without its excess."""
         return self.rms**2 / max(1.0 + self.excess, 1.0)
+
+    @property
+    def noise_is_known(self) -> bool:
+        """Whether something else than the residual itself told the noise."""
+        return self.noise_from_rest or self.noise_from_rounding
 
     @property
     def leaves_something(self) -> bool:

@@ -176,7 +176,7 @@ def what_next(
         return "record more levels and more moves, which would show how sure the description is"
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
         left = variables_left(remainder)
-        rest = "" if remainder.noise_from_rest else ", and with a rest of 30 s that shows the noise"
+        rest = "" if remainder.noise_is_known else ", and with a rest of 30 s that shows the noise"
         if left == ["t"]:
             return f"record the same for longer, to see how it goes on{rest}"
         varied = [VARIATIONS[name] for name in left if name in VARIATIONS]

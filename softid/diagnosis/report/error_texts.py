@@ -136,7 +136,7 @@ class ErrorTexts:
             return f"{more} Record more of such moves to tell which."
         told = (
             "There is nothing to mend for logs like these."
-            if remainder.noise_from_rest
+            if remainder.noise_is_known
             else "As far as these logs show, there is nothing to mend."
         )
         return f"{more} {told}".lstrip()

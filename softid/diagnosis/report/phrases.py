@@ -316,8 +316,15 @@ def noise_like(remainder: Remainder) -> str:
     told = f"looks like noise{with_open_moments(remainder.open_jumps)}"
     if remainder.excess <= LOUDER:
         return told
-    what = "the noise of the rests" if remainder.noise_from_rest else "noise in its fastest part"
+    what = known_noise(remainder) or "noise in its fastest part"
     return f"{told}, though its power is {percent(remainder.excess)} above that of {what}"
+
+
+def known_noise(remainder: Remainder) -> str | None:
+    """What told the noise, where it was not the residual itself."""
+    if remainder.noise_from_rounding:
+        return "the rounding of the reading"
+    return "the noise of the rests" if remainder.noise_from_rest else None
 
 
 def what_is_unknown(remainder: Remainder) -> str:
@@ -329,7 +336,7 @@ def what_is_unknown(remainder: Remainder) -> str:
         What is left.
     """
     may_be_noise = not (
-        remainder.noise_from_rest
+        remainder.noise_is_known
         or remainder.predictable
         or remainder.against_noise
         or remainder.explained_share > 0.0

@@ -24,6 +24,7 @@ from softid.diagnosis.report.phrases import (
     VARIABLES,
     doubt_about,
     given_up,
+    known_noise,
     listed,
     lowered,
     named_whole,
@@ -211,14 +212,14 @@ def _adequate(teller: ErrorTexts, remainder: Remainder, refused: Sequence[str]) 
         chance = "None of the effects tried can be claimed."
     if remainder.colour_s is not None:
         return [chance, f"What is left, {left} rms on the fitted samples, {noise_like(remainder)}."]
-    noise = "the noise of the rests" if remainder.noise_from_rest else "noise"
+    noise = known_noise(remainder) or "noise"
     why = "it is no larger" if remainder.predictable else structure_of_rest(remainder)
     told = [
         chance,
         f"What is left, {left} rms on the fitted samples, looks like {noise}"
         f"{with_open_moments(remainder.open_jumps)}: {why}.",
     ]
-    if not remainder.noise_from_rest:
+    if not remainder.noise_is_known:
         told.append("No long rest shows the noise alone, so a slow misfit could hide in it.")
     return told
 
@@ -282,7 +283,7 @@ def _left(teller: ErrorTexts, remainder: Remainder) -> str:
             f"is larger than the noise; {share} of it follows from {PREDICTORS}, no more than "
             "chance would make of slow noise"
         )
-    elif remainder.noise_from_rest:
+    elif remainder.noise_is_known:
         told += "is larger than the noise, but follows from no variable that was looked at"
     else:
         told += (

@@ -14,6 +14,7 @@ from softid.diagnosis.residual.jump_timing import with_open_jumps
 from softid.diagnosis.residual.motion import muted_samples, residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
 from softid.diagnosis.residual.projection import rows_of
+from softid.diagnosis.residual.rounding_floor import rounding_floor
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
 from softid.diagnosis_results import Remainder
 from softid.effects.base import Scale
@@ -66,14 +67,15 @@ def assess(
         Draws the shifts of the null.
     """
     before, after = residual_context(base), residual_context(final)
-    floor = _floor_of(_heard(after, final), scale)
+    rounding = rounding_floor(final)
+    floor = _larger(_floor_of(_heard(after, final), scale), rounding)
     found = _look(before, after, floor, scale, final, rng=rng)
     if not found.structured:
         return found
     jumps = with_open_jumps(final, after, _least_noise(floor, before), _slopes_of(final))
     if jumps is None:
         return found
-    floor = _floor_of(_heard(jumps.parts, final), scale)
+    floor = _larger(_floor_of(_heard(jumps.parts, final), scale), rounding)
     timed = _look(before, jumps.parts, floor, scale, final, rng=rng)
     if timed.structured:
         return found
@@ -98,7 +100,7 @@ def _look(
     structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
     colour = ColourTest()
     louder = mean_square(after) / _least_noise(floor, before) - 1.0
-    if not (floor.from_rest or structure.significant) and louder > SMALLEST_EXCESS:
+    if not (floor.is_known or structure.significant) and louder > SMALLEST_EXCESS:
         heard = _heard(after, final)
         slopes = _slopes_where(heard, after, final)
         told = colour_test(heard, scale.motion_s, slopes=slopes, rng=rng)
@@ -119,6 +121,7 @@ def _look(
         by=structure.by,
         excess=excess,
         noise_from_rest=floor.from_rest,
+        noise_from_rounding=floor.from_rounding,
         noise_sd=floor.relative_sd,
         structured=_is_structured(structure, excess, floor, explained),
         colour_s=colour.correlation_s,
@@ -178,7 +181,7 @@ def _is_structured(
     Slow noise follows from the motion by chance once in twenty times. Where rests tell how large it
     is, a structure must make the residual larger than it.
     """
-    shows = not floor.from_rest or excess > floor.relative_sd
+    shows = not floor.is_known or excess > floor.relative_sd
     deviations = EXCESS_SDS if explained > LITTLE_EXPLAINED else FEWER_SDS
     return (structure.significant and shows) or excess > _largest_excess(floor, deviations)
 
@@ -194,6 +197,11 @@ def _floor_of(parts: Sequence[ResidualContext], scale: Scale) -> NoiseFloor:
         [p.time_s for p in parts],
         scale.motion_s,
     )
+
+
+def _larger(floor: NoiseFloor, rounding: NoiseFloor | None) -> NoiseFloor:
+    """The noise, or the rounding of what has less noise than that."""
+    return floor if rounding is None or floor.variance >= rounding.variance else rounding
 
 
 def _heard(parts: Sequence[ResidualContext], model: Candidate) -> list[ResidualContext]:

@@ -69,11 +69,19 @@ class NoiseFloor:
     from_rest
         Whether rest stretches told it; otherwise it is what is left in the fastest part of the
         residual, and slow noise looks like a misfit.
+    from_rounding
+        Whether the rounding of the reading told it, which no noise blurs.
     """
 
     variance: float
     relative_sd: float
     from_rest: bool
+    from_rounding: bool = False
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it does not depend on what the motion leaves."""
+        return self.from_rest or self.from_rounding
 
 
 def noise_floor(
