@@ -47,7 +47,17 @@ Array = npt.NDArray[np.float64]
 
 
 def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
-    """The diagnosis in numbers: errors of the parameters, gains, and which names stay."""
+    """The diagnosis in numbers, without its summary.
+
+    Parameters
+    ----------
+    base
+        The base fit, and what it is judged by.
+    found
+        What a search found.
+    seed
+        Of the bootstrap.
+    """
     chain, remainder, held_out = found.chain, found.remainder, base.held_out
     rng = np.random.default_rng(seed)
     asked_for = base.asked_for.identified

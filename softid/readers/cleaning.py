@@ -57,7 +57,7 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
         )
     rows = samples.time_s.size
     samples = _drop_missing(samples, np.isfinite(samples.time_s), "time")
-    samples = with_rows_joined(samples)
+    samples = with_rows_joined(samples, (input, *outputs))
     samples = with_input_between(samples, input=input, outputs=outputs)
     samples = _drop_missing(samples, np.isfinite(samples.channels[input].values), input)
     _require_forward(samples)

@@ -22,13 +22,16 @@ LEAST_ROWS = 10
 """Fewer rows of the other recorder are no record."""
 
 
-def with_rows_joined(samples: Samples) -> Samples:
-    """The samples with rows of one time as one, where they hold different channels.
+def with_rows_joined(samples: Samples, roles: Sequence[str]) -> Samples:
+    """The samples with rows of one time as one, where they hold different channels of some.
 
     Parameters
     ----------
     samples
-        Rows with a time. Where a channel has two values at one time, all its rows stay.
+        Rows with a time.
+    roles
+        Names of the channels that count: where one has two values at one time, all its rows stay.
+        Of the others, such as a number that each recorder counts up, the least value is kept.
     """
     starts = np.flatnonzero(np.diff(samples.time_s, prepend=-np.inf) != 0.0)
     if starts.size == samples.time_s.size:
@@ -37,11 +40,12 @@ def with_rows_joined(samples: Samples) -> Samples:
     joins, contradicts = (np.zeros(starts.size, bool) for _ in range(2))
     values = {}
     for name, channel in samples.channels.items():
-        counts = np.add.reduceat(np.isfinite(channel.values).astype(int), starts)
-        joins |= (counts > 0) & (counts < sizes)
         values[name] = np.fmin.reduceat(channel.values, starts)
-        highest = np.fmax.reduceat(channel.values, starts)
-        contradicts |= (counts > 0) & (values[name] != highest)
+        if name in roles:
+            counts = np.add.reduceat(np.isfinite(channel.values).astype(int), starts)
+            joins |= (counts > 0) & (counts < sizes)
+            highest = np.fmax.reduceat(channel.values, starts)
+            contradicts |= (counts > 0) & (values[name] != highest)
     joined = joins & ~contradicts
     channels = {}
     for name, channel in samples.channels.items():

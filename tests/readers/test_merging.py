@@ -75,8 +75,9 @@ def test_where_the_input_stalls_nothing_is_put_in(write_log: WriteFile) -> None:
 
 def test_rows_of_one_time_are_one_row(write_log: WriteFile) -> None:
     """A frame in the moment of a reading is no second sample; what contradicts is told."""
-    rows = ["0,1,", "0,,0.5", "1,2,", "2,3,0.7", "2,3,0.9", "3,4,", "3,,0.8"]
-    log = load(write_log(HEADER + "\n".join(rows) + "\n"))
+    rows = ["0,1,,7", "0,,0.5,70", "1,2,,8", "2,3,0.7,9", "2,3,0.9,71", "3,4,,10", "3,,0.8,72"]
+    header = HEADER.replace("\n", ",counter\n")
+    log = load(write_log(header + "\n".join(rows) + "\n"))
     assert log.time_s.tolist() == [0.0, 1.0, 2.0, 3.0]
     np.testing.assert_array_equal(log.channels["angle"].values, [0.5, np.nan, 0.7, 0.8])
     assert "duplicate-times" in {issue.code for issue in log.issues}
