@@ -38,7 +38,8 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
     Raises
     ------
     InputError
-        A role's column is empty, the time runs backward, or fewer than two samples are left.
+        A role's column is empty, an output was never read while the input was, the time runs
+        backward, or fewer than two samples are left.
     """
     for name in (input, *outputs):
         if not np.isfinite(samples.channels[name].values).any():
@@ -59,6 +60,7 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
     samples = _drop_missing(samples, np.isfinite(samples.time_s), "time")
     samples = with_rows_joined(samples, (input, *outputs))
     samples = with_input_between(samples, input=input, outputs=outputs)
+    _require_common_times(samples, input, outputs)
     samples = _drop_missing(samples, np.isfinite(samples.channels[input].values), input)
     _require_forward(samples)
     samples = _drop_repeated(samples)
@@ -70,6 +72,22 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
         )
     missing = [_missing_output(samples, name) for name in outputs]
     return replace(samples, issues=(*samples.issues, *(issue for issue in missing if issue)))
+
+
+def _require_common_times(samples: Samples, input: str, outputs: Sequence[str]) -> None:
+    """Refuse a file in which no output was read while the input was."""
+    with_input = np.isfinite(samples.channels[input].values)
+    for name in outputs:
+        read = np.isfinite(samples.channels[name].values)
+        if read.any() and with_input.any() and not (read & with_input).any():
+            spans = (samples.time_s[rows] for rows in (read, with_input))
+            when, driven = (f"{span.min():.4g} to {span.max():.4g} s" for span in spans)
+            raise InputError(
+                f"the {name}, read from {when}, has no {input} beside it, which is there from "
+                f"{driven}",
+                where=samples.column(name),
+                remedy="set both recorders to one clock before their files are merged",
+            )
 
 
 def _too_few(samples: Samples, input: str, rows: int) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from softid.errors import InputError
 from softid.identification import fit
 from softid.readers import load
 
@@ -82,3 +83,12 @@ def test_rows_of_one_time_are_one_row(write_log: WriteFile) -> None:
     np.testing.assert_array_equal(log.channels["angle"].values, [0.5, np.nan, 0.7, 0.8])
     assert "duplicate-times" in {issue.code for issue in log.issues}
     assert "merged-rows" not in {issue.code for issue in log.issues}
+
+
+def test_recorders_without_a_common_time_are_refused(write_log: WriteFile) -> None:
+    """What the pressure was when the angle was read is not on record."""
+    file = write_log(merged(np.arange(0.0, 5.0, 0.02), np.arange(60.0, 65.0, 0.02)))
+    with pytest.raises(InputError) as caught:
+        load(file)
+    assert "read from 60 to 64.98 s, has no pressure beside it" in str(caught.value)
+    assert caught.value.remedy
