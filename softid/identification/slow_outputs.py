@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from softid.identification.sensor_clock import find_clock
 from softid.log import Log
+from softid.readers.merging import MERGED_ROWS
 from softid.segment import Segment, absent_times, with_knots, with_rows
 
 Array = npt.NDArray[np.float64]
@@ -100,7 +101,7 @@ def at_readings(log: Log) -> Log:
     if rows.size < 2 or float(np.mean(np.diff(rows) > 1)) <= USUAL:
         return log
     assert log.masked is not None
-    rows, time_s = _taken(log.time_s, rows)
+    rows, time_s = _taken(log, rows)
     channels = {k: replace(c, values=c.values[rows]) for k, c in log.channels.items()}
     course = np.interp(time_s, log.time_s, log.channels[log.input].values)
     channels[log.input] = replace(channels[log.input], values=course)
@@ -128,10 +129,15 @@ def _is_read(log: Log) -> BoolArray:
     return read
 
 
-def _taken(time_s: Array, rows: IntArray) -> tuple[IntArray, Array]:
-    """The rows whose readings were taken within the log, and when."""
+def _taken(log: Log, rows: IntArray) -> tuple[IntArray, Array]:
+    """The rows whose readings were taken within the log, and when.
+
+    Rows of a recorder of its own have the times of its readings, to the digit that the file has.
+    """
+    time_s = log.time_s
     seen_s = time_s[rows]
-    clock = find_clock(time_s, rows[1:] if rows[0] == 0 else rows)
+    has_own_rows = any(issue.code == MERGED_ROWS for issue in log.issues)
+    clock = None if has_own_rows else find_clock(time_s, rows[1:] if rows[0] == 0 else rows)
     if clock is None:
         return rows, seen_s
     taken_s = clock.taken_s(time_s, rows)

@@ -14,6 +14,9 @@ from softid.log import stall_of
 from softid.readers.base import Array, IntArray
 from softid.readers.samples import Samples
 
+MERGED_ROWS = "merged-rows"
+"""Code of the remark that a file has the rows of two recorders."""
+
 MERGED = 0.25
 """Share of the outputs' readings without an input from which two recorders made the file; fewer are
 rows in which the input was lost."""
@@ -90,7 +93,7 @@ def with_input_between(samples: Samples, *, input: str, outputs: Sequence[str]) 
     if alone.size < max(LEAST_ROWS, MERGED * int(with_output.sum())):
         return samples
     issue = Issue(
-        "merged-rows",
+        MERGED_ROWS,
         "info",
         f"{samples.where}: {alone.size} rows have {' and '.join(outputs)} without {input}, the "
         f"first in {samples.row(int(alone[0]))}; there the {input} is taken as smooth between its "

@@ -11,6 +11,7 @@ import pytest
 
 from softid.errors import InputError
 from softid.identification import fit
+from softid.identification.slow_outputs import at_readings
 from softid.readers import load
 
 Array = npt.NDArray[np.float64]
@@ -61,6 +62,21 @@ def test_two_recorders_with_clocks_of_their_own(write_log: WriteFile) -> None:
     assert q.value == pytest.approx(1.0 / GAIN, rel=0.002)
     assert n.value == pytest.approx(TAU_S / GAIN, rel=0.01)
     assert found.statistics[0].rmse == pytest.approx(0.002, rel=0.1)
+
+
+def test_times_that_a_file_rounds_are_those_of_the_readings(write_log: WriteFile) -> None:
+    """To the nearest 10 ms: as many come early as late, and a clock that rows lag behind would not.
+
+    The frames are within half of that of where they were, by nothing on the average.
+    """
+    gauge_s, camera_s = np.arange(0.0, 30.0, 0.02), 0.0037 + np.arange(0.0, 29.9, 1.0 / 33.3)
+    text = merged(gauge_s, camera_s)
+    rows = [line.split(",", 1) for line in text.splitlines()[1:]]
+    rounded = [f"{float(time):.2f},{rest}" for time, rest in rows]
+    slow = at_readings(load(write_log(HEADER + "\n".join(rounded) + "\n")))
+    off_s = slow.time_s - camera_s[: slow.time_s.size]
+    assert np.abs(off_s).max() < 0.0051
+    assert abs(float(off_s.mean())) < 0.0005
 
 
 def test_where_the_input_stalls_nothing_is_put_in(write_log: WriteFile) -> None:

@@ -227,6 +227,8 @@ def structure_of_rest(remainder: Remainder) -> str:
     share, limit = percent(remainder.structure_share), percent(max(remainder.structure_limit, 0.0))
     if remainder.structure_share <= max(remainder.structure_limit, 0.0):
         return f"no more of it follows from {PREDICTORS} than chance would make of noise"
+    if share == percent(0.0):
+        return f"less than 1 % of its power follows from {PREDICTORS}, though more than by chance"
     return f"{share} of its power follows from {PREDICTORS}, where chance reaches {limit}"
 
 

@@ -14,6 +14,7 @@ from softid.diagnosis.report.phrases import (
     UNLIKE_NOISE,
     doubt_about,
     percent_below,
+    structure_of_rest,
     taken_by,
     unsteady,
     values_of,
@@ -234,3 +235,11 @@ def test_what_does_not_occur_is_not_called_small(doubt: Doubt, told: str) -> Non
     main = replace(cause("creep", [], before=2.0, after=1.0), delta_bic=5000.0)
     beside = replace(cause("sensor_drift", [], before=1.0, after=1.0), delta_bic=50.0, doubt=doubt)
     assert told in described([beside], [main])
+
+
+def test_a_share_that_rounds_to_nothing_is_less_than_one() -> None:
+    """Not "0 %, where chance reaches 0 %"."""
+    left = replace(remainder(structured=False, explained=1.0), structure_limit=0.001)
+    told = structure_of_rest(replace(left, structure_share=0.004))
+    assert told.startswith("less than 1 % of its power follows from")
+    assert structure_of_rest(replace(left, structure_share=0.0)).startswith("no more of it")
