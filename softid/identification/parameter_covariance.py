@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from softid.excitation import find_quantisation, run_starts
 from softid.fitters.normal_equations import KEPT_ENTRIES, SUMMED_ENTRIES, Piece, linearise
 from softid.fitters.output_error import Optimum
 from softid.fitters.problem import Block, Problem
@@ -19,6 +20,7 @@ from softid.uncertainty import (
     Covariance,
     FactoredRows,
     ResidualBlock,
+    Rounding,
     fit_ar,
     known_better,
     log_likelihood,
@@ -42,6 +44,10 @@ of 97 %."""
 WIDEST = 2
 """Every log brings a zero of its own, so that rows of many logs are long; averages over so many
 times the samples make up for that, and no more, for they would miss too much."""
+
+UNBLURRED = 0.25
+"""Share of the power of the residual from which its rounding, q²/12, counts as long as a reading
+stays; noise of half a step blurs it."""
 
 LEAST_THERE = 0.5
 """A mean counts where so large a share of the samples is there that the fullest one has."""
@@ -103,7 +109,9 @@ def errors_of(problem: Problem, optimum: Optimum) -> Errors:
     if there and covariance is None:
         parts = zip(groups, shared, strict=True)
         blocks = [_block_of(own, *group, columns, optimum) for group, own in parts]
-        covariance = sandwich_covariance(blocks, _names_of(problem, columns), noise=models)
+        roundings = [_rounding_of(problem, own) for own in shared]
+        names = _names_of(problem, columns)
+        covariance = sandwich_covariance(blocks, names, noise=models, roundings=roundings)
     likelihood = sum(log_likelihood(ar, own) for ar, own in zip(models, residuals, strict=True))
     finite = bool(np.isfinite(likelihood))
     return Errors(
@@ -238,6 +246,23 @@ def _block_of(
     weight = 1.0 / optimum.sigma[channel]
     jacobians, residuals = tuple(r.by(columns) for r in rows), tuple(r.residual for r in rows)
     return ResidualBlock(channel, jacobians, residuals, weight, min(logs))
+
+
+def _rounding_of(problem: Problem, rows: Sequence[_Rows]) -> Rounding | None:
+    """How the readings of what shares a noise model are rounded, where noise hardly blurs that."""
+    readings = [_readings_of(problem, part) for part in rows]
+    known = np.concatenate([values[np.isfinite(values)] for values in readings])
+    residual = np.concatenate([part.residual for part in rows])
+    grid = find_quantisation(known) if known.size else None
+    if grid is None or grid.step**2 / 12.0 < UNBLURRED * float(np.nanmean(residual**2)):
+        return None
+    return Rounding(grid.step, tuple(run_starts(values) for values in readings))
+
+
+def _readings_of(problem: Problem, rows: _Rows) -> Array:
+    segment = problem.segments[rows.segment]
+    readings: Array = segment.samples_of(segment.outputs[rows.channel])
+    return np.where(np.isfinite(rows.residual), readings, np.nan)
 
 
 def _means_of(

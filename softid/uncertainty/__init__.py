@@ -36,6 +36,7 @@ from softid.uncertainty.linearisation import ResidualBlock
 from softid.uncertainty.noise import effective_n, noise_model
 from softid.uncertainty.profile import ProfileResult, profile
 from softid.uncertainty.propagation import propagated_errors
+from softid.uncertainty.rounding import Rounding
 
 __all__ = [
     "CI_METHOD",
@@ -45,6 +46,7 @@ __all__ = [
     "MeanInterval",
     "ProfileResult",
     "ResidualBlock",
+    "Rounding",
     "autocovariance",
     "block_bootstrap_mean_ci",
     "block_length",

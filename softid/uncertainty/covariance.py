@@ -30,6 +30,7 @@ from softid.uncertainty.linearisation import (
 )
 from softid.uncertainty.moments import Moments, gather_moments
 from softid.uncertainty.restricted import RestrictedFit, evaluate, restricted_ar
+from softid.uncertainty.rounding import WELL_KNOWN, Rounding, rounding_covariance
 from softid.uncertainty.simultaneous import add_shared_noise
 from softid.uncertainty.student import student_quantile
 
@@ -105,11 +106,12 @@ def sandwich_covariance(
     max_order: int = MAX_ORDER,
     rank_tolerance: float = RANK_TOLERANCE,
     noise: Sequence[AutoRegression] | None = None,
+    roundings: Sequence[Rounding | None] = (),
 ) -> Covariance:
     """Covariance of ordinary least-squares estimates under autoregressive noise.
 
     C = H⁻¹ (Σ_s w⁴ J_sᵀ Ω_s J_s) H⁻¹ with H = Σ_s w² J_sᵀ J_s and Ω_s the Toeplitz covariance of an
-    autoregression. Four things keep the intervals honest where the noise is slow:
+    autoregression. Five things keep the intervals honest where the noise is slow:
 
     - the autoregression is fitted by restricted likelihood, since a fit absorbs slow noise;
     - it is fitted to the samples and to averages over 4, 16, … samples, and the widest interval of
@@ -117,6 +119,8 @@ def sandwich_covariance(
       the full rate, but is one after averaging;
     - channels of one recording that err together, because they show one motion and one pressure,
       add the covariance of their noise;
+    - readings on a grid that no noise blurs err by one number as long as they stay, and the
+      interval that follows from that is taken where it is wider (`rounding_covariance`);
     - each variance carries degrees of freedom from the uncertainty of the noise model,
       ν = 2/var(log C_kk) (Satterthwaite), for Student's t.
 
@@ -134,6 +138,8 @@ def sandwich_covariance(
         reported and its parameters get no standard deviation; the others keep theirs.
     noise
         `fit_ar` of every block's residuals where it is known already.
+    roundings
+        One for each block, or none at all.
 
     Returns
     -------
@@ -191,6 +197,10 @@ def sandwich_covariance(
         scales.append(_at_scale(blocks, sums, line.inverse, length, max_order))
     variances = np.array([np.diag(scale.matrix) for scale in scales])
     freedoms = np.array([scale.freedom for scale in scales])
+    if any(rounding is not None for rounding in roundings):
+        rounded = rounding_covariance(blocks, roundings, line.inverse)
+        variances = np.vstack((variances, np.diag(rounded)))
+        freedoms = np.vstack((freedoms, np.full(len(names), WELL_KNOWN)))
     widest = np.argmax(_quantile(freedoms, 0.95) * np.sqrt(variances), axis=0)
     pick = widest, np.arange(len(names))
     return _assemble(names, line, scales[0], variances[pick], freedoms[pick])
