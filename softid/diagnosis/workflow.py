@@ -188,6 +188,8 @@ def _searched(
         return _answered(*searched(plainer)) if plainer is not None else None
 
     answer, base = _surest_answer(found, last, over_plainer_model)
+    if base is not last.base:  # a plainer model has settled it
+        return answer, base
     unnamed = answer.verdict is Verdict.UNKNOWN
     plainer = models.after_all_causes(
         asked,
@@ -195,9 +197,7 @@ def _searched(
         is_unnamed=unnamed,
         is_explained=unnamed and bool(others.all(last.base)),
     )
-    if plainer is not None and base is last.base:
-        answer, base = _surest_answer(*searched(plainer))
-    return answer, base
+    return (answer, base) if plainer is None else _surest_answer(*searched(plainer))
 
 
 def _answered(found: SearchResult, search: CauseSearch) -> Answered:

@@ -81,14 +81,14 @@ def with_input_between(samples: Samples, *, input: str, outputs: Sequence[str]) 
         return samples
     with_output = np.any([np.isfinite(samples.channels[name].values) for name in outputs], axis=0)
     read_s, first = np.unique(samples.time_s[is_read], return_index=True)
-    interval_s = np.diff(read_s)
+    read, interval_s = values[is_read][first], np.diff(read_s)
     stalls = np.flatnonzero(interval_s > stall_of(float(np.median(interval_s)))) + 1
     filled = values.copy()
     for start, stop in pairwise((0, *stalls.tolist(), read_s.size)):
         span_s = read_s[start:stop]
         within = (samples.time_s >= span_s[0]) & (samples.time_s <= span_s[-1])
         at = np.flatnonzero(with_output & ~is_read & within)
-        filled[at] = course_at(samples.time_s[at], span_s, values[is_read][first[start:stop]])
+        filled[at] = course_at(samples.time_s[at], span_s, read[start:stop])
     alone = np.flatnonzero(np.isfinite(filled) & ~is_read)
     if alone.size < max(LEAST_ROWS, MERGED * int(with_output.sum())):
         return samples

@@ -19,7 +19,7 @@ from softid.synthesis.hidden_base import (
 
 Generator = np.random.Generator
 
-STIFFEST_LOSS = 0.8
+LARGEST_LOSS = 0.8
 """Share of the stiffness that goes at most."""
 
 
@@ -28,7 +28,7 @@ def _self_heating(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw
     loss, speed, time_s = values["loss"], values["speed"], values["time"]
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
-        parts.spring *= 1.0 - min(loss * z[0], STIFFEST_LOSS)
+        parts.spring *= 1.0 - min(loss * z[0], LARGEST_LOSS)
         return ((abs(v) / speed - z[0]) / time_s,)
 
     return MotionLaw(act, lambda x: (0.0,))

@@ -68,7 +68,7 @@ def lost(log: Log, share: float, *, seed: int = 0) -> Log:
 
 
 def test_a_repeat_in_the_place_of_a_lost_packet_is_none() -> None:
-    """Known truth: three in ten were lost; their repeats would leave 0.025 rad, not 0.002."""
+    """Known truth: three in ten were lost; their repeats would leave 0.021 rad, not 0.002."""
     log = lost(linear_log(noise=0.002), 0.3)
     stale = np.append(False, np.diff(log.channels["angle"].values) == 0.0)
     np.testing.assert_array_equal(repeated_readings(log), stale)
@@ -79,7 +79,7 @@ def test_a_repeat_in_the_place_of_a_lost_packet_is_none() -> None:
     assert found.statistics[0].rmse == pytest.approx(0.002, rel=0.15)
 
 
-@pytest.mark.parametrize("bits", [8, 10])
+@pytest.mark.parametrize("bits", [7, 8])
 def test_a_converter_behind_a_curve_repeats_values_by_chance(bits: int) -> None:
     """Its values are on no even grid, but they come again and again."""
     log = linear_log(noise=0.002)

@@ -40,7 +40,7 @@ def share_within() -> float:
 
 
 def test_a_long_rest_is_one_draw_of_what_was_rounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Known truth: taken as independent samples, the intervals hold it in half of the cases."""
+    """Known truth: taken as independent samples, the intervals hold it in 40 % of the cases."""
     assert share_within() >= 0.9
     monkeypatch.setattr(parameter_covariance, "_rounding_of", lambda *_: None)
     assert share_within() < 0.7

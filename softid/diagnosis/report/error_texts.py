@@ -6,14 +6,12 @@ import math
 from collections.abc import Callable, Sequence
 
 from softid.diagnosis.report.phrases import listed, percent_range, with_open_moments
+from softid.diagnosis.verdict.held_out_error import ASTRAY
 from softid.diagnosis_results import Cause, Gain, Remainder
 from softid.results import FitResult
 
 MORE = 1.25
 """What is held out keeps more when its error is so many times that of the fitted samples."""
-
-ASTRAY = 3.0
-"""A model does not carry over to what is held out when it errs there by so many times as much."""
 
 HARDLY = 2.0
 """Fit in per cent below which a model says no more than a constant."""

@@ -14,7 +14,7 @@ LEAST_ZERO = 0.01
 """Share of the range of the first output from which a sensor zero makes a difference."""
 
 MOST_LOGS = 3
-"""So many logs are told one by one."""
+"""The readings in more logs are not told."""
 
 
 def reading_issues(found: Diagnosis) -> tuple[Issue, ...]:
@@ -38,7 +38,8 @@ def _told(cause: Cause, extended: FitResult) -> Issue | None:
     low, high = extended.fitted_range[first]
     logs = {s.log for s in extended.statistics if s.in_sample}
     zeros = {n.log: n.zero[first] for n in extended.nuisances if n.log in logs and first in n.zero}
-    if max(map(abs, zeros.values()), default=0.0) < LEAST_ZERO * (high - low):
+    largest = max(map(abs, zeros.values()), default=0.0)
+    if largest < LEAST_ZERO * (high - low) or len(zeros) > MOST_LOGS:
         return None
     of = {f"{cause.effect}_{name}": name for name in EFFECTS[cause.key].readings}
     parts = []
@@ -46,10 +47,10 @@ def _told(cause: Cause, extended: FitResult) -> Issue | None:
         name = of.get(p.name)
         if name is None or p.unit != row.unit:
             continue
-        readings = [f"{(p.value + zero) * row.display_factor:.3g}" for zero in zeros.values()]
-        if len(readings) > MOST_LOGS:
-            continue
-        where = [f"{r} {row.display_unit} in {log}" for r, log in zip(readings, zeros, strict=True)]
+        where = [
+            f"{(p.value + zero) * row.display_factor:.3g} {row.display_unit} in {log}"
+            for log, zero in zeros.items()
+        ]
         parts.append(f"{name} is a reading of {' and '.join(where)}")
     if not parts:
         return None

@@ -28,8 +28,10 @@ UNLIKELY = 6.63
 them: 99 % of χ² with one degree of freedom, for one unsure parameter may make all of it."""
 
 ASTRAY = 3.0
-"""A model that errs so many times as much there as on fitted samples, where only slow noise that no
-rest shows could explain it, is wrong: unsure parameters and slow noise are one guess too many."""
+"""A model does not carry over to what is held out when it errs there by so many times as much.
+
+Where only slow noise that no rest shows could explain that, it is wrong: unsure parameters and slow
+noise are one guess too many."""
 
 
 def with_held_out(
