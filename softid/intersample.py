@@ -79,6 +79,8 @@ RESOLVED = 3.0
 """Largest ratio of the second derivatives at both ends of an interval: where a course is sampled
 fast enough it bends there alike. A corner does not, nor does noise."""
 
+LONGEST_BENT = 10.0
+"""No cubic spans an interval of more periods: the slopes beside it say nothing of its middle."""
 
 LEAST_READINGS = 4
 """So many readings between two jumps make a cubic."""
@@ -255,5 +257,8 @@ def _bends(time_s: Array, values: Array) -> tuple[Array, Array]:
     count = bends_in_the_middle(time_s, values, RESOLVED, least, *nothing)
     at, bend = np.empty(count, np.int64), np.empty(count)
     bends_in_the_middle(time_s, values, RESOLVED, least, at, bend)
-    middle_s = time_s[at] + 0.5 * (time_s[at + 1] - time_s[at])
+    interval_s = np.diff(time_s)
+    is_short = interval_s[at] <= LONGEST_BENT * float(np.median(interval_s))
+    at, bend = at[is_short], bend[is_short]
+    middle_s = time_s[at] + 0.5 * interval_s[at]
     return middle_s, 0.5 * (values[at] + values[at + 1]) + SAME_AREA * bend

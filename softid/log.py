@@ -84,8 +84,9 @@ class Log:
         cubic where it bends, ``"held"`` until the next sample where it jumps, ``"zoh"`` (zero-order
         hold) held at every sample, or None to let a fit decide, which elsewhere means straight.
     input_read_s
-        When a gauge that is slower than the log read the input, shape (R,), in order; None for one
-        that is read at every sample.
+        When a gauge slower than the log read the input, shape (R,); None if at every sample.
+    is_bridged
+        Whether it is one segment, in which the input goes straight on through every stall.
 
     Raises
     ------
@@ -106,6 +107,7 @@ class Log:
     metadata: Mapping[str, str] = field(default_factory=dict)
     intersample: Intersample | None = None
     input_read_s: Array | None = None
+    is_bridged: bool = False
 
     def __post_init__(self) -> None:
         time = read_only(self.time_s)
@@ -197,18 +199,23 @@ class Log:
 
     @property
     def stall_s(self) -> float:
-        """Longest interval that still belongs to one segment: max(0.5 s, 10 periods)."""
+        """Longest interval in which the clock has not stalled: max(0.5 s, 10 periods)."""
         return stall_of(self.period_s)
 
+    @cached_property
+    def stretches(self) -> tuple[tuple[int, int], ...]:
+        """Half-open ranges of samples between stalls; a single sample between two is none."""
+        breaks = np.flatnonzero(np.diff(self.time_s) > self.stall_s) + 1
+        edges = [0, *breaks.tolist(), len(self)]
+        return tuple((a, b) for a, b in pairwise(edges) if b - a >= 2)
+
     def segments(self) -> tuple[Segment, ...]:
-        """Stretches between stalls, in order; single samples between two stalls are dropped."""
+        """The stretches in order, each with a state of its own; one for all in a bridged log."""
         return self._segments
 
     @cached_property
     def _segments(self) -> tuple[Segment, ...]:
-        breaks = np.flatnonzero(np.diff(self.time_s) > self.stall_s) + 1
-        edges = [0, *breaks.tolist(), len(self)]
-        spans = [(a, b) for a, b in pairwise(edges) if b - a >= 2]
+        spans = ((0, len(self)),) if self.is_bridged else self.stretches
         return tuple(self._segment(k, a, b) for k, (a, b) in enumerate(spans))
 
     def _segment(self, index: int, start: int, stop: int) -> Segment:

@@ -68,8 +68,7 @@ def simulate(
     theta = parameter_vector(model, values)
     simulated = {name: np.full(len(log), np.nan) for name in log.outputs}
     used = {name: np.zeros(len(log), bool) for name in log.outputs}
-    segments = log.segments()
-    for segment in segments:
+    for segment in log.segments():
         start = _start(nuisance, segment.index)
         with np.errstate(all="ignore"):  # what is not finite is told below
             response = model.response(theta, segment, log.outputs, start=start, derivatives=False)
@@ -94,7 +93,7 @@ def simulate(
         measured={name: log.channels[name].values for name in log.outputs},
         used=used,
         units={name: log.channels[name].unit for name in log.outputs},
-        segment_starts=tuple(s.start for s in segments),
+        segment_starts=tuple(first for first, _ in log.stretches),
     )
 
 

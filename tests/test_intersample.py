@@ -65,6 +65,16 @@ def test_a_bend_is_followed_by_a_cubic() -> None:
     assert abs(kept / true - 1.0) < 0.05 * (1.0 - cut / true)
 
 
+@pytest.mark.parametrize(("lost_s", "bends"), [(0.05, True), (1.4, False)])
+def test_no_cubic_spans_what_was_long_lost(lost_s: float, bends: bool) -> None:
+    """The trough of a sine of 1 Hz, read at 100 Hz: lost over 50 ms the slopes beside tell of it,
+    over more than a period they lead to three times its height, on the other side."""
+    time_s = 0.01 * np.arange(-100, 300)
+    time_s = time_s[np.abs(time_s - 0.75) > 0.5 * lost_s]
+    knot_s, _ = knots(time_s, np.cos(2.0 * np.pi * (time_s - 0.25)), "smooth")
+    assert (np.abs(knot_s - 0.75).min(initial=1.0) < 0.01) == bends
+
+
 def test_corners_and_noise_do_not_bend() -> None:
     """Nobody knows the course of either between samples; a cubic has its own area."""
     corner = np.maximum(TIME_S - 2.0, 0.0)

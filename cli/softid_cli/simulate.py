@@ -45,6 +45,7 @@ def simulate(
     state back; any other starts at rest with the mean sensor zero of the fitted logs.
     """
     from softid.identification.issues import extrapolation
+    from softid.identification.stalls import as_remembered
     from softid.records import load_params, simulation_csv, write_atomic
     from softid.simulation import simulate as simulate_model
 
@@ -55,9 +56,10 @@ def simulate(
         for issue in (*saved.issues, *log.issues, *([beyond] if beyond else [])):
             say(f"{issue.severity}: {issue.message}")
     with announce_compilation(quiet=quiet):
-        simulation = simulate_model(
-            saved.build_model(), saved.values, log, nuisance=saved.nuisance_for(log)
-        )
+        model = saved.build_model()
+        nuisance = saved.nuisance_for(log)
+        log = as_remembered(log, model, saved.values)
+        simulation = simulate_model(model, saved.values, log, nuisance=nuisance)
     text = simulation_csv(simulation, display=saved.display)
     if out is None:
         click.echo(text, nl=False)

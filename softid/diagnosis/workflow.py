@@ -20,7 +20,6 @@ from softid.diagnosis.base.reduced_base import reduced_if_better
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.input_denoising import without_input_noise
-from softid.diagnosis.logs.input_gaps import without_lost_input
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.plainer_model import ModelSearch, PlainerModels, plainer_model_issues
@@ -46,9 +45,11 @@ from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.effects import effects_of
+from softid.identification.lost_input import without_lost_input
 from softid.identification.preparation import as_log_set, as_logs, without_dropouts
 from softid.identification.repeated_input import without_repeats
 from softid.identification.slow_outputs import at_readings
+from softid.identification.stalls import across_stalls
 from softid.log import Log
 from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
@@ -250,9 +251,9 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
     """
     base = request.fit_base(recordings.logs, recordings.hold_out, thorough=False)
     problem = base.candidate.problem
-    kept = recordings.each(
-        partial(without_lost_input, model=problem.model, values=base.candidate.parameters)
-    )
+    values = base.candidate.parameters
+    kept = recordings.each(partial(across_stalls, model=problem.model, values=values))
+    kept = kept.each(partial(without_lost_input, model=problem.model, values=values))
     fastest_s = fastest_time(problem, base.candidate.minimum.point)
     count = samples_to_average(
         (*recordings.logs, *recordings.hold_out), min(base.scale.motion_s, fastest_s)

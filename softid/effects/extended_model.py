@@ -98,6 +98,11 @@ class ExtendedModel(Model):
         return " + ".join((self.model.label, *(effect.key for effect in self.effects)))
 
     @property
+    def without_effects(self) -> Model:
+        """The model that is extended."""
+        return self.model
+
+    @property
     def start_states(self) -> tuple[str, ...]:
         """Those of the model: an effect's own state starts at rest."""
         return self.model.start_states

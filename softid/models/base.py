@@ -145,6 +145,11 @@ class Model(ABC):
     damping_parameters: ClassVar[tuple[str, ...]] = ()
 
     @property
+    def without_effects(self) -> Model:
+        """The model that effects were added to; itself where there are none."""
+        return self
+
+    @property
     def label(self) -> str:
         """Name that tells variants apart."""
         return self.name

@@ -14,6 +14,7 @@ from softid.identification.new_log_reading import read_as_fitted
 from softid.identification.preparation import as_log_set, without_dropouts
 from softid.identification.repeated_input import without_repeats
 from softid.identification.slow_outputs import at_readings
+from softid.identification.stalls import as_remembered
 from softid.intersample import HELD
 from softid.log import Log, LogSet
 from softid.models.base import Model
@@ -48,7 +49,8 @@ def validate(
 
     Only the sensor zero of every log and the initial state of every segment that does not start at
     rest are estimated on the log itself, as MATLAB's ``compare`` does with initial conditions; both
-    are stated in the result.
+    are stated in the result. Effects remember: where the model has some, a log that stalls is one
+    segment, and what depends on the course of its input in the stalls is left out.
 
     Parameters
     ----------
@@ -83,7 +85,8 @@ def validate(
                 where=log.place,
                 remedy="choose the roles with --input and --output",
             )
-    log_set = LogSet(read_as_fitted(given.logs, scored.intersample, scored.model, scored.values))
+    read = read_as_fitted(given.logs, scored.intersample, scored.model, scored.values)
+    log_set = LogSet(tuple(as_remembered(log, scored.model, scored.values) for log in read))
     nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)
     seen = {
         sha: name for name, sha in scored.fingerprints.items() if sha and name in scored.fitted_logs

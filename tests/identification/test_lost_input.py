@@ -12,9 +12,9 @@ import pytest
 from linear_motion import MODEL, TRUTH, Array, linear_angle, linear_problem, standing
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings
-from softid.diagnosis.logs.input_gaps import MATTERS, MOST_LEFT_OUT, without_lost_input
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.workflow import _prepared
+from softid.identification.lost_input import MATTERS, MOST_LEFT_OUT, without_lost_input
 from softid.log import Log, LogSet
 
 VALUES = dict(

@@ -18,6 +18,7 @@ from softid.excitation.noise import noise_std
 from softid.intersample import lost_intervals
 from softid.log import Log
 from softid.models.base import Model
+from softid.results import Simulation
 from softid.simulation import simulate
 
 Array = npt.NDArray[np.float64]
@@ -48,14 +49,7 @@ def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> L
     if gaps.size == 0:
         return log
     above, below = (simulate(model, values, _through(log, gaps, side)) for side in (1.0, -1.0))
-    recorded = np.searchsorted(above.time_s, log.time_s)
-    differs = np.zeros(len(log))
-    for name in log.outputs:
-        measured = log.channels[name].values
-        seen = np.isfinite(measured)
-        sigma = noise_std(log.time_s[seen], measured[seen]) or np.finfo(float).tiny
-        apart = np.abs(above.outputs[name] - below.outputs[name])[recorded] / sigma
-        differs = np.fmax(differs, apart)
+    differs = apart(above, below, log)
     depends = differs > max(MATTERS, float(np.quantile(differs, 1.0 - MOST_LEFT_OUT)))
     if not depends.any():
         return log
@@ -68,6 +62,49 @@ def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> L
         "record the input without gaps",
     )
     return replace(log.with_masked(depends), issues=(*log.issues, issue))
+
+
+def apart(one: Simulation, other: Simulation, log: Log) -> Array:
+    """How far two courses are apart at the samples of a log, in units of its noise, shape (n,).
+
+    Parameters
+    ----------
+    one, other
+        Simulations at the same times, which hold those of the log.
+    log
+        The log.
+    """
+    recorded = np.searchsorted(one.time_s, log.time_s)
+    found = np.zeros(len(log))
+    for name in log.outputs:
+        measured = log.channels[name].values
+        seen = np.isfinite(measured)
+        if not seen.any():
+            continue
+        sigma = noise_std(log.time_s[seen], measured[seen]) or np.finfo(float).tiny
+        differs = np.abs(one.outputs[name] - other.outputs[name])[recorded] / sigma
+        found = np.fmax(found, differs)
+    return found
+
+
+def with_rows_of(log: Log, time_s: Array, after: Places, input_values: Array) -> Log:
+    """The log with rows put in that have an input and no output, for a simulation.
+
+    Parameters
+    ----------
+    log
+        A log.
+    time_s, after, input_values
+        Times of the rows, the samples behind which they come, and their input, each of shape (m,).
+    """
+    rows = dict.fromkeys(log.outputs, np.full(after.size, np.nan)) | {log.input: input_values}
+    channels = {
+        name: replace(channel, values=np.insert(channel.values, after + 1, rows[name]))
+        for name, channel in log.channels.items()
+        if name in rows
+    }
+    all_s = np.insert(log.time_s, after + 1, time_s)
+    return replace(log, time_s=all_s, channels=channels, masked=None, issues=())
 
 
 def _gaps(log: Log) -> Places:
@@ -85,16 +122,5 @@ def _through(log: Log, gaps: Places, side: float) -> Log:
     led_to = np.stack((slope[:-2], slope[2:])) * interval_s
     aside = 0.5 * np.abs(change - led_to).max(axis=0)
     middle = 0.5 * (u[:-1] + u[1:]) + side * aside
-    rows = dict.fromkeys(log.outputs, np.full(gaps.size, np.nan)) | {log.input: middle[gaps]}
-    channels = {
-        name: replace(channel, values=np.insert(channel.values, gaps + 1, rows[name]))
-        for name, channel in log.channels.items()
-        if name in rows
-    }
-    return replace(
-        log,
-        time_s=np.insert(log.time_s, gaps + 1, log.time_s[gaps] + 0.5 * interval_s[gaps]),
-        channels=channels,
-        masked=None,
-        issues=(),
-    )
+    middle_s = log.time_s[gaps] + 0.5 * interval_s[gaps]
+    return with_rows_of(log, middle_s, gaps, middle[gaps])
