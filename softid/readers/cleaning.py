@@ -14,6 +14,7 @@ import numpy.typing as npt
 from softid.errors import InputError, Issue
 from softid.log import Log
 from softid.readers.merging import with_input_between, with_rows_joined
+from softid.readers.overflow import with_angles_turned_on
 from softid.readers.samples import Samples
 
 SMALLEST_RELATIVE_SPAN = 1e-9
@@ -63,7 +64,7 @@ def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
     _require_common_times(samples, input, outputs)
     samples = _drop_missing(samples, np.isfinite(samples.channels[input].values), input)
     _require_forward(samples)
-    samples = _drop_repeated(samples)
+    samples = with_angles_turned_on(_drop_repeated(samples))
     if samples.time_s.size < 2:
         raise InputError(
             _too_few(samples, input, rows),

@@ -9,6 +9,7 @@ import numpy as np
 
 from softid.errors import InputError, Issue
 from softid.readers.base import Array, Table
+from softid.readers.overflow import Unwrapped, counted_on
 from softid.units import factor_to_canonical
 
 PLAUSIBLE_PERIOD_S = (1e-4, 2.0)
@@ -45,7 +46,7 @@ class TimeAxis:
     metadata
         Start of the recording, where the file tells it.
     issues
-        Doubt about the unit.
+        Doubt about the unit, and what was repaired.
     """
 
     seconds: Array
@@ -85,7 +86,8 @@ def read_times(
     stamps = table.timestamps(index)
     if stamps is not None:
         return TimeAxis(stamps.seconds, {"start": stamps.start})
-    counts = table.numbers(index)
+    counted = counted_on(table.numbers(index))
+    counts = counted.values
     where = table.place(index)
     factor = scale * (factor_to_canonical(unit, "time", where=where) if unit else 1.0)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -103,10 +105,27 @@ def read_times(
     else:
         _require_possible(seconds, counts, table, index, unit)
     issues = () if confirmed else _unit_questioned(valid, counts, table, index, unit)
+    issues = (*_overflows(counted, table, index), *issues)
     if valid.size and valid[0] > EPOCH_MIN_S:
         start = {"start_epoch_s": repr(float(valid[0]))}
         return TimeAxis(_since_first(counts, factor), start, issues)
     return TimeAxis(seconds, issues=issues)
+
+
+def _overflows(counted: Unwrapped, table: Table, index: int) -> tuple[Issue, ...]:
+    if counted.at.size == 0:
+        return ()
+    first = int(counted.at[0])
+    times = "once" if counted.at.size == 1 else f"{counted.at.size} times"
+    return (
+        Issue(
+            "counter-overflow",
+            "info",
+            f"{table.place(index, first)}: the counter of the time began again at the end of its "
+            f"range, {times}; the time is taken to go on",
+            "keep the time in a wider number",
+        ),
+    )
 
 
 def _since_first(counts: Array, factor: float) -> Array:
