@@ -241,6 +241,9 @@ class Remainder:
         shows the noise alone; else None.
     noise_from_rounding
         Whether the rounding of the reading told it, for no noise blurs that.
+    input_noise
+        Share of the power of what is left that the noise of the recorded input leaves of a true
+        model; 0 where the noise of the output explains it alone.
     against_noise
         What slow noise, which no rest shows, would not do; None where nothing speaks against it, or
         the question does not arise.
@@ -263,6 +266,7 @@ class Remainder:
     colour_s: float | None = None
     against_noise: NotNoise | None = None
     noise_from_rounding: bool = False
+    input_noise: float = 0.0
 
     @property
     def carries_over(self) -> bool:

@@ -80,7 +80,9 @@ class CauseSearch:
         """
         if model not in self._known:
             rng = np.random.default_rng(self.seed)
-            self._known[model] = assess(self.base.candidate, model, self.base.scale, rng=rng)
+            base, sds = self.base, self.base.input_sds
+            found = assess(base.candidate, model, base.scale, rng=rng, input_sds=sds)
+            self._known[model] = found
         return self._known[model]
 
     def first_cause(self) -> Chain:

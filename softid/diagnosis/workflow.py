@@ -19,7 +19,7 @@ from softid.diagnosis.base.judged_intersample import read_as_judged
 from softid.diagnosis.base.reduced_base import reduced_if_better
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
-from softid.diagnosis.logs.input_denoising import without_input_noise
+from softid.diagnosis.logs.input_denoising import input_noise_sd, without_input_noise
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.plainer_model import ModelSearch, PlainerModels, plainer_model_issues
@@ -27,12 +27,13 @@ from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.report.coarse_sampling import with_coarse_sampling
 from softid.diagnosis.report.issues import (
     averaging_issues,
+    input_noise_issues,
     jump_issues,
     negligible_issues,
     restriction_issues,
     unsure_issues,
 )
-from softid.diagnosis.report.joint_causes import joint_cause_issues
+from softid.diagnosis.report.joint_causes import joint_cause_issues, shared_scale_issues
 from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
@@ -136,6 +137,7 @@ def diagnose(
         seed,
         lambda m, fraction: report(m, 0.3 * fraction),
         preferred=preferred,
+        input_sds={log.name: input_noise_sd(log) for log in recorded},
     )
     whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)
     if is_in_doubt:
@@ -156,7 +158,9 @@ def diagnose(
         *(permanent_set_issues(whole, base.scale.motion_s) if base.candidate.has_spring else ()),
         *motion_shown_issues(base, answer),
         *jump_issues(answer.remainder, base.candidate.problem),
+        *input_noise_issues(answer.remainder, base.candidate.problem, request.input_sds),
         *joint_cause_issues(answer),
+        *shared_scale_issues(answer),
         *reading_issues(answer),
     )
     return write_summary(replace(answer, issues=(*answer.issues, *issues)))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -116,6 +116,8 @@ class BaseFit:
         What is held out.
     instead_of
         The fit of the model that was asked for, where this one takes its place.
+    input_sds
+        Log → standard deviation of the noise of its input as it was recorded, in its unit.
     """
 
     identified: Identification
@@ -123,6 +125,7 @@ class BaseFit:
     scale: Scale
     held_out: HeldOut
     instead_of: BaseFit | None = None
+    input_sds: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def asked_for(self) -> BaseFit:
@@ -190,6 +193,8 @@ class Request:
         The fit of the model that the user asked for, where ``model`` is another.
     preferred
         As in `diagnose`.
+    input_sds
+        As in `BaseFit`.
     """
 
     model: Model | str | None
@@ -198,6 +203,7 @@ class Request:
     progress: Progress
     instead_of: BaseFit | None = None
     preferred: Sequence[Model] = ()
+    input_sds: Mapping[str, float] = field(default_factory=dict)
 
     def fit_base(self, logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> BaseFit:
         """Fit the base.
@@ -232,7 +238,7 @@ class Request:
         candidate = _candidate(identified, self.model)
         scale = scale_of(candidate.problem, candidate.minimum.point)
         held_out = held or HeldOutLogs(identified.hold_out)
-        return BaseFit(identified, candidate, scale, held_out, self.instead_of)
+        return BaseFit(identified, candidate, scale, held_out, self.instead_of, self.input_sds)
 
 
 def _require_motion(model: Model | str | None) -> None:

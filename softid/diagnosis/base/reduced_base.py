@@ -48,7 +48,8 @@ def reduced_if_better(
     if other is None or request.parameters is not None or len(recordings.logs) < FEWEST_LOGS:
         return request, base
     rng = np.random.default_rng(request.seed)
-    if not assess(base.candidate, base.candidate, base.scale, rng=rng).structured:
+    candidate, sds = base.candidate, base.input_sds
+    if not assess(candidate, candidate, base.scale, rng=rng, input_sds=sds).structured:
         return request, base
     if share_left(recordings, request, other, model) > BETTER:
         return request, base

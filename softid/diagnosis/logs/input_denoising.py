@@ -38,8 +38,8 @@ def without_input_noise(log: Log) -> Log:
     """
     channel = log.channels[log.input]
     values = channel.values.copy()
-    sigma = noise_std(log.time_s, values)
-    if sigma is None or not sigma > 0.0:
+    sigma = input_noise_sd(log)
+    if not sigma > 0.0:
         return log
     for segment in log.segments():
         span = slice(segment.start, segment.stop)
@@ -47,6 +47,17 @@ def without_input_noise(log: Log) -> Log:
             values[span] = _averaged(values[span], SIGMAS * sigma)
     channels = dict(log.channels) | {log.input: replace(channel, values=values)}
     return replace(log, channels=channels)
+
+
+def input_noise_sd(log: Log) -> float:
+    """Standard deviation of the noise of the input, in its unit; 0 where it shows none.
+
+    Parameters
+    ----------
+    log
+        A log as it was recorded.
+    """
+    return noise_std(log.time_s, log.channels[log.input].values) or 0.0
 
 
 def _averaged(values: Array, limit: float) -> Array:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
 from softid.diagnosis.refit.held_out import HeldOut
-from softid.diagnosis.report.phrases import DOUBTS, listed, lowered, percent
+from softid.diagnosis.report.phrases import DOUBTS, OF_INPUT, listed, lowered, percent
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
 from softid.diagnosis.verdict.naming import LEAST_GAIN
@@ -180,5 +180,38 @@ def jump_issues(remainder: Remainder, problem: Problem) -> tuple[Issue, ...]:
             f"{end_s:.6g} s{others}; when exactly is not recorded, and what that changes in the "
             "motion is counted as no misfit",
             "sample faster than the input moves, or record when the valve switches",
+        ),
+    )
+
+
+def input_noise_issues(
+    remainder: Remainder, problem: Problem, sds: Mapping[str, float]
+) -> tuple[Issue, ...]:
+    """That the noise of the input makes a part of what is left.
+
+    Parameters
+    ----------
+    remainder
+        What the last model leaves.
+    problem
+        The logs.
+    sds
+        Log → standard deviation of the noise of its input as it was recorded, in its unit.
+    """
+    if remainder.input_noise <= OF_INPUT:
+        return ()
+    noisiest = max(problem.logs, key=lambda log: sds.get(log.name, 0.0))
+    driving, first = noisiest.channels[noisiest.input], problem.outputs[0]
+    output = noisiest.channels[first]
+    moves = remainder.rms * remainder.input_noise**0.5 * output.display_factor
+    return (
+        Issue(
+            "noisy-input",
+            "info",
+            f"{noisiest.name}: {driving.name} has a noise of "
+            f"{sds[noisiest.name] * driving.display_factor:.3g} {driving.display_unit}; what "
+            f"averaging leaves of it moves the simulated {first} by {moves:.3g} "
+            f"{output.display_unit} rms, which is counted as no misfit",
+            f"record {driving.name} with a gauge or an amplifier of less noise",
         ),
     )

@@ -1,4 +1,4 @@
-"""Two named causes that may be one: what no law of the catalogue says in a single name."""
+"""What named causes are together, or with the model: more than the name of each of them says."""
 
 from __future__ import annotations
 
@@ -8,6 +8,10 @@ from softid.errors import Issue
 ONE_CAUSE = "one-cause-in-two"
 """Code of the remark that two causes may be one."""
 
+SHARED_SCALE = "shared-scale"
+"""Code of the remark that inertia, damping and stiffness are known up to a factor."""
+
+CURVE = "static_curve"
 GAIN, ZERO = "sensor_gain_drift", "sensor_drift"
 
 
@@ -39,6 +43,34 @@ def joint_cause_issues(found: Diagnosis) -> tuple[Issue, ...]:
             f"drift of the sensor and of its gain may be one cause: a gain that drifts about the "
             f"sensor's own zero, at a reading{where} of {reading:.3g} {row.display_unit}",
             "look up which reading belongs to no signal of the sensor",
+        ),
+    )
+
+
+def shared_scale_issues(found: Diagnosis) -> tuple[Issue, ...]:
+    """That a free curve at rest makes up for a factor of inertia, damping and stiffness.
+
+    M ẍ + N ẋ + Q (x − s(u)) = F(u) with all three k times as large and
+    s(u) + (1 − 1/k) F(u)/Q in place of s(u) is the same motion: only how well a spline draws that
+    tells k.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers.
+    """
+    if found.extended is None or all(cause.effect != CURVE for cause in found.causes):
+        return ()
+    return (
+        Issue(
+            SHARED_SCALE,
+            "warning",
+            "with another static curve, inertia, damping and stiffness are known up to a common "
+            "factor, which that curve makes up for: their ratios, and with them the response, are "
+            "as sure as their intervals say, they themselves and the curve's own values only if "
+            "it is just such a spline",
+            "fix one of them if it is known, as in `--params`, or read off ratios and time "
+            "constants only",
         ),
     )
 

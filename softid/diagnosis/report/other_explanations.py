@@ -15,7 +15,7 @@ from softid.diagnosis.report.changes import (
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import excess_of, noise_variance
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
-from softid.diagnosis.verdict.equivalence import UNLISTED
+from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from softid.diagnosis.verdict.equivalence import UNLISTED, classes_of
+from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis.verdict.naming import EXPLAINED, carries_over_whole, explains_enough
+from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Doubt, NotNoise, Remainder
 from softid.effects import EFFECTS
 from softid.results import ParameterEstimate
@@ -62,6 +63,9 @@ DOUBTS = {
     Doubt.ACTS_BEHIND: "acts behind that motion, as a sensor that is not straight does",
 }
 """Why a description is no cause, after its title; the others are told by sentences of their own."""
+
+OF_INPUT = 0.1
+"""Share of the power of what is left from which on the noise of the input is told."""
 
 LOUDER = 0.05
 """A rest is called noise with a reserve when its power is so much above that of the noise."""
@@ -316,6 +320,8 @@ def noise_like(remainder: Remainder) -> str:
             "in it"
         )
     told = f"looks like noise{with_open_moments(remainder.open_jumps)}"
+    if remainder.input_noise > OF_INPUT:
+        told += f", a part of it that of the input ({percent(min(remainder.input_noise, 1.0))})"
     if remainder.excess <= LOUDER:
         return told
     what = known_noise(remainder) or "noise in its fastest part"

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.coloured_noise import ColourTest, colour_test
+from softid.diagnosis.residual.input_noise import InputNoise, input_noise
 from softid.diagnosis.residual.jump_timing import with_open_jumps
 from softid.diagnosis.residual.motion import muted_samples, residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
@@ -50,12 +52,18 @@ variance to a third only, and a law that is not the right one leaves what that h
 
 
 def assess(
-    base: Candidate, final: Candidate, scale: Scale, *, rng: np.random.Generator
+    base: Candidate,
+    final: Candidate,
+    scale: Scale,
+    *,
+    rng: np.random.Generator,
+    input_sds: Mapping[str, float] = MappingProxyType({}),
 ) -> Remainder:
     """Look at what the last model leaves.
 
-    Where that is more than noise, it is looked at again with the moments of jumps of the input
-    that fall between two samples as unknowns beside its own. If that leaves noise, they stay so.
+    Where that is more than noise, it is held against what the noise of the input may have left, and
+    looked at again with the moments of jumps of the input that fall between two samples as unknowns
+    beside its own. If that leaves noise, they stay so.
 
     Parameters
     ----------
@@ -65,6 +73,8 @@ def assess(
         Sizes of the base fit.
     rng
         Draws the shifts of the null.
+    input_sds
+        Log → standard deviation of the noise of its input as it was recorded, in its unit.
     """
     before, after = residual_context(base), residual_context(final)
     rounding = rounding_floor(final)
@@ -72,11 +82,16 @@ def assess(
     found = _look(before, after, floor, scale, final, rng=rng)
     if not found.structured:
         return found
+    driven = input_noise(final, input_sds)
+    if driven is not None:
+        found = _look(before, after, floor, scale, final, rng=rng, driven=driven)
+        if not found.structured:
+            return found
     jumps = with_open_jumps(final, after, _least_noise(floor, before), _slopes_of(final))
     if jumps is None:
         return found
     floor = _larger(_floor_of(_heard(jumps.parts, final), scale), rounding)
-    timed = _look(before, jumps.parts, floor, scale, final, rng=rng)
+    timed = _look(before, jumps.parts, floor, scale, final, rng=rng, driven=driven)
     if timed.structured:
         return found
     return replace(timed, rms=found.rms, open_jumps=jumps.count, open_jumps_scatter=jumps.scatter)
@@ -90,6 +105,7 @@ def _look(
     final: Candidate,
     *,
     rng: np.random.Generator,
+    driven: InputNoise | None = None,
 ) -> Remainder:
     """Look at a residual and at the one that it was before causes were added.
 
@@ -97,7 +113,11 @@ def _look(
     all marks of that, it is as large as what is left. Where it is hardly larger it must be brief,
     too.
     """
-    structure = structure_of(after, scale.motion_s, rng=rng, wanders=not final.has_spring)
+    chance = None if driven is None else driven.with_white(floor.variance, rng=rng)
+    structure = structure_of(
+        after, scale.motion_s, rng=rng, wanders=not final.has_spring, chance=chance
+    )
+    floor = floor if driven is None else driven.beside(floor)
     colour = ColourTest()
     louder = mean_square(after) / _least_noise(floor, before) - 1.0
     if not (floor.is_known or structure.significant) and louder > SMALLEST_EXCESS:
@@ -126,6 +146,7 @@ def _look(
         structured=_is_structured(structure, excess, floor, explained),
         colour_s=colour.correlation_s,
         against_noise=colour.against,
+        input_noise=0.0 if driven is None else driven.variance / mean_square(after),
     )
 
 

@@ -98,6 +98,7 @@ def structure_of(
     *,
     rng: np.random.Generator,
     wanders: bool = False,
+    chance: Array | None = None,
 ) -> Structure:
     """Look for structure in the residuals of all segments.
 
@@ -128,6 +129,8 @@ def structure_of(
     by = {name: max(float(s[0]), 0.0) for name, s in zip(groups, alone, strict=True)}
     (null,) = smooth.predicted_shares(_many_shifted(rows, rng))
     limit = float(np.quantile(null, WANDERING_QUANTILE if wanders else NULL_QUANTILE))
+    if chance is not None:
+        limit = max(limit, float(smooth.predicted_shares(chance)[0].max()))
     return Structure(max(float(share[0]), 0.0), limit, by)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.effects import EFFECTS
 
 
@@ -110,33 +111,6 @@ LINEAR_CLASSES: tuple[EquivalenceClass, ...] = (
 )
 """Algebra where the coefficients stay whatever the pressure is."""
 
-UNLISTED: dict[str, str] = {
-    "position_damping": "a damping of the actuator itself that goes with its position",
-    "gauge_lag": "a pressure gauge that lags behind",
-    "sensor_lead": "a sensor that runs ahead of the motion",
-    "held_input": "an input that is held until its next sample",
-    "load_drift": "a load that changes at a constant rate",
-    "pressure_drift": "a drift of the zero of the pressure gauge, or of the stiffness that an "
-    "actuator has without pressure",
-    "pressure_gain_drift": "a pressure that falls behind what is recorded, by a leak that grows or "
-    "a gauge whose gain drifts",
-    "rate_limit": "a supply that fills and vents at no more than one rate",
-    "input_limit": "a supply that gives no more than one pressure",
-    "relief_leak": "a leak that opens above a pressure, as a relief valve does",
-    "thinning_damping": "a damping of the actuator that grows less than in proportion to its speed",
-    "bent_reading": "a sensor whose gain is not the same over its range",
-    "early_reading": "a reading that runs ahead of the recorded input, by an offset of the clocks "
-    "or a gauge that is late",
-    "smoothed_reading": "a reading that was smoothed afterwards, by what came before and after",
-    "settling_stiffness": "a stiffness that changes with the time and settles",
-    "recovering_softening": "a softening by use that recovers at rest, as a material that warms up",
-    "second_creep": "a second creep of another time",
-    "damping_drift": "a damping that changes at a constant rate",
-    "input_play": "play of the valve or the regulator",
-    "output_play": "play between the actuator and its sensor",
-}
-"""Causes in no catalogue that one of the catalogue may stand for: name and heading."""
-
 DRIFTS = ("sensor_drift", "sensor_gain_drift", "sensor_warmup", "ageing")
 """Causes that go with the time alone."""
 
@@ -165,6 +139,14 @@ LIMITED_RATE = EquivalenceClass(
     "small and large steps from one level, or the pressure at the actuator itself",
 )
 """Large steps are late, or lead no higher; small ones are not."""
+
+UNEVEN_READING = EquivalenceClass(
+    ("an actuator that fills in another time than it vents", UNLISTED["uneven_reading"]),
+    ("uneven_reading",),
+    "A refit with such a sensor in its place explains these logs as well or better",
+    "the pressure inside the actuator, or the reading while the actuator is moved by hand",
+)
+"""What is late up and down by different times is so before the actuator or behind it."""
 
 TWO_CREEPS = EquivalenceClass(
     ("a cause beside the creep", UNLISTED["second_creep"]),
@@ -198,6 +180,7 @@ BEYOND = EquivalenceClass(
         "damping_drift",
         "early_reading",
         "smoothed_reading",
+        "uneven_reading",
         "input_play",
         "output_play",
         "relief_leak",
@@ -207,7 +190,15 @@ BEYOND = EquivalenceClass(
 )
 """One law in place of what the catalogue needs."""
 
-REPLACED = (CHANGING, BENT_READING, LIMITED_RATE, TWO_CREEPS, SETTLING, BEYOND)
+REPLACED = (
+    CHANGING,
+    BENT_READING,
+    LIMITED_RATE,
+    UNEVEN_READING,
+    TWO_CREEPS,
+    SETTLING,
+    BEYOND,
+)
 """Told where a law in no catalogue is in a tie."""
 
 OWN_DAMPING = EquivalenceClass(

@@ -38,6 +38,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
     SecondCreep,
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
+from softid.diagnosis.verdict.unlisted_readings import UnevenReading
 from softid.effects import effect_of
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -94,6 +95,7 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(DRIFTS, ((LoadDrift(),), (PressureGainDrift(),), (PressureDrift(),))),
     Replacement(("stiffening", "static_curve", "contact"), ((BentReading(),),)),
     Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),)),
+    Replacement(("pneumatic_lag.separate",), ((UnevenReading(),),)),
     Replacement((*DRIFTS, "hysteresis", "softening"), ((SecondCreep(),),), beside="creep"),
     Replacement(
         ("softening", "ageing", "sensor_gain_drift"),

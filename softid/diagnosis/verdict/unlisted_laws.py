@@ -22,7 +22,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     one_parameter,
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
-from softid.diagnosis.verdict.unlisted_readings import EarlyReading, SmoothedReading
+from softid.diagnosis.verdict.unlisted_readings import EarlyReading, SmoothedReading, UnevenReading
 from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
 from softid.kernels.filters import play
@@ -258,10 +258,12 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     PositionDamping,
     EarlyReading,
     SmoothedReading,
+    UnevenReading,
     InputPlay,
     OutputPlay,
 )
 """All that may stand in the place of all causes."""
 
-BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law is not ReliefLeak)
-"""Those that no single cause can do as well: a leak may be next to none, and is a lag then."""
+BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law not in (ReliefLeak, UnevenReading))
+"""Those that no single cause can do as well: a leak may be next to none, and is a lag then, and a
+sensor may lag up and down alike."""

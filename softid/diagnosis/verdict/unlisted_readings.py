@@ -1,4 +1,4 @@
-"""Laws of the reading in no catalogue that know what comes later: clocks that differ, filters."""
+"""Laws of the reading in no catalogue: clocks that differ, filters, sensors that lag unevenly."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.verdict.unlisted_drifts import one_parameter
+from softid.effects import effect_of
 from softid.effects.base import OutputEffect, Scale
 from softid.kernels.earlier_input import read_at
+from softid.kernels.filters import lag
 from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -24,6 +26,9 @@ WIDEST = 0.1
 
 START_WIDTHS = (0.3, 1.0, 3.0)
 """Starts of it, in times of the motion."""
+
+UNEVEN = "pneumatic_lag.separate"
+"""Key of the effect that does to the input what an uneven sensor does to the reading."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +108,36 @@ class SmoothedReading(OutputEffect):
             narrow, 1.0, width_s
         )
         return np.where(narrow, y, means)
+
+
+@dataclass(frozen=True)
+class UnevenReading(OutputEffect):
+    """A sensor that lags by one time upward and by another one downward, τ ẏ + y = x."""
+
+    name: ClassVar[str] = "uneven_reading"
+    title: ClassVar[str] = "Sensor that lags unevenly"
+    law: ClassVar[str] = "tau y' + y = x while it rises, ratio tau y' + y = x while it falls"
+    meaning: ClassVar[str] = "The sensor follows the motion faster one way than the other."
+    signature: ClassVar[str] = "The residual goes with the speed, by another factor up than down."
+    remedy: ClassVar[str] = "a sensor that is clamped so that it is pulled both ways alike"
+    shown_by: ClassVar[str] = "steps up and down between the same levels"
+    source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.3"
+    amplitude: ClassVar[str] = "tau"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The time upward, and the one downward as a multiple of it."""
+        return effect_of(UNEVEN).parameters(scale)
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Two times, each faster and slower downward."""
+        return effect_of(UNEVEN).starts(scale)
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """The reading lagged by the time of its direction, settled at the first sample."""
+        del scale
+        recorded = np.array(y, np.float64)
+        lag(np.diff(time_s), recorded, float(eta[0]), float(eta[0] * eta[1]))
+        return recorded
 
 
 def _area_at(at_s: Array, time_s: Array, y: Array, area: Array) -> Array:

@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 from handmade_diagnosis import DELAY, cause, diagnosis, estimate
 
-from softid.diagnosis.report.joint_causes import ONE_CAUSE, joint_cause_issues
+from softid.diagnosis.report.joint_causes import (
+    ONE_CAUSE,
+    SHARED_SCALE,
+    joint_cause_issues,
+    shared_scale_issues,
+)
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis_results import Verdict
 
@@ -40,3 +45,12 @@ def test_other_causes_are_two() -> None:
     """One of them alone, or beside another cause, says nothing of the sensor's zero."""
     for causes in ((GAIN,), (ZERO,), (GAIN, DELAY), ()):
         assert joint_cause_issues(replace(diagnosis(Verdict.NAMED), causes=causes)) == ()
+
+
+def test_a_free_curve_shares_the_scale_of_the_law() -> None:
+    """Told where the static curve is free, and by no other cause."""
+    curve = cause("static_curve", [estimate("static_curve_k2", 0.1, "rad")], before=2.0, after=1.0)
+    found = diagnosis(Verdict.NAMED)
+    (issue,) = shared_scale_issues(replace(found, causes=(DELAY, curve)))
+    assert (issue.code, issue.severity) == (SHARED_SCALE, "warning")
+    assert shared_scale_issues(replace(found, causes=(DELAY, GAIN))) == ()

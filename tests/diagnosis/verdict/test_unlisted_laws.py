@@ -11,7 +11,7 @@ from linear_motion import TRUTH, linear_log, linear_problem
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
-from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, REPLACED, UNLISTED
+from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, REPLACED
 from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
     PressureDrift,
@@ -27,10 +27,12 @@ from softid.diagnosis.verdict.unlisted_laws import (
     PositionDamping,
     SecondCreep,
 )
+from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
-from softid.diagnosis.verdict.unlisted_readings import EarlyReading, SmoothedReading
+from softid.diagnosis.verdict.unlisted_readings import EarlyReading, SmoothedReading, UnevenReading
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
+from softid.effects.sensor_lag import SensorLag
 from softid.kernels.terms import DAMPING, FORCE, RATE, STIFFNESS
 
 
@@ -124,6 +126,24 @@ def test_a_reading_is_smoothed_over_what_comes_before_and_after() -> None:
     bent = law.apply(np.array([w]), time_s, time_s**2, scale) - time_s**2
     np.testing.assert_allclose(bent[inner], w**2 / 12.0 + h**2 / 6.0, rtol=1e-6)
     np.testing.assert_array_equal(law.apply(np.array([0.0]), time_s, time_s**2, scale), time_s**2)
+
+
+def test_a_sensor_lags_up_and_down_by_its_own_times() -> None:
+    """Closed form: a rise and a fall in a sampling interval, each followed exponentially; with one
+    time it is the lag of the catalogue, but for the course within an interval, a hundredth."""
+    time_s = 0.002 * np.arange(1000)
+    y = np.where((time_s >= 0.2) & (time_s < 1.0), 1.0, 0.0)
+    scale = sizes_of("muscle")
+    found = UnevenReading().apply(np.array([0.05, 3.0]), time_s, y, scale)
+    late_s = 0.001  # the straight line through an interval comes half an interval before its end
+    up, down = (time_s > 0.21) & (time_s < 0.99), time_s > 1.01
+    risen = 1.0 - np.exp(-(time_s - 0.2 + late_s) / 0.05)
+    np.testing.assert_allclose(found[up], risen[up], atol=1e-3)
+    fallen = np.exp(-(time_s - 1.0 + late_s) / 0.15)
+    np.testing.assert_allclose(found[down], fallen[down], atol=1e-3)
+    even = UnevenReading().apply(np.array([0.05, 1.0]), time_s, y, scale)
+    lagged = SensorLag().apply(np.array([0.05]), time_s, y, scale)
+    np.testing.assert_allclose(even, lagged, atol=0.01)
 
 
 @pytest.mark.parametrize("law", [InputPlay(), OutputPlay()], ids=lambda law: law.name)

@@ -1,0 +1,31 @@
+"""What causes in no catalogue are called."""
+
+from __future__ import annotations
+
+UNLISTED: dict[str, str] = {
+    "position_damping": "a damping of the actuator itself that goes with its position",
+    "gauge_lag": "a pressure gauge that lags behind",
+    "sensor_lead": "a sensor that runs ahead of the motion",
+    "held_input": "an input that is held until its next sample",
+    "load_drift": "a load that changes at a constant rate",
+    "pressure_drift": "a drift of the zero of the pressure gauge, or of the stiffness that an "
+    "actuator has without pressure",
+    "pressure_gain_drift": "a pressure that falls behind what is recorded, by a leak that grows or "
+    "a gauge whose gain drifts",
+    "rate_limit": "a supply that fills and vents at no more than one rate",
+    "input_limit": "a supply that gives no more than one pressure",
+    "relief_leak": "a leak that opens above a pressure, as a relief valve does",
+    "thinning_damping": "a damping of the actuator that grows less than in proportion to its speed",
+    "bent_reading": "a sensor whose gain is not the same over its range",
+    "early_reading": "a reading that runs ahead of the recorded input, by an offset of the clocks "
+    "or a gauge that is late",
+    "smoothed_reading": "a reading that was smoothed afterwards, by what came before and after",
+    "uneven_reading": "a sensor that lags by another time upward than downward",
+    "settling_stiffness": "a stiffness that changes with the time and settles",
+    "recovering_softening": "a softening by use that recovers at rest, as a material that warms up",
+    "second_creep": "a second creep of another time",
+    "damping_drift": "a damping that changes at a constant rate",
+    "input_play": "play of the valve or the regulator",
+    "output_play": "play between the actuator and its sensor",
+}
+"""Causes in no catalogue that one of the catalogue may stand for: name and heading."""

@@ -1,0 +1,99 @@
+"""What the noise of a pressure gauge leaves of a true model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linear_motion import TRUTH, linear_angle, linear_problem, pressure_course, standing
+
+from softid.diagnosis import diagnose
+from softid.diagnosis.logs.input_denoising import input_noise_sd, without_input_noise
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.residual.input_noise import InputNoise, input_noise
+from softid.diagnosis.residual.noise_floor import NoiseFloor
+from softid.diagnosis_results import Verdict
+from softid.log import Log
+from softid.synthesis import hidden_pair
+
+SD_KPA = 3.0
+
+
+def gauged(seed: int) -> Log:
+    """A log of the linear actuator whose pressure is read with noise, and whose angle is exact."""
+    time_s = np.arange(3000) / 50.0
+    pressure = pressure_course(time_s)
+    noisy = pressure + SD_KPA * np.random.default_rng(seed).standard_normal(time_s.size)
+    angle = linear_angle(time_s, pressure)
+    return Log.from_arrays(time_s, {"pressure": noisy, "angle": angle}, name="gauged")
+
+
+def at_the_truth(log: Log) -> Candidate:
+    problem = linear_problem((without_input_noise(log),))
+    return standing(problem, problem.unknowns(TRUTH))
+
+
+def test_an_exact_input_leaves_nothing() -> None:
+    assert input_noise(at_the_truth(gauged(0)), {"gauged": 0.0}) is None
+    assert input_noise(at_the_truth(gauged(0)), {}) is None
+
+
+def test_it_is_as_large_as_what_noise_leaves() -> None:
+    """Known truth: the angle is exact, so what its own model leaves is the noise of the pressure.
+
+    Five logs hold some 5 × 60 s / 0.4 s independent values: their mean square is known to 5 %. What
+    is drawn has gone through the averaging of a course that is averaged already, which is 20 %.
+    """
+    left, drawn = [], []
+    for seed in range(5):
+        log = gauged(seed)
+        model = at_the_truth(log)
+        (block,) = model.problem.blocks(model.minimum.point, derivatives=False)
+        found = input_noise(model, {"gauged": input_noise_sd(log)})
+        assert found is not None
+        left.append(float(np.mean((block.residual - block.residual.mean()) ** 2)))
+        drawn.append(found.variance)
+    assert np.mean(drawn) == pytest.approx(np.mean(left), rel=0.3)
+
+
+def test_both_noises_add_up() -> None:
+    """By hand: 4 + 1, and the deviations 0.4 and 0.5 (of 0.5 and 1.5 about 1) at right angles."""
+    noise = InputNoise(np.array([[0.5**0.5] * 8, [1.5**0.5] * 8]))
+    whole = noise.beside(NoiseFloor(4.0, 0.1, from_rest=True))
+    assert whole.variance == pytest.approx(5.0)
+    assert whole.relative_sd == pytest.approx(np.hypot(0.4, 0.5) / 5.0)
+    assert whole.from_rest
+    white = noise.with_white(4.0, rng=np.random.default_rng(0))
+    assert white.shape == (8, 2)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "seed"),
+    [
+        pytest.param("", 3101),
+        pytest.param("delay", 3102),
+        pytest.param("", 3103, marks=pytest.mark.slow),
+        pytest.param("softening", 3104, marks=pytest.mark.slow),
+        pytest.param("coulomb_friction", 3105, marks=pytest.mark.slow),
+        pytest.param("creep", 3106, marks=pytest.mark.slow),
+    ],
+)
+def test_a_noisy_gauge_is_no_misfit(hidden: str, seed: int) -> None:
+    """With a noise of 1 % of the range a clean log was unknown, and a cause was partial: what the
+    noise of the pressure made was left. Another law may still do as well as the hidden one."""
+    rng = np.random.default_rng(seed)
+    fitted, held_out = (
+        _with_noise(log, rng) for log in hidden_pair([hidden] if hidden else [], seed=seed).logs
+    )
+    found = diagnose(fitted, hold_out=held_out, model="muscle")
+    settled = (Verdict.NAMED, Verdict.AMBIGUOUS) if hidden else (Verdict.ADEQUATE,)
+    assert found.verdict in settled
+    assert [cause.effect for cause in found.causes] == ([hidden] if hidden else [])
+
+
+def _with_noise(log: Log, rng: np.random.Generator) -> Log:
+    channel = log.channels["pressure"]
+    sd = 0.01 * float(np.ptp(channel.values))
+    noisy = replace(channel, values=channel.values + sd * rng.standard_normal(len(log)))
+    return replace(log, channels={**log.channels, "pressure": noisy})
