@@ -84,6 +84,8 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]
     if base.instead_of is not None:
         errors = [held_out.first_errors(base.instead_of.candidate), *errors]
+    alternatives = alternatives_of(named or links, forms)
+    is_sure = all(is_named) and not alternatives
     return Diagnosis(
         verdict=verdict_of(links, is_named, remainder),
         summary="",
@@ -91,7 +93,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         extended=after,
         causes=tuple(cause for cause, stays in told if stays),
         descriptive=tuple(cause for cause, stays in told if not stays),
-        alternatives=alternatives_of(named or links, forms),
+        alternatives=alternatives,
         remainder=remainder,
         gains=gains_of(base.asked_for.candidate, chain.final, held_out, before),
         evidence=evidence_of(chain),
@@ -100,9 +102,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
             *(after if after is not None and named else before).issues,
             *_issues_of_rest(base, chain, before),
             *refusal_issues(chain, held_out),
-            *held_out_change_issues(
-                chain.final, remainder, held_out, base.scale, is_sure=all(is_named)
-            ),
+            *held_out_change_issues(chain.final, remainder, held_out, base.scale, is_sure=is_sure),
         ),
         gain_ci95=whole_gain_of(errors, rng),
     )

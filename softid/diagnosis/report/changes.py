@@ -22,6 +22,7 @@ from softid.diagnosis.changes.spells import Spells, is_followed, spells_of
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import refitted
+from softid.diagnosis.report.motion_shown import sine_lag
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis_results import Remainder
@@ -104,8 +105,8 @@ def held_out_change_issues(
     scale
         Sizes of the base fit.
     is_sure
-        Whether all that was added to the base is named: a law that is wrong asks for another size
-        in every log.
+        Whether all that was added to the base is named, and nothing is in a tie: a law that is
+        wrong asks for another size in every log.
     """
     judged = held.standing(model) if remainder.misses_held_out else None
     if judged is None:
@@ -113,7 +114,7 @@ def held_out_change_issues(
     errors = held.first_errors(model)
     power, noise = float(np.mean(errors**2)), remainder.noise_power
     is_right = is_sure and not remainder.structured  # else it fits none of the logs
-    if is_right and have_same_levels(model.problem.logs, judged.problem.logs):
+    if is_right and _are_comparable(model.problem.logs, judged.problem.logs):
         before = squares_of(judged.problem, judged.minimum.point)
         found = log_differences(
             model, scale, judged.problem.logs, before=before, noise=noise * errors.size
@@ -251,19 +252,33 @@ def difference_issues(base: BaseFit) -> tuple[Issue, ...]:
     logs = base.whole_logs
     if len(logs) < 2 or not have_same_levels(logs[:1], logs[1:]):
         return ()
+    output = candidate.problem.outputs[0]
     before = squares_of(candidate.problem, candidate.minimum.point)
     samples = candidate.problem.n_samples / len(candidate.problem.outputs)
     noise = samples * noise_variance(candidate, base.scale)
     for k, reference in enumerate(logs[:REFERENCES]):
         others = (*logs[:k], *logs[k + 1 :])
+        if not _shows_motion_of((reference,), others):
+            continue
         with suppress(IdentificationError, InputError):  # one log may be too short, or at rest
             alone = refitted(candidate, base.sigma, [reference], REFIT_EVALUATIONS)
             own = squares_of(alone.problem, alone.minimum.point)
             found = log_differences(alone, base.scale, others, before=before, noise=noise, own=own)
-            told = _told(found, others, candidate.problem.outputs[0], reference.name)
+            told = _told(found, others, output, reference.name)
             if told is not None:
                 return (told,)
     return ()
+
+
+def _are_comparable(fitted: Sequence[Log], others: Sequence[Log]) -> bool:
+    """Whether a model of some logs is to follow others: over their levels, and as fast."""
+    return have_same_levels(fitted, others) and _shows_motion_of(fitted, others)
+
+
+def _shows_motion_of(fitted: Sequence[Log], others: Sequence[Log]) -> bool:
+    """Whether logs show how the actuator moves in others: one frequency says nothing of another."""
+    output = fitted[0].outputs[0]
+    return sine_lag(fitted, output) is None or sine_lag((*fitted, *others), output) is not None
 
 
 def _told(

@@ -16,7 +16,11 @@ from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOutLogs
-from softid.diagnosis.report.changes import LOG_DIFFERENCES, difference_issues
+from softid.diagnosis.report.changes import (
+    LOG_DIFFERENCES,
+    _shows_motion_of,
+    difference_issues,
+)
 from softid.effects import EFFECTS
 from softid.effects.base import Scale
 from softid.log import Log, LogSet
@@ -125,6 +129,28 @@ def test_the_differences_of_fitted_logs_are_told() -> None:
     assert told is not None
     assert float(told[1]) == pytest.approx(10.0, abs=1.0)
     assert float(told[2]) == pytest.approx(0.0, abs=1.0)
+
+
+def test_one_frequency_says_nothing_of_another() -> None:
+    """A log that is a sine of 0.5 Hz asks for a delay in one of 1 Hz, though nothing differs: what
+    is known of mass and damping is one number. Two sines of 0.5 Hz tell of a gain."""
+    half, same, whole = (sine_log(*row) for row in ((0.5, 0.0), (0.5, 0.1), (1.0, 0.0)))
+    assert not _shows_motion_of((half,), (whole,))
+    assert _shows_motion_of((half,), (same,))
+    assert _shows_motion_of((half, whole), (half,))
+    assert [issue.code for issue in difference_issues(base_of(half, same))] == [LOG_DIFFERENCES]
+
+
+def sine_log(frequency_hz: float, gain: float) -> Log:
+    """A pressure that is a sine alone, and the exact angle with noise, by a gain larger."""
+    time_s = np.arange(2000) / 50.0
+    pressure = 60.0 + 30.0 * np.sin(2.0 * np.pi * frequency_hz * time_s)
+    noise = 0.01 * np.random.default_rng(round(10 * frequency_hz + 100 * gain)).standard_normal(
+        2000
+    )
+    angle = (1.0 + gain) * linear_angle(time_s, pressure) + noise
+    name = f"sine-{frequency_hz}-{gain}"
+    return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name=name)
 
 
 def test_like_logs_do_not_differ() -> None:
