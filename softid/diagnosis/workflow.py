@@ -160,7 +160,7 @@ def diagnose(
         *jump_issues(answer.remainder, base.candidate.problem),
         *input_noise_issues(answer.remainder, base.candidate.problem, request.input_sds),
         *joint_cause_issues(answer),
-        *shared_scale_issues(answer),
+        *shared_scale_issues(answer, is_linear=base.candidate.problem.model.is_linear),
         *reading_issues(answer),
     )
     return write_summary(replace(answer, issues=(*answer.issues, *issues)))

@@ -47,19 +47,21 @@ def joint_cause_issues(found: Diagnosis) -> tuple[Issue, ...]:
     )
 
 
-def shared_scale_issues(found: Diagnosis) -> tuple[Issue, ...]:
+def shared_scale_issues(found: Diagnosis, *, is_linear: bool) -> tuple[Issue, ...]:
     """That a free curve at rest makes up for a factor of inertia, damping and stiffness.
 
     M ẍ + N ẋ + Q (x − s(u)) = F(u) with all three k times as large and
     s(u) + (1 − 1/k) F(u)/Q in place of s(u) is the same motion: only how well a spline draws that
-    tells k.
+    tells k. Where F is a straight line nothing does, and the parameters themselves are told so.
 
     Parameters
     ----------
     found
         A diagnosis in numbers.
+    is_linear
+        Whether the model without effects is linear.
     """
-    if found.extended is None or all(cause.effect != CURVE for cause in found.causes):
+    if is_linear or found.extended is None or all(cause.effect != CURVE for cause in found.causes):
         return ()
     return (
         Issue(

@@ -48,9 +48,10 @@ def test_other_causes_are_two() -> None:
 
 
 def test_a_free_curve_shares_the_scale_of_the_law() -> None:
-    """Told where the static curve is free, and by no other cause."""
+    """Told where the static curve is free, by no other cause, and not where the law is linear."""
     curve = cause("static_curve", [estimate("static_curve_k2", 0.1, "rad")], before=2.0, after=1.0)
     found = diagnosis(Verdict.NAMED)
-    (issue,) = shared_scale_issues(replace(found, causes=(DELAY, curve)))
+    (issue,) = shared_scale_issues(replace(found, causes=(DELAY, curve)), is_linear=False)
     assert (issue.code, issue.severity) == (SHARED_SCALE, "warning")
-    assert shared_scale_issues(replace(found, causes=(DELAY, GAIN))) == ()
+    assert shared_scale_issues(replace(found, causes=(DELAY, curve)), is_linear=True) == ()
+    assert shared_scale_issues(replace(found, causes=(DELAY, GAIN)), is_linear=False) == ()
