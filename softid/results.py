@@ -157,7 +157,8 @@ class SegmentStart:
     at_rest
         True when the state is the equilibrium at the first input rather than estimated.
     state
-        State at that time, in the order of the model's states; empty for a static model.
+        State at that time, in the order of the model's states, behind which stands how far an
+        effect's own state lies off the position; empty for a static model.
     """
 
     start_s: float

@@ -72,7 +72,7 @@ class ExtendedModel(Model):
             "title": base.title,
             "equation": "; ".join((base.equation, *(effect.law for effect in order))),
             "source": base.source,
-            "states": base.states,
+            "states": (*base.states, *self._followers),
             "inputs": base.inputs,
             "outputs": base.outputs,
             "own_zero": base.own_zero,
@@ -104,8 +104,11 @@ class ExtendedModel(Model):
 
     @property
     def start_states(self) -> tuple[str, ...]:
-        """Those of the model: an effect's own state starts at rest."""
-        return self.model.start_states
+        """Those of the model, and by how much an effect's own state lies off the position.
+
+        One that rests at zero starts there.
+        """
+        return (*self.model.start_states, *self._followers)
 
     def parameters(self) -> ParameterSet:
         """The model's parameters, then those of each effect as ``effect_parameter``."""
@@ -209,6 +212,11 @@ class ExtendedModel(Model):
     @cached_property
     def _state_effects(self) -> tuple[StateEffect, ...]:
         return tuple(e for e in self.effects if isinstance(e, StateEffect))
+
+    @property
+    def _followers(self) -> tuple[str, ...]:
+        """Effects whose own state rests at the position, which it may not have reached."""
+        return tuple(e.name for e in self._state_effects if e.has_state and e.follows_position)
 
     @cached_property
     def _widths(self) -> tuple[int, ...]:

@@ -53,6 +53,11 @@ class _Terms:
     def n_own(self) -> int:
         return len(self.follows)
 
+    @property
+    def followers(self) -> npt.NDArray[np.intp]:
+        """Which of the own states rest at the position."""
+        return np.flatnonzero(self.follows)
+
     def equation(self, theta: Array, term: MotionTerm | None) -> Equation:
         """What the kernel integrates; it moves and restores the arrays, so they are its own."""
         from softid.kernels.equation import Equation
@@ -99,7 +104,10 @@ def simulate_motion(
         Input that arrives at the first sample, and at the stages of every step, shape (L, 3).
     plan
         Division of the sampling intervals.
-    start, relative, derivatives
+    start
+        Position and velocity as in `Model.response`; behind them, by how much each own state that
+        rests at the position lies off it, which is nothing where that is left out.
+    relative, derivatives
         As in `Model.response`.
 
     Returns
@@ -160,19 +168,22 @@ def _integrated(
     since_s = segment.time_s[0] - segment.log_start_s
     from_rest = start is None or relative
     state = np.zeros(2 + terms.n_own)
-    tangent = np.zeros((state.size, n_theta + n_eta + 2))
+    by_start = n_theta + n_eta
+    tangent = np.zeros((state.size, by_start + 2 + terms.followers.size))
     if from_rest:
         state[0] = _rest_position(model, terms, theta, first_input, since_s)
         if derivatives:
-            tangent[0, :-2] = _rest_by(model, terms, theta, float(state[0]), first_input, since_s)
+            by_rest = _rest_by(model, terms, theta, float(state[0]), first_input, since_s)
+            tangent[0, :by_start] = by_rest
+    begun = np.zeros(2 + terms.followers.size)
     if start is not None:
-        state[0] += start[0]
-        state[1] += start[1]
-    tangent[0, -2] = tangent[1, -1] = 1.0
-    for k, follows in enumerate(terms.follows):
-        if follows:
-            state[2 + k] = state[0]
-            tangent[2 + k] = tangent[0]
+        begun[: start.size] = start
+    state[:2] += begun[:2]
+    tangent[[0, 1], [by_start, by_start + 1]] = 1.0
+    for j, k in enumerate(terms.followers):
+        state[2 + k] = state[0] + begun[2 + j]
+        tangent[2 + k] = tangent[0]
+        tangent[2 + k, by_start + 2 + j] = 1.0
     motion, by = np.empty((n, 2)), np.empty((n, tangent.shape[1]))
     motion[0], by[0] = state[:2], tangent[0]
     places = np.empty((len(stage_input), 2, 3))
@@ -210,6 +221,7 @@ def _integrated(
                 by[sample:stop] = tangents[reached]
         sample = stop
     found = _response(model, outputs, motion, by, terms, n_theta, derivatives=derivatives)
+    found = replace(found, start=np.concatenate((motion[0], begun[2:])))
     return found if term is None else _drifting(found, term, theta, segment.time_s)
 
 
@@ -237,8 +249,9 @@ def _response(
     values, by_parameter, by_state = {}, {}, {}
     x, v = motion.T
     kept = _span(np.concatenate((np.arange(n_theta), n_theta + terms.columns)))
-    first = by.shape[1] - 2
-    starts = slice(first, first + len(model.start_states))
+    first = n_theta + terms.eta.size
+    own = first + 2 + np.arange(terms.followers.size)
+    starts = _span(np.concatenate((first + np.arange(len(model.start_states)), own)))
     for name in outputs:
         values[name], slope = model.observed(x, name)
         if derivatives:
@@ -251,8 +264,9 @@ def _response(
 
 def _span(columns: npt.NDArray[np.int64]) -> slice | npt.NDArray[np.int64]:
     """Columns as a slice where they follow each other, which spares a copy."""
-    count = int(columns.size)
-    return slice(0, count) if np.array_equal(columns, np.arange(count)) else columns
+    first = int(columns[0]) if columns.size else 0
+    whole = slice(first, first + int(columns.size))
+    return whole if np.array_equal(columns, np.arange(whole.start, whole.stop)) else columns
 
 
 def _gather(effects: Sequence[StateEffect], scale: Scale, eta: Array) -> _Terms:

@@ -263,8 +263,10 @@ class Problem:
             count = len(self.logs) * len(self.outputs)
             moved[self._zero_from :][:count] = unknowns[other._zero_from :][:count]
         for k in range(len(self.segments)):
-            for at, known in zip(self._states[k], other._states[k], strict=False):
-                moved[at] = unknowns[known]
+            theirs = dict(zip(other.model.start_states, other._states[k], strict=False))
+            for name, at in zip(self.model.start_states, self._states[k], strict=False):
+                if name in theirs:
+                    moved[at] = unknowns[theirs[name]]
         return moved
 
     def zero_position(self, log: int, channel: str) -> int:
@@ -276,8 +278,9 @@ class Problem:
         states = self._states[segment]
         if not states:
             return None
-        state = np.zeros(len(self.model.states))
-        state[: len(states)] = z[states]
+        state, names = np.zeros(len(self.model.states)), self.model.states
+        places = [names.index(name) for name in self.model.start_states]
+        state[places[: len(states)]] = z[states]
         return state
 
     def state_positions(self, segment: int) -> range:
