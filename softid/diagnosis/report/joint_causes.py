@@ -71,8 +71,8 @@ def shared_scale_issues(found: Diagnosis, *, is_linear: bool) -> tuple[Issue, ..
             "factor, which that curve makes up for: their ratios, and with them the response, are "
             "as sure as their intervals say, they themselves and the curve's own values only if "
             "it is just such a spline",
-            "fix one of them if it is known, as in `--params`, or read off ratios and time "
-            "constants only",
+            "read off ratios and time constants only, or fix what is known with the `parameters` "
+            "of `softid.diagnose`",
         ),
     )
 
