@@ -10,8 +10,8 @@ from softid.effects.base import (
 from softid.effects.building import effect_of, effects_of, model_of
 from softid.effects.catalogue import EFFECTS
 from softid.effects.extended_model import ExtendedModel, belongs_to, extended_name, own_values
-from softid.effects.motion import divided
 from softid.effects.registration import register_effect
+from softid.models.division import divided
 
 __all__ = [
     "EFFECTS",

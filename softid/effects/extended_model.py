@@ -18,11 +18,11 @@ from softid.effects.base import (
     Scale,
     StateEffect,
 )
-from softid.effects.motion import divided, rest, simulate_motion
+from softid.effects.motion import rest, simulate_motion
 from softid.effects.stage_input import arriving_input
 from softid.kernels.step_counts import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
 from softid.models.base import Model, Response
-from softid.models.division import Division, divide
+from softid.models.division import Division, divide, divided
 from softid.models.second_order import Law
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec

@@ -13,7 +13,7 @@ from softid.effects.base import Scale, StateEffect
 from softid.kernels.small_matrix import LANES
 from softid.models.arrived_input import observed, simulate_law_through
 from softid.models.base import Model, MotionTerm, Response
-from softid.models.division import Division, held
+from softid.models.division import Division
 from softid.segment import Segment
 
 if TYPE_CHECKING:
@@ -164,26 +164,11 @@ def _integrated(
     from softid.kernels.term_integrator import Course, integrate
 
     term = model.motion_term(theta)
-    n, n_theta, n_eta = segment.time_s.size, theta.size, terms.eta.size
+    n, n_theta = segment.time_s.size, theta.size
     since_s = segment.time_s[0] - segment.log_start_s
-    from_rest = start is None or relative
-    state = np.zeros(2 + terms.n_own)
-    by_start = n_theta + n_eta
-    tangent = np.zeros((state.size, by_start + 2 + terms.followers.size))
-    if from_rest:
-        state[0] = _rest_position(model, terms, theta, first_input, since_s)
-        if derivatives:
-            by_rest = _rest_by(model, terms, theta, float(state[0]), first_input, since_s)
-            tangent[0, :by_start] = by_rest
-    begun = np.zeros(2 + terms.followers.size)
-    if start is not None:
-        begun[: start.size] = start
-    state[:2] += begun[:2]
-    tangent[[0, 1], [by_start, by_start + 1]] = 1.0
-    for j, k in enumerate(terms.followers):
-        state[2 + k] = state[0] + begun[2 + j]
-        tangent[2 + k] = tangent[0]
-        tangent[2 + k, by_start + 2 + j] = 1.0
+    state, tangent, off_rest = _begun(
+        model, terms, theta, first_input, since_s, start, relative=relative, derivatives=derivatives
+    )
     motion, by = np.empty((n, 2)), np.empty((n, tangent.shape[1]))
     motion[0], by[0] = state[:2], tangent[0]
     places = np.empty((len(stage_input), 2, 3))
@@ -221,19 +206,41 @@ def _integrated(
                 by[sample:stop] = tangents[reached]
         sample = stop
     found = _response(model, outputs, motion, by, terms, n_theta, derivatives=derivatives)
-    found = replace(found, start=np.concatenate((motion[0], begun[2:])))
-    return found if term is None else _drifting(found, term, theta, segment.time_s)
+    found = replace(found, start=np.concatenate((motion[0], off_rest)))
+    return found if term is None else term.with_drift(found, theta, segment.time_s)
 
 
-def _drifting(found: Response, term: MotionTerm, theta: Array, time_s: Array) -> Response:
-    """The response with the drift that the model's own sensor adds."""
-    at = term.drift_at
-    if at is None:
-        return found
-    values = {name: y + theta[at] * time_s for name, y in found.outputs.items()}
-    for by in (found.by_parameter or {}).values():
-        by[:, at] = time_s
-    return replace(found, outputs=values)
+def _begun(
+    model: Model,
+    terms: _Terms,
+    theta: Array,
+    u: float,
+    t: float,
+    start: Array | None,
+    *,
+    relative: bool,
+    derivatives: bool,
+) -> tuple[Array, Array, Array]:
+    """States at the first sample, their derivatives, and how far own states lie off their rest."""
+    from_rest = start is None or relative
+    state = np.zeros(2 + terms.n_own)
+    by_start = theta.size + terms.eta.size
+    tangent = np.zeros((state.size, by_start + 2 + terms.followers.size))
+    if from_rest:
+        state[0] = _rest_position(model, terms, theta, u, t)
+        if derivatives:
+            by_rest = _rest_by(model, terms, theta, float(state[0]), u, t)
+            tangent[0, :by_start] = by_rest
+    begun = np.zeros(2 + terms.followers.size)
+    if start is not None:
+        begun[: start.size] = start
+    state[:2] += begun[:2]
+    tangent[[0, 1], [by_start, by_start + 1]] = 1.0
+    for j, k in enumerate(terms.followers):
+        state[2 + k] = state[0] + begun[2 + j]
+        tangent[2 + k] = tangent[0]
+        tangent[2 + k, by_start + 2 + j] = 1.0
+    return state, tangent, begun[2:]
 
 
 def _response(
@@ -388,20 +395,3 @@ def rest(
     """
     terms = _gather(effects, scale, eta)
     return _rest_position(model, terms, theta, u, 0.0)
-
-
-def divided(
-    time_s: Array, u: Array, counts: npt.NDArray[np.intp], *, bends_in_s: float = 0.0
-) -> Division:
-    """Divide each sampling interval into a given number of equal steps.
-
-    Parameters
-    ----------
-    time_s, u
-        Sample times and input, each of shape (n,).
-    counts
-        Steps per interval, shape (n − 1,).
-    bends_in_s
-        As in `Division`.
-    """
-    return Division(held(time_s), held(u), counts.astype(np.int16), "radau", bends_in_s)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import ClassVar
 
 import numpy as np
@@ -71,6 +71,16 @@ class MotionTerm:
     slopes_address: int
     equilibrium: Callable[[float], float]
     drift_at: int | None = None
+
+    def with_drift(self, found: Response, theta: Array, time_s: Array) -> Response:
+        """The response with the drift that the model's own sensor adds."""
+        at = self.drift_at
+        if at is None:
+            return found
+        values = {name: y + theta[at] * time_s for name, y in found.outputs.items()}
+        for by in (found.by_parameter or {}).values():
+            by[:, at] = time_s
+        return replace(found, outputs=values)
 
 
 def require_choice(option: str, value: object, choices: Sequence[str]) -> None:

@@ -170,3 +170,20 @@ def divide(law: Law, time_s: Array, u: Array, *, implicit_only: bool = False) ->
     if not implicit_only and law.affine() is not None and explicit <= RADAU_COST * implicit:
         return Division(time_s, u, rk4, "rk4")
     return Division(time_s, u, radau, "radau")
+
+
+def divided(
+    time_s: Array, u: Array, counts: npt.NDArray[np.intp], *, bends_in_s: float = 0.0
+) -> Division:
+    """Divide each sampling interval into a given number of equal steps.
+
+    Parameters
+    ----------
+    time_s, u
+        Sample times and input, each of shape (n,).
+    counts
+        Steps per interval, shape (n − 1,).
+    bends_in_s
+        As in `Division`.
+    """
+    return Division(held(time_s), held(u), counts.astype(np.int16), "radau", bends_in_s)
