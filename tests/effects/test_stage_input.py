@@ -12,11 +12,11 @@ from io_rig import SCALE, extended, pressure, segment
 from softid.effects import Scale
 from softid.effects.base import InputEffect
 from softid.effects.delay import Delay
-from softid.effects.motion import divided
 from softid.effects.pneumatic_lag import LevelPneumaticLag, PneumaticLag, SeparatePneumaticLag
 from softid.effects.stage_input import arriving_input
 from softid.kernels.radau import STAGES
 from softid.log import Log
+from softid.models.division import divided
 from softid.models.second_order import Division
 
 RADAU_WEIGHTS = np.array([(16.0 - np.sqrt(6.0)) / 36.0, (16.0 + np.sqrt(6.0)) / 36.0, 1.0 / 9.0])
