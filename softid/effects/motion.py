@@ -205,8 +205,8 @@ def _integrated(
             if derivatives:
                 by[sample:stop] = tangents[reached]
         sample = stop
-    found = _response(model, outputs, motion, by, terms, n_theta, derivatives=derivatives)
-    found = replace(found, start=np.concatenate((motion[0], off_rest)))
+    begun = np.concatenate((motion[0], off_rest))
+    found = _response(model, outputs, motion, by, begun, terms, n_theta, derivatives=derivatives)
     return found if term is None else term.with_drift(found, theta, segment.time_s)
 
 
@@ -248,6 +248,7 @@ def _response(
     outputs: Sequence[str],
     motion: Array,
     by: Array,
+    start: Array,
     terms: _Terms,
     n_theta: int,
     *,
@@ -265,8 +266,8 @@ def _response(
             by_parameter[name] = by[:, kept] * slope[:, None]
             by_state[name] = by[:, starts] * slope[:, None]
     if not derivatives:
-        return Response(values, None, None, motion[0], x, v)
-    return Response(values, by_parameter, by_state, motion[0], x, v)
+        return Response(values, None, None, start, x, v)
+    return Response(values, by_parameter, by_state, start, x, v)
 
 
 def _span(columns: npt.NDArray[np.int64]) -> slice | npt.NDArray[np.int64]:

@@ -48,6 +48,11 @@ class Unwrapped:
     values: Array
     at: IntArray
 
+    @property
+    def how_often(self) -> str:
+        """In words."""
+        return "once" if self.at.size == 1 else f"{self.at.size} times"
+
 
 def counted_on(counts: Array) -> Unwrapped:
     """Counts of a clock that go on where its counter overflowed.
@@ -112,14 +117,13 @@ def with_angles_turned_on(samples: Samples) -> Samples:
             continue
         channels[name] = replace(channel, values=found.values)
         turn = TURN_RAD * channel.display_factor
-        times = "once" if found.at.size == 1 else f"{found.at.size} times"
         issues.append(
             Issue(
                 "wrapped-angle",
                 "info",
                 f"{samples.column(name)}: the {name} jumps by a turn, {turn:.4g} "
-                f"{channel.display_unit}, {times}, the first in {samples.row(int(found.at[0]))}; "
-                "it is taken to go on",
+                f"{channel.display_unit}, {found.how_often}, the first in "
+                f"{samples.row(int(found.at[0]))}; it is taken to go on",
                 "choose the zero of the sensor so that no motion passes the end of its range",
             )
         )

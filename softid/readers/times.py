@@ -116,13 +116,12 @@ def _overflows(counted: Unwrapped, table: Table, index: int) -> tuple[Issue, ...
     if counted.at.size == 0:
         return ()
     first = int(counted.at[0])
-    times = "once" if counted.at.size == 1 else f"{counted.at.size} times"
     return (
         Issue(
             "counter-overflow",
             "info",
             f"{table.place(index, first)}: the counter of the time began again at the end of its "
-            f"range, {times}; the time is taken to go on",
+            f"range, {counted.how_often}; the time is taken to go on",
             "keep the time in a wider number",
         ),
     )

@@ -93,6 +93,14 @@ def test_no_other_jump_is_a_turn() -> None:
         assert turned_on(told).values is told
 
 
+def test_an_angle_that_jumps_otherwise_too_stays() -> None:
+    """It passes the end of a turn, and reads zero, half a turn away, while a marker was lost."""
+    told = (swing(0.3) + 0.5 + np.pi) % TURN_RAD - np.pi
+    assert turned_on(told).at.size > 5
+    told[100:103] = 0.0
+    assert turned_on(told).values is told
+
+
 def test_the_angle_of_a_file_turns_on_and_says_so(write_log: WriteFile) -> None:
     """In the unit of the file; the row is that of the first sample behind the end."""
     truth = 150.0 + 3.0 * np.arange(20)
