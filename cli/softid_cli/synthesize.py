@@ -101,7 +101,11 @@ def _given(options: Mapping[str, Any]) -> dict[str, Any]:
     "none hides nothing.",
 )
 @click.option("--size", type=float, metavar="S", help="Magnitude of the effects; 1 is moderate.")
-@click.option("--protocol", metavar="NAME", help="rich (default), paper, sine, step or slow.")
+@click.option(
+    "--protocol",
+    metavar="NAME",
+    help="rich (default), levels, lever, triangles, multisine, paper, sine, step or slow.",
+)
 @model_option("muscle (default), oscillator or equilibrium.")
 @click.option("--noise", type=float, metavar="SHARE", help="Output noise over its range; 0.005.")
 @click.option("--coloured", type=float, metavar="SHARE", help="Coloured part of its variance; 0.")

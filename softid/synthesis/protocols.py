@@ -9,7 +9,9 @@ from softid.errors import UsageError
 from softid.synthesis.waveforms import (
     Chirp,
     Hold,
+    Multisine,
     RandomLevels,
+    RandomRamps,
     Rest,
     Sequence,
     Sine,
@@ -74,6 +76,46 @@ def _paper(top: float) -> tuple[Waveform, ...]:
     return (Steps(levels, 2.0), Sine(0.0, top, frequency_hz=0.5, cycles=5.0))
 
 
+def _levels(top: float) -> tuple[Waveform, ...]:
+    return (
+        Rest(2.0),
+        RandomLevels(0.0, top, count=40, shortest_s=0.3, longest_s=2.0),
+        Rest(3.0),
+    )
+
+
+def _lever(top: float) -> tuple[Waveform, ...]:
+    return (
+        Rest(2.0),
+        RandomRamps(0.0, top, count=45, shortest_s=0.3, longest_s=2.0),
+        Rest(3.0),
+    )
+
+
+def _triangles(top: float) -> tuple[Waveform, ...]:
+    return (
+        Triangle(0.0, top, period_s=12.0, cycles=2),
+        Triangle(0.0, 0.7 * top, period_s=4.0, cycles=3),
+        Triangle(0.2 * top, top, period_s=1.2, cycles=8),
+        Rest(6.0),
+    )
+
+
+def _multisine(top: float) -> tuple[Waveform, ...]:
+    return (
+        Multisine(0.0, top, frequency_hz=0.1, tones=25, cycles=4),
+        Hold(0.6 * top, 6.0),
+        Rest(6.0),
+    )
+
+
+def _mixed_hold_out(top: float) -> tuple[Waveform, ...]:
+    return (
+        RandomLevels(0.05 * top, 0.95 * top, count=8, shortest_s=0.5, longest_s=2.0),
+        RandomRamps(0.0, 0.95 * top, count=14, shortest_s=0.4, longest_s=2.0),
+    )
+
+
 PROTOCOLS: dict[str, Protocol] = {
     "rich": Protocol(
         "staircase up and down, 0.5 Hz, chirp 0.1 to 4 Hz, hold, rest; 48 s", _rich, _rich_hold_out
@@ -82,6 +124,22 @@ PROTOCOLS: dict[str, Protocol] = {
         "steps and 0.5 Hz, 24 s; hold-out 0.25 Hz",
         _paper,
         lambda top: (Sine(0.0, top, frequency_hz=0.25, cycles=4.0),),
+    ),
+    "levels": Protocol(
+        "40 random levels, about 50 s; hold-out levels and ramps", _levels, _mixed_hold_out
+    ),
+    "lever": Protocol(
+        "45 random ramps, about 57 s; hold-out levels and ramps", _lever, _mixed_hold_out
+    ),
+    "triangles": Protocol(
+        "triangles of 12, 4 and 1.2 s, rest; 52 s; hold-out levels and ramps",
+        _triangles,
+        _mixed_hold_out,
+    ),
+    "multisine": Protocol(
+        "25 tones of 0.1 to 2.5 Hz, hold, rest; 52 s; hold-out levels and ramps",
+        _multisine,
+        _mixed_hold_out,
     ),
     "sine": Protocol(
         "one sine of 0.5 Hz, 20 s; hold-out 0.25 Hz",

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from math import cos, pi
+from math import cos, pi, sin
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -251,6 +251,62 @@ class RandomLevels(Waveform):
 
 
 @dataclass(frozen=True)
+class RandomRamps(Waveform):
+    """Straight from one evenly distributed level to the next, as a hand moves a lever.
+
+    It starts and ends low; how long each ramp takes is evenly distributed, too, from the seed.
+    """
+
+    kind: ClassVar[str] = "random_ramps"
+    low_kpa: Level
+    high_kpa: Level
+    count: Count
+    shortest_s: Positive
+    longest_s: Positive
+
+    def pieces(self, start_s: float, rng: np.random.Generator) -> tuple[Piece, ...]:
+        """See `Waveform.pieces`."""
+        draws = rng.random((2, self.count))
+        inner = self.low_kpa + (self.high_kpa - self.low_kpa) * draws[0, :-1]
+        levels = [self.low_kpa, *inner.tolist(), self.low_kpa]
+        ramps = self.shortest_s + (self.longest_s - self.shortest_s) * draws[1]
+        edges = (start_s + np.concatenate(([0.0], np.cumsum(ramps)))).tolist()
+        spans = zip(pairwise(edges), pairwise(levels), strict=True)
+        return tuple(_line(*between, *ends) for between, ends in spans)
+
+
+@dataclass(frozen=True)
+class Multisine(Waveform):
+    """Sines of the whole multiples of one frequency, of equal size, with phases from the seed.
+
+    The sum is scaled to nearly reach the level that it comes closer to.
+    """
+
+    kind: ClassVar[str] = "multisine"
+    low_kpa: Level
+    high_kpa: Level
+    frequency_hz: Positive
+    tones: Count
+    cycles: Count
+
+    def pieces(self, start_s: float, rng: np.random.Generator) -> tuple[Piece, ...]:
+        """See `Waveform.pieces`."""
+        omega = 2.0 * pi * self.frequency_hz
+        phases = (2.0 * pi * rng.random(self.tones)).tolist()
+        middle_kpa = 0.5 * (self.low_kpa + self.high_kpa)
+        grid = np.linspace(0.0, 2.0 * pi, 50 * self.tones)
+        whole = sum(np.sin((k + 1) * grid + phase) for k, phase in enumerate(phases))
+        size_kpa = 0.49 * (self.high_kpa - self.low_kpa) / float(np.abs(whole).max())
+
+        def command(time_s: float) -> float:
+            angle = omega * (time_s - start_s)
+            tones = (sin((k + 1) * angle + phase) for k, phase in enumerate(phases))
+            return middle_kpa + size_kpa * sum(tones)
+
+        return (Piece(start_s, start_s + self.cycles / self.frequency_hz, command),)
+
+
+@dataclass(frozen=True)
 class Sequence(Waveform):
     """Other kinds, one after the other."""
 
@@ -278,6 +334,8 @@ WAVEFORMS: dict[str, type[Waveform]] = {
         Sweep,
         Chirp,
         RandomLevels,
+        RandomRamps,
+        Multisine,
         Sequence,
     )
 }

@@ -55,6 +55,9 @@ PACE, STRETCH = (0.2, 5.0), (0.3, 6.0)
 """Bounds of the factors by which wide cases slow an actuator, and of those of their effects'
 times."""
 
+VARIED = ("rich", "levels", "lever", "triangles", "multisine")
+"""Protocols of pairs that are drawn at random."""
+
 TIES = (("delay", "sine"), ("pneumatic_lag", "sine"))
 """Effects whose neighbours a protocol cannot split from them."""
 
@@ -71,7 +74,8 @@ class Case:
     ----------
     kind
         ``clean``, ``single``, ``form`` for the richer forms, ``other_form``, ``outside``, ``pair``,
-        ``background``, ``faint``, ``wide`` or ``tie``. In the background of the first effect each
+        ``any_pair``, ``background``, ``faint``, ``wide`` or ``tie``. In the background of the first
+        effect each
         of the others causes a tenth to a fifth of its misfit; faint ones have a tenth to a fifth of
         the usual size, whatever that causes; wide ones are single effects of much longer or shorter
         times than those usually drawn, and actuators of another pace.
@@ -195,6 +199,7 @@ def cases(
     model: str = "muscle",
     in_blocks: bool = False,
     chosen: bool = False,
+    protocol: str | None = None,
 ) -> list[Case]:
     """The cases of one kind.
 
@@ -214,32 +219,51 @@ def cases(
         Base model, of the diagnosis and of the truth.
     in_blocks, chosen
         As in `Case`.
+    protocol
+        In place of the usual one.
     """
+    hidden = _any_pairs(draws, seed) if kind == "any_pair" else _hidden(kind, draws, seed)
     return [
-        Case(kind, names, s, size, model, protocol, rig, in_blocks, chosen)
-        for names, protocol, count in _hidden(kind, draws)
-        for s in range(seed, seed + count)
+        Case(kind, names, s, size, model, protocol or usual, rig, in_blocks, chosen)
+        for names, usual, s in hidden
     ]
 
 
-def _hidden(kind: str, draws: int) -> Iterator[tuple[tuple[str, ...], str, int]]:
+def _any_pairs(draws: int, seed: int) -> Iterator[tuple[tuple[str, ...], str, int]]:
+    """Every effect with another one that it is not easily confused with, under any protocol."""
+    rng = np.random.default_rng(seed)
+    for k in range(draws * len(SINGLE)):
+        name = SINGLE[k % len(SINGLE)]
+        near = {name, *EFFECTS[name].neighbours}
+        others = [o for o in SINGLE if o not in near and name not in EFFECTS[o].neighbours]
+        yield (name, str(rng.choice(others))), str(rng.choice(VARIED)), seed + k
+
+
+def _hidden(kind: str, draws: int, seed: int) -> Iterator[tuple[tuple[str, ...], str, int]]:
+    count = 10 * draws if kind == "clean" else draws
+    for names, protocol in _combinations(kind):
+        for k in range(count):
+            yield names, protocol, seed + k
+
+
+def _combinations(kind: str) -> Iterator[tuple[tuple[str, ...], str]]:
     if kind == "clean":
-        yield (), "rich", 10 * draws
+        yield (), "rich"
     elif kind == "tie":
         for name, protocol in TIES:
-            yield (name,), protocol, draws
+            yield (name,), protocol
     elif kind == "pair":
         for names in PAIRED:
-            yield names, "rich", draws
+            yield names, "rich"
     elif kind in BEHIND:
         for k, name in enumerate(SINGLE):
             others = [other for other in SINGLE if other != name]
-            yield (name, others[(3 * k) % 20], others[(7 * k + 5) % 20]), "rich", draws
+            yield (name, others[(3 * k) % 20], others[(7 * k + 5) % 20]), "rich"
     else:
         groups = {"single": SINGLE, "form": FORMS, "wide": (*SINGLE, *FORMS)}
         names = groups.get(kind) or names_of(kind)
         for name in names:
-            yield (name,), "rich", draws
+            yield (name,), "rich"
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ KINDS = (
     "other_form",
     "outside",
     "pair",
+    "any_pair",
     "background",
     "faint",
     "tie",
@@ -56,6 +57,7 @@ def main() -> None:
             model=asked.model,
             in_blocks=asked.blocks,
             chosen=asked.choose,
+            protocol=asked.protocol,
         )
         if not asked.only or set(case.names) & set(asked.only.split(","))
     ]
@@ -81,6 +83,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--size", type=float, default=1.0)
     parser.add_argument("--model", default="muscle", help="base, also of the hidden truth")
     parser.add_argument("--rig", choices=tuple(RIGS), default="usual")
+    parser.add_argument("--protocol", help="in place of the usual one of a kind")
     parser.add_argument("--blocks", action="store_true", help="hold out blocks, not another log")
     parser.add_argument("--choose", action="store_true", help="let the base be chosen")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -96,6 +98,42 @@ def test_random_levels_come_from_the_generator() -> None:
     assert holds.max() < 0.601
 
 
+def test_random_ramps_come_from_the_generator() -> None:
+    """Same generator, same ramps; they join, begin and end low, and no two are of one slope."""
+    table = {
+        "kind": "random_ramps", "low_kpa": 20, "high_kpa": 90, "count": 40, "shortest_s": 0.2,
+        "longest_s": 0.6,
+    }  # fmt: skip
+    waveform = read_waveform(table, where="r.toml")
+    made = [waveform.pieces(0.0, np.random.default_rng(s)) for s in (1, 1, 2)]
+    starts = [[p.command_kpa(p.start_s) for p in pieces] for pieces in made]
+    assert starts[0] == starts[1] != starts[2]
+    pieces = made[0]
+    for one, next_one in pairwise(pieces):
+        assert one.command_kpa(one.stop_s) == pytest.approx(next_one.command_kpa(next_one.start_s))
+    assert starts[0][0] == pytest.approx(pieces[-1].command_kpa(pieces[-1].stop_s)) == 20.0
+    assert 20.0 <= min(starts[0]) < 40.0 < 70.0 < max(starts[0]) <= 90.0
+    holds = np.array([p.stop_s - p.start_s for p in pieces])
+    assert 0.199 < holds.min() < holds.max() < 0.601
+
+
+def test_a_multisine_has_its_tones_and_no_others() -> None:
+    """Ten lines of equal size at multiples of 0.5 Hz, within the levels and reaching one nearly."""
+    table = {
+        "kind": "multisine", "low_kpa": 20, "high_kpa": 90, "frequency_hz": 0.5, "tones": 10,
+        "cycles": 3,
+    }  # fmt: skip
+    waveform = read_waveform(table, where="r.toml")
+    (piece,) = waveform.pieces(1.0, np.random.default_rng(1))
+    assert (piece.start_s, piece.stop_s) == (1.0, 7.0)
+    values = np.array([piece.command_kpa(t) for t in np.arange(1.0, 7.0, 0.01)])
+    lines = np.abs(np.fft.rfft(values - 55.0)) / (0.5 * values.size)
+    heard = np.flatnonzero(lines > 1e-6)
+    assert heard.tolist() == [3 * k for k in range(1, 11)]
+    assert np.ptp(lines[heard]) < 1e-6
+    assert 0.9 * 35.0 < np.abs(values - 55.0).max() <= 35.0
+
+
 def test_a_step_to_the_same_level_has_no_slope() -> None:
     """A held level is one number, not a line computed anew at each time."""
     (piece,) = Steps((0.1,), 3.0).pieces(0.0, np.random.default_rng(0))
@@ -134,4 +172,5 @@ def test_refused(table: object, message: str) -> None:
 def test_every_kind_is_tested() -> None:
     """A new kind needs a case here."""
     tested = {case[0]["kind"] for case in CASES} | {"sequence", "random_levels"}
+    tested |= {"random_ramps", "multisine"}
     assert tested == set(WAVEFORMS)
