@@ -63,6 +63,7 @@ class CauseSearch:
     report: Progress
     _known: dict[Candidate, Remainder] = field(default_factory=dict, init=False, repr=False)
     _grown: dict[tuple[Chain, int], Chain] = field(default_factory=dict, init=False, repr=False)
+    _unsure: list[Candidate] = field(default_factory=list, init=False, repr=False)
 
     @cached_property
     def multistart(self) -> list[Candidate]:
@@ -228,7 +229,13 @@ class CauseSearch:
                 found = self.search(longer)
                 if found.is_sure:
                     return found
+                self._unsure.append(found.chain.final)
         return None
+
+    @property
+    def promising(self) -> Candidate | None:
+        """What left noise on the fitted samples from another first cause, and erred elsewhere."""
+        return min(self._unsure, key=lambda model: model.squares, default=None)
 
     @cached_property
     def _is_astray(self) -> bool:

@@ -105,15 +105,19 @@ def search_with_intersample(
         As in `search_causes`.
     """
     base, first = search.base, first or search.first_cause()
+    now = base.candidate.problem.logs[0].between_samples
+
+    def judges_of(reading: Intersample, known: Candidate) -> tuple[Log, ...]:
+        """What is held out, read as a model with what is known explains it."""
+        changed = recordings_read_as(recordings, reading)
+        return hold_out_read_as_explained(known, reading, base.sigma, changed.hold_out)
 
     def searched_as(reading: Intersample | None, known: Candidate) -> Searched:
-        now = base.candidate.problem.logs[0].between_samples
         reading = reading or now
-        changed = recordings_read_as(recordings, reading)
-        judges = hold_out_read_as_explained(known, reading, base.sigma, changed.hold_out)
+        judges = judges_of(reading, known)
         if reading == now and _readings(judges) == _readings(base.identified.hold_out):
             return search_causes(recordings, request, search, others, first)
-        changed = replace(changed, hold_out=judges)
+        changed = replace(recordings_read_as(recordings, reading), hold_out=judges)
         again = request.fit_base(changed.logs, judges, thorough=False)
         return search_causes(changed, request, replace(search, base=again), others)
 
@@ -126,6 +130,11 @@ def search_with_intersample(
         reading = intersample_after_all_causes(final, last.base.sigma, found.remainder.excess)
         if reading is not None:
             return searched_as(reading, final)
+    elif last.promising is not None:
+        model = last.promising
+        reading = model.problem.logs[0].between_samples
+        if _readings(judges_of(reading, model)) != _readings(last.base.identified.hold_out):
+            return searched_as(reading, model)
     return found, last
 
 

@@ -71,14 +71,30 @@ def is_smooth(logs: Iterable[Log]) -> bool:
 
 
 def as_smooth(logs: Sequence[Log]) -> tuple[Log, ...]:
-    """The logs with an input that is smooth where it bends, and the remark that says so.
+    """The logs with an input that is smooth where it bends, if it does so anywhere.
+
+    That is what a gauge reads of a pressure which nothing holds. Behind a valve that takes a few
+    samples straight lines come early: each step by h²/12 of the change of its slope.
 
     Parameters
     ----------
     logs
         Logs to fit; the input of those that say what it does between samples stays as it is.
     """
-    first = logs[0]
+    if not is_smooth(logs):
+        return tuple(logs)
+    return tuple(log.with_intersample("smooth") for log in logs)
+
+
+def with_bends_told(logs: LogSet) -> LogSet:
+    """Logs whose smooth input explains clearly more than straight lines, with the remark so.
+
+    Parameters
+    ----------
+    logs
+        Logs that are fitted with it.
+    """
+    first, *others = logs
     issue = Issue(
         SMOOTH_INPUT,
         "info",
@@ -86,8 +102,7 @@ def as_smooth(logs: Sequence[Log]) -> tuple[Log, ...]:
         "better than as straight lines, and is taken so",
         "record it faster, or declare it with --intersample straight",
     )
-    changed = [log.with_intersample("smooth") for log in logs]
-    return (replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:])
+    return LogSet((replace(first, issues=(*first.issues, issue)), *others))
 
 
 def as_held(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
@@ -151,7 +166,7 @@ def _long_enough(logs: Sequence[Log]) -> tuple[Log, ...]:
     return tuple(beginning(log, LONG // len(logs)) for log in logs)
 
 
-def explains_better(own: Explained, other: LogSet) -> bool:
+def explains_better(own: Explained, other: LogSet, by: float = BETTER_BY) -> bool:
     """Whether a model explains other logs better than its own, of as many samples.
 
     A step from the optimum of its own logs often settles it: where `TRUSTED` times what the normal
@@ -163,11 +178,13 @@ def explains_better(own: Explained, other: LogSet) -> bool:
         A fit; the search for the other one begins at its optimum.
     other
         The logs with another input.
+    by
+        n·ln(mean square) must fall by more than this.
     """
     problem = own.problem
     logs = [replace(log) for log in _long_enough(other.logs)]  # copies take their cuts along
     changed = Problem(problem.model, problem.parameters, logs)
-    wanted = own.misfit - BETTER_BY
+    wanted = own.misfit - by
     if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:
         looking = Objective(changed, dict.fromkeys(problem.outputs, 1.0))
         there = looking.solve(own.unknowns, LOOKS, bends=False).normal

@@ -13,12 +13,14 @@ from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.intersample_choice import (
+    BETTER_BY,
     Explained,
     as_held,
     as_smooth,
     explains_better,
     held_readings,
     is_smooth,
+    with_bends_told,
 )
 from softid.identification.issues import fitted_range, require_explained
 from softid.identification.model_reduction import simpler_model
@@ -187,7 +189,8 @@ def identify(
     cleaned = tuple(with_faults_told(without_dropouts(log)) for log in as_log_set(logs))
     cleaned_held = tuple(without_dropouts(log) for log in as_logs(hold_out))
     recorded, recorded_held = _at_readings(cleaned), _at_readings(cleaned_held)
-    log_set = LogSet(_at_readings(without_repeats(log) for log in cleaned))
+    bridged = _at_readings(without_repeats(log) for log in cleaned)
+    log_set = LogSet(as_smooth(bridged))
     held = _at_readings(without_repeats(log) for log in cleaned_held)
     require_outputs(held)
     _require_new(log_set, held)
@@ -215,19 +218,19 @@ def identify(
         require_channels(named, log_set)
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
     found = _identify(adapted, log_set, constraints, starts, rng, report, thorough=thorough)
-    read = log_set
-    others = (LogSet(logs) for logs in _otherwise_read(recorded, log_set.logs))
-    own = None
-    for other in others if np.isfinite(found.optimum.cost) else ():
+    read, own = log_set, None
+    for other in _otherwise_read(bridged, recorded) if np.isfinite(found.optimum.cost) else ():
         own = own or Explained.by(found.problem, found.optimum)
         if explains_better(own, other):
             read, own = other, None
             found = _identify(adapted, read, constraints, starts, rng, report, thorough=thorough)
-    if read is not log_set:
-        reading = read.logs[0].intersample
-        bridged = recorded_held if reading in HELD else held
+        elif _is_straight(other) and not explains_better(own, other, -BETTER_BY):
+            read = with_bends_told(read)
+    reading = read.logs[0].intersample
+    if reading is not None:
         problem, unknowns = found.problem, found.optimum.unknowns
-        held = read_as_fitted(bridged, reading, problem.model, problem.values(unknowns))
+        judges = recorded_held if reading in HELD else held
+        held = read_as_fitted(judges, reading, problem.model, problem.values(unknowns))
     return Identification(found, read, held, choice)
 
 
@@ -235,12 +238,16 @@ def _at_readings(logs: Iterable[Log]) -> tuple[Log, ...]:
     return tuple(at_readings(log) for log in logs)
 
 
-def _otherwise_read(recorded: Sequence[Log], bridged: Sequence[Log]) -> Iterator[tuple[Log, ...]]:
+def _otherwise_read(bridged: Sequence[Log], recorded: Sequence[Log]) -> Iterator[LogSet]:
     """The logs with other readings of the input; a held one is held as it was recorded."""
     if is_smooth(bridged):
-        yield as_smooth(bridged)
+        yield LogSet(tuple(log.with_intersample("straight") for log in bridged))
     for reading in held_readings(recorded):
-        yield as_held(recorded, reading)
+        yield LogSet(as_held(recorded, reading))
+
+
+def _is_straight(logs: LogSet) -> bool:
+    return logs.logs[0].intersample == "straight"
 
 
 def _require_new(logs: LogSet, held: Sequence[Log]) -> None:

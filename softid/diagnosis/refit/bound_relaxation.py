@@ -2,8 +2,10 @@
 
 A law that is known up to a common factor of its forces, or a base that another effect bends, may
 have a small part of the force that the same model has with its cause. An effect that runs into its
-bound then asks for bounds that go by the force of its own model. And what runs into its bound while
-another cause is missing may be held there, for a law at its limit hardly feels its parameter.
+bound then asks for bounds that go by the force of its own model. A limit of the sensor counts from
+a zero that the base had elsewhere, for it took the flat end for a motion. And what runs into its
+bound while another cause is missing may be held there, for a law at its limit hardly feels its
+parameter.
 """
 
 from __future__ import annotations
@@ -14,14 +16,17 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, advance, standing_at
-from softid.diagnosis.refit.characteristic_scales import elastic_force
+from softid.diagnosis.refit.characteristic_scales import elastic_force, range_without_zeros
 from softid.diagnosis.refit.extension import united_bounds
 from softid.effects import ExtendedModel, belongs_to, extended_name
-from softid.effects.base import Effect
+from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
 
 GROWN = 1.2
 """So much more force makes the bounds worth moving."""
+
+MOVED = 0.02
+"""Zeros that moved by so large a share of the range move the bounds of readings."""
 
 RELEASED = 30
 """Evaluations from a start away from the bounds."""
@@ -31,7 +36,9 @@ NEAR = 1e-3
 
 
 def with_own_bounds(candidate: Candidate) -> Candidate:
-    """The candidate with bounds that go by its own force where one of its sizes is at a bound.
+    """The candidate with bounds that go by its own sizes where an effect is held at one.
+
+    Bounds of forces go by its elastic force, those of readings by its sensor zeros.
 
     Parameters
     ----------
@@ -41,23 +48,48 @@ def with_own_bounds(candidate: Candidate) -> Candidate:
     Returns
     -------
     Candidate
-        At the same point; the candidate itself where its bounds do not hold it, or its force is no
-        greater than that of the base.
+        At the same point; the candidate itself where its bounds do not hold it, or its own sizes
+        are hardly beyond those of the base.
     """
     problem, model = candidate.problem, candidate.problem.model
-    if not isinstance(model, ExtendedModel) or not _is_held(candidate):
+    if not isinstance(model, ExtendedModel):
         return candidate
+    scale = _with_own_zeros(candidate, _with_own_force(candidate, model))
+    if scale is model.scale:
+        return candidate
+    wider = replace(model, scale=scale)
+    declared = wider.parameters()
+    for known in problem.parameters.values():
+        declared = declared.replacing(united_bounds(known, declared[known.name]))
+    return replace(candidate, problem=Problem(wider, declared, problem.logs))
+
+
+def _with_own_force(candidate: Candidate, model: ExtendedModel) -> Scale:
+    """The scale with the candidate's own force, if that is larger and an amplitude is held."""
+    if not _is_held(candidate):
+        return model.scale
+    problem = candidate.problem
     theta = problem.theta(candidate.minimum.point)
     law = model.model.motion_law(theta[: len(model.model.parameters())])
     u = np.concatenate([segment.input for segment in problem.segments])
     force = elastic_force(law, u, model.scale.x_span)
     if law is None or not GROWN * model.scale.force < force < np.inf:
-        return candidate
-    wider = replace(model, scale=replace(model.scale, force=force))
-    declared = wider.parameters()
-    for known in problem.parameters.values():
-        declared = declared.replacing(united_bounds(known, declared[known.name]))
-    return replace(candidate, problem=Problem(wider, declared, problem.logs))
+        return model.scale
+    return replace(model.scale, force=force)
+
+
+def _with_own_zeros(candidate: Candidate, scale: Scale) -> Scale:
+    """A scale that holds the readings as the candidate's own zeros have them, if one is held."""
+    readings = {
+        extended_name(effect, name) for effect in candidate.effects for name in effect.readings
+    }
+    if not readings & set(candidate.at_bound):
+        return scale
+    low, high = range_without_zeros(candidate.problem, candidate.minimum.point)
+    moved = max(scale.y_low - low, high - scale.y_high)
+    if moved <= MOVED * scale.y_span:
+        return scale
+    return replace(scale, y_low=min(low, scale.y_low), y_high=max(high, scale.y_high))
 
 
 def released(

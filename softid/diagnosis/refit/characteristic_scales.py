@@ -45,7 +45,7 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
     x = np.concatenate([path[0] for path in paths])
     v = np.concatenate([path[1] for path in paths])
     first = problem.outputs[0]
-    y = np.concatenate([_without_zero(problem, unknowns, k) for k in range(len(paths))])
+    y_low, y_high = range_without_zeros(problem, unknowns)
     x_span = max(float(np.ptp(x)), 1e-12)
     units = {name: problem.logs[0].channels[name].unit for name in (first, problem.logs[0].input)}
     return Scale(
@@ -55,8 +55,8 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
         x_high=float(x.min()) + x_span,
         v_max=max(float(np.quantile(np.abs(v), FAST_QUANTILE)), 1e-9 * x_span),
         force=elastic_force(law, u, x_span),
-        y_low=float(y.min()),
-        y_high=float(y.max()),
+        y_low=y_low,
+        y_high=y_high,
         period_s=float(np.median(np.concatenate([np.diff(s.time_s) for s in problem.segments]))),
         duration_s=max(float(log.time_s[-1] - log.time_s[0]) for log in problem.logs),
         motion_s=_slowness(law, u, problem),
@@ -68,6 +68,19 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
         force_unit=_force_unit(problem),
         y_unit=units[first],
     )
+
+
+def range_without_zeros(problem: Problem, unknowns: Array) -> tuple[float, float]:
+    """Smallest and largest value of the first output, less the sensor zeros of its logs.
+
+    Parameters
+    ----------
+    problem, unknowns
+        A fit, which holds the zeros.
+    """
+    segments = range(len(problem.segments))
+    y = np.concatenate([_without_zero(problem, unknowns, k) for k in segments])
+    return float(y.min()), float(y.max())
 
 
 def _without_zero(problem: Problem, unknowns: Array, k: int) -> Array:

@@ -11,7 +11,7 @@ from softid.diagnosis.refit.bound_relaxation import released, with_own_bounds
 from softid.diagnosis.refit.candidates import Candidate, advance, prior_about, standing_at
 from softid.diagnosis.refit.initial_states import with_settled_starts
 from softid.diagnosis.search.bic_ranking import Ranked, rank
-from softid.diagnosis.search.output_order import in_better_order
+from softid.diagnosis.search.order_of_action import in_better_order
 from softid.diagnosis.search.racing import UNCONVERGED, race
 from softid.diagnosis.search.screening import Signature, screen
 from softid.effects import extended_name, own_values

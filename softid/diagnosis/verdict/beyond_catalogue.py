@@ -29,6 +29,10 @@ WHOLE, CLEARLY = 0.96, 0.9
 """It is all that is missing when it takes so much on both, and outdoes a cause when it leaves less
 than this share of what the cause does."""
 
+AS_NOISE = 1.3
+"""It leaves nothing to look for where its mean square is at most so many times that of the noise:
+of a misfit that is large beside the noise a twenty-fifth may still be a cause of its own."""
+
 
 @dataclass(frozen=True)
 class BeyondCatalogue:
@@ -41,8 +45,8 @@ class BeyondCatalogue:
     share, held_out_share
         What the best takes away of the misfit above the noise, on the fitted samples and on those
         held out.
-    squares
-        Weighted sum of squares that the best leaves.
+    squares, noise
+        Weighted sum of squares that the best leaves, and that of the noise.
     sizes
         Values and units of the parameters of the best.
     """
@@ -51,6 +55,7 @@ class BeyondCatalogue:
     share: float
     held_out_share: float
     squares: float
+    noise: float
     sizes: tuple[tuple[float, str], ...] = ()
 
     @property
@@ -66,7 +71,8 @@ class BeyondCatalogue:
         cause
             The base with the best cause of the catalogue.
         """
-        return self.is_whole and self.squares < CLEARLY * cause.squares
+        leaves_nothing = self.is_whole and self.squares < AS_NOISE * self.noise
+        return leaves_nothing and self.squares < CLEARLY * cause.squares
 
 
 def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
@@ -98,7 +104,7 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     declared, values = best.problem.parameters, best.parameters
     own = [name for name in declared.names if belongs_to(laws[0], name)]
     sizes = tuple((values[name], declared[name].unit) for name in own)
-    return BeyondCatalogue(laws, share, _held(base, best, noise), best.squares, sizes)
+    return BeyondCatalogue(laws, share, _held(base, best, noise), best.squares, left, sizes)
 
 
 def _share(known: Candidate, other: Candidate, noise: float) -> float:

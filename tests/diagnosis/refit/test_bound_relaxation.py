@@ -78,6 +78,28 @@ def test_others_keep_theirs(share: float, force: float) -> None:
     assert with_own_bounds(candidate) is candidate
 
 
+def test_a_limit_of_the_sensor_goes_with_the_zero_of_its_log() -> None:
+    """By hand: a base whose zero was one radian higher had every bound one radian lower."""
+    base, clipping = linear_problem([LOG]), effect_of("sensor_clipping.lower")
+    z = base.unknowns(TRUTH)
+    below = replace(SCALE, y_low=SCALE.y_low - 1.0, y_high=SCALE.y_high - 1.0)
+    problem = extend(base, (clipping,), below)
+    upper = problem.parameters["sensor_clipping_lower"].upper
+    begun = start_unknowns(problem, base, z, {"sensor_clipping_lower": upper})
+    held = replace(standing(problem, begun, SIGMA), effects=(clipping,))
+    freed = with_own_bounds(held)
+    after = freed.problem.parameters["sensor_clipping_lower"]
+    # The range reaches from the lower of both ends to the higher; seven tenths of it may be cut.
+    assert after.upper == pytest.approx(upper + 0.7, abs=0.02)
+    assert after.lower <= held.problem.parameters["sensor_clipping_lower"].lower
+    assert np.array_equal(freed.minimum.point, held.minimum.point)
+    right = extend(base, (clipping,), SCALE)
+    at = right.parameters["sensor_clipping_lower"].upper
+    there = start_unknowns(right, base, z, {"sensor_clipping_lower": at})
+    known = replace(standing(right, there, SIGMA), effects=(clipping,))
+    assert with_own_bounds(known) is known
+
+
 def test_what_an_earlier_effect_needed_at_its_bound_is_let_go() -> None:
     """The log has no stiffening: a start away from the bound leads back to what leaves less."""
     held = standing_at(1.0, force=1.0)

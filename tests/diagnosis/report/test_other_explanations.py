@@ -25,7 +25,7 @@ class Base:
 
 
 DIFFERS, JUMPS, SPELL, MIXED = (Issue(name, "warning", name) for name in "abcd")
-LAW = BeyondCatalogue((OutputPlay(),), 0.99, 0.98, 1.0, ((0.03, "1"),))
+LAW = BeyondCatalogue((OutputPlay(),), 0.99, 0.98, 1.0, 1.0, ((0.03, "1"),))
 
 
 @pytest.mark.parametrize(
@@ -79,12 +79,12 @@ def test_the_order_in_which_they_are_asked(
     [
         (LAW, UNLISTED_LAW, "sensor (3 % of the range), which takes away 99 %"),
         (
-            BeyondCatalogue((EarlyReading(), InputPlay()), 0.93, 0.9, 1.0, ((0.0498, "s"),)),
+            BeyondCatalogue((EarlyReading(), InputPlay()), 0.93, 0.9, 1.0, 1.0, ((0.0498, "s"),)),
             LIKE_UNLISTED_LAW,
             "late (0.0498 s) or play of the valve",
         ),
         (
-            BeyondCatalogue((OutputPlay(),), 0.99, 0.9, 1.0, ((0.1, "1"), (0.2, "1"))),
+            BeyondCatalogue((OutputPlay(),), 0.99, 0.9, 1.0, 1.0, ((0.1, "1"), (0.2, "1"))),
             LIKE_UNLISTED_LAW,
             "sensor, which takes",
         ),

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.residual.assessment import noise_variance
-from softid.diagnosis.verdict.beyond_catalogue import beyond_catalogue
+from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
+from softid.diagnosis.verdict.unlisted_laws import OutputPlay
 from softid.log import LogSet
 from softid.synthesis import hidden_pair
 
@@ -48,3 +52,22 @@ def test_noise_is_no_law() -> None:
     noise = noise_variance(base.candidate, base.scale)
     assert beyond_catalogue(base, noise) is None
     assert beyond_catalogue(base, 4.0 * noise) is None
+
+
+@pytest.mark.parametrize(
+    ("share", "squares", "cause", "outdoes"),
+    [
+        (0.99, 120.0, 200.0, True),
+        (0.99, 140.0, 200.0, False),
+        (0.99, 120.0, 125.0, False),
+        (0.95, 120.0, 200.0, False),
+    ],
+)
+def test_only_what_leaves_noise_ends_a_search(
+    share: float, squares: float, cause: float, outdoes: bool
+) -> None:
+    """A misfit of 30 times the noise of 100 loses 96 % to a law that leaves more than twice it: the
+    rest may be a second cause. It must leave clearly less than the best cause, too."""
+    found = BeyondCatalogue((OutputPlay(),), share, share, squares, 100.0)
+    best: Any = SimpleNamespace(squares=cause)
+    assert found.outdoes(best) is outdoes

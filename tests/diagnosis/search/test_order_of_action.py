@@ -1,4 +1,4 @@
-"""Which of a sensor's effects comes first: the end of its range, or what else it does."""
+"""Which effect on a reading or an input comes first: a limit, a dead zone, or another one."""
 
 from __future__ import annotations
 
@@ -12,8 +12,12 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import acting_order, extend_in_order, start_unknowns
 from softid.diagnosis.search.forward_selection import converged
-from softid.diagnosis.search.output_order import in_better_order, other_order
-from softid.effects import effect_of
+from softid.diagnosis.search.order_of_action import (
+    in_better_order,
+    inputs_exchanged,
+    other_order,
+)
+from softid.effects import effect_of, extended_name
 from softid.effects.base import Effect
 
 CLIPPING, DRIFT = effect_of("sensor_clipping"), effect_of("sensor_drift")
@@ -53,6 +57,54 @@ def test_the_order_in_the_log_is_found(true: tuple[Effect, ...]) -> None:
 def test_the_right_order_stays() -> None:
     right = fitted((DRIFT, CLIPPING), (DRIFT, CLIPPING))
     assert in_better_order(right, SIGMA) is right
+
+
+ZONE, LAG = effect_of("dead_zone"), effect_of("pneumatic_lag")
+VALUES = {"dead_zone_p0": 20.0, "dead_zone_softness": 0.05, "pneumatic_lag_tau": 0.3}
+
+
+def driven(true: tuple[Effect, ...], asked: tuple[Effect, ...], **values: float) -> Candidate:
+    """A model with effects on the input in one order, for a log that holds them in another."""
+    log = linear_log(noise=0.01)
+    base = linear_problem([log])
+    z = base.unknowns(TRUTH)
+    scale, known = scale_of(base, z), VALUES | values
+    fine_s = np.linspace(0.0, log.time_s[-1], 20 * (len(log) - 1) + 1)
+    u = np.interp(fine_s, log.time_s, log.channels["pressure"].values)
+    plain = linear_angle(fine_s, u)
+    for effect in true:
+        own = [known[extended_name(effect, p)] for p in effect.parameters(scale).names]
+        u = effect.apply(np.array(own), fine_s, u, scale)  # type: ignore[attr-defined]
+    moved = (linear_angle(fine_s, u) - plain)[::20]
+    there = linear_problem([linear_log(noise=0.01, added=moved)])
+    problem = extend_in_order(there, asked, scale)
+    begun = start_unknowns(problem, there, z, known)
+    return replace(standing(problem, begun, SIGMA), effects=asked)
+
+
+@pytest.mark.parametrize("true", [(ZONE, LAG), (LAG, ZONE)])
+def test_the_order_on_the_input_is_found(true: tuple[Effect, ...]) -> None:
+    """A valve's dead zone before a lag of 0.3 s, and that of the folds behind it, to 5 %.
+
+    The lag and the actuator's own times may be in each other's place, so that they are not asked.
+    """
+    wrong = converged(driven(true, (true[1], true[0])), SIGMA)
+    found = in_better_order(wrong, SIGMA)
+    assert found.acting == true
+    assert wrong.squares > found.squares + 200.0  # 1000 samples of noise scatter by 45
+    assert found.squares == pytest.approx(1000.0, abs=180.0)
+    assert found.parameters["dead_zone_p0"] == pytest.approx(20.0, rel=0.05)
+
+
+def test_what_commutes_stays() -> None:
+    """Two lags may change places, and so may a zone that is next to nothing; one is alone."""
+    late = (effect_of("line_resonance"), LAG)
+    linear = {"line_resonance_period": 0.3, "line_resonance_zeta": 0.5}
+    for asked, values in ((late, linear), ((ZONE, LAG), {"dead_zone_p0": 0.05}), ((ZONE,), {})):
+        model = driven(asked, asked, **values)
+        assert inputs_exchanged(model) == asked
+    apart = driven((ZONE, LAG), (ZONE, LAG))
+    assert inputs_exchanged(apart) == (LAG, ZONE)
 
 
 @pytest.mark.parametrize(
