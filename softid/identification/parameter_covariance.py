@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from softid.effects import ExtendedModel, belongs_to
 from softid.excitation import find_quantisation, run_starts
 from softid.fitters.normal_equations import KEPT_ENTRIES, SUMMED_ENTRIES, Piece, linearise
 from softid.fitters.output_error import Optimum
@@ -48,6 +49,15 @@ times the samples make up for that, and no more, for they would miss too much.""
 UNBLURRED = 0.25
 """Share of the power of the residual from which its rounding, q²/12, counts as long as a reading
 stays; noise of half a step blurs it."""
+
+SILENT = 0.25
+"""Noise at the end of a sensor's range, as a share of that elsewhere, below which it is clipped."""
+
+NOTHING = 1e-6
+"""Share of the largest derivative by a limit that is rounding."""
+
+EXACTLY = 100.0
+"""One reading there tells the limit so many times as well as one elsewhere would."""
 
 LEAST_THERE = 0.5
 """A mean counts where so large a share of the samples is there that the fullest one has."""
@@ -103,6 +113,8 @@ def errors_of(problem: Problem, optimum: Optimum) -> Errors:
     there = columns.size > 0 and n > columns.size
     covariance = _covariance_of_means(problem, optimum, groups, columns) if there else None
     rows = _rows_at(problem, optimum, derivatives=there and covariance is None)
+    limits = _limits_of(problem)
+    rows = [_without_silence(part, limits) for part in rows] if limits else rows
     shared = [_of(problem, rows, *group) for group in groups]
     residuals = [[r.residual for r in own] for own in shared]
     models = [fit_ar(own) for own in residuals]
@@ -173,6 +185,16 @@ class _Rows:
         weights = weights[:, columns]
         return FactoredRows(values, weights, weights.T @ products @ weights)
 
+    def weighted(self, factor: Array) -> _Rows:
+        """Rows whose derivatives are multiplied, and without those that are by zero."""
+        assert self.jacobian is not None
+        residual = np.where(factor > 0.0, self.residual, np.nan)
+        if not isinstance(self.jacobian, tuple):
+            return replace(self, residual=residual, jacobian=factor[:, None] * self.jacobian)
+        values, _, weights = self.jacobian
+        values = factor * values
+        return replace(self, residual=residual, jacobian=(values, values @ values.T, weights))
+
 
 Part = TypeVar("Part", _Rows, Piece)
 
@@ -220,6 +242,46 @@ def _rows_at(problem: Problem, optimum: Optimum, *, derivatives: bool) -> list[_
         jacobian = columns, piece.gram, piece.jacobian
         found.append(_Rows(piece.channel, piece.segment, residual, jacobian))
     return found
+
+
+def _limits_of(problem: Problem) -> list[int]:
+    """Unknowns at which a sensor ends that may show no noise there."""
+    model = problem.model
+    if not isinstance(model, ExtendedModel):
+        return []
+    muting = [effect for effect in model.effects if effect.mutes]
+    return [k for k, name in enumerate(problem.free) if any(belongs_to(e, name) for e in muting)]
+
+
+def _without_silence(rows: _Rows, limits: Sequence[int]) -> _Rows:
+    """Rows without what stands at an end of a sensor that clips its noise, but for one row there.
+
+    Readings that show no noise say exactly where the sensor ends, and nothing of how noisy the
+    others are: counted with them they made every interval too short.
+
+    Parameters
+    ----------
+    rows
+        Rows of one channel.
+    limits
+        Unknowns by which a reading is derived that stands at the end that they say.
+    """
+    if rows.jacobian is None:
+        return rows
+    used = np.isfinite(rows.residual)
+    derivatives = rows.by(np.array(limits))
+    by_limit = np.abs(derivatives @ np.eye(len(limits)))
+    stands = (by_limit > NOTHING * by_limit.max(axis=0, initial=0.0)) & used[:, None]
+    others = rows.residual[used & ~stands.any(axis=1)]
+    heard, factor = used.copy(), np.ones(used.size)
+    for at in (np.flatnonzero(there) for there in stands.T):
+        if not at.size or not others.size:
+            continue
+        if np.mean(rows.residual[at] ** 2) < SILENT**2 * np.mean(others**2):
+            heard[at[1:]], factor[at[0]] = False, EXACTLY
+    if heard.sum() == used.sum():
+        return rows
+    return rows.weighted(np.where(heard, factor, 0.0))
 
 
 def _spread(problem: Problem, block: Block) -> _Rows:

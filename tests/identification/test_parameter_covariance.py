@@ -1,19 +1,26 @@
-"""Errors of logs so long that derivatives are not kept at every sample."""
+"""Errors of logs whose derivatives are not kept, and of such as show no noise at some samples."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 import pytest
-from linear_motion import linear_angle, linear_log
+from linear_motion import TRUTH, linear_angle, linear_log
 
 import softid
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.effects import ExtendedModel, effect_of
 from softid.fitters import normal_equations, objective
+from softid.fitters.problem import Problem
 from softid.identification import parameter_covariance
 from softid.log import Log
 from softid.models import Oscillator
 from softid.results import FitResult
+
+Array = npt.NDArray[np.float64]
 
 MODEL = Oscillator(x_unit="rad", u_unit="kPa")
 SAMPLES = 4000
@@ -97,3 +104,29 @@ def test_a_law_that_no_kernel_sums_keeps_its_derivatives(monkeypatch: pytest.Mon
         return [p.stderr or 0.0 for p in found.extended.parameters]
 
     assert errors(8_000_000) == pytest.approx(errors(3_000), rel=1e-3)
+
+
+def clipped_fit(log: Log, noise: Array | float) -> FitResult:
+    """A fit of the actuator and the end of a sensor that adds some noise to what it clips."""
+    base = Problem(MODEL, MODEL.parameters().with_values(TRUTH), [log])
+    scale = scale_of(base, base.unknowns(TRUTH))
+    model = ExtendedModel(MODEL, (effect_of("sensor_clipping"),), scale)
+    values = np.minimum(log.channels["angle"].values, 1.2) + noise
+    channels = {**log.channels, "angle": replace(log.channels["angle"], values=values)}
+    declared = model.parameters().with_values({**TRUTH, "sensor_clipping_upper": 1.2})
+    return softid.fit(replace(log, channels=channels), model=model, parameters=declared)
+
+
+def test_what_stands_at_the_end_of_a_sensor_says_nothing_of_its_noise() -> None:
+    """A converter clips its noise with the reading in a third of the samples; an amplifier ends and
+    trembles on. Motion is seen in the same other samples, and known as well, within the scatter of
+    a variance. The limit counts from the zero and is known no better."""
+    trembling = 0.01 * np.random.default_rng(7).standard_normal(SAMPLES)
+    silent = clipped_fit(linear_log(samples=SAMPLES, added=trembling), 0.0)
+    loud = clipped_fit(linear_log(samples=SAMPLES), trembling)
+    assert silent.statistics[0].rmse < 0.9 * loud.statistics[0].rmse
+    for name in ("N", "Q"):
+        one, other = (fitted.parameter(name).stderr for fitted in (silent, loud))
+        assert one == pytest.approx(other, rel=0.1)
+    zero = silent.nuisance[0].zero_stderr["angle"]
+    assert silent.parameter("sensor_clipping_upper").stderr == pytest.approx(zero, rel=0.1)
