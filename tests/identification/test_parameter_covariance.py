@@ -128,5 +128,5 @@ def test_what_stands_at_the_end_of_a_sensor_says_nothing_of_its_noise() -> None:
     for name in ("N", "Q"):
         one, other = (fitted.parameter(name).stderr for fitted in (silent, loud))
         assert one == pytest.approx(other, rel=0.1)
-    zero = silent.nuisance[0].zero_stderr["angle"]
+    zero = silent.nuisances[0].zero_stderr["angle"]
     assert silent.parameter("sensor_clipping_upper").stderr == pytest.approx(zero, rel=0.1)
