@@ -33,7 +33,7 @@ from softid.diagnosis.report.issues import (
     restriction_issues,
     unsure_issues,
 )
-from softid.diagnosis.report.joint_causes import joint_cause_issues, shared_scale_issues
+from softid.diagnosis.report.joint_causes import joint_cause_issues, with_shared_scale
 from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
@@ -150,6 +150,7 @@ def diagnose(
     if count == 1:  # the mean of several samples lies between the steps
         answer = with_rounding(answer, recorded, base.candidate)
         answer = with_coarse_sampling(answer, base.candidate)
+    answer = with_shared_scale(answer, is_linear=base.candidate.problem.model.is_linear)
     issues = (
         *negligible_issues(base),
         *plainer_model_issues(chosen, base),
@@ -160,7 +161,6 @@ def diagnose(
         *jump_issues(answer.remainder, base.candidate.problem),
         *input_noise_issues(answer.remainder, base.candidate.problem, request.input_sds),
         *joint_cause_issues(answer),
-        *shared_scale_issues(answer, is_linear=base.candidate.problem.model.is_linear),
         *reading_issues(answer),
     )
     return write_summary(replace(answer, issues=(*answer.issues, *issues)))

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from softid.diagnosis_results import Cause, Diagnosis
+from softid.effects import belongs_to, effect_of
 from softid.errors import Issue
+from softid.results import ParameterEstimate
 
 ONE_CAUSE = "one-cause-in-two"
 """Code of the remark that two causes may be one."""
@@ -47,12 +51,13 @@ def joint_cause_issues(found: Diagnosis) -> tuple[Issue, ...]:
     )
 
 
-def shared_scale_issues(found: Diagnosis, *, is_linear: bool) -> tuple[Issue, ...]:
-    """That a free curve at rest makes up for a factor of inertia, damping and stiffness.
+def with_shared_scale(found: Diagnosis, *, is_linear: bool) -> Diagnosis:
+    """The diagnosis with what a free curve at rest makes up for: a factor of all forces.
 
     M ẍ + N ẋ + Q (x − s(u)) = F(u) with all three k times as large and
     s(u) + (1 − 1/k) F(u)/Q in place of s(u) is the same motion: only how well a spline draws that
     tells k. Where F is a straight line nothing does, and the parameters themselves are told so.
+    Their intervals hold for just such a spline, which no actuator has: none is identified.
 
     Parameters
     ----------
@@ -62,18 +67,35 @@ def shared_scale_issues(found: Diagnosis, *, is_linear: bool) -> tuple[Issue, ..
         Whether the model without effects is linear.
     """
     if is_linear or found.extended is None or all(cause.effect != CURVE for cause in found.causes):
-        return ()
-    return (
-        Issue(
-            SHARED_SCALE,
-            "warning",
-            "with another static curve, inertia, damping and stiffness are known up to a common "
-            "factor, which that curve makes up for: their ratios, and with them the response, are "
-            "as sure as their intervals say, they themselves and the curve's own values only if "
-            "it is just such a spline",
-            "read off ratios and time constants only, or fix what is known with the `parameters` "
-            "of `softid.diagnose`",
-        ),
+        return found
+    outer = [e for e in (effect_of(c.key) for c in found.causes) if e.stage != "state"]
+    parameters = tuple(
+        p if any(belongs_to(effect, p.name) for effect in outer) else _up_to_a_factor(p)
+        for p in found.extended.parameters
+    )
+    issue = Issue(
+        SHARED_SCALE,
+        "warning",
+        "with another static curve, inertia, damping and stiffness are known up to a common "
+        "factor, which that curve makes up for: their ratios, and with them the response, are "
+        "as sure as their intervals say, they themselves and the curve's own values only if "
+        "it is just such a spline",
+        "read off ratios and time constants only, or fix what is known with the `parameters` "
+        "of `softid.diagnose`",
+    )
+    extended = replace(found.extended, parameters=parameters)
+    return replace(found, extended=extended, issues=(*found.issues, issue))
+
+
+def _up_to_a_factor(parameter: ParameterEstimate) -> ParameterEstimate:
+    """A parameter that is known together with others only."""
+    if parameter.verdict != "identified":
+        return parameter
+    return replace(
+        parameter,
+        verdict="weakly identified",
+        reason="it is known up to a factor, which the static curve can make up for",
+        remedy="fix a parameter that is known, or read off ratios and time constants only",
     )
 
 

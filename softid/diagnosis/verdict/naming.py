@@ -53,6 +53,11 @@ its own size has settled between what the log asks for here and there."""
 VARIES_BESIDE = 0.1
 """The same where something else is left, whose law the size may follow a little."""
 
+SAME = 0.05
+"""A size whose standard deviation throughout the logs is a smaller share of it is the same: beside
+parameters that share a scale with it, as those of a muscle with another static curve do, next to
+nothing is the cause's own, and any trace of another law would be much of that."""
+
 ROUNDING = 1e-14
 """Variances below this share of the largest are not told from it by the covariance's digits."""
 
@@ -206,7 +211,8 @@ def doubt_of(
         return Doubt.GAINS_NOTHING
     if may_gain_nothing(cause):
         return Doubt.MAY_GAIN_NOTHING
-    if cause.variation is not None and cause.variation.share > varies:
+    variation = cause.variation
+    if variation is not None and variation.share > varies and variation.spread > SAME:
         return Doubt.VARIES
     if not effect.changes_sign and _is_unknown(cause, effect):
         if _is_slight(cause, whole):

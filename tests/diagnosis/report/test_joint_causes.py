@@ -12,7 +12,7 @@ from softid.diagnosis.report.joint_causes import (
     ONE_CAUSE,
     SHARED_SCALE,
     joint_cause_issues,
-    shared_scale_issues,
+    with_shared_scale,
 )
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis_results import Verdict
@@ -48,10 +48,25 @@ def test_other_causes_are_two() -> None:
 
 
 def test_a_free_curve_shares_the_scale_of_the_law() -> None:
-    """Told where the static curve is free, by no other cause, and not where the law is linear."""
-    curve = cause("static_curve", [estimate("static_curve_k2", 0.1, "rad")], before=2.0, after=1.0)
+    """Told where the static curve is free, by no other cause, and not where the law is linear.
+
+    What is known up to a factor is not identified; a delay beside it is.
+    """
+    knot = estimate("static_curve_k2", 0.1, "rad")
+    curve = cause("static_curve", [knot], before=2.0, after=1.0)
     found = diagnosis(Verdict.NAMED)
-    (issue,) = shared_scale_issues(replace(found, causes=(DELAY, curve)), is_linear=False)
+    assert found.extended is not None
+    own = tuple(replace(p, verdict="identified") for p in found.extended.parameters)
+    known = replace(found.extended, parameters=(*own, knot))
+    both = replace(found, causes=(DELAY, curve), extended=known)
+    told = with_shared_scale(both, is_linear=False)
+    issue = told.issues[-1]
     assert (issue.code, issue.severity) == (SHARED_SCALE, "warning")
-    assert shared_scale_issues(replace(found, causes=(DELAY, curve)), is_linear=True) == ()
-    assert shared_scale_issues(replace(found, causes=(DELAY, GAIN)), is_linear=False) == ()
+    assert told.extended is not None
+    for p in told.extended.parameters:
+        sure = p.name.startswith("delay_")
+        assert (p.verdict == "identified") is sure, p.name
+        assert bool(p.reason) is not sure
+    assert with_shared_scale(both, is_linear=True) is both
+    other = replace(both, causes=(DELAY, GAIN))
+    assert with_shared_scale(other, is_linear=False) is other
