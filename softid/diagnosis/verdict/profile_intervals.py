@@ -75,7 +75,7 @@ def with_intervals(
 def with_profile_intervals(
     fit: FitResult, final: Candidate, effects: Sequence[Effect], sigma: Mapping[str, float]
 ) -> FitResult:
-    """The fit with profile likelihood intervals of what effects know badly.
+    """The fit with profile likelihood intervals of what effects know badly, or beside a bound.
 
     A side that the logs leave open ends at the bound of the search. Knots of a curve trade with the
     curve of the base, and stay as they are.
@@ -91,13 +91,12 @@ def with_profile_intervals(
     sigma
         Output channel → scale that its residual is divided by.
     """
-    asked = [effect for effect in effects if len(effect.amplitudes) <= 1]
     rough = [
         p.name
-        for p in fit.parameters
+        for effect in effects
+        if len(effect.amplitudes) <= 1
+        for p in _rough_ones([p for p in fit.parameters if belongs_to(effect, p.name)])
         if p.name in final.problem.free
-        and _is_rough(p)
-        and any(belongs_to(effect, p.name) for effect in asked)
     ]
     covariance = errors_of(final.problem, optimum_of(final, sigma)).covariance if rough else None
     if covariance is None:
@@ -116,6 +115,15 @@ def _issues_with(told: Sequence[ParameterEstimate], fit: FitResult) -> tuple[Iss
     at = next((k for k, issue in enumerate(fit.issues) if issue in earlier), len(fit.issues))
     behind = [issue for issue in fit.issues[at:] if issue not in earlier]
     return (*fit.issues[:at], *now, *behind)
+
+
+def _rough_ones(own: Sequence[ParameterEstimate]) -> list[ParameterEstimate]:
+    """Those of one effect whose interval may be another one than the covariance has.
+
+    Where one of them has run into its bound, that of the others is as if it were known to be there.
+    """
+    is_held = any(p.at_bound for p in own)
+    return [p for p in own if is_held or _is_rough(p)]
 
 
 def _is_rough(p: ParameterEstimate) -> bool:

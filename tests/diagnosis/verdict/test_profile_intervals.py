@@ -90,6 +90,20 @@ def test_ends_lie_where_the_cost_has_risen() -> None:
         assert 2.8 < best.squares - final.squares < 5.5
 
 
+def test_beside_a_bound_the_others_are_profiled_too() -> None:
+    """A size that is known to 7 %: its interval from the covariance has the time held where it is,
+    and is a fraction of the one in which the time may go back."""
+    fit, final = warming(8.0)
+    usual = fit.parameter("sensor_warmup_size")
+    well = replace(usual, stderr=0.01 * abs(usual.value))
+    held = replace(fit.parameter("sensor_warmup_time"), at_bound=True, stderr=1e-9)
+    others = tuple(p for p in fit.parameters if p.name not in (usual.name, held.name))
+    for time, method in ((held, "profile"), (replace(held, at_bound=False), usual.ci_method)):
+        known = replace(fit, parameters=(*others, well, time))
+        told = with_profile_intervals(known, final, [WARM_UP], SIGMA).parameter(usual.name)
+        assert told.ci_method == method
+
+
 def test_what_is_well_known_or_no_effect_of_these_stays() -> None:
     fit, final = warming(8.0)
     told = with_profile_intervals(fit, final, [WARM_UP], SIGMA)
