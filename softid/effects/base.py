@@ -369,9 +369,10 @@ class StateEffect(Effect):
 
 @dataclass(frozen=True)
 class OutputEffect(Effect):
-    """An effect between the motion and the recorded output."""
+    """An effect between the motion and the output; ``before_sensor`` if the actuator has it."""
 
     stage: ClassVar[Stage] = "output"
+    before_sensor: ClassVar[bool] = False
 
     @abstractmethod
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:

@@ -143,6 +143,7 @@ class SeriesCreep(OutputEffect):
     shown_by: ClassVar[str] = "a hold of 20 s followed by a rest of 20 s, at two levels"
     source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (Kelvin-Voigt element)"
     amplitude: ClassVar[str] = "c"
+    before_sensor: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
     ceilings: ClassVar[tuple[str, ...]] = ("c",)
 

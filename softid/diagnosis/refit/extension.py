@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects import ExtendedModel, extended_name
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect, OutputEffect, Scale
 from softid.fitters.problem import Problem
 from softid.parameters import Parameter, ParameterSet
 
@@ -39,7 +39,7 @@ def acting_order(known: Sequence[Effect], added: Sequence[Effect]) -> tuple[Effe
     """Effects in the order in which they act within their stage, when some are added.
 
     What a reading loses at the end of the sensor's range is lost, and as a rule nothing acts behind
-    that end: what is added goes before it.
+    that end: what is added goes before it. What the actuator does goes before what its sensor does.
 
     Parameters
     ----------
@@ -50,9 +50,16 @@ def acting_order(known: Sequence[Effect], added: Sequence[Effect]) -> tuple[Effe
     """
     order = list(known)
     for effect in added:
-        is_before = bool(order) and order[-1].mutes and not effect.mutes
-        order.insert(len(order) - is_before, effect)
+        at = len(order) - (bool(order) and order[-1].mutes and not effect.mutes)
+        if _is_before_sensor(effect):
+            of_sensor = (e.stage == "output" and not _is_before_sensor(e) for e in order)
+            at = next((k for k, later in enumerate(of_sensor) if later), at)
+        order.insert(at, effect)
     return tuple(order)
+
+
+def _is_before_sensor(effect: Effect) -> bool:
+    return isinstance(effect, OutputEffect) and effect.before_sensor
 
 
 def extend_in_order(base: Problem, effects: Sequence[Effect], scale: Scale) -> Problem:

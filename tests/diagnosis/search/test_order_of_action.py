@@ -135,10 +135,17 @@ def test_what_clips_goes_to_the_other_end(keys: tuple[str, ...], other: tuple[st
         ("cd", "k", "cdk"),
         ("d", "c", "dc"),
         ("", "cd", "dc"),
+        ("d", "s", "sd"),
+        ("kcd", "s", "kscd"),
+        ("s", "d", "sd"),
+        ("", "cds", "sdc"),
     ],
 )
 def test_what_is_added_acts_before_the_end_of_the_range(known: str, added: str, order: str) -> None:
-    """c is clipping, d a drift of the sensor, k a creep; an order that is known stays."""
-    named = {"c": CLIPPING, "d": DRIFT, "k": effect_of("creep")}
+    """c is clipping, d a drift of the sensor, k a creep; an order that is known stays.
+
+    A creep in series, s, is the body's own, before all that a sensor does to the reading.
+    """
+    named = {"c": CLIPPING, "d": DRIFT, "k": effect_of("creep"), "s": effect_of("creep.series")}
     told = acting_order([named[k] for k in known], [named[k] for k in added])
     assert told == tuple(named[k] for k in order)
