@@ -127,12 +127,12 @@ class PlainerModels:
         return self._likelier(found, lambda rival: rival.first)
 
     def after_all_causes(
-        self, extended: ModelSearch, found: Chain, *, is_unnamed: bool, is_explained: bool
+        self, extended: ModelSearch, found: Chain, *, is_doubted: bool, is_explained: bool
     ) -> ModelSearch | None:
         """A plainer model that is likelier with its causes than the chosen one is with its own.
 
-        It is looked for where those have no name, or where one of several is a curve; with a first
-        cause only where the misfit of the chosen one is explained otherwise.
+        It is looked for where those or the model are doubted, or one of several is a curve; with a
+        first cause only where the misfit of the chosen one is explained otherwise.
 
         Parameters
         ----------
@@ -140,10 +140,11 @@ class PlainerModels:
             The model that was extended.
         found
             Its causes.
-        is_unnamed, is_explained
-            Whether they have no name, and whether something else explains the misfit.
+        is_doubted, is_explained
+            Whether they have no name, or the logs know little of the model that carries them, and
+            whether something else explains the misfit.
         """
-        is_in_doubt = is_unnamed or (len(found.links) > 1 and _bends(found))
+        is_in_doubt = is_doubted or (len(found.links) > 1 and _bends(found))
         if extended is not self.chosen or not is_in_doubt:
             return None
         if is_explained:

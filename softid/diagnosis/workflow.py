@@ -65,6 +65,9 @@ Answered = tuple[Diagnosis, BaseFit]
 SETTLED = (Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS)
 """Verdicts that leave no more than noise."""
 
+HOLLOW = 3
+"""A model of which so many parameters are not identified beside its causes may be a plainer one."""
+
 
 @matrices_on_one_thread()
 def diagnose(
@@ -199,10 +202,22 @@ def _searched(
     plainer = models.after_all_causes(
         asked,
         found.chain,
-        is_unnamed=unnamed,
+        is_doubted=unnamed or _is_hollow(answer, base),
         is_explained=unnamed and bool(others.all(last.base)),
     )
-    return (answer, base) if plainer is None else _surest_answer(*searched(plainer))
+    if plainer is None:
+        return answer, base
+    other = _surest_answer(*searched(plainer))
+    return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base)
+
+
+def _is_hollow(answer: Diagnosis, base: BaseFit) -> bool:
+    """Whether the logs know little of the model that carries the causes."""
+    if answer.extended is None:
+        return False
+    own = set(base.candidate.problem.parameters.names)
+    rows = [p for p in answer.extended.parameters if p.name in own]
+    return sum(p.verdict == "not identified" for p in rows) >= HOLLOW
 
 
 def _answered(found: SearchResult, search: CauseSearch) -> Answered:

@@ -42,6 +42,19 @@ def test_a_model_stays_that_explains_more(effect: str) -> None:
     assert [cause.effect for cause in found.causes] == [effect]
 
 
+def test_a_model_of_which_little_is_known_beside_its_causes_is_asked_again() -> None:
+    """Known truth: an oscillator. A muscle with both causes leaves noise, too, but five of its
+    seven parameters are anything."""
+    hidden = ["asymmetric_damping", "hysteresis"]
+    drawn = hidden_pair(hidden, seed=510, model="oscillator", protocol="levels")
+    train, hold_out = drawn.logs
+    found = diagnose(train, hold_out=[hold_out], effects=(*hidden, "creep", "coulomb_friction"))
+    assert found.base.model.name == "oscillator"
+    assert {cause.effect for cause in found.causes} == set(hidden)
+    assert found.extended is not None
+    assert all(p.verdict != "not identified" for p in found.extended.parameters)
+
+
 def test_a_model_that_was_named_stays() -> None:
     """The muscle of the first test, by the user's word."""
     train, hold_out = hidden_pair(["stiffening"], seed=501, model="oscillator").logs
