@@ -16,7 +16,7 @@ from softid.diagnosis.search.alternative_first import alternative_first_links, t
 from softid.diagnosis.search.backward_revision import revised
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, select_forward
-from softid.diagnosis.search.indistinct import with_rivals_in_misfit
+from softid.diagnosis.search.indistinct import with_rivals_held_out, with_rivals_in_misfit
 from softid.diagnosis.search.multistart import is_astray, multistart_candidates
 from softid.diagnosis.search.two_of_first_order import chain_of_first_order
 from softid.diagnosis.search_result import SearchResult
@@ -373,7 +373,7 @@ class CauseSearch:
             chain, after = Chain((), chain.links[0], self.base.candidate), before
         self.report("looking at what is left", 0.85)
         remainder = self.remainder_of(chain.final)
-        links = chain.links
+        links = tuple(with_rivals_held_out(link, chain.final, held_out.rms) for link in chain.links)
         if remainder.structured:
             links = tuple(with_rivals_in_misfit(link) for link in links)
         remainder = with_held_out(remainder, before, chain.final, held_out, self.base.sigma)

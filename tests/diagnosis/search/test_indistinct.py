@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from handmade_rounds import SAMPLES, link, ranked
 
-from softid.diagnosis.search.indistinct import with_rivals_in_misfit
+from softid.diagnosis.search.indistinct import with_rivals_held_out, with_rivals_in_misfit
 
 
 @pytest.mark.parametrize(("behind", "rivals"), [(1190.0, True), (1210.0, False)])
@@ -28,3 +30,26 @@ def test_each_cause_is_a_rival_once() -> None:
     row_of_base = first.before
     found = with_rivals_in_misfit(replace(first, ranked=(first.chosen, *rows, row_of_base)))
     assert found.rivals == ("delay", "creep", "coulomb_friction")
+
+
+@pytest.mark.parametrize(
+    ("behind", "error", "effects", "rivals"),
+    [
+        (25.0, 0.96, 1, True),
+        (35.0, 0.96, 1, False),
+        (25.0, 0.98, 1, False),
+        (25.0, 0.96, 2, False),
+    ],
+)
+def test_what_is_held_out_may_prefer_one_that_explains_nearly_as_much(
+    behind: float, error: float, effects: int, rivals: bool
+) -> None:
+    """By hand: of a BIC of 3000 one that is 30 behind, if it errs by 3 % less there and is a model
+    of as many causes."""
+    first = link(3000.0)
+    other = ranked(("pneumatic_lag",), first.chosen.bic + behind)
+    round_ = replace(first, ranked=(first.chosen, other, first.before))
+    final: Any = SimpleNamespace(effects=(None,) * effects)
+    errors = {id(final): 1.0, id(other.plain): error}
+    found = with_rivals_held_out(round_, final, lambda model: errors[id(model)])
+    assert found.rivals == (("delay", "pneumatic_lag") if rivals else ("delay",))
