@@ -76,6 +76,21 @@ def is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
     return set(plain.parameters(scale).names) < set(effect.parameters(scale).names)
 
 
+def is_twin(effect: Effect, other: Effect, scale: Scale) -> bool:
+    """Whether one acts on the input and one on the reading, with the same parameters.
+
+    Parameters
+    ----------
+    effect, other
+        The effects.
+    scale
+        Sizes of the base fit.
+    """
+    if {effect.stage, other.stage} != {"input", "output"}:
+        return False
+    return effect.parameters(scale).names == other.parameters(scale).names
+
+
 def simpler_forms(
     fitted: Candidate,
     leaders: Sequence[Candidate],
@@ -84,6 +99,8 @@ def simpler_forms(
     sigma: Mapping[str, float],
 ) -> list[Candidate]:
     """The plain form of every richer one, and what a law is like, from where the leaders stand.
+
+    In a linear model what an input and a reading do may be one, and each begins where the other is.
 
     So is what a law may only imitate: a base that has bent to a dead zone hides it, and one beside
     a curve that takes the dead zone's place does not.
@@ -105,9 +122,12 @@ def simpler_forms(
     placed = []
     for leader in leaders:
         added = leader.effects[-1]
-        like = added.simpler(own_values(added, leader.parameters))
+        values = own_values(added, leader.parameters)
+        like = added.simpler(values)
         for effect in effects:
             known = like[1] if like is not None and like[0] == effect.key else None
+            if fitted.problem.model.is_linear and is_twin(added, effect, scale):
+                known = values
             is_simpler = is_richer(added, effect, scale) or may_imitate(added, effect, scale)
             if known is not None or is_simpler:
                 placed += forms_of(fitted, leader, effect, scale, variance, known=known)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from linear_motion import (
     SIGMA,
@@ -16,7 +17,7 @@ from linear_motion import (
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.effect_starts import candidate_at
-from softid.diagnosis.search.forms import simpler_forms
+from softid.diagnosis.search.forms import is_twin, simpler_forms
 from softid.diagnosis.search.forward_selection import converged
 from softid.effects import effect_of
 from softid.log import LogSet
@@ -45,6 +46,45 @@ def test_an_overdamped_resonance_is_tried_as_a_lag(zeta: float, keys: list[objec
     found = simpler_forms(base, [leader], [LAG, DRIFT], scale, SIGMA)
     assert [form.keys for form in found] == keys
     assert all(form.squares < 1180.0 for form in found)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "twins"),
+    [
+        ("line_resonance", "sensor_resonance", True),
+        ("pneumatic_lag", "sensor_lag", True),
+        ("line_resonance", "sensor_lag", False),
+        ("delay", "pneumatic_lag", False),
+        ("sensor_lag", "sensor_resonance", False),
+    ],
+)
+def test_what_acts_before_and_behind_a_linear_model_alike(
+    one: str, other: str, twins: bool
+) -> None:
+    """The same parameters, on the input and on the reading; in either order."""
+    scale = scale_of(linear_problem([linear_log()]), linear_problem([linear_log()]).unknowns(TRUTH))
+    for pair in ((one, other), (other, one)):
+        effect, twin = (effect_of(key) for key in pair)
+        assert is_twin(effect, twin, scale) is twins
+
+
+def test_a_line_in_a_linear_model_is_tried_where_the_resonance_of_a_sensor_is() -> None:
+    """Known truth: what drives the actuator rings; where a sensor's resonance stands, the line
+    leaves the noise: 1000 within four times √2000."""
+    log, ringing = linear_log(), {"period": 0.5, "zeta": 0.2}
+    clean = linear_problem([log])
+    z = clean.unknowns(TRUTH)
+    scale, line = scale_of(clean, z), effect_of("line_resonance")
+    eta = np.array(list(ringing.values()))
+    fine_s = np.linspace(0.0, log.time_s[-1], 20 * (len(log) - 1) + 1)
+    u = np.interp(fine_s, log.time_s, pressure_course(log.time_s))
+    arriving = line.apply(eta, fine_s, u, scale)  # type: ignore[attr-defined]
+    added = (linear_angle(fine_s, arriving) - linear_angle(fine_s, u))[::20]
+    base = converged(standing(linear_problem([linear_log(noise=0.01, added=added)]), z), SIGMA)
+    _, leader = candidate_at(base, effect_of("sensor_resonance"), ringing, scale, SIGMA)
+    (found,) = simpler_forms(base, [leader], [line], scale, SIGMA)
+    assert found.keys == ("line_resonance",)
+    assert found.squares < 1180.0 < base.squares
 
 
 def test_a_curve_is_tried_as_a_dead_zone() -> None:
