@@ -36,9 +36,6 @@ cause does."""
 NEAR_CURVE = 1.02
 """The same where the first cause is a curve, which has more unknowns than they."""
 
-MUCH_BETTER = 0.9
-"""A slight cause that leaves less than this share of the error on what is held out counts, too."""
-
 HALF = 0.5
 """A first cause that explains a smaller share of the misfit is raced with a multistart before a
 second one is looked for, and beside two that explain less no third is."""
@@ -151,7 +148,6 @@ class CauseSearch:
             self.base.scale,
             self.base.sigma,
             is_no_worse=is_no_worse,
-            is_much_better=lambda one, other: held_out.rms(other) < MUCH_BETTER * held_out.rms(one),
             is_noise=lambda model: not self.remainder_of(model).structured,
             report=lambda message, fraction: self.report(message, 0.3 + 0.4 * fraction),
             known_links=chain.links,

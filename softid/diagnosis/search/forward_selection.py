@@ -48,10 +48,6 @@ FURTHER = Acceptance(predicted_fall=15.0, bic=30.0, share=0.01)
 BEHIND_NOISE = Acceptance(predicted_fall=60.0, bic=60.0, share=0.02)
 """Of a further one where what is left already looks like noise."""
 
-SLIGHT = Acceptance(predicted_fall=15.0, bic=30.0, share=0.0)
-"""Of one that is too slight for those and lowers the error on what is held out by much: slow moves
-hide a lag, which the quick ones of another log show."""
-
 INDISTINCT = 12.0
 """Candidates within this BIC of the best explain the logs as well. Eight would do if the noise were
 what it is taken for; the noise of a measured input, and what it does between the samples, set
@@ -158,7 +154,6 @@ def select_forward(
     *,
     is_no_worse: Callable[[Candidate, Candidate], bool],
     is_noise: Callable[[Candidate], bool],
-    is_much_better: Callable[[Candidate, Candidate], bool] = lambda before, after: False,
     report: Callable[[str, float], None] = lambda message, fraction: None,
     known_links: Sequence[Link] = (),
     extra: Sequence[Candidate] = (),
@@ -181,8 +176,6 @@ def select_forward(
         Whether a candidate is no worse than another on what was held out.
     is_noise
         Whether what a candidate leaves looks like noise, so that more is asked of a further cause.
-    is_much_better
-        Whether one is much better on what was held out than another, so that less is asked.
     report
         Called with a sentence and the fraction done.
     known_links
@@ -207,7 +200,7 @@ def select_forward(
         if link is None:
             break
         last = link
-        found = _first_no_worse(link, now, sigma, is_no_worse, is_much_better, acceptance)
+        found = _first_no_worse(link, now, sigma, is_no_worse, acceptance)
         if found is None:
             break
         link, extended = found
@@ -223,7 +216,6 @@ def _first_no_worse(
     now: Candidate,
     sigma: Mapping[str, float],
     is_no_worse: Callable[[Candidate, Candidate], bool],
-    is_much_better: Callable[[Candidate, Candidate], bool],
     acceptance: Acceptance,
 ) -> tuple[Link, Candidate] | None:
     """The best contender that is accepted and no worse on what was held out, with its model."""
@@ -235,12 +227,10 @@ def _first_no_worse(
     for row in (link.chosen, *others[: MOST_TRIED - 1]):
         rivals = link.rivals if row is link.chosen else (link.added_by(row).name,)
         tried = replace(link, chosen=row, rivals=rivals)
-        is_enough = is_accepted(tried, acceptance)
-        if not is_enough and not is_accepted(tried, SLIGHT):
+        if not is_accepted(tried, acceptance):
             return None
-        pays = is_no_worse if is_enough else is_much_better
         extended = converged(row.plain, sigma)
-        if pays(now, extended):
+        if is_no_worse(now, extended):
             return tried, extended
     return None
 

@@ -268,29 +268,6 @@ def test_what_is_held_out_may_refuse_a_link() -> None:
     assert chain.final is base
 
 
-@pytest.mark.parametrize("much", [True, False])
-def test_less_is_asked_of_what_is_much_better_elsewhere(much: bool) -> None:
-    """The slight second cause of below, behind noise: only what is held out can ask for it."""
-    base, scale = beginning(0.5 * RATE, SIZE)
-    asked: list[tuple[str, ...]] = []
-
-    def much_better(before: Candidate, after: Candidate) -> bool:
-        asked.append(after.keys)
-        return much
-
-    chain = select_forward(
-        base,
-        [DRIFT, Bow()],
-        scale,
-        SIGMA,
-        is_no_worse=lambda before, after: True,
-        is_noise=lambda now: True,
-        is_much_better=much_better,
-    )
-    assert len(chain.links) == (2 if much else 1)
-    assert [set(keys) for keys in asked] == [{"sensor_drift", "bow"}]
-
-
 def test_no_more_links_than_allowed() -> None:
     """The limit ends the chain with no round behind it."""
     base, scale = beginning(RATE, SIZE)
