@@ -148,13 +148,21 @@ class CauseSearch:
             self.base.scale,
             self.base.sigma,
             is_no_worse=is_no_worse,
-            is_noise=lambda model: not self.remainder_of(model).structured,
+            is_noise=self._leaves_noise,
             report=lambda message, fraction: self.report(message, 0.3 + 0.4 * fraction),
             known_links=chain.links,
             extra=extra,
             raced=raced,
             max_links=max_links,
         )
+
+    def _leaves_noise(self, model: Candidate) -> bool:
+        """Whether what a model leaves looks like noise, also on what is held out."""
+        left, base = self.remainder_of(model), self.base
+        if left.structured:
+            return False
+        before = base.held_out.rms(base.candidate)
+        return not with_held_out(left, before, model, base.held_out, base.sigma).misses_held_out
 
     def search(self, first: Chain | None = None) -> SearchResult:
         """The chain of causes, what it leaves, and what may be named.

@@ -286,3 +286,26 @@ def test_a_first_cause_that_explains_little_is_raced_before_a_second_is_sought(
     found = search_over().search(first)
     assert begun[0] is (other if second == "other" else first)
     assert found.met_multistart is (second == "other")
+
+
+@pytest.mark.parametrize(
+    ("left", "misses", "noise"),
+    [(NOISE, False, True), (NOISE, True, False), (STRUCTURE, False, False)],
+)
+def test_as_much_as_behind_noise_is_asked_only_where_all_is_noise(
+    left: Remainder, misses: bool, noise: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On what is held out, too: slow moves hide a lag which the quick ones of another log show."""
+    asked: list[bool] = []
+
+    def selected(now: Any, *args: Any, is_noise: Any, **others: Any) -> Chain:
+        asked.append(is_noise(now))
+        return chain_of("delay")
+
+    monkeypatch.setattr(cause_search, "select_forward", selected)
+    monkeypatch.setattr(
+        cause_search, "with_held_out", lambda left, *args: replace(left, misses_held_out=misses)
+    )
+    monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
+    search_over().grow(chain_of("delay"))
+    assert asked == [noise]
