@@ -83,8 +83,17 @@ def with_shared_scale(found: Diagnosis, *, is_linear: bool) -> Diagnosis:
         "read off ratios and time constants only, or fix what is known with the `parameters` "
         "of `softid.diagnose`",
     )
-    extended = replace(found.extended, parameters=parameters)
-    return replace(found, extended=extended, issues=(*found.issues, issue))
+    told = {p.name: p for p in parameters}
+    causes = (
+        replace(c, parameters=tuple(told.get(p.name, p) for p in c.parameters))
+        for c in found.causes
+    )
+    return replace(
+        found,
+        causes=tuple(causes),
+        extended=replace(found.extended, parameters=parameters),
+        issues=(*found.issues, issue),
+    )
 
 
 def _up_to_a_factor(parameter: ParameterEstimate) -> ParameterEstimate:

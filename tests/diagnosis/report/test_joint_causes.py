@@ -52,7 +52,7 @@ def test_a_free_curve_shares_the_scale_of_the_law() -> None:
 
     What is known up to a factor is not identified; a delay beside it is.
     """
-    knot = estimate("static_curve_k2", 0.1, "rad")
+    knot = replace(estimate("static_curve_k2", 0.1, "rad"), verdict="identified")
     curve = cause("static_curve", [knot], before=2.0, after=1.0)
     found = diagnosis(Verdict.NAMED)
     assert found.extended is not None
@@ -67,6 +67,8 @@ def test_a_free_curve_shares_the_scale_of_the_law() -> None:
         sure = p.name.startswith("delay_")
         assert (p.verdict == "identified") is sure, p.name
         assert bool(p.reason) is not sure
+    (_, of_curve) = told.causes
+    assert [p.verdict for p in of_curve.parameters] == ["weakly identified"]
     assert with_shared_scale(both, is_linear=True) is both
     other = replace(both, causes=(DELAY, GAIN))
     assert with_shared_scale(other, is_linear=False) is other
