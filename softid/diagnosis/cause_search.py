@@ -16,18 +16,19 @@ from softid.diagnosis.search.alternative_first import alternative_first_links, t
 from softid.diagnosis.search.backward_revision import revised
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link, select_forward
-from softid.diagnosis.search.indistinct import with_rivals_held_out, with_rivals_in_misfit
+from softid.diagnosis.search.indistinct import (
+    best_of_tie,
+    with_rivals_held_out,
+    with_rivals_in_misfit,
+)
 from softid.diagnosis.search.multistart import is_astray, multistart_candidates
 from softid.diagnosis.search.two_of_first_order import chain_of_first_order
-from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.search_result import SearchResult, is_same_model
 from softid.diagnosis.verdict.doubts import is_within_samples
 from softid.diagnosis.verdict.held_out_error import with_held_out
 from softid.diagnosis.verdict.naming import EXPLAINED, LEAST_GAIN, may_be_chance, nameable
 from softid.diagnosis_results import Cause, Remainder
 from softid.effects.base import Effect
-
-SAME_OPTIMUM = 1e-3
-"""Models of the same structure whose sums of squares differ by less are at the same optimum."""
 
 BETTER_START = 0.99
 """Candidates from a multistart join the race when one leaves less than this share of what the first
@@ -201,7 +202,7 @@ class CauseSearch:
         if known.met_multistart or self._is_astray:
             return None
         chain = self._first_from_multistart
-        if known.first is not None and _is_same(chain.final, known.first):
+        if known.first is not None and is_same_model(chain.final, known.first):
             return None
         return self._found_from_multistart if self._found_from_multistart.is_sure else None
 
@@ -385,7 +386,10 @@ class CauseSearch:
         if remainder.structured:
             links = tuple(with_rivals_in_misfit(link) for link in links)
         remainder = with_held_out(remainder, before, chain.final, held_out, self.base.sigma)
-        is_named = nameable(links, chain.final, remainder, gain=1.0 - after / before)
+        best = best_of_tie(links, chain.final, held_out.rms)
+        of_tie = with_held_out(remainder, before, best, held_out, self.base.sigma)
+        gain = 1.0 - after / before
+        is_named = nameable(links, chain.final, remainder, gain=gain, of_tie=of_tie)
         pairs = sorted(zip(links, is_named, strict=True), key=lambda pair: -pair[0].squares_before)
         return SearchResult(
             replace(chain, links=tuple(link for link, _ in pairs)),
@@ -393,8 +397,3 @@ class CauseSearch:
             tuple(sure for _, sure in pairs),
             first,
         )
-
-
-def _is_same(one: Candidate, other: Candidate) -> bool:
-    """Whether two models have the same causes and explain as much."""
-    return one.keys == other.keys and abs(one.squares / other.squares - 1.0) < SAME_OPTIMUM

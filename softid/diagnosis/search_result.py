@@ -9,6 +9,9 @@ from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.verdict.naming import EXPLAINED
 from softid.diagnosis_results import Remainder
 
+SAME_OPTIMUM = 1e-3
+"""Models of the same structure whose sums of squares differ by less are at the same optimum."""
+
 
 @dataclass(frozen=True)
 class SearchResult:
@@ -48,3 +51,14 @@ class SearchResult:
         """
         whole = self.remainder.explained_share > EXPLAINED
         return any(self.is_named) and whole and not self.remainder.leaves_something
+
+
+def is_same_model(one: Candidate, other: Candidate) -> bool:
+    """Whether two models have the same causes and explain as much.
+
+    Parameters
+    ----------
+    one, other
+        The models.
+    """
+    return one.keys == other.keys and abs(one.squares / other.squares - 1.0) < SAME_OPTIMUM

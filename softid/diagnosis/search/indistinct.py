@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -58,6 +58,30 @@ def with_rivals_held_out(
     most = BETTER_ELSEWHERE * held_out_rms(final)
     names = [link.added_by(row).name for row in near if held_out_rms(row.plain) < most]
     return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *names))))
+
+
+def best_of_tie(
+    links: Sequence[Link], final: Candidate, held_out_rms: Callable[[Candidate], float]
+) -> Candidate:
+    """The model that errs least on what is held out, of those that a tie lets pass.
+
+    Parameters
+    ----------
+    links
+        The rounds of a chain, with their rivals.
+    final
+        The model with all causes; only what has as many is compared.
+    held_out_rms
+        Error of a model on what is held out.
+    """
+    rivals = [
+        row.plain
+        for link in links
+        for row in link.ranked
+        if len(row.candidate.effects) == len(final.effects)
+        and link.added_by(row).name in link.rivals[1:]
+    ]
+    return min((final, *rivals), key=held_out_rms)
 
 
 def with_rivals_in_misfit(link: Link) -> Link:

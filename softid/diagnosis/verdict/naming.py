@@ -85,11 +85,16 @@ def carries_over_whole(remainder: Remainder) -> bool:
 
 
 def nameable(
-    links: Sequence[Link], final: Candidate, remainder: Remainder, *, gain: float
+    links: Sequence[Link],
+    final: Candidate,
+    remainder: Remainder,
+    *,
+    gain: float,
+    of_tie: Remainder | None = None,
 ) -> tuple[bool, ...]:
     """Which links may be named as causes; the others are descriptions.
 
-    What is held out may speak for another member of a tie, so of a tie it is asked less.
+    What is held out may speak for another member of a tie, which then is the one to carry over.
 
     Parameters
     ----------
@@ -101,10 +106,12 @@ def nameable(
         What it leaves.
     gain
         Share by which the error on what is held out falls.
+    of_tie
+        The remainder with what the member of a tie leaves there that errs least; None without one.
     """
     if not remainder.carries_over:
         return (False,) * len(links)
-    if not (carries_over_whole(remainder) or any(len(link.rivals) > 1 for link in links)):
+    if not carries_over_whole(of_tie or remainder):
         return (False,) * len(links)
     if explains_enough(remainder):
         return (True,) * len(links)

@@ -9,7 +9,11 @@ from typing import Any
 import pytest
 from handmade_rounds import SAMPLES, link, ranked
 
-from softid.diagnosis.search.indistinct import with_rivals_held_out, with_rivals_in_misfit
+from softid.diagnosis.search.indistinct import (
+    best_of_tie,
+    with_rivals_held_out,
+    with_rivals_in_misfit,
+)
 
 
 @pytest.mark.parametrize(("behind", "rivals"), [(1190.0, True), (1210.0, False)])
@@ -53,3 +57,17 @@ def test_what_is_held_out_may_prefer_one_that_explains_nearly_as_much(
     errors = {id(final): 1.0, id(other.plain): error}
     found = with_rivals_held_out(round_, final, lambda model: errors[id(model)])
     assert found.rivals == (("delay", "pneumatic_lag") if rivals else ("delay",))
+
+
+def test_the_best_of_a_tie_is_the_one_that_errs_least_elsewhere() -> None:
+    """By hand: a rival of the tie, not what is none of it, however little that errs."""
+    first = link(3000.0)
+    rival, other = (ranked((key,), first.chosen.bic + 5.0) for key in ("pneumatic_lag", "creep"))
+    rows = (first.chosen, rival, other, first.before)
+    tied = replace(first, ranked=rows, rivals=("delay", "pneumatic_lag"))
+    final: Any = SimpleNamespace(effects=(None,))
+    errors = {id(final): 1.0, id(rival.plain): 0.9, id(other.plain): 0.1}
+    assert best_of_tie([tied], final, lambda model: errors[id(model)]) is rival.plain
+    alone = replace(tied, rivals=("delay",))
+    assert best_of_tie([alone], final, lambda model: errors[id(model)]) is final
+    assert best_of_tie([], final, lambda model: errors[id(model)]) is final

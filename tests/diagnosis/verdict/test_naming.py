@@ -83,22 +83,25 @@ def test_what_does_not_carry_over_is_not_named() -> None:
 
 
 @pytest.mark.parametrize(
-    ("misses", "share", "rivals", "named"),
+    ("misses", "share", "of_rival", "named"),
     [
-        (True, 0.94, (), True),
-        (True, 0.92, (), False),
-        (True, 0.92, ("delay", "pneumatic_lag"), True),
-        (True, 0.69, ("delay", "pneumatic_lag"), False),
-        (False, 0.92, (), True),
+        (True, 0.94, None, True),
+        (True, 0.92, None, False),
+        (True, 0.92, 0.94, True),
+        (True, 0.92, 0.92, False),
+        (True, 0.69, 0.94, False),
+        (False, 0.92, None, True),
     ],
 )
 def test_beside_a_rest_that_is_held_out(
-    misses: bool, share: float, rivals: tuple[str, ...], named: bool
+    misses: bool, share: float, of_rival: float | None, named: bool
 ) -> None:
-    """Noise alone is left on the fitted samples; what others miss may be a rival of the tie."""
+    """Noise alone is left on the fitted samples; what others miss a rival of the tie may not."""
     left = remainder(structured=False, explained=1.0)
     left = replace(left, misses_held_out=misses, held_out_share=share)
-    assert nameable([link(100.0, *rivals)], model(1.0), left, gain=0.9) == (named,)
+    of_tie = replace(left, held_out_share=of_rival) if of_rival is not None else None
+    told = nameable([link(100.0)], model(1.0), left, gain=0.9, of_tie=of_tie)
+    assert told == (named,)
 
 
 @pytest.mark.parametrize(("misses", "verdict"), [(False, "named"), (True, "partial")])
