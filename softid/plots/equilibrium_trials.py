@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.intersample import READINGS, Intersample
 from softid.models.base import Model
 from softid.plots.trials import Trial
 from softid.results import FitResult, LogNuisance, Simulation
-from softid.segment import Segment
+from softid.segment import Segment, with_knots
 
 Array = npt.NDArray[np.float64]
 
@@ -34,16 +35,24 @@ class Subject:
     output: str
     start: Array | None
     zero: float
+    intersample: Intersample
+
+    @property
+    def rows(self) -> Segment:
+        """The samples, and what the fit took the input to do between them."""
+        return with_knots(self.segment, self.intersample)
 
     def simulated(self, changes: Mapping[str, float]) -> Array:
         """Response with some parameters changed, zero included, shape (n,)."""
         names = self.model.parameters().names
         theta = np.array([{**self.values, **changes}[name] for name in names])
+        rows = self.rows
         with np.errstate(all="ignore"):
             found = self.model.response(
-                theta, self.segment, (self.output,), start=self.start, derivatives=False
+                theta, rows, (self.output,), start=self.start, derivatives=False
             )
-        return found.outputs[self.output] + self.zero
+        simulated: Array = rows.samples_of(found.outputs[self.output]) + self.zero
+        return simulated
 
     @property
     def measured(self) -> Array:
@@ -72,7 +81,9 @@ def subject_of(
     )
     nuisance = next((n for n in result.nuisances if n.log == simulation.log), None)
     zero = nuisance.zero.get(output, 0.0) if nuisance else 0.0
-    return Subject(model, result.values, segment, output, _start(nuisance), zero)
+    told = result.options.get("intersample")
+    reading: Intersample = next((known for known in READINGS if known == told), "straight")
+    return Subject(model, result.values, segment, output, _start(nuisance), zero, reading)
 
 
 def _start(nuisance: LogNuisance | None) -> Array | None:
@@ -116,11 +127,11 @@ def phase_curves(subject: Subject) -> tuple[Array, Array, Array, Array]:
         segment,
         stop=segment.start + FINE_POINTS,
         time_s=fine_s,
-        input=np.interp(fine_s, segment.time_s, segment.input),
+        input=np.interp(fine_s, subject.rows.time_s, subject.rows.input),
         outputs=held,
         used=used,
     )
-    angle = replace(subject, segment=finer).simulated({})
+    angle = replace(subject, segment=finer, intersample="straight").simulated({})
     there = np.isfinite(subject.measured)
     measured, rate = _smoothed(segment.time_s[there], subject.measured[there])
     return angle, np.gradient(angle, fine_s), measured, rate
