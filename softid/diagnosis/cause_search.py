@@ -387,9 +387,10 @@ class CauseSearch:
             links = tuple(with_rivals_in_misfit(link) for link in links)
         remainder = with_held_out(remainder, before, chain.final, held_out, self.base.sigma)
         best = best_of_tie(links, chain.final, held_out.rms)
-        of_tie = with_held_out(remainder, before, best, held_out, self.base.sigma)
-        gain = 1.0 - after / before
-        is_named = nameable(links, chain.final, remainder, gain=gain, of_tie=of_tie)
+        of_tie = None
+        if best is not chain.final:
+            of_tie = with_held_out(remainder, before, best, held_out, self.base.sigma)
+        is_named = nameable(links, chain.final, remainder, gain=1 - after / before, of_tie=of_tie)
         pairs = sorted(zip(links, is_named, strict=True), key=lambda pair: -pair[0].squares_before)
         return SearchResult(
             replace(chain, links=tuple(link for link, _ in pairs)),

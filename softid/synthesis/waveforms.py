@@ -227,21 +227,31 @@ class Chirp(Waveform):
 
 
 @dataclass(frozen=True)
-class RandomLevels(Waveform):
-    """Jumps to evenly distributed levels, held for evenly distributed times, from the seed."""
+class RandomWaveform(Waveform):
+    """Evenly distributed levels, each with an evenly distributed time, from the seed."""
 
-    kind: ClassVar[str] = "random_levels"
     low_kpa: Level
     high_kpa: Level
     count: Count
     shortest_s: Positive
     longest_s: Positive
 
-    def pieces(self, start_s: float, rng: np.random.Generator) -> tuple[Piece, ...]:
-        """See `Waveform.pieces`."""
+    def drawn(self, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """Levels in kPa and times in s, each of shape (count,)."""
         draws = rng.random((2, self.count))
         levels = self.low_kpa + (self.high_kpa - self.low_kpa) * draws[0]
-        holds = self.shortest_s + (self.longest_s - self.shortest_s) * draws[1]
+        return levels, self.shortest_s + (self.longest_s - self.shortest_s) * draws[1]
+
+
+@dataclass(frozen=True)
+class RandomLevels(RandomWaveform):
+    """Jumps to evenly distributed levels, held for evenly distributed times, from the seed."""
+
+    kind: ClassVar[str] = "random_levels"
+
+    def pieces(self, start_s: float, rng: np.random.Generator) -> tuple[Piece, ...]:
+        """See `Waveform.pieces`."""
+        levels, holds = self.drawn(rng)
         # Whole 0.1 kPa and 0.01 s, as somebody would set them.
         return _levels(
             start_s,
@@ -251,25 +261,18 @@ class RandomLevels(Waveform):
 
 
 @dataclass(frozen=True)
-class RandomRamps(Waveform):
+class RandomRamps(RandomWaveform):
     """Straight from one evenly distributed level to the next, as a hand moves a lever.
 
     It starts and ends low; how long each ramp takes is evenly distributed, too, from the seed.
     """
 
     kind: ClassVar[str] = "random_ramps"
-    low_kpa: Level
-    high_kpa: Level
-    count: Count
-    shortest_s: Positive
-    longest_s: Positive
 
     def pieces(self, start_s: float, rng: np.random.Generator) -> tuple[Piece, ...]:
         """See `Waveform.pieces`."""
-        draws = rng.random((2, self.count))
-        inner = self.low_kpa + (self.high_kpa - self.low_kpa) * draws[0, :-1]
-        levels = [self.low_kpa, *inner.tolist(), self.low_kpa]
-        ramps = self.shortest_s + (self.longest_s - self.shortest_s) * draws[1]
+        drawn, ramps = self.drawn(rng)
+        levels = [self.low_kpa, *drawn[:-1].tolist(), self.low_kpa]
         edges = (start_s + np.concatenate(([0.0], np.cumsum(ramps)))).tolist()
         spans = zip(pairwise(edges), pairwise(levels), strict=True)
         return tuple(_line(*between, *ends) for between, ends in spans)

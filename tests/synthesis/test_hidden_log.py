@@ -216,12 +216,12 @@ def test_protocols(name: str, seconds: float) -> None:
     """Lengths as described, random ones within 15 %; a rest at the end if asked for."""
     plan = PROTOCOLS[name]
     rng = np.random.default_rng(0)
-    length_s = plan.excitation(200.0, hold_out=False).pieces(0.0, np.random.default_rng(0))[-1]
+    last = plan.excitation(200.0, hold_out=False).pieces(0.0, np.random.default_rng(0))[-1]
     close = 0.15 if name in ("levels", "lever") else 1e-9
-    assert length_s.stop_s == pytest.approx(seconds, rel=close)
+    assert last.stop_s == pytest.approx(seconds, rel=close)
     rested = plan.excitation(200.0, hold_out=False, rest_s=30.0)
     rested = rested.pieces(0.0, np.random.default_rng(0))
-    assert rested[-1].stop_s == length_s.stop_s + 30.0
+    assert rested[-1].stop_s == last.stop_s + 30.0
     assert rested[-1].command_kpa(rested[-1].start_s) == 0.0
     for piece in plan.excitation(200.0, hold_out=True).pieces(0.0, rng):
         for time_s in np.linspace(piece.start_s, piece.stop_s, 20):

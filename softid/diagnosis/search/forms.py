@@ -100,10 +100,9 @@ def simpler_forms(
 ) -> list[Candidate]:
     """The plain form of every richer one, and what a law is like, from where the leaders stand.
 
-    In a linear model what an input and a reading do may be one, and each begins where the other is.
-
     So is what a law may only imitate: a base that has bent to a dead zone hides it, and one beside
-    a curve that takes the dead zone's place does not.
+    a curve that takes the dead zone's place does not. In a linear model what an input and a reading
+    do may be one, and each begins where the other is.
 
     Parameters
     ----------

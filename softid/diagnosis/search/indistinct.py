@@ -15,7 +15,6 @@ MOST_SAMPLES = 100.0
 """What a wrong law leaves follows the motion, and is a hundred numbers at most however long the log
 is: so many independent samples at most speak for one cause against another."""
 
-
 NEARLY_AS_MUCH = 0.01
 """A rival explains nearly as much when its BIC is behind by so small a share of what the cause
 gains: rounding, and what the input does between its samples, make as much of a difference."""
