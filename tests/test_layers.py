@@ -53,6 +53,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("search_result",),
     ("cause_search",),
     ("plainer_model",),
+    ("timed_search",),
     ("strategy",),
     ("report",),
     ("answer",),

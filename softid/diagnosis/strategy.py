@@ -17,6 +17,7 @@ from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.timed_search import search_with_jump_moments
 from softid.intersample import Intersample
 from softid.log import Log
 
@@ -43,6 +44,8 @@ def search_causes(
     search: CauseSearch,
     others: Explanations,
     first: Chain | None = None,
+    *,
+    is_in_doubt: bool = False,
 ) -> Searched:
     """What a search finds, and where it came to nothing what one from another beginning does.
 
@@ -60,6 +63,8 @@ def search_causes(
         Explanations that are no causes.
     first
         The chain with its first cause, if it was looked for already.
+    is_in_doubt
+        Whether nobody said what the input does between its samples.
 
     Returns
     -------
@@ -70,6 +75,10 @@ def search_causes(
     if search.leaves_structure(first) and others.outdo(search.base, first.final):
         return search.without_names(first), search
     found = search.search(first)
+    if is_in_doubt and found.remainder.structured and found.chain.links:
+        timed = search_with_jump_moments(recordings, request, search, found.chain)
+        if timed is not None:
+            return timed
     if not found.came_to_nothing:
         return found, search
     alone = search.without_causes()
@@ -116,10 +125,11 @@ def search_with_intersample(
         reading = reading or now
         judges = judges_of(reading, known)
         if reading == now and _readings(judges) == _readings(base.identified.hold_out):
-            return search_causes(recordings, request, search, others, first)
+            return search_causes(recordings, request, search, others, first, is_in_doubt=True)
         changed = replace(recordings_read_as(recordings, reading), hold_out=judges)
         again = request.fit_base(changed.logs, judges, thorough=False)
-        return search_causes(changed, request, replace(search, base=again), others)
+        over = replace(search, base=again)
+        return search_causes(changed, request, over, others, is_in_doubt=True)
 
     found, last = searched_as(
         intersample_after_first_cause(base.candidate, first.final, base.scale, base.sigma),

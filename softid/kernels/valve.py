@@ -238,11 +238,11 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
                 reached = p + slope * h + (a - p) * (1.0 + decayed) + slope * tau_laminar * decayed
             else:
                 reached, rate_there, error, terms = _turbulent(p, slope, a, h, rate, law)
-                fitting = h * min(5.0, max(0.2, 0.9 * (allowed / (error + 1e-300)) ** 0.2))
                 if error > allowed and h > shortest:
-                    usual = fitting
+                    usual = h * max(0.2, 0.9 * (allowed / error) ** 0.2)
                     continue
-                usual = max(fitting, usual) if h == left else fitting
+                if h < left:  # else the supply bends sooner than the law asks for another step
+                    usual = h * min(5.0, 0.9 * (allowed / (error + 1e-300)) ** 0.2)
             left_range = (_beyond(p + slope * h, reached, side) > 0.0) == laminar
             if left_range and switches < MAX_SWITCHES:
                 h = _crossing(laminar, side, p, slope, a, h, reached, terms, tau_laminar)

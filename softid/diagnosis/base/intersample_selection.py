@@ -114,7 +114,7 @@ def better_intersample(
     needed = -candidate.problem.n_samples * float(np.log1p(-least))
 
     def fall(reading: Intersample) -> float:
-        read = _read_as(candidate, sigma, reading)
+        read = refitted_as(candidate, sigma, reading)
         if read is None:
             return -np.inf
         found = _fall(candidate, read)
@@ -154,7 +154,7 @@ def intersample_after_first_cause(
         return _held_with_less(base, candidate, scale, sigma)
     if reading != "zoh":
         return reading
-    read, other = _read_as(candidate, sigma, reading), _delayed(candidate, scale, sigma)
+    read, other = refitted_as(candidate, sigma, reading), _delayed(candidate, scale, sigma)
     if read is None or _fall(read, other) * _independent_share(other) > BETTER_BY:
         return None
     return reading
@@ -168,7 +168,7 @@ def _held_with_less(
     needed = max(BETTER_BY / _independent_share(candidate), LITTLE_OF_GAIN * gained)
     delay_s = _delay_of_second_order(candidate)
     for reading in (r for r in readings_of(candidate.problem.logs) if r in HELD):
-        held = _read_as(base, sigma, reading)
+        held = refitted_as(base, sigma, reading)
         if held is None:
             continue
         if _fall(held, candidate) <= needed:
@@ -228,7 +228,7 @@ def intersample_after_all_causes(
     logs = candidate.problem.logs
     if logs[0].intersample in HELD and is_measured(logs):
         plain = reading_unless_held(logs)
-        read = _read_as(candidate, sigma, plain)
+        read = refitted_as(candidate, sigma, plain)
         return plain if read and _fall(candidate, read) > -BETTER_BY else None
     above = max(excess, 0.0)
     reading = better_intersample(candidate, sigma, least=LEAST_OF_REST * above / (1.0 + above))
@@ -248,10 +248,18 @@ def _independent_share(candidate: Candidate) -> float:
     return 1.0 / (1.0 + 2.0 * max(squared_autocorrelation(residuals, lags) - chance, 0.0))
 
 
-def _read_as(
+def refitted_as(
     candidate: Candidate, sigma: Mapping[str, float], reading: Intersample
 ) -> Candidate | None:
-    """The model refitted with another reading of the input; None where that does not go."""
+    """The model refitted with another reading of the input; None where that does not go.
+
+    Parameters
+    ----------
+    candidate, sigma
+        As in `better_intersample`.
+    reading
+        What the input does between its samples.
+    """
     problem = candidate.problem
     logs = [read_as(log, reading) for log in problem.logs]
     changed = Problem(problem.model, problem.parameters, logs)
@@ -316,7 +324,7 @@ def hold_out_read_as_explained(
     if reading not in HELD:
         return tuple(hold_out)
     now = candidate.problem.logs[0].between_samples
-    read = candidate if reading == now else _read_as(candidate, sigma, reading) or candidate
+    read = candidate if reading == now else refitted_as(candidate, sigma, reading) or candidate
     model, values = read.problem.model, read.parameters
     others = [other for other in HELD if other != reading]
     return tuple(

@@ -14,9 +14,8 @@ import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.phrases import percent
-from softid.diagnosis.residual.assessment import mean_square
 from softid.diagnosis.residual.jump_timing import untimed_jumps
-from softid.diagnosis.residual.motion import residual_context, simulated
+from softid.diagnosis.residual.motion import mean_square, residual_context, simulated
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 from softid.intersample import HELD

@@ -13,9 +13,9 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.coloured_noise import ColourTest, colour_test
 from softid.diagnosis.residual.input_noise import InputNoise, input_noise
 from softid.diagnosis.residual.jump_timing import with_open_jumps
-from softid.diagnosis.residual.motion import muted_samples, residual_context
+from softid.diagnosis.residual.motion import mean_square, muted_samples, residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
-from softid.diagnosis.residual.projection import rows_of
+from softid.diagnosis.residual.projection import slopes_of
 from softid.diagnosis.residual.rounding_floor import rounding_floor
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
 from softid.diagnosis_results import Remainder
@@ -87,7 +87,7 @@ def assess(
         found = _look(before, after, floor, scale, final, rng=rng, driven=driven)
         if not found.structured:
             return found
-    jumps = with_open_jumps(final, after, _least_noise(floor, before), _slopes_of(final))
+    jumps = with_open_jumps(final, after, _least_noise(floor, before), slopes_of(final))
     if jumps is None:
         return found
     floor = _larger(_floor_of(_heard(jumps.parts, final), scale), rounding)
@@ -239,14 +239,8 @@ def _slopes_where(
     """The slopes at the samples of some parts that are heard."""
     return [
         slopes[np.isfinite(one.residual[np.isfinite(part.residual)])]
-        for slopes, one, part in zip(_slopes_of(model), heard, parts, strict=True)
+        for slopes, one, part in zip(slopes_of(model), heard, parts, strict=True)
     ]
-
-
-def _slopes_of(model: Candidate) -> list[Array]:
-    """Derivatives of the first output by the unknowns at the used samples of each segment."""
-    first = model.problem.outputs[0]
-    return [rows.jacobian for rows in rows_of(model) if rows.channel == first]
 
 
 def _floor_of_colour(time_s: float, parts: Sequence[ResidualContext]) -> NoiseFloor:
@@ -259,15 +253,3 @@ def _floor_of_colour(time_s: float, parts: Sequence[ResidualContext]) -> NoiseFl
 def _least_noise(floor: NoiseFloor, before: Sequence[ResidualContext]) -> float:
     """Variance of the noise, above zero so that a misfit can be held against it."""
     return max(floor.variance, LEAST_NOISE * mean_square(before), float(np.finfo(float).tiny))
-
-
-def mean_square(parts: Sequence[ResidualContext]) -> float:
-    """Mean square of what is left in all parts.
-
-    Parameters
-    ----------
-    parts
-        The parts.
-    """
-    residual = np.concatenate([p.residual for p in parts])
-    return float(np.nanmean(residual**2))

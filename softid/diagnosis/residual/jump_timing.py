@@ -19,7 +19,7 @@ import numpy.typing as npt
 from scipy.linalg import block_diag
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.motion import simulated
+from softid.diagnosis.residual.motion import mean_square, simulated
 from softid.diagnosis.residual.projection import basis_of
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.intersample import is_abrupt
@@ -69,6 +69,9 @@ PULSES = (Pulse(1.0, 1.0, 0.75, 12.0**-0.5), Pulse(-1.0, 1.0, 0.125, 720.0**-0.5
 TOGETHER = 4
 """Jumps are shared out among so many simulations, neighbours to different ones."""
 
+SETTLING = 4
+"""Estimates of the moments that follow one another at most."""
+
 FADED = 0.1
 """Share of its largest that a response has at most when the next begins in the same simulation, and
 is taken for a part of the next: a tenth of what noise hides all but."""
@@ -86,17 +89,22 @@ class OpenJumps:
     parts
         Every segment, with what is left of its residual.
     moments
-        How much earlier than the middle of its interval each jump comes, in standard deviations of
-        a moment that may be anywhere, 1/√12 of the interval.
+        How much earlier than the middle of its interval each jump of every segment comes, in
+        standard deviations of a moment that may be anywhere, 1/√12 of the interval.
     """
 
     parts: tuple[ResidualContext, ...]
-    moments: Array
+    moments: tuple[Array, ...]
 
     @property
     def count(self) -> int:
         """Number of jumps."""
-        return self.moments.size
+        return sum(own.size for own in self.moments)
+
+    @property
+    def shares(self) -> tuple[Array, ...]:
+        """Where within its interval each jump of every segment comes, from 0 to 1."""
+        return tuple(np.clip(0.5 - own / 12.0**0.5, 0.0, 1.0) for own in self.moments)
 
     @property
     def scatter(self) -> bool:
@@ -105,7 +113,8 @@ class OpenJumps:
         A cause that makes the motion late asks for moments that are all late; and one of another
         kind for such as are in no interval.
         """
-        mean, size = float(np.mean(self.moments)), float(np.sqrt(np.mean(self.moments**2)))
+        moments = np.concatenate(self.moments)
+        mean, size = float(np.mean(moments)), float(np.sqrt(np.mean(moments**2)))
         return abs(mean) * self.count**0.5 < MOST_TO_ONE_SIDE and size < FURTHEST
 
 
@@ -134,6 +143,97 @@ def untimed_jumps(segment: Segment) -> Array:
     return found if len(found) <= MOST_JUMPS else found[:0]
 
 
+@dataclass(frozen=True, eq=False)
+class JumpResponses:
+    """What the moments of all jumps do to what a model leaves.
+
+    A jump of height Δu at a share f of an interval T, equally likely anywhere in it, changes the
+    integral of the input over it by Δu T (½ − f), with a standard deviation of Δu T/√12, and the
+    first moment of the input about its middle by Δu T² (f(1 − f)/2 − 1/12), with one of
+    Δu T²/√720.
+
+    Attributes
+    ----------
+    parts
+        What the model leaves.
+    columns
+        Change of the output at the used samples of all parts with the integral and the first moment
+        of each jump, per standard deviation, shape (m, 2 J).
+    basis
+        Orthonormal columns that span what the unknowns of the model do there, shape (m, K).
+    counts
+        Jumps of each part.
+    """
+
+    parts: tuple[ResidualContext, ...]
+    columns: Array
+    basis: Array
+    counts: tuple[int, ...]
+
+    @classmethod
+    def of(
+        cls,
+        model: Candidate,
+        parts: Sequence[ResidualContext],
+        variance: float,
+        slopes: Sequence[Array],
+    ) -> JumpResponses | None:
+        """Those of a model where it stands; None where no input jumps.
+
+        Parameters
+        ----------
+        model, parts, variance, slopes
+            As in `with_open_jumps`.
+        """
+        each = [part_of_jumps(model, k, noise=variance**0.5) for k in range(len(parts))]
+        if not any(whole.shape[1] for whole in each):
+            return None
+        used = [whole[np.isfinite(p.residual)] for whole, p in zip(each, parts, strict=True)]
+        counts = tuple(whole.shape[1] // len(PULSES) for whole in each)
+        return cls(tuple(parts), block_diag(*used), basis_of(np.vstack(slopes)), counts)
+
+    def opened(self, variance: float) -> OpenJumps:
+        """The likeliest moments, and what is left behind them.
+
+        The parameters, which were fitted with the wrong moments, move along. With G the responses
+        to both moments and J the derivatives by the unknowns, the likeliest a and δ minimise
+        |r − G a − J δ|²/σ² + |a|². What is left is divided by √(1 − ν/n), for so many of the n
+        samples, ν = tr W (WᵀW + P)⁻¹ Wᵀ with W = (G, J)/σ and P = diag(I, 0), were used up.
+
+        Parameters
+        ----------
+        variance
+            Variance σ² of the noise, positive.
+        """
+        noise, moments = variance**0.5, self.columns.shape[1]
+        both = np.hstack((self.columns / noise, self.basis))
+        seen = [np.isfinite(part.residual) for part in self.parts]
+        residual = [part.residual[used] for part, used in zip(self.parts, seen, strict=True)]
+        scaled = np.concatenate(residual) / noise
+        gram = both.T @ both
+        expected = np.diag(np.arange(gram.shape[0]) < moments).astype(float)
+        inverse = np.linalg.inv(gram + expected)
+        spent = min(float(np.trace(inverse @ gram)) / scaled.size, MOST_SPENT)
+        likeliest = inverse @ (both.T @ scaled)
+        rest = noise * (scaled - both @ likeliest) / np.sqrt(1.0 - spent)
+        left = []
+        of_each = np.split(rest, np.cumsum([used.sum() for used in seen])[:-1])
+        for part, used, own in zip(self.parts, seen, of_each, strict=True):
+            values = np.full(part.residual.size, np.nan)
+            values[used] = own
+            left.append(replace(part, residual=values))
+        each = np.split(likeliest[:moments], len(PULSES) * np.cumsum(self.counts)[:-1])
+        integrals = tuple(own[:count] for own, count in zip(each, self.counts, strict=True))
+        return OpenJumps(tuple(left), integrals)
+
+    def with_misfit(self) -> OpenJumps:
+        """As `opened`, where a misfit hides the moments: as much of it as is left beside them."""
+        found = self.opened(mean_square(self.parts))
+        for _ in range(SETTLING):
+            found = self.opened(mean_square(found.parts))
+        return found
+
+
 def with_open_jumps(
     model: Candidate,
     parts: Sequence[ResidualContext],
@@ -142,15 +242,6 @@ def with_open_jumps(
 ) -> OpenJumps | None:
     """Estimate the moments of all jumps from what a model leaves, and take out what they do.
 
-    A jump of height Δu at a share f of an interval T, equally likely anywhere in it, changes the
-    integral of the input over it by Δu T (½ − f), with a standard deviation of Δu T/√12, and the
-    first moment of the input about its middle by Δu T² (f(1 − f)/2 − 1/12), with one of
-    Δu T²/√720. The parameters, which were fitted with the wrong moments, move along. With G the
-    responses to both moments, per standard deviation, and J the derivatives by the unknowns, the
-    likeliest a and δ minimise |r − G a − J δ|²/σ² + |a|². What is left is divided by √(1 − ν/n),
-    for so many of the n samples, ν = tr W (WᵀW + P)⁻¹ Wᵀ with W = (G, J)/σ and P = diag(I, 0),
-    were used up.
-
     Parameters
     ----------
     model
@@ -158,7 +249,7 @@ def with_open_jumps(
     parts
         What it leaves.
     variance
-        Variance σ² of the noise, positive.
+        Variance of the noise, positive.
     slopes
         Derivatives of the first output by the unknowns at the used samples of each segment.
 
@@ -167,32 +258,8 @@ def with_open_jumps(
     OpenJumps or None
         None where no input jumps.
     """
-    noise = variance**0.5
-    columns = [part_of_jumps(model, k, noise=noise) for k in range(len(parts))]
-    seen = [np.isfinite(part.residual) for part in parts]
-    moments = sum(whole.shape[1] for whole in columns)
-    if moments == 0:
-        return None
-    of_jumps = block_diag(*[whole[used] for whole, used in zip(columns, seen, strict=True)])
-    both = np.hstack((of_jumps / noise, basis_of(np.vstack(slopes))))
-    residual = np.concatenate([part.residual[used] for part, used in zip(parts, seen, strict=True)])
-    residual = residual / noise
-    gram = both.T @ both
-    expected = np.diag(np.arange(gram.shape[0]) < moments).astype(float)
-    inverse = np.linalg.inv(gram + expected)
-    spent = min(float(np.trace(inverse @ gram)) / residual.size, MOST_SPENT)
-    likeliest = inverse @ (both.T @ residual)
-    rest = noise * (residual - both @ likeliest) / np.sqrt(1.0 - spent)
-    left = []
-    of_each = np.split(rest, np.cumsum([used.sum() for used in seen])[:-1])
-    for part, used, own in zip(parts, seen, of_each, strict=True):
-        values = np.full(part.residual.size, np.nan)
-        values[used] = own
-        left.append(replace(part, residual=values))
-    ends = np.cumsum([whole.shape[1] for whole in columns])
-    each = np.split(likeliest[:moments], ends[:-1])
-    integrals = [own[: own.size // len(PULSES)] for own in each]
-    return OpenJumps(tuple(left), np.concatenate(integrals))
+    responses = JumpResponses.of(model, parts, variance, slopes)
+    return None if responses is None else responses.opened(variance)
 
 
 def part_of_jumps(model: Candidate, k: int, *, noise: float) -> Array:

@@ -40,6 +40,18 @@ def residual_context(candidate: Candidate) -> list[ResidualContext]:
     return found
 
 
+def mean_square(parts: Sequence[ResidualContext]) -> float:
+    """Mean square of what is left in all parts.
+
+    Parameters
+    ----------
+    parts
+        The parts.
+    """
+    residual = np.concatenate([p.residual for p in parts])
+    return float(np.nanmean(residual**2))
+
+
 def muted_samples(
     candidate: Candidate, parts: Sequence[ResidualContext]
 ) -> list[npt.NDArray[np.bool_]]:

@@ -70,6 +70,18 @@ def rows_of(candidate: Candidate) -> list[Rows]:
     return found
 
 
+def slopes_of(candidate: Candidate) -> list[Array]:
+    """Derivatives of the first output by the unknowns at the used samples of each segment.
+
+    Parameters
+    ----------
+    candidate
+        A model where it stands.
+    """
+    first = candidate.problem.outputs[0]
+    return [rows.jacobian for rows in rows_of(candidate) if rows.channel == first]
+
+
 @dataclass(frozen=True, eq=False)
 class Span:
     """What columns span.

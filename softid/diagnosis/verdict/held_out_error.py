@@ -11,8 +11,9 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import BASE_SD, Candidate
 from softid.diagnosis.refit.held_out import HeldOut, fitted_range
 from softid.diagnosis.refit.optimum import optimum_of
-from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share, mean_square
-from softid.diagnosis.residual.jump_timing import OpenJumps, with_open_jumps
+from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share
+from softid.diagnosis.residual.jump_timing import JumpResponses, OpenJumps
+from softid.diagnosis.residual.motion import mean_square
 from softid.diagnosis.residual.noise_floor import fastest_part
 from softid.diagnosis.residual.projection import rows_of
 from softid.diagnosis_results import Remainder
@@ -83,13 +84,26 @@ def with_held_out(
 
 
 def _open_jumps(model: Candidate, held_out: HeldOut, noise: float) -> OpenJumps | None:
-    """What a model leaves of other logs with the moments of their jumps left open.
+    """What a model leaves of other logs with the moments of their jumps left open."""
+    judged = held_out.standing(model)
+    responses = None if judged is None else held_out_responses(model, judged, noise)
+    return None if responses is None else responses.opened(noise)
+
+
+def held_out_responses(model: Candidate, judged: Candidate, noise: float) -> JumpResponses | None:
+    """What moments of jumps do to what a model leaves of other logs; None where none jumps.
 
     Its parameters stay what they are; zeros and initial states of the logs move along.
+
+    Parameters
+    ----------
+    model
+        A model of the fitted logs.
+    judged
+        The same over the other logs, as `HeldOut.standing` has it.
+    noise
+        Variance of the noise, positive.
     """
-    judged = held_out.standing(model)
-    if judged is None:
-        return None
     lowest, highest = fitted_range(model)
     free, first = len(judged.problem.free), judged.problem.outputs[0]
     parts, slopes = [], []
@@ -99,7 +113,7 @@ def _open_jumps(model: Candidate, held_out: HeldOut, noise: float) -> OpenJumps 
             is_inside = (part.u >= lowest) & (part.u <= highest)
             parts.append(replace(part, residual=np.where(is_inside, part.residual, np.nan)))
             slopes.append(rows.jacobian[is_inside[np.isfinite(part.residual)], free:])
-    return with_open_jumps(judged, parts, noise, slopes) if np.vstack(slopes).size else None
+    return JumpResponses.of(judged, parts, noise, slopes) if np.vstack(slopes).size else None
 
 
 def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, float]) -> float:
