@@ -33,7 +33,11 @@ from softid.diagnosis.report.issues import (
     restriction_issues,
     unsure_issues,
 )
-from softid.diagnosis.report.joint_causes import joint_cause_issues, with_shared_scale
+from softid.diagnosis.report.joint_causes import (
+    joint_cause_issues,
+    with_open_places,
+    with_shared_scale,
+)
 from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
@@ -153,7 +157,8 @@ def diagnose(
     if count == 1:  # the mean of several samples lies between the steps
         answer = with_rounding(answer, recorded, base.candidate)
         answer = with_coarse_sampling(answer, base.candidate)
-    answer = with_shared_scale(answer, is_linear=base.candidate.problem.model.is_linear)
+    unit = recorded.input_unit if base.candidate.problem.model.is_linear else None
+    answer = with_open_places(with_shared_scale(answer, linear_in=unit))
     issues = (
         *negligible_issues(base),
         *plainer_model_issues(chosen, base),

@@ -97,6 +97,20 @@ def told_as_tied(alternative: Alternative, title: str, *, linear: bool) -> str:
     return f"one of these, {which}: {named}. {reason}"
 
 
+def own_places(tie: Alternative, extended: FitResult) -> tuple[str, ...]:
+    """What of a linear actuator may change places with what a cause of a tie has; else nothing.
+
+    Parameters
+    ----------
+    tie
+        The causes.
+    extended
+        The model with them.
+    """
+    known = law_that_ties(tie, linear=True)
+    return () if known is None else _own_times(known, extended)
+
+
 def _own_times(known: EquivalenceClass, extended: FitResult) -> tuple[str, ...]:
     """What of an actuator may change places with what a cause has, as numbers with units."""
     own = {name: value for name, (value, _) in extended.derived.items()}

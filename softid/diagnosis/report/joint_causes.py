@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
+from softid.diagnosis.report.ambiguity import is_linear, own_places
 from softid.diagnosis_results import Cause, Diagnosis
 from softid.effects import belongs_to, effect_of
 from softid.errors import Issue
@@ -14,6 +16,9 @@ ONE_CAUSE = "one-cause-in-two"
 
 SHARED_SCALE = "shared-scale"
 """Code of the remark that inertia, damping and stiffness are known up to a factor."""
+
+DYNAMIC = ("M", "N")
+"""Parameters of a linear model that make its time constants; its gain is no matter of places."""
 
 CURVE = "static_curve"
 GAIN, ZERO = "sensor_gain_drift", "sensor_drift"
@@ -51,27 +56,36 @@ def joint_cause_issues(found: Diagnosis) -> tuple[Issue, ...]:
     )
 
 
-def with_shared_scale(found: Diagnosis, *, is_linear: bool) -> Diagnosis:
+def with_shared_scale(found: Diagnosis, *, linear_in: str | None) -> Diagnosis:
     """The diagnosis with what a free curve at rest makes up for: a factor of all forces.
 
     M ẍ + N ẋ + Q (x − s(u)) = F(u) with all three k times as large and
     s(u) + (1 − 1/k) F(u)/Q in place of s(u) is the same motion: only how well a spline draws that
-    tells k. Where F is a straight line nothing does, and the parameters themselves are told so.
-    Their intervals hold for just such a spline, which no actuator has: none is identified.
+    tells k. Where F is a straight line nothing does.
+    The intervals hold for just such a spline, which no actuator has: none is identified.
 
     Parameters
     ----------
     found
         A diagnosis in numbers.
-    is_linear
-        Whether the model without effects is linear.
+    linear_in
+        Unit of the input where the model without effects is linear: what is measured in it goes
+        with the factor, and speeds and times do not. None where forces are in shares of one.
     """
-    if is_linear or found.extended is None or all(cause.effect != CURVE for cause in found.causes):
+    if found.extended is None or all(cause.effect != CURVE for cause in found.causes):
         return found
     outer = [e for e in (effect_of(c.key) for c in found.causes) if e.stage != "state"]
-    parameters = tuple(
-        p if any(belongs_to(effect, p.name) for effect in outer) else _up_to_a_factor(p)
-        for p in found.extended.parameters
+
+    def goes_with_it(p: ParameterEstimate) -> bool:
+        is_outer = any(belongs_to(effect, p.name) for effect in outer)
+        return not is_outer and (linear_in is None or linear_in in p.unit)
+
+    weak = {p.name for p in found.extended.parameters if goes_with_it(p)}
+    told = _less_sure(
+        found,
+        weak,
+        "it is known up to a factor, which the static curve can make up for",
+        "fix a parameter that is known, or read off ratios and time constants only",
     )
     issue = Issue(
         SHARED_SCALE,
@@ -83,29 +97,55 @@ def with_shared_scale(found: Diagnosis, *, is_linear: bool) -> Diagnosis:
         "read off ratios and time constants only, or fix what is known with the `parameters` "
         "of `softid.diagnose`",
     )
+    return replace(told, issues=(*found.issues, issue))
+
+
+def with_open_places(found: Diagnosis) -> Diagnosis:
+    """The diagnosis with what may as well be the actuator's as a filter's before or behind it.
+
+    In a linear model operations commute: a lag or a resonance, and the actuator's own, are in the
+    order in which the search found them.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers.
+    """
+    if found.extended is None or not is_linear(found.base):
+        return found
+    weak: set[str] = set()
+    for tie in found.alternatives:
+        if own_places(tie, found.extended):
+            weak.update(DYNAMIC)
+            filters = [effect_of(c.key) for c in found.causes if c.effect in tie.effects]
+            names = (p.name for p in found.extended.parameters)
+            weak.update(name for name in names if any(belongs_to(f, name) for f in filters))
+    if not weak:
+        return found
+    return _less_sure(
+        found,
+        weak,
+        "the actuator's own time or resonance and that of a cause may change places",
+        "record the sensor beside a faster one, or the pressure at the actuator itself",
+    )
+
+
+def _less_sure(found: Diagnosis, names: Collection[str], reason: str, remedy: str) -> Diagnosis:
+    """The diagnosis with some identified parameters known together with others only."""
+    assert found.extended is not None
+    parameters = tuple(
+        replace(p, verdict="weakly identified", reason=reason, remedy=remedy)
+        if p.name in names and p.verdict == "identified"
+        else p
+        for p in found.extended.parameters
+    )
     told = {p.name: p for p in parameters}
     causes = (
         replace(c, parameters=tuple(told.get(p.name, p) for p in c.parameters))
         for c in found.causes
     )
-    return replace(
-        found,
-        causes=tuple(causes),
-        extended=replace(found.extended, parameters=parameters),
-        issues=(*found.issues, issue),
-    )
-
-
-def _up_to_a_factor(parameter: ParameterEstimate) -> ParameterEstimate:
-    """A parameter that is known together with others only."""
-    if parameter.verdict != "identified":
-        return parameter
-    return replace(
-        parameter,
-        verdict="weakly identified",
-        reason="it is known up to a factor, which the static curve can make up for",
-        remedy="fix a parameter that is known, or read off ratios and time constants only",
-    )
+    extended = replace(found.extended, parameters=parameters)
+    return replace(found, causes=tuple(causes), extended=extended)
 
 
 def _value(cause: Cause, parameter: str) -> float:

@@ -116,9 +116,14 @@ class Link:
         return _added(row, self.before.candidate.keys)
 
     @property
+    def extending(self) -> tuple[Ranked, ...]:
+        """All that were ranked but what they extend."""
+        return tuple(row for row in self.ranked if row is not self.before)
+
+    @property
     def contenders(self) -> tuple[Candidate, ...]:
-        """All that were ranked but what they extend, at their optimum for white noise."""
-        return tuple(row.plain for row in self.ranked if row is not self.before)
+        """The same at their optimum for white noise."""
+        return tuple(row.plain for row in self.extending)
 
     @property
     def delta_bic(self) -> float:

@@ -47,7 +47,7 @@ def with_rivals_held_out(
     limit = link.chosen.bic + NEARLY_AS_MUCH * link.delta_bic
     near = [
         row
-        for row in link.ranked
+        for row in link.extending
         if row.bic < limit
         and len(row.candidate.effects) == len(final.effects)
         and link.added_by(row).name not in link.rivals
@@ -76,7 +76,7 @@ def best_of_tie(
     rivals = [
         row.plain
         for link in links
-        for row in link.ranked
+        for row in link.extending
         if len(row.candidate.effects) == len(final.effects)
         and link.added_by(row).name in link.rivals[1:]
     ]

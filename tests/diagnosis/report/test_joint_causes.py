@@ -6,16 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from extended_fits import extended_fit
 from handmade_diagnosis import DELAY, cause, diagnosis, estimate
 
 from softid.diagnosis.report.joint_causes import (
     ONE_CAUSE,
     SHARED_SCALE,
     joint_cause_issues,
+    with_open_places,
     with_shared_scale,
 )
 from softid.diagnosis.report.summary import write_summary
-from softid.diagnosis_results import Verdict
+from softid.diagnosis_results import Alternative, Diagnosis, Verdict
+from softid.models import Oscillator
 
 GAIN = cause(
     "sensor_gain_drift",
@@ -48,7 +51,7 @@ def test_other_causes_are_two() -> None:
 
 
 def test_a_free_curve_shares_the_scale_of_the_law() -> None:
-    """Told where the static curve is free, by no other cause, and not where the law is linear.
+    """Told where the static curve is free, and by no other cause.
 
     What is known up to a factor is not identified; a delay beside it is.
     """
@@ -59,7 +62,7 @@ def test_a_free_curve_shares_the_scale_of_the_law() -> None:
     own = tuple(replace(p, verdict="identified") for p in found.extended.parameters)
     known = replace(found.extended, parameters=(*own, knot))
     both = replace(found, causes=(DELAY, curve), extended=known)
-    told = with_shared_scale(both, is_linear=False)
+    told = with_shared_scale(both, linear_in=None)
     issue = told.issues[-1]
     assert (issue.code, issue.severity) == (SHARED_SCALE, "warning")
     assert told.extended is not None
@@ -69,6 +72,50 @@ def test_a_free_curve_shares_the_scale_of_the_law() -> None:
         assert bool(p.reason) is not sure
     (_, of_curve) = told.causes
     assert [p.verdict for p in of_curve.parameters] == ["weakly identified"]
-    assert with_shared_scale(both, is_linear=True) is both
     other = replace(both, causes=(DELAY, GAIN))
-    assert with_shared_scale(other, is_linear=False) is other
+    assert with_shared_scale(other, linear_in=None) is other
+
+
+def verdicts(found: Diagnosis) -> dict[str, str]:
+    assert found.extended is not None
+    return {p.name: p.verdict for p in found.extended.parameters}
+
+
+def over_oscillator(*keys: str) -> Diagnosis:
+    """Causes over an oscillator with a natural frequency of its own."""
+    own = {"natural_frequency": (2.0, "Hz"), "damping_ratio": (0.3, "1")}
+    extended = replace(extended_fit("oscillator", *keys), derived=own)
+    causes = tuple(
+        cause(
+            key,
+            [p for p in extended.parameters if p.name.startswith(key.partition(".")[0] + "_")],
+            before=2.0,
+            after=1.0,
+        )
+        for key in keys
+    )
+    found = diagnosis(Verdict.AMBIGUOUS, extended=extended)
+    base = replace(found.base, model=Oscillator(x_unit="rad", u_unit="kPa").spec())
+    return replace(found, base=base, causes=causes, alternatives=())
+
+
+def test_over_a_linear_model_forces_share_the_scale_and_speeds_do_not() -> None:
+    """M ẍ + N ẋ + Q x = u, with all three and a friction twice as large: vs is what it was."""
+    found = over_oscillator("static_curve", "coulomb_friction")
+    told = verdicts(with_shared_scale(found, linear_in="kPa"))
+    shared = {name for name, verdict in told.items() if verdict == "weakly identified"}
+    assert {"M", "N", "Q", "coulomb_friction_Fc"} <= shared
+    assert told["coulomb_friction_vs"] == "identified"
+
+
+def test_what_may_change_places_with_the_actuators_own_is_not_identified() -> None:
+    """A line's resonance, tied with the sensor's, may be the actuator's; its gain is none of it."""
+    found = over_oscillator("line_resonance", "sensor_drift")
+    assert with_open_places(found) is found
+    rivals = ("line_resonance", "sensor_resonance")
+    tie = Alternative(rivals, dict.fromkeys(rivals, 0.0), why="")
+    told = with_open_places(replace(found, alternatives=(tie,)))
+    open_places = {name for name, verdict in verdicts(told).items() if verdict != "identified"}
+    assert open_places == {"M", "N", "line_resonance_period", "line_resonance_zeta"}
+    assert told.causes[0].parameters[0].verdict == "weakly identified"
+    assert told.causes[1] == found.causes[1]

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from handmade_rounds import SAMPLES, link, ranked
 
+from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.search.indistinct import (
     best_of_tie,
     with_rivals_held_out,
@@ -71,3 +72,16 @@ def test_the_best_of_a_tie_is_the_one_that_errs_least_elsewhere() -> None:
     alone = replace(tied, rivals=("delay",))
     assert best_of_tie([alone], final, lambda model: errors[id(model)]) is final
     assert best_of_tie([], final, lambda model: errors[id(model)]) is final
+
+
+def test_what_a_round_extended_is_no_rival_of_its_tie() -> None:
+    """A revision took the first of two causes away: the second round extended as many as are left.
+
+    It adds nothing, so it has no name to be asked for.
+    """
+    before, chosen = ranked(("creep",), 0.0), ranked(("creep", "delay"), -50.0)
+    second = Link(before, (chosen, before), chosen, ("delay", "pneumatic_lag"), (), 100.0)
+    final: Any = SimpleNamespace(effects=(None,))
+    errors = {id(final): 1.0, id(before.plain): 0.1}
+    assert best_of_tie([second], final, lambda model: errors[id(model)]) is final
+    assert with_rivals_held_out(second, final, lambda model: errors[id(model)]) is second
