@@ -177,7 +177,7 @@ class CauseSearch:
             left = self.remainder_of(self.base.candidate)
             return SearchResult(self._nothing, replace(left, structured=False), ())
         known = chain = first or self.first_cause()
-        if self._explains_little(known):
+        if self._may_stand_for_another(known) and self._share_of(known) < HALF:
             chain = self._raced_with_multistart(known, BETTER_START)
         met_multistart = chain is not known
         chain = self.grow(chain, max_links=2) if chain.links else chain
@@ -189,7 +189,7 @@ class CauseSearch:
         first_model = chain.links[0].found if chain.links else None
         if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
             chain = self._with_third(self._revise(chain))
-        return replace(self._judged(chain, first_model), met_multistart=met_multistart)
+        return replace(self.judged(chain, first_model), met_multistart=met_multistart)
 
     def search_from_multistart(self, known: SearchResult) -> SearchResult | None:
         """What a search with candidates from a multistart finds, if that is sure.
@@ -250,10 +250,6 @@ class CauseSearch:
     def _is_astray(self) -> bool:
         return is_astray(self.base.candidate)
 
-    @cached_property
-    def _left_by_base(self) -> Remainder:
-        return self.remainder_of(self.base.candidate)
-
     def leaves_structure(self, chain: Chain) -> bool:
         """Whether causes leave more than noise.
 
@@ -272,7 +268,7 @@ class CauseSearch:
         chain
             The chain.
         """
-        found = self._judged(chain, None)
+        found = self.judged(chain, None)
         return replace(found, is_named=(False,) * len(found.is_named))
 
     def without_causes(self) -> SearchResult | None:
@@ -280,7 +276,7 @@ class CauseSearch:
 
         What explains a part of that, and may not be named, is no more than chance then.
         """
-        left = self._left_by_base
+        left = self.remainder_of(self.base.candidate)
         if left.structured or left.colour_s is not None:
             return None
         if left.open_jumps == 0:
@@ -308,7 +304,7 @@ class CauseSearch:
             return alone if is_nothing else None
         if not is_within_samples(described, left):
             return None
-        left = replace(left, rms=self._left_by_base.rms, explained_share=1.0)
+        left = replace(left, rms=self.remainder_of(self.base.candidate).rms, explained_share=1.0)
         return SearchResult(self._nothing, left, ())
 
     def explained_by_moments(self) -> SearchResult | None:
@@ -316,7 +312,7 @@ class CauseSearch:
 
         They have to lie as by chance; a cause would ask for others.
         """
-        left = self._left_by_base
+        left = self.remainder_of(self.base.candidate)
         return self.without_causes() if left.open_jumps and left.open_jumps_scatter else None
 
     @property
@@ -335,10 +331,6 @@ class CauseSearch:
         if len(chain.links) != 1 or len(chain.links[0].added.amplitudes) > 1:
             return False
         return not self._is_astray and self.remainder_of(chain.final).structured
-
-    def _explains_little(self, chain: Chain) -> bool:
-        """Whether a first cause may stand for another, and does not explain half of the misfit."""
-        return self._may_stand_for_another(chain) and self._share_of(chain) < HALF
 
     def _share_of(self, chain: Chain) -> float:
         return self.remainder_of(chain.final).explained_share
@@ -373,8 +365,14 @@ class CauseSearch:
             return again
         return chain
 
-    def _judged(self, chain: Chain, first: Candidate | None) -> SearchResult:
-        """What a chain leaves, and which of its causes may be named, the largest first."""
+    def judged(self, chain: Chain, first: Candidate | None) -> SearchResult:
+        """What a chain leaves, and which of its causes may be named, the largest first.
+
+        Parameters
+        ----------
+        chain, first
+            As in `SearchResult`.
+        """
         held_out = self.base.held_out
         before, after = held_out.rms(self.base.candidate), held_out.rms(chain.final)
         if chain.links and after > (1.0 - LEAST_GAIN) * before:

@@ -140,6 +140,11 @@ def search_with_intersample(
         reading = intersample_after_all_causes(final, last.base.sigma, found.remainder.excess)
         if reading is not None:
             return searched_as(reading, final)
+        judges = judges_of(last.base.candidate.problem.logs[0].between_samples, final)
+        if _readings(judges) != _readings(last.base.identified.hold_out):
+            other = replace(last, base=last.base.judged_by(judges))
+            again = other.judged(found.chain, found.first)
+            return replace(again, met_multistart=found.met_multistart), other
     elif last.promising is not None:
         model = last.promising
         reading = model.problem.logs[0].between_samples

@@ -145,7 +145,7 @@ def test_a_single_cause_that_leaves_structure_may_stand_for_another(
 def test_a_base_that_leaves_noise_stands_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Not where that is noise by its marks alone, or where it misses what is held out."""
     left: dict[str, Remainder] = {}
-    monkeypatch.setattr(CauseSearch, "_left_by_base", property(lambda self: left["fitted"]))
+    monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left["fitted"])
     monkeypatch.setattr(cause_search, "with_held_out", lambda *args: left["held out"])
     for fitted, held_out, stands in (
         (NOISE, NOISE, True),
@@ -167,7 +167,7 @@ def test_moments_explain_where_they_lie_as_by_chance(
 ) -> None:
     """And only where there are any."""
     left = replace(NOISE, open_jumps=jumps, open_jumps_scatter=scatter)
-    monkeypatch.setattr(CauseSearch, "_left_by_base", property(lambda self: left))
+    monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
     alone = search_over().explained_by_moments()
     assert (alone is not None and not alone.chain.links) is explains
 
@@ -281,7 +281,7 @@ def test_a_first_cause_that_explains_little_is_raced_before_a_second_is_sought(
     monkeypatch.setattr(CauseSearch, "grow", grow)
     monkeypatch.setattr(CauseSearch, "_revise", lambda self, chain: chain)
     monkeypatch.setattr(
-        CauseSearch, "_judged", lambda self, chain, model: SearchResult(chain, left, (False,) * 2)
+        CauseSearch, "judged", lambda self, chain, model: SearchResult(chain, left, (False,) * 2)
     )
     found = search_over().search(first)
     assert begun[0] is (other if second == "other" else first)

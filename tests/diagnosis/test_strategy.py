@@ -19,10 +19,11 @@ from handmade_searches import (
     searched_as,
 )
 
+from softid.diagnosis import strategy
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search_result import SearchResult
-from softid.diagnosis.strategy import BETTER_BASE, search_causes
+from softid.diagnosis.strategy import BETTER_BASE, search_causes, search_with_intersample
 from softid.diagnosis_results import Remainder
 
 
@@ -103,3 +104,40 @@ def test_a_law_that_outdoes_the_first_cause_ends_the_search(
     unused: Any = None
     answer, _ = search_causes(unused, unused, search_over(), others)
     assert answer is (NOTHING if ends else NAMED)
+
+
+@pytest.mark.parametrize(
+    ("keys", "anew"), [(("delay", "creep"), True), (("delay",), False)], ids=["two", "one"]
+)
+def test_what_judges_is_read_anew_when_all_causes_are_known(
+    keys: tuple[str, ...], anew: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A model without its second cause held it otherwise; with a single one that was asked."""
+    chain, first = chain_of(*keys), chain_of("delay")
+    found = SearchResult(chain, STRUCTURE, (True,) * len(keys), first.final)
+
+    def judged_by(*logs: Any) -> Any:
+        base = base_fit()
+        base.candidate.problem.logs = [SimpleNamespace(between_samples="zoh")]
+        base.identified = SimpleNamespace(hold_out=logs)
+        base.judged_by = lambda others: judged_by(*others)
+        return base
+
+    held, by_all = (SimpleNamespace(between_samples=reading) for reading in ("held", "zoh"))
+    monkeypatch.setattr(strategy, "intersample_after_first_cause", lambda *args: None)
+    monkeypatch.setattr(strategy, "intersample_after_all_causes", lambda *args: None)
+    read: Any = SimpleNamespace(hold_out=())
+    monkeypatch.setattr(strategy, "recordings_read_as", lambda recordings, reading: read)
+    monkeypatch.setattr(
+        strategy,
+        "hold_out_read_as_explained",
+        lambda known, *args: (held if known is first.final else by_all,),
+    )
+    search = search_over(judged_by(held))
+    monkeypatch.setattr(strategy, "search_causes", lambda *args, **options: (found, search))
+    after = replace(found, remainder=NOISE)
+    monkeypatch.setattr(CauseSearch, "judged", lambda self, *args: after)
+    unused: Any = None
+    answer, last = search_with_intersample(unused, unused, search, unused, first)
+    assert answer == (after if anew else found)
+    assert last.base.identified.hold_out == ((by_all,) if anew else (held,))

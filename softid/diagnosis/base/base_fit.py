@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -126,6 +126,17 @@ class BaseFit:
     held_out: HeldOut
     instead_of: BaseFit | None = None
     input_sds: Mapping[str, float] = field(default_factory=dict)
+
+    def judged_by(self, logs: Sequence[Log]) -> BaseFit:
+        """The same fit, judged by logs that are read otherwise.
+
+        Parameters
+        ----------
+        logs
+            The logs that judge.
+        """
+        identified = replace(self.identified, hold_out=tuple(logs))
+        return replace(self, identified=identified, held_out=HeldOutLogs(identified.hold_out))
 
     @property
     def asked_for(self) -> BaseFit:
