@@ -242,8 +242,11 @@ class Remainder:
     noise_from_rounding
         Whether the rounding of the reading told it, for no noise blurs that.
     input_noise
-        Share of the power of what is left that the noise of the recorded input leaves of a true
+        Share of the power of what is left that what is not known of the input leaves of a true
         model; 0 where the noise of the output explains it alone.
+    input_course
+        Share of that power which is due to the course of the input between its samples, and not to
+        the noise of its gauge.
     against_noise
         What slow noise, which no rest shows, would not do; None where nothing speaks against it, or
         the question does not arise.
@@ -267,6 +270,7 @@ class Remainder:
     against_noise: NotNoise | None = None
     noise_from_rounding: bool = False
     input_noise: float = 0.0
+    input_course: float = 0.0
 
     @property
     def carries_over(self) -> bool:

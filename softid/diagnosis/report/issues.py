@@ -187,7 +187,7 @@ def jump_issues(remainder: Remainder, problem: Problem) -> tuple[Issue, ...]:
 def input_noise_issues(
     remainder: Remainder, problem: Problem, sds: Mapping[str, float]
 ) -> tuple[Issue, ...]:
-    """That the noise of the input makes a part of what is left.
+    """That the noise of the input, or its course between samples, makes a part of what is left.
 
     Parameters
     ----------
@@ -203,15 +203,30 @@ def input_noise_issues(
     noisiest = max(problem.logs, key=lambda log: sds.get(log.name, 0.0))
     driving, first = noisiest.channels[noisiest.input], problem.outputs[0]
     output = noisiest.channels[first]
-    moves = remainder.rms * remainder.input_noise**0.5 * output.display_factor
-    return (
-        Issue(
+    course = remainder.input_course
+    found = []
+    for share, code, what, remedy in (
+        (
+            1.0 - course,
             "noisy-input",
-            "info",
             f"{noisiest.name}: {driving.name} has a noise of "
-            f"{sds[noisiest.name] * driving.display_factor:.3g} {driving.display_unit}; what "
-            f"averaging leaves of it moves the simulated {first} by {moves:.3g} "
-            f"{output.display_unit} rms, which is counted as no misfit",
+            f"{sds.get(noisiest.name, 0.0) * driving.display_factor:.3g} {driving.display_unit}; "
+            "what averaging leaves of it",
             f"record {driving.name} with a gauge or an amplifier of less noise",
         ),
-    )
+        (
+            course,
+            "coarse-input",
+            f"{driving.name} moves fast beside its samples; what it may have done between them",
+            f"sample {driving.name} several times as fast",
+        ),
+    ):
+        if share * remainder.input_noise <= OF_INPUT:
+            continue
+        moves = remainder.rms * (share * remainder.input_noise) ** 0.5 * output.display_factor
+        message = (
+            f"{what} moves the simulated {first} by {moves:.3g} {output.display_unit} rms, which "
+            "is counted as no misfit"
+        )
+        found.append(Issue(code, "info", message, remedy))
+    return tuple(found)

@@ -321,7 +321,9 @@ def noise_like(remainder: Remainder) -> str:
         )
     told = f"looks like noise{with_open_moments(remainder.open_jumps)}"
     if remainder.input_noise > OF_INPUT:
-        told += f", a part of it that of the input ({percent(min(remainder.input_noise, 1.0))})"
+        whose = "what is not known" if remainder.input_course > 0.0 else "that"
+        share = percent(min(remainder.input_noise, 1.0))
+        told += f", a part of it {whose} of the input ({share})"
     if remainder.excess <= LOUDER:
         return told
     what = known_noise(remainder) or "noise in its fastest part"

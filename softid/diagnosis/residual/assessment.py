@@ -61,9 +61,9 @@ def assess(
 ) -> Remainder:
     """Look at what the last model leaves.
 
-    Where that is more than noise, it is held against what the noise of the input may have left, and
-    looked at again with the moments of jumps of the input that fall between two samples as unknowns
-    beside its own. If that leaves noise, they stay so.
+    Where that is more than noise, it is held against what is not known of the input, and looked at
+    again with the moments of jumps of the input that fall between two samples as unknowns beside
+    its own. If that leaves noise, they stay so.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def assess(
     found = _look(before, after, floor, scale, final, rng=rng)
     if not found.structured:
         return found
-    driven = input_noise(final, input_sds)
+    driven = input_noise(final, input_sds, floor.variance)
     if driven is not None:
         found = _look(before, after, floor, scale, final, rng=rng, driven=driven)
         if not found.structured:
@@ -147,6 +147,7 @@ def _look(
         colour_s=colour.correlation_s,
         against_noise=colour.against,
         input_noise=0.0 if driven is None else driven.variance / mean_square(after),
+        input_course=0.0 if driven is None else driven.of_course,
     )
 
 

@@ -1,9 +1,10 @@
-"""What the noise of the recorded input leaves of a true model.
+"""What the noise of the recorded input, and its unknown course, leave of a true model.
 
 The actuator follows the input that was there, the simulation the one that was recorded. Noise of
 the gauge is averaged away as far as the course of the input allows; what is slow of it stays, goes
 through the motion, and is large where the static curve is steep and nothing at rest. It is neither
-white nor steady, so that it looks like a misfit.
+white nor steady, so that it looks like a misfit. So does what the input did between its samples
+where it was quick beside them.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.residual.input_course import moved_by_course
 from softid.diagnosis.residual.motion import simulated
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.projection import basis_of, rows_of
@@ -26,21 +28,28 @@ Array = npt.NDArray[np.float64]
 DRAWS = 12
 """Draws of a noise that nobody knows; the mean square of what they make varies by a tenth."""
 
+LEAST_COURSE = 0.02
+"""Share of the noise of the output from which on the unknown course is drawn: where it is sampled
+well it makes a hundredth, and every draw is a simulation."""
+
 SEED = 0
 """Of those draws, the same in every log."""
 
 
 @dataclass(frozen=True, eq=False)
 class InputNoise:
-    """Draws of what the noise of the input leaves of the first output of a true model.
+    """Draws of what is not known of the input, as a true model leaves them in the first output.
 
     Attributes
     ----------
     draws
         One in each row, at the used samples of all segments, shape (D, m).
+    of_course
+        Share of their power that the course between the samples makes, and not noise.
     """
 
     draws: Array
+    of_course: float = 0.0
 
     @property
     def variance(self) -> float:
@@ -75,8 +84,8 @@ class InputNoise:
         return found
 
 
-def input_noise(model: Candidate, sds: Mapping[str, float]) -> InputNoise | None:
-    """Simulate what the noise of the input may have left; None where there is none.
+def input_noise(model: Candidate, sds: Mapping[str, float], variance: float) -> InputNoise | None:
+    """Simulate what is not known of the input; None where that leaves nothing.
 
     What the parameters make up for is taken away.
 
@@ -86,15 +95,30 @@ def input_noise(model: Candidate, sds: Mapping[str, float]) -> InputNoise | None
         A fit to logs whose input was averaged.
     sds
         Log → standard deviation of the noise of its input as it was recorded, in its unit.
+    variance
+        That of the output's noise, beside which a course that is sampled well is none.
     """
     problem = model.problem
-    if not any(sds.get(log.name, 0.0) > 0.0 for log in problem.logs):
+    noise = course = np.zeros((1, 1))
+    if any(sds.get(log.name, 0.0) > 0.0 for log in problem.logs):
+        noise = np.array([_draw(model, sds, seed) for seed in range(DRAWS)])
+    if np.mean((first := _course(model, 0)) ** 2) > LEAST_COURSE * variance:
+        course = np.array([first, *(_course(model, draw) for draw in range(1, DRAWS))])
+    if not (noise.any() or course.any()):
         return None
-    draws = np.array([_draw(model, sds, seed) for seed in range(DRAWS)])
-    first = problem.outputs[0]
-    jacobian = np.concatenate([r.jacobian for r in rows_of(model) if r.channel == first])
-    basis = basis_of(jacobian)
-    return InputNoise(draws - (draws @ basis) @ basis.T)
+    of_first = [r.jacobian for r in rows_of(model) if r.channel == problem.outputs[0]]
+    basis = basis_of(np.concatenate(of_first))
+    draws = noise + course
+    power = np.mean(course**2) / (np.mean(course**2) + np.mean(noise**2))
+    return InputNoise(draws - (draws @ basis) @ basis.T, float(power))
+
+
+def _course(model: Candidate, draw: int) -> Array:
+    """Change of the first output at its used samples with another course, shape (m,)."""
+    problem, first = model.problem, model.problem.outputs[0]
+    moved = moved_by_course(model, draw, without_jumps=True)
+    pairs = zip(problem.segments, moved, strict=True)
+    return np.concatenate([move[s.samples_of(s.used[first])] for s, move in pairs])
 
 
 def _draw(model: Candidate, sds: Mapping[str, float], seed: int) -> Array:

@@ -35,8 +35,8 @@ def at_the_truth(log: Log) -> Candidate:
 
 
 def test_an_exact_input_leaves_nothing() -> None:
-    assert input_noise(at_the_truth(gauged(0)), {"gauged": 0.0}) is None
-    assert input_noise(at_the_truth(gauged(0)), {}) is None
+    assert input_noise(at_the_truth(gauged(0)), {"gauged": 0.0}, 1.0) is None
+    assert input_noise(at_the_truth(gauged(0)), {}, 1.0) is None
 
 
 def test_it_is_as_large_as_what_noise_leaves() -> None:
@@ -51,7 +51,7 @@ def test_it_is_as_large_as_what_noise_leaves() -> None:
         log = gauged(seed)
         model = at_the_truth(log)
         (block,) = model.problem.blocks(model.minimum.point, derivatives=False)
-        found = input_noise(model, {"gauged": input_noise_sd(log)})
+        found = input_noise(model, {"gauged": input_noise_sd(log)}, 1.0)
         assert found is not None
         left.append(float(np.mean((block.residual - block.residual.mean()) ** 2)))
         drawn.append(found.variance)
