@@ -22,6 +22,10 @@ FOLLOWED = 1e-6
 """Directions of the Jacobian that are weaker than this share of the strongest are not followed: the
 unknowns would have to go so far along them that no linear model holds."""
 
+FORGOTTEN = 0.01
+"""Share of a residual up to which an initial state that moves as far as the actuator ever does
+shows nothing."""
+
 SMALLEST_AMPLITUDE = 0.05
 """Smallest factor by which a start's amplitude is scaled to what the residual asks for."""
 
@@ -70,8 +74,13 @@ class Residual:
     simulated: Array
 
 
-def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -> Residual:
+def residual_of(
+    problem: Problem, unknowns: Array, sigma: Mapping[str, float], scale: Scale
+) -> Residual:
     """Linearise a fit where it stands.
+
+    An initial state that is forgotten before the first sample that counts stays where it is: to
+    explain anything it would have to go out of this world, and what remembers it would follow.
 
     Parameters
     ----------
@@ -79,6 +88,8 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
         The fit.
     sigma
         Output channel → scale that its residual is divided by.
+    scale
+        Sizes of the base fit.
     """
     fine, coarse = (limited_plans(problem, unknowns, most) for most in (FINE, COARSE))
     blocks = list(problem.blocks(unknowns, derivatives=True, plans=fine))
@@ -88,6 +99,12 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
         [b.jacobian / sigma[b.channel] for b in blocks if b.jacobian is not None]
     )
     roughly = np.concatenate([b.residual / sigma[b.channel] for b in rough])
+    least = FORGOTTEN * float(np.linalg.norm(rows))
+    for states in problem.states:
+        sizes = (scale.x_span, scale.v_max, *[scale.x_span] * len(states))
+        for at, size in zip(states, sizes, strict=False):
+            if size * float(np.linalg.norm(jacobian[:, at])) < least:
+                jacobian[:, at] = 0.0
     return Residual(rows, span_of(jacobian, FOLLOWED), _measured(problem, sigma) - roughly)
 
 
@@ -121,7 +138,7 @@ def screen(
         Output channel → scale that its residual is divided by.
     """
     fitted, sigma = rough_copy(fitted, scale, sigma)
-    residual = residual_of(fitted.problem, fitted.minimum.point, sigma)
+    residual = residual_of(fitted.problem, fitted.minimum.point, sigma, scale)
     measured = _measured(fitted.problem, sigma)
     reach = 0.5 * fitted.problem.reach()
     starts = [(effect, values) for effect in effects for values in effect.starts(scale)]
