@@ -132,10 +132,10 @@ class Problem:
         n_zero = len(self.logs) * len(self.outputs) if self.zeros else 0
         self._zero_from = n
         position = n + n_zero
-        self.states: list[range] = []
+        self._states: list[range] = []
         for rest, stuck in zip(self.at_rest, self.stuck, strict=True):
             count = 0 if rest else 1 if stuck else len(self.model.start_states)
-            self.states.append(range(position, position + count))
+            self._states.append(range(position, position + count))
             position += count
         self.size = position
         counts = (int(s.used[name].sum()) for s in self.segments for name in self.outputs)
@@ -208,7 +208,7 @@ class Problem:
         if not self.has_equilibrium:
             name = self.outputs[0]
             for k, segment in enumerate(self.segments):
-                states, first = self.states[k], np.flatnonzero(segment.used[name])
+                states, first = self._states[k], np.flatnonzero(segment.used[name])
                 if states and first.size:
                     z[states[0]] = segment.outputs[name][first[0]]
         if self.zeros and with_zeros:
@@ -263,8 +263,8 @@ class Problem:
             count = len(self.logs) * len(self.outputs)
             moved[self._zero_from :][:count] = unknowns[other._zero_from :][:count]
         for k in range(len(self.segments)):
-            theirs = dict(zip(other.model.start_states, other.states[k], strict=False))
-            for name, at in zip(self.model.start_states, self.states[k], strict=False):
+            theirs = dict(zip(other.model.start_states, other._states[k], strict=False))
+            for name, at in zip(self.model.start_states, self._states[k], strict=False):
                 if name in theirs:
                     moved[at] = unknowns[theirs[name]]
         return moved
@@ -275,7 +275,7 @@ class Problem:
 
     def start(self, z: Array, segment: int) -> Array | None:
         """Initial state of one segment for `Model.response`, shape (S,); None at rest."""
-        states = self.states[segment]
+        states = self._states[segment]
         if not states:
             return None
         state, names = np.zeros(len(self.model.states)), self.model.states
@@ -285,7 +285,7 @@ class Problem:
 
     def state_positions(self, segment: int) -> range:
         """Where the initial state of one segment stands among the unknowns; empty at rest."""
-        return self.states[segment]
+        return self._states[segment]
 
     def start_state(self, z: Array, segment: int) -> tuple[float, ...]:
         """Initial state used for one segment."""
@@ -390,7 +390,7 @@ class Problem:
                     jacobian[:, : len(self.free)] = response.by_parameter[name][used_rows] @ chain
                     if self.zeros:
                         jacobian[:, self.zero_position(self.owner[k], name)] = 1.0
-                    states = self.states[k]
+                    states = self._states[k]
                     if states and response.by_state is not None:
                         by_state = response.by_state[name][used_rows, : len(states)]
                         jacobian[:, states] = by_state

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.refit.state_sizes import reach_of
 from softid.diagnosis.refit.whitening import Whitener
 from softid.effects import ExtendedModel, divided
 from softid.effects.base import Effect
@@ -292,7 +293,7 @@ def advance(
         point,
         lower,
         upper,
-        candidate.problem.reach(),
+        reach_of(candidate.problem),
         evaluations=evaluations,
         tolerance=tolerance,
         bend=None if straight else objective.bend,

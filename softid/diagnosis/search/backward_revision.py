@@ -10,7 +10,7 @@ import numpy as np
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import with_fewer_effects
 from softid.diagnosis.search.bic_ranking import rank
-from softid.diagnosis.search.effect_starts import squares_at, with_effect
+from softid.diagnosis.search.effect_starts import candidate_from, squares_at, with_effect
 from softid.diagnosis.search.forward_selection import (
     FURTHER,
     Chain,
@@ -20,6 +20,7 @@ from softid.diagnosis.search.forward_selection import (
     next_link,
 )
 from softid.diagnosis.search.racing import CLEAR_LEAD
+from softid.diagnosis.search.rounds import variance_of
 from softid.diagnosis.search.screening import Signature, screen
 from softid.effects.base import Effect, Scale
 
@@ -79,8 +80,17 @@ def revised(
         promising = screen(without, left, scale, sigma)
         contenders = forms if is_sure else _contenders(links[position], promising, effects)
         known = (with_effect(without, now, mine, scale),)
+        rivals = [e for e in contenders if e.name != mine.name and e.name not in taken]
+        extra = _in_its_place(now, base, others, rivals, scale, sigma)
         link = next_link(
-            without, contenders, scale, sigma, FURTHER, screened=promising, known=known
+            without,
+            contenders,
+            scale,
+            sigma,
+            FURTHER,
+            screened=promising,
+            known=known,
+            extra=extra,
         )
         if link is None or not is_accepted(link, FURTHER):
             del links[position]
@@ -146,6 +156,32 @@ def _contenders(
     names = {effect.name for row in link.ranked for effect in row.candidate.effects}
     names |= set(list(dict.fromkeys(s.effect.name for s in promising))[:PROMISING])
     return [effect for effect in effects if effect.name in names]
+
+
+def _in_its_place(
+    now: Candidate,
+    base: Candidate,
+    others: Sequence[Effect],
+    rivals: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """Rivals of a cause with the others where they stand beside it, each from its best start.
+
+    Without it the others go elsewhere, from where a rival that is as good may not find back: of two
+    causes that cancel each other one is next to nothing alone.
+    """
+    if not rivals:
+        return []
+    placed = _placed_without(now, base, others, scale)
+    best: dict[str, Signature] = {}
+    for signature in screen(placed, rivals, scale, sigma):
+        best.setdefault(signature.effect.name, signature)
+    variance = variance_of(now)
+    return [
+        candidate_from(placed, signature, scale, sigma, variance)
+        for signature in list(best.values())[:PROMISING]
+    ]
 
 
 def refit_without(

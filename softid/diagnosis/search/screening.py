@@ -11,6 +11,7 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import COARSE, FINE, Candidate, limited_plans
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.refit.rough_copy import rough_copy
+from softid.diagnosis.refit.state_sizes import reach_of
 from softid.diagnosis.residual.projection import Span, project_out, span_of
 from softid.effects.base import Effect, Scale
 from softid.fitters.problem import Problem
@@ -74,9 +75,7 @@ class Residual:
     simulated: Array
 
 
-def residual_of(
-    problem: Problem, unknowns: Array, sigma: Mapping[str, float], scale: Scale
-) -> Residual:
+def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -> Residual:
     """Linearise a fit where it stands.
 
     An initial state that is forgotten before the first sample that counts stays where it is: to
@@ -88,8 +87,6 @@ def residual_of(
         The fit.
     sigma
         Output channel → scale that its residual is divided by.
-    scale
-        Sizes of the base fit.
     """
     fine, coarse = (limited_plans(problem, unknowns, most) for most in (FINE, COARSE))
     blocks = list(problem.blocks(unknowns, derivatives=True, plans=fine))
@@ -100,11 +97,9 @@ def residual_of(
     )
     roughly = np.concatenate([b.residual / sigma[b.channel] for b in rough])
     least = FORGOTTEN * float(np.linalg.norm(rows))
-    for states in problem.states:
-        sizes = (scale.x_span, scale.v_max, *[scale.x_span] * len(states))
-        for at, size in zip(states, sizes, strict=False):
-            if size * float(np.linalg.norm(jacobian[:, at])) < least:
-                jacobian[:, at] = 0.0
+    moved = jacobian * reach_of(problem)
+    states = [at for k in range(len(problem.segments)) for at in problem.state_positions(k)]
+    jacobian[:, [at for at in states if np.linalg.norm(moved[:, at]) < least]] = 0.0
     return Residual(rows, span_of(jacobian, FOLLOWED), _measured(problem, sigma) - roughly)
 
 
@@ -138,9 +133,9 @@ def screen(
         Output channel → scale that its residual is divided by.
     """
     fitted, sigma = rough_copy(fitted, scale, sigma)
-    residual = residual_of(fitted.problem, fitted.minimum.point, sigma, scale)
+    residual = residual_of(fitted.problem, fitted.minimum.point, sigma)
     measured = _measured(fitted.problem, sigma)
-    reach = 0.5 * fitted.problem.reach()
+    reach = 0.5 * reach_of(fitted.problem)
     starts = [(effect, values) for effect in effects for values in effect.starts(scale)]
 
     def look(start: tuple[Effect, Mapping[str, float]]) -> Signature | None:

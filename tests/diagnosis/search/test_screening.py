@@ -77,8 +77,8 @@ def test_what_the_base_can_mimic_promises_nothing() -> None:
 
 def test_the_span_of_the_jacobian_is_taken_out() -> None:
     """Invariant: every column of the Jacobian is projected to nothing, twice is as once."""
-    base, scale = base_of(linear_log(noise=0.01), fixed=False)
-    residual = residual_of(base.problem, base.minimum.point, SIGMA, scale)
+    base, _ = base_of(linear_log(noise=0.01), fixed=False)
+    residual = residual_of(base.problem, base.minimum.point, SIGMA)
     (block,) = base.problem.blocks(base.minimum.point, derivatives=True)
     assert block.jacobian is not None
     assert residual.span.basis.shape == (1000, base.problem.size)
@@ -93,8 +93,8 @@ def test_the_span_of_the_jacobian_is_taken_out() -> None:
 
 def test_coordinates_lead_back_to_the_unknowns() -> None:
     """Invariant: a known move of the unknowns, seen through the Jacobian, is found again."""
-    base, scale = base_of(linear_log(), fixed=False)
-    residual = residual_of(base.problem, base.minimum.point, SIGMA, scale)
+    base, _ = base_of(linear_log(), fixed=False)
+    residual = residual_of(base.problem, base.minimum.point, SIGMA)
     (block,) = base.problem.blocks(base.minimum.point, derivatives=True)
     assert block.jacobian is not None
     move = np.array([0.3, -0.2, 0.1, 0.05])

@@ -1,0 +1,46 @@
+"""How far initial states may move, and those that are forgotten."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from softid.diagnosis.base.base_fit import Request
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.state_sizes import reach_of, state_sizes
+from softid.diagnosis.search.screening import residual_of
+from softid.log import LogSet
+from softid.synthesis import hidden_pair
+
+SIGMA = {"contraction": 1.0}
+
+
+def in_motion(masked_s: float) -> Candidate:
+    """A fit to a log that begins in the middle of another, and counts from some time on."""
+    whole = hidden_pair(seed=5, model="muscle", protocol="multisine").logs[0]
+    begin_s = float(whole.time_s[700])
+    log = whole.between(begin_s, begin_s + 12.0)
+    log = log.with_masked(log.time_s < begin_s + masked_s)
+    request = Request("muscle", None, 0, lambda message, fraction: None)
+    return request.fit_base(LogSet((log,)), (), thorough=False).candidate
+
+
+def test_a_state_moves_as_far_as_the_motion() -> None:
+    """Parameters and zeros move as they do in a fit."""
+    problem = in_motion(0.0).problem
+    places = problem.state_positions(0)
+    assert len(places) == 2
+    reach, before = reach_of(problem), problem.reach()
+    (segment,) = problem.segments
+    assert reach[places] == pytest.approx(state_sizes(segment, "contraction", 2))
+    others = np.delete(np.arange(problem.size), places)
+    assert reach[others].tolist() == before[others].tolist()
+
+
+@pytest.mark.parametrize(("masked_s", "forgotten"), [(0.0, False), (3.0, True)])
+def test_a_forgotten_state_does_not_make_room(masked_s: float, forgotten: bool) -> None:
+    """Its column is so small that the least a residual asks for is hundreds of spans."""
+    base = in_motion(masked_s)
+    residual = residual_of(base.problem, base.minimum.point, SIGMA)
+    places = base.problem.state_positions(0)
+    assert bool(residual.span.combinations[places].any()) is not forgotten
