@@ -228,9 +228,10 @@ class JumpResponses:
 
     def with_misfit(self) -> OpenJumps:
         """As `opened`, where a misfit hides the moments: as much of it as is left beside them."""
-        found = self.opened(mean_square(self.parts))
+        least = float(np.finfo(float).tiny)
+        found = self.opened(max(mean_square(self.parts), least))
         for _ in range(SETTLING):
-            found = self.opened(mean_square(found.parts))
+            found = self.opened(max(mean_square(found.parts), least))
         return found
 
 

@@ -16,6 +16,7 @@ from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis_results import Verdict
 from softid.log import Log
 from softid.synthesis import hidden_pair
+from softid.synthesis.rig import Rig
 
 SD_KPA = 3.0
 
@@ -98,3 +99,30 @@ def _with_noise(log: Log, rng: np.random.Generator) -> Log:
     sd = 0.01 * float(np.ptp(channel.values))
     noisy = replace(channel, values=channel.values + sd * rng.standard_normal(len(log)))
     return replace(log, channels={**log.channels, "pressure": noisy})
+
+
+def test_a_course_that_is_sampled_well_is_not_drawn() -> None:
+    """The same actuator without a corner: nothing is unknown of its input."""
+    log = gauged(0)
+    smooth = 50.0 - 40.0 * np.cos(0.5 * log.time_s)
+    channel = replace(log.channels["pressure"], values=smooth)
+    log = replace(log, channels={**log.channels, "pressure": channel}, intersample="smooth")
+    problem = linear_problem((log,))
+    assert input_noise(standing(problem, problem.unknowns(TRUTH)), {}, 1e-4) is None
+
+
+@pytest.mark.parametrize(("hidden", "seed"), [("", 3), ("dead_zone", 1)])
+def test_what_the_input_did_between_its_samples_is_no_misfit(hidden: str, seed: int) -> None:
+    """At 50 Hz behind a valve of 20 ms a clean log was unknown, and so was a dead zone."""
+    rig = Rig(rate_hz=50.0, valve_s=0.02, pressure_noise_kpa=0.0, noise=0.001)
+    names = [hidden] if hidden else []
+    (log, judge) = hidden_pair(names, seed=seed, model="muscle", protocol="levels", rig=rig).logs
+    effects = ["dead_zone", "delay", "stiffening"]
+    found = diagnose(log, hold_out=[judge], model="muscle", effects=effects)
+    assert found.verdict is (Verdict.NAMED if hidden else Verdict.ADEQUATE)
+    assert [cause.effect for cause in found.causes] == names
+    assert found.remainder.input_noise > 0.3
+    assert found.remainder.input_course == 1.0
+    told = {issue.code: issue.message for issue in found.issues}
+    assert "noisy-input" not in told
+    assert "moves fast beside its samples" in told["coarse-input"]
