@@ -17,17 +17,20 @@ Array = npt.NDArray[np.float64]
 
 
 def reach_of(problem: Problem) -> Array:
-    """How far each unknown may move, shape (U,): `Problem.reach`, and states by their sizes.
+    """How far each unknown may move, shape (U,): `Problem.reach`, and unheld states by their sizes.
+
+    Where the first samples count they hold the state.
 
     Parameters
     ----------
     problem
         A problem.
     """
-    far = problem.reach()
+    far, first = problem.reach(), problem.outputs[0]
     for k, segment in enumerate(problem.segments):
         places = problem.state_positions(k)
-        far[places] = state_sizes(segment, problem.outputs[0], len(places))
+        if len(places) and not segment.samples_of(segment.used[first])[0]:
+            far[places] = state_sizes(segment, first, len(places))
     return far
 
 

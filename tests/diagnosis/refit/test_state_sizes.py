@@ -25,9 +25,11 @@ def in_motion(masked_s: float) -> Candidate:
     return request.fit_base(LogSet((log,)), (), thorough=False).candidate
 
 
-def test_a_state_moves_as_far_as_the_motion() -> None:
-    """Parameters and zeros move as they do in a fit."""
-    problem = in_motion(0.0).problem
+def test_a_state_that_nothing_holds_moves_as_far_as_the_motion() -> None:
+    """Parameters and zeros move as they do in a fit, and so does a state from the first sample."""
+    held = in_motion(0.0).problem
+    assert reach_of(held).tolist() == held.reach().tolist()
+    problem = in_motion(1.0).problem
     places = problem.state_positions(0)
     assert len(places) == 2
     reach, before = reach_of(problem), problem.reach()
