@@ -62,8 +62,8 @@ def search_with_jump_moments(
     Returns
     -------
     SearchResult and CauseSearch, or None
-        Causes in the logs as they were recorded, and the search that found them; None where there
-        are none that are sure, or no jumps whose moments hide anything.
+        Causes in the logs as they were recorded, and the search over these; None where there are
+        none that are sure, or no jumps whose moments hide anything.
     """
     plain = recordings_read_as(recordings, reading_unless_held(recordings.logs))
     whole: CauseSearch | None = None
@@ -71,10 +71,9 @@ def search_with_jump_moments(
         meant = {name for link in chain.links for name in (link.added.name, *link.rivals)}
         whole = whole or _over(plain, request, search)
         effects = tuple(effect for effect in search.effects if effect.name in meant)
-        asked = replace(whole, effects=effects)
-        found = asked.search()
+        found = replace(whole, effects=effects).search()
         if found.is_sure:
-            return found, asked
+            return found, whole
     return None
 
 

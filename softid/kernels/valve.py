@@ -134,6 +134,12 @@ def _between(a: float, terms: Between, share: float) -> float:
 
 
 @njit(nogil=True, error_model="numpy")
+def _fitting(h: float, error: float, allowed: float) -> float:
+    """The next step after one of h, by the error that was estimated and the one that is allowed."""
+    return float(h * min(5.0, max(0.2, 0.9 * (allowed / (error + 1e-300)) ** 0.2)))
+
+
+@njit(nogil=True, error_model="numpy")
 def _beyond(supply: float, actuator: float, side: float) -> float:
     """How far the pressure difference is beyond the laminar range, on one side or on either."""
     difference = side * (supply - actuator) if side != 0.0 else abs(supply - actuator)
@@ -239,10 +245,10 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
             else:
                 reached, rate_there, error, terms = _turbulent(p, slope, a, h, rate, law)
                 if error > allowed and h > shortest:
-                    usual = h * max(0.2, 0.9 * (allowed / error) ** 0.2)
+                    usual = _fitting(h, error, allowed)
                     continue
                 if h < left:  # else the supply bends sooner than the law asks for another step
-                    usual = h * min(5.0, 0.9 * (allowed / (error + 1e-300)) ** 0.2)
+                    usual = _fitting(h, error, allowed)
             left_range = (_beyond(p + slope * h, reached, side) > 0.0) == laminar
             if left_range and switches < MAX_SWITCHES:
                 h = _crossing(laminar, side, p, slope, a, h, reached, terms, tau_laminar)

@@ -198,8 +198,6 @@ def input_noise_issues(
     sds
         Log → standard deviation of the noise of its input as it was recorded, in its unit.
     """
-    if remainder.input_noise <= OF_INPUT:
-        return ()
     noisiest = max(problem.logs, key=lambda log: sds.get(log.name, 0.0))
     driving, first = noisiest.channels[noisiest.input], problem.outputs[0]
     output = noisiest.channels[first]

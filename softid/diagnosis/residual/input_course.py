@@ -50,7 +50,7 @@ def moved_by_course(model: Candidate, draw: int, *, without_jumps: bool) -> list
         if problem.logs[problem.owner[k]].between_samples in HELD:
             moved.append(np.zeros(segment.samples_of(segment.time_s).size))
             continue
-        rng = np.random.default_rng((SEED, k, draw) if draw else (SEED, k))
+        rng = np.random.default_rng((SEED, k, draw))
         course = _another_course(segment, rng, without_jumps=without_jumps)
         moved.append(simulated(model, k, course) - simulated(model, k, segment))
     return moved

@@ -30,7 +30,7 @@ DRAWS = 12
 
 LEAST_COURSE = 0.02
 """Share of the noise of the output from which on the unknown course is drawn: where it is sampled
-well it makes a hundredth, and every draw is a simulation."""
+well it makes less, and every draw is a simulation."""
 
 SEED = 0
 """Of those draws, the same in every log."""

@@ -70,7 +70,7 @@ TOGETHER = 4
 """Jumps are shared out among so many simulations, neighbours to different ones."""
 
 SETTLING = 4
-"""Estimates of the moments that follow one another at most."""
+"""So many times moments beside a misfit are estimated anew."""
 
 FADED = 0.1
 """Share of its largest that a response has at most when the next begins in the same simulation, and

@@ -142,8 +142,8 @@ def _is_beyond_doubt(link: Link, final: Candidate) -> bool:
     misfit = link.before.plain.squares - chosen
     others = [
         row.plain.squares - chosen
-        for row in link.ranked
-        if row is not link.before and link.added_by(row).name != link.added.name
+        for row in link.extending
+        if link.added_by(row).name != link.added.name
     ]
     had_rivals = any(s.effect.name != link.added.name for s in link.signatures)
     return had_rivals and BEYOND * (chosen - final.squares) < min([CLEAR_LEAD * misfit, *others])

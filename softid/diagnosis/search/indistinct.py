@@ -100,12 +100,7 @@ def with_rivals_in_misfit(link: Link) -> Link:
         With more rivals, the chosen cause first.
     """
     limit = _criterion(link.chosen) + INDISTINCT
-    known = len(link.before.candidate.effects)
-    names = [
-        link.added_by(row).name
-        for row in link.ranked
-        if len(row.candidate.effects) > known and _criterion(row) < limit
-    ]
+    names = [link.added_by(row).name for row in link.extending if _criterion(row) < limit]
     return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *names))))
 
 

@@ -97,9 +97,10 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
     )
     roughly = np.concatenate([b.residual / sigma[b.channel] for b in rough])
     least = FORGOTTEN * float(np.linalg.norm(rows))
-    moved = jacobian * reach_of(problem)
-    states = [at for k in range(len(problem.segments)) for at in problem.state_positions(k)]
-    jacobian[:, [at for at in states if np.linalg.norm(moved[:, at]) < least]] = 0.0
+    reach = reach_of(problem)
+    for at in (at for k in range(len(problem.segments)) for at in problem.state_positions(k)):
+        if reach[at] * np.linalg.norm(jacobian[:, at]) < least:
+            jacobian[:, at] = 0.0
     return Residual(rows, span_of(jacobian, FOLLOWED), _measured(problem, sigma) - roughly)
 
 

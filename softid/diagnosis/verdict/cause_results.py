@@ -171,8 +171,8 @@ def alternatives_of(
         if len(link.rivals) < 2:
             continue
         best = {link.added.name: link.chosen}
-        for row in link.ranked:
-            if row is not link.before and row.candidate.keys != link.before.candidate.keys:
+        for row in link.extending:
+            if row.candidate.keys != link.before.candidate.keys:
                 best.setdefault(link.added_by(row).name, row)
         behind = {
             name: best[name].bic - link.chosen.bic if name in best else 0.0 for name in link.rivals
@@ -195,11 +195,7 @@ def evidence_of(chain: Chain) -> tuple[Evidence, ...]:
     rounds = [*chain.links, *([chain.last] if chain.last is not None else [])]
     found = []
     for number, link in enumerate(rounds, start=1):
-        ranked = {
-            link.added_by(row).key: row
-            for row in link.ranked
-            if len(row.candidate.effects) > len(link.before.candidate.effects)
-        }
+        ranked = {link.added_by(row).key: row for row in link.extending}
         whole = max(link.before.candidate.squares, 1e-300)
         for signature in link.signatures:
             key = signature.effect.key
