@@ -12,6 +12,9 @@ from softid.results import FitResult, ParameterEstimate
 NOTABLE = 0.02
 """Structure of less than a fiftieth of a residual's power is not worth a word."""
 
+MOST = 0.5
+"""A steady line that holds more of a residual's power is what it is, though it goes on in rests."""
+
 CARRIED = 0.7
 """Causes of which less than this share of the held-out misfit goes do not carry over."""
 
@@ -247,6 +250,9 @@ class Remainder:
     input_course
         Share of that power which is due to the course of the input between its samples, and not to
         the noise of its gauge.
+    line_hz, line_share
+        Frequency of a steady line that the input does not have, at which the actuator could follow
+        a force, and the share of the power of what is left that it holds; None and 0 without one.
     against_noise
         What slow noise, which no rest shows, would not do; None where nothing speaks against it, or
         the question does not arise.
@@ -271,6 +277,8 @@ class Remainder:
     noise_from_rounding: bool = False
     input_noise: float = 0.0
     input_course: float = 0.0
+    line_hz: float | None = None
+    line_share: float = 0.0
 
     @property
     def carries_over(self) -> bool:
@@ -290,7 +298,12 @@ class Remainder:
     @property
     def leaves_something(self) -> bool:
         """Whether more than noise is left, on the fitted samples or on those held out."""
-        return self.structured or self.misses_held_out
+        return self.structured or self.misses_held_out or self.is_a_line
+
+    @property
+    def is_a_line(self) -> bool:
+        """Whether most of what is left is a steady line, which rests hold as well as motions."""
+        return self.line_share > MOST
 
     @property
     def predictable(self) -> bool:

@@ -13,10 +13,8 @@ from softid.diagnosis.base.reduced_base import reduced_base_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.report.changes import held_out_change_issues
-from softid.diagnosis.report.issues import (
-    refusal_issues,
-)
-from softid.diagnosis.residual.disturbances import disturbance_issues
+from softid.diagnosis.report.issues import refusal_issues
+from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
@@ -58,7 +56,9 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     seed
         Of the bootstrap.
     """
-    chain, remainder, held_out = found.chain, found.remainder, base.held_out
+    chain, held_out = found.chain, base.held_out
+    line = line_in(residual_context(chain.final))
+    remainder = with_line(found.remainder, line, base.scale.motion_s)
     rng = np.random.default_rng(seed)
     asked_for = base.asked_for.identified
     before = assemble(
@@ -70,7 +70,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     errors = [held_out.first_errors(model) for model in models]
     causes = causes_of(chain, errors, after, rng)
     causes = _with_errors_without(causes, chain, base, errors[-1], rng)
-    causes = _with_variations(causes, chain, base, found.remainder)
+    causes = _with_variations(causes, chain, base, remainder)
     causes = with_doubts(causes, chain, after, remainder, base)
     sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
     is_named = consistent_names(chain.links, causes, sure, chain.final.squares)
@@ -100,7 +100,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         next_experiment=None,
         issues=(
             *(after if after is not None and named else before).issues,
-            *_issues_of_rest(base, chain, before),
+            *_issues_of_rest(base, chain, before, line),
             *refusal_issues(chain, held_out),
             *held_out_change_issues(chain.final, remainder, held_out, base.scale, is_sure=is_sure),
         ),
@@ -108,7 +108,9 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     )
 
 
-def _issues_of_rest(base: BaseFit, chain: Chain, fit: FitResult) -> tuple[Issue, ...]:
+def _issues_of_rest(
+    base: BaseFit, chain: Chain, fit: FitResult, line: Line | None
+) -> tuple[Issue, ...]:
     """That a reduced base is extended, and disturbances in what is left."""
     row = next(r for r in fit.statistics if r.channel == fit.outputs[0])
     return (
@@ -116,6 +118,7 @@ def _issues_of_rest(base: BaseFit, chain: Chain, fit: FitResult) -> tuple[Issue,
         *disturbance_issues(
             residual_context(chain.final),
             base.scale.motion_s,
+            line,
             channel=row.channel,
             unit=row.display_unit,
             factor=row.display_factor,

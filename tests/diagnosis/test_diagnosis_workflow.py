@@ -113,6 +113,32 @@ def test_noise_alone_is_adequate() -> None:
     assert held.rmse_after == held.rmse_before == pytest.approx(0.01, rel=0.2)
 
 
+@pytest.mark.parametrize(
+    ("hertz", "height", "verdict"),
+    [
+        (0.73, 0.04, Verdict.UNKNOWN),
+        (0.73, 0.004, Verdict.ADEQUATE),
+        (13.1, 0.04, Verdict.ADEQUATE),
+    ],
+)
+def test_a_steady_force_is_unknown(hertz: float, height: float, verdict: Verdict) -> None:
+    """A swinging load of four times the noise, which goes on in rests as well as in motions.
+
+    What holds less than the noise, and what is too quick for the actuator, leaves it adequate.
+    """
+    rng = np.random.default_rng(1)
+    time_s = np.arange(2000) / RATE_HZ
+    levels = np.interp(time_s, np.arange(2000) / 2.0, 100.0 * rng.random(2000))
+    levels = np.where(time_s < 10.0, 0.0, levels)
+    swing = height * np.sin(2.0 * np.pi * hertz * time_s)
+    angle = linear_angle(time_s, levels) + swing + 0.01 * rng.standard_normal(2000)
+    log = Log.from_arrays(time_s, {"pressure": levels, "angle": angle}, name="swinging")
+    found = diagnose(log, model="oscillator", effects=TWO)
+    assert (found.verdict, found.causes) == (verdict, ())
+    assert ("one steady line" in found.summary) == (verdict is Verdict.UNKNOWN)
+    assert (found.remainder.line_share > 0.5) == (verdict is Verdict.UNKNOWN)
+
+
 def test_a_cause_that_gains_nothing_is_chance() -> None:
     """A faint drift of the fitted log that the judge has not: its error would rise by a hundredth.
 

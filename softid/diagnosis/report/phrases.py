@@ -319,6 +319,8 @@ def noise_like(remainder: Remainder) -> str:
             "the motion is quick. No long rest shows the noise alone, so a slow misfit could hide "
             "in it"
         )
+    if remainder.is_a_line:
+        return f"is no noise: {percent(remainder.line_share)} of its power is one steady line"
     told = f"looks like noise{with_open_moments(remainder.open_jumps)}"
     if remainder.input_noise > OF_INPUT:
         whose = "what is not known" if remainder.input_course > 0.0 else "that"
@@ -350,6 +352,7 @@ def what_is_unknown(remainder: Remainder) -> str:
         or remainder.predictable
         or remainder.against_noise
         or remainder.explained_share > 0.0
+        or remainder.is_a_line
     )
     opening = (
         "Something is missing, or the noise is slow" if may_be_noise else "Something is missing"

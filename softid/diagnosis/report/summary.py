@@ -116,8 +116,9 @@ def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
 
 
 def _remedy_of_disturbance(found: Diagnosis) -> str | None:
-    """What to do about a disturbance, where nothing else describes the misfit."""
-    if found.verdict is not Verdict.UNKNOWN or found.descriptive:
+    """What to do about a disturbance, where nothing else describes the misfit or what is left."""
+    is_all = found.verdict is Verdict.UNKNOWN and not found.descriptive
+    if not (is_all or found.remainder.is_a_line):
         return None
     return next((issue.remedy for issue in found.issues if issue.code in CODES), None)
 
@@ -277,6 +278,8 @@ def _left(teller: ErrorTexts, remainder: Remainder) -> str:
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.predictable:
         told += f"is not noise: {structure_of_rest(remainder)}"
+    elif remainder.is_a_line:
+        told += noise_like(remainder)
     elif remainder.structure_share > NOTABLE:
         share = percent(remainder.structure_share)
         told += (

@@ -7,7 +7,7 @@ that swings or a cable that is touched are no effects of an actuator.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from math import log
 
@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.residual.slow_noise import CODE, slow_noise_issues
 from softid.diagnosis.residual.structure import ResidualContext
+from softid.diagnosis_results import Remainder
 from softid.errors import Issue
 
 Array = npt.NDArray[np.float64]
@@ -94,10 +95,13 @@ class Line:
         Its frequency.
     amplitude
         Its amplitude, in the unit of the residual.
+    share
+        Share of the residual's power that it holds.
     """
 
     frequency_hz: float
     amplitude: float
+    share: float
 
 
 def line_in(parts: Sequence[ResidualContext]) -> Line | None:
@@ -137,8 +141,25 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
         )
     ]
     steady = sorted(quarters)[1] >= AS_STRONG * whole
-    loud = 0.5 * whole**2 >= LEAST_SHARE * float(np.mean(residual**2))
-    return Line(line_hz, whole) if steady and loud else None
+    share = 0.5 * whole**2 / max(float(np.mean(residual**2)), np.finfo(float).tiny)
+    return Line(line_hz, whole, min(share, 1.0)) if steady and share >= LEAST_SHARE else None
+
+
+def with_line(remainder: Remainder, line: Line | None, motion_s: float) -> Remainder:
+    """What is left with a line that a motion could follow: what a sensor picks up is faster.
+
+    Parameters
+    ----------
+    remainder
+        What is left.
+    line
+        From `line_in`.
+    motion_s
+        Time constant of the motion.
+    """
+    if line is None or line.frequency_hz * motion_s > 1.0:
+        return remainder
+    return replace(remainder, line_hz=line.frequency_hz, line_share=line.share)
 
 
 def _height(power: Array, places: npt.NDArray[np.intp]) -> Array:
@@ -193,7 +214,13 @@ def events_in(parts: Sequence[ResidualContext], motion_s: float) -> tuple[float,
 
 
 def disturbance_issues(
-    parts: Sequence[ResidualContext], motion_s: float, *, channel: str, unit: str, factor: float
+    parts: Sequence[ResidualContext],
+    motion_s: float,
+    line: Line | None,
+    *,
+    channel: str,
+    unit: str,
+    factor: float,
 ) -> tuple[Issue, ...]:
     """The marks as remarks for the user.
 
@@ -201,11 +228,12 @@ def disturbance_issues(
     ----------
     parts, motion_s
         As in `events_in`.
+    line
+        From `line_in`.
     channel, unit, factor
         Name of the output, the unit in which people know it, and the factor to that unit.
     """
     found = []
-    line = line_in(parts)
     if line is not None:
         found.append(
             Issue(

@@ -100,8 +100,11 @@ def test_marks_are_told_in_the_units_of_the_log() -> None:
     """Frequency, height and times, one sentence each."""
     both = 0.01 * (noise(2) + np.sin(2.0 * np.pi * 5.0 * TIME_S))
     both[1700:1710] += 0.3
-    told = disturbance_issues(left(both), 0.2, channel="angle", unit="deg", factor=100.0)
+    line = line_in(left(both))
+    told = disturbance_issues(left(both), 0.2, line, channel="angle", unit="deg", factor=100.0)
     assert [issue.code for issue in told] == ["spectral-line", "short-events"]
     assert "at 5 Hz, 1" in told[0].message
     assert "1 short event while the input rests, at 17 s" in told[1].message
-    assert disturbance_issues(left(noise(3)), 0.2, channel="angle", unit="deg", factor=1.0) == ()
+    quiet = left(noise(3))
+    assert line_in(quiet) is None
+    assert disturbance_issues(quiet, 0.2, None, channel="angle", unit="deg", factor=1.0) == ()
