@@ -23,6 +23,8 @@ def candidate(
     offset: float = 0.0,
     values: Mapping[str, float] | None = None,
     at_bound: Sequence[str] = (),
+    at_upper_bound: Sequence[str] = (),
+    unknowns: int = UNKNOWNS,
 ) -> Any:
     """Something with effects and a sum of squares; infinite for one that ran away."""
     effects = tuple(effect_of(key) for key in keys)
@@ -33,9 +35,10 @@ def candidate(
         keys=tuple(effect.key for effect in effects),
         squares=squares,
         parameters=defaultdict(float, values or {}),
-        at_bound=frozenset(at_bound),
+        at_bound=frozenset((*at_bound, *at_upper_bound)),
+        at_upper_bound=frozenset(at_upper_bound),
         minimum=SimpleNamespace(normal=SimpleNamespace(cost=cost, n=SAMPLES), offset=offset),
-        problem=SimpleNamespace(size=UNKNOWNS, n_samples=SAMPLES + UNKNOWNS),
+        problem=SimpleNamespace(size=unknowns, n_samples=SAMPLES + unknowns),
     )
 
 
@@ -46,9 +49,18 @@ def ranked(
     *,
     values: Mapping[str, float] | None = None,
     at_bound: Sequence[str] = (),
+    at_upper_bound: Sequence[str] = (),
+    unknowns: int = UNKNOWNS,
 ) -> Ranked:
     """A row of a ranking; parameters without a value are zero."""
-    made = candidate(keys, squares, values=values, at_bound=at_bound)
+    made = candidate(
+        keys,
+        squares,
+        values=values,
+        at_bound=at_bound,
+        at_upper_bound=at_upper_bound,
+        unknowns=unknowns,
+    )
     return Ranked(made, made, bic)
 
 

@@ -128,6 +128,13 @@ class Candidate:
         held = self.problem.at_bound(self.minimum.point)
         return frozenset(n for n, is_held in zip(self.problem.free, held, strict=False) if is_held)
 
+    @property
+    def at_upper_bound(self) -> frozenset[str]:
+        """Those of them that lie on their upper bound."""
+        values, rows = self.parameters, self.problem.parameters
+        nearer = {n for n in self.at_bound if values[n] > 0.5 * (rows[n].lower + rows[n].upper)}
+        return frozenset(nearer)
+
 
 class WhitenedObjective(Objective):
     """Cost and normal equations of residuals that a noise model has made white."""

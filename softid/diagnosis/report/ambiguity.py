@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of, variables_left
-from softid.diagnosis.search.forward_selection import INDISTINCT
+from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     BEYOND,
     HELD_INPUT,

@@ -36,6 +36,12 @@ class Ranked:
     plain: Candidate
     bic: float
 
+    @property
+    def misfit(self) -> float:
+        """The part of the BIC that is no price of parameters, n ln(S/n)."""
+        n, k = self.candidate.minimum.normal.n, self.candidate.problem.size
+        return self.bic - k * float(np.log(n))
+
 
 def rank(
     candidates: Sequence[Candidate],

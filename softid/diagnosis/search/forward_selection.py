@@ -11,10 +11,10 @@ from softid.diagnosis.refit.bound_relaxation import released, with_own_bounds
 from softid.diagnosis.refit.candidates import Candidate, advance, prior_about, standing_at
 from softid.diagnosis.refit.initial_states import with_settled_starts
 from softid.diagnosis.search.bic_ranking import Ranked, rank
+from softid.diagnosis.search.contenders import added_to, choose_contender
 from softid.diagnosis.search.order_of_action import in_better_order
 from softid.diagnosis.search.racing import UNCONVERGED, race
 from softid.diagnosis.search.screening import Signature, screen
-from softid.effects import extended_name, own_values
 from softid.effects.base import Effect, Scale
 from softid.parallel import in_parallel
 
@@ -47,18 +47,6 @@ FURTHER = Acceptance(predicted_fall=15.0, bic=30.0, share=0.01)
 
 BEHIND_NOISE = Acceptance(predicted_fall=60.0, bic=60.0, share=0.02)
 """Of a further one where what is left already looks like noise."""
-
-INDISTINCT = 12.0
-"""Candidates within this BIC of the best explain the logs as well. Eight would do if the noise were
-what it is taken for; the noise of a measured input, and what it does between the samples, set
-neighbours such as a delay and a lag a little further apart either way."""
-
-NESTED = 6.0
-"""A richer form of the same law must gain this much on the plain one."""
-
-WITHIN_SAMPLE = 0.05
-"""Where a richer law differs from a simpler one only within a sampling interval, its BIC must fall
-by so large a share more: what the input does between its samples makes as much of a difference."""
 
 MAX_LINKS = 3
 """A fourth cause would be fitted to what three have left, which is their own errors as a rule."""
@@ -113,7 +101,7 @@ class Link:
 
     def added_by(self, row: Ranked) -> Effect:
         """The effect that a contender of the round adds."""
-        return _added(row, self.before.candidate.keys)
+        return added_to(self.before, row)
 
     @property
     def extending(self) -> tuple[Ranked, ...]:
@@ -290,7 +278,7 @@ def next_link(
     others = [r for r in ranked if r is not before]
     if not others:
         return None
-    chosen, rivals = _rivals(others, before, scale.period_s)
+    chosen, rivals = choose_contender(others, before, scale.period_s)
     return Link(before, tuple(ranked), chosen, rivals, _best_promises(signatures), now.squares)
 
 
@@ -307,66 +295,6 @@ def is_accepted(link: Link, acceptance: Acceptance) -> bool:
     before, after = link.before.candidate.squares, link.chosen.candidate.squares
     takes = acceptance.share == 0.0 or after < (1.0 - acceptance.share) * before
     return link.delta_bic > acceptance.bic and takes
-
-
-def _added(row: Ranked, known: Sequence[str]) -> Effect:
-    return next(e for e in row.candidate.effects if e.key not in known)
-
-
-def _rivals(
-    ranked: Sequence[Ranked], before: Ranked, period_s: float
-) -> tuple[Ranked, tuple[str, ...]]:
-    """The best candidate, the plain form before a richer one, and what explains as well.
-
-    What is hardly more than a simpler one is covered by that, unless another explains as much that
-    is like none: where the base is linear, two poles of a sensor are those of a line.
-
-    One that stands for something else, with an essential parameter at its bound, could not be
-    named: of those that explain as well it is the last.
-    """
-
-    def added(row: Ranked) -> Effect:
-        return _added(row, before.candidate.keys)
-
-    within = (row for row in ranked if row.bic - ranked[0].bic < INDISTINCT)
-    best = next((row for row in within if not _is_held(row, added(row))), ranked[0])
-    plain = next(
-        (r for r in ranked if added(r).name == added(best).name and not added(r).variant), None
-    )
-    if added(best).variant and plain is not None and plain.bic - best.bic < NESTED:
-        best = plain
-    simple = next((r for r in ranked if added(r).key == _simpler(best, added(best))), None)
-    if simple is not None:
-        margin = NESTED
-        if _differs_within(best, added(best)) < period_s:
-            margin = max(margin, WITHIN_SAMPLE * (before.bic - best.bic))
-        best = simple if simple.bic - best.bic < margin else best
-    near = [row for row in ranked if row.bic - best.bic < INDISTINCT]
-    covered = {row: simpler for row in near if (simpler := _simpler(row, added(row)))}
-    distinct = [r.bic for r in near if r not in covered and added(r).name not in covered.values()]
-    names = [added(best).name]
-    for row in near:
-        name = added(row).name
-        like_another = any(abs(row.bic - bic) < INDISTINCT for bic in distinct)
-        if name not in names and (covered.get(row) not in names or like_another):
-            names.append(name)
-    return best, tuple(names)
-
-
-def _is_held(row: Ranked, effect: Effect) -> bool:
-    """Whether an essential parameter of an added effect lies on its bound."""
-    return any(extended_name(effect, name) in row.candidate.at_bound for name in effect.essential)
-
-
-def _differs_within(row: Ranked, effect: Effect) -> float:
-    """The time within which an added effect differs from the simpler one that it is like."""
-    return effect.differs_within(own_values(effect, row.candidate.parameters))
-
-
-def _simpler(row: Ranked, effect: Effect) -> str | None:
-    """The simpler effect that an added one is like, at the values that it has."""
-    simpler = effect.simpler(own_values(effect, row.candidate.parameters))
-    return simpler[0] if simpler is not None else None
 
 
 def _best_promises(signatures: Sequence[Signature]) -> tuple[Signature, ...]:

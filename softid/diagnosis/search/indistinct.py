@@ -9,7 +9,8 @@ import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.bic_ranking import Ranked
-from softid.diagnosis.search.forward_selection import INDISTINCT, Link
+from softid.diagnosis.search.contenders import INDISTINCT
+from softid.diagnosis.search.forward_selection import Link
 
 MOST_SAMPLES = 100.0
 """What a wrong law leaves follows the motion, and is a hundred numbers at most however long the log
@@ -107,4 +108,4 @@ def with_rivals_in_misfit(link: Link) -> Link:
 def _criterion(row: Ranked) -> float:
     n, k = row.candidate.minimum.normal.n, row.candidate.problem.size
     counted = min(float(n), MOST_SAMPLES)
-    return float((row.bic - k * np.log(n)) * counted / n + k * np.log(counted))
+    return float(row.misfit * counted / n + k * np.log(counted))

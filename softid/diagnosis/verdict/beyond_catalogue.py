@@ -12,7 +12,7 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.assessment import held_out_share
 from softid.diagnosis.search.bic_ranking import rank
-from softid.diagnosis.search.forward_selection import INDISTINCT
+from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.replacements import refitted_with
 from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE
 from softid.effects import belongs_to

@@ -21,8 +21,9 @@ from softid.diagnosis.refit.extension import (
     start_unknowns,
 )
 from softid.diagnosis.search.bic_ranking import rank
+from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.effect_starts import squares_at
-from softid.diagnosis.search.forward_selection import INDISTINCT, Link
+from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.search.multistart import driven
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
 from softid.diagnosis.verdict.unlisted_drifts import (

@@ -9,7 +9,7 @@ from handmade import fit_result
 from handmade_diagnosis import remainder
 
 from softid.diagnosis.report.ambiguity import law_that_ties, what_next, why_tied
-from softid.diagnosis.search.forward_selection import INDISTINCT
+from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     CHIRP,
     HELD_INPUT,

@@ -5,20 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from handmade_rounds import link, ranked
+from handmade_rounds import SAMPLES, UNKNOWNS, link, ranked
 from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search import forward_selection
+from softid.diagnosis.search.contenders import choose_contender
 from softid.diagnosis.search.forward_selection import (
     BEHIND_NOISE,
     CONVERGING,
     FIRST,
     FURTHER,
     Acceptance,
-    _rivals,
     converged,
     is_accepted,
     next_link,
@@ -66,7 +67,7 @@ def test_a_richer_law_must_gain_on_the_plain_one(gain: float, key: str) -> None:
         ranked(("pneumatic_lag",), gain),
         ranked(("creep",), gain + 20.0),
     ]
-    best, names = _rivals(rows, BEFORE, PERIOD_S)
+    best, names = choose_contender(rows, BEFORE, PERIOD_S)
     assert best.candidate.effects[0].variant == key
     assert names == ("pneumatic_lag",)
 
@@ -74,7 +75,7 @@ def test_a_richer_law_must_gain_on_the_plain_one(gain: float, key: str) -> None:
 def test_a_richer_law_without_a_plain_one_is_taken() -> None:
     """When the plain form has dropped out of the race there is nothing to prefer."""
     rows = [ranked(("pneumatic_lag.separate",), 0.0), ranked(("creep",), 1.0)]
-    best, names = _rivals(rows, BEFORE, PERIOD_S)
+    best, names = choose_contender(rows, BEFORE, PERIOD_S)
     assert best is rows[0]
     assert names == ("pneumatic_lag", "creep")
 
@@ -88,7 +89,7 @@ def test_rivals_are_those_within_twelve() -> None:
         ranked(("sensor_lag",), 11.9),
         ranked(("creep",), 12.1),
     ]
-    best, names = _rivals(rows, BEFORE, PERIOD_S)
+    best, names = choose_contender(rows, BEFORE, PERIOD_S)
     assert best is rows[0]
     assert names == ("delay", "pneumatic_lag", "sensor_lag")
 
@@ -100,7 +101,7 @@ def test_rivals_are_measured_from_what_was_chosen() -> None:
         ranked(("pneumatic_lag",), 5.0),
         ranked(("delay",), 12.0),
     ]
-    assert _rivals(rows, BEFORE, PERIOD_S)[1] == ("pneumatic_lag", "delay")
+    assert choose_contender(rows, BEFORE, PERIOD_S)[1] == ("pneumatic_lag", "delay")
 
 
 @pytest.mark.parametrize(
@@ -123,9 +124,35 @@ def test_what_stands_for_another_is_chosen_last(
         ranked(("line_resonance",), 0.0, values={"line_resonance_zeta": 0.5}, at_bound=at_bound),
         ranked(("sensor_lag",), bic),
     ]
-    best, names = _rivals(rows, BEFORE, PERIOD_S)
+    best, names = choose_contender(rows, BEFORE, PERIOD_S)
     assert best.candidate.keys == (chosen,)
     assert ("line_resonance" in names) == (bic < 12.0 or chosen == "line_resonance")
+
+
+@pytest.mark.parametrize(
+    ("softness", "behind", "chosen"),
+    [
+        ("at_upper_bound", 11.9, "static_curve"),
+        ("at_upper_bound", 12.1, "dead_zone"),
+        ("at_bound", 11.9, "dead_zone"),
+    ],
+)
+def test_a_dead_zone_that_is_no_threshold_is_not_cheaper_than_a_curve(
+    softness: str, behind: float, chosen: str
+) -> None:
+    """At its softest it bends everywhere: three knots more cost the curve 28, and count for nought.
+
+    A sharp one is a corner, and the price of the knots speaks for it.
+    """
+    price = 3.0 * np.log(SAMPLES)
+    held = {softness: ["dead_zone_softness"]}
+    rows = [
+        ranked(("dead_zone",), 0.0, **held),
+        ranked(("static_curve",), behind + price, unknowns=UNKNOWNS + 3),
+    ]
+    best, names = choose_contender(rows, BEFORE, PERIOD_S)
+    assert best.candidate.keys == (chosen,)
+    assert ("static_curve" in names, "dead_zone" in names) == (chosen == "static_curve", True)
 
 
 @pytest.mark.parametrize(
@@ -149,7 +176,7 @@ def test_a_line_that_does_not_ring_is_a_lag(
         ),
         ranked(("pneumatic_lag",), gain),
     ]
-    assert _rivals(sorted(rows, key=lambda row: row.bic), BEFORE, PERIOD_S)[1] == names
+    assert choose_contender(sorted(rows, key=lambda row: row.bic), BEFORE, PERIOD_S)[1] == names
 
 
 @pytest.mark.parametrize(
@@ -168,7 +195,7 @@ def test_what_goes_on_between_two_samples_tells_no_second_time_constant(
     gain a twentieth of the 1000 that both explain. Of 0.3 s it is 14 ms, and gains its 6."""
     values = {"sensor_resonance_zeta": zeta, "sensor_resonance_period": period_s}
     rows = [ranked(("sensor_resonance",), 0.0, values=values), ranked(("sensor_lag",), gain)]
-    assert _rivals(rows, BEFORE, PERIOD_S)[0].candidate.keys == (key,)
+    assert choose_contender(rows, BEFORE, PERIOD_S)[0].candidate.keys == (key,)
 
 
 @pytest.mark.parametrize(("bic", "is_told"), [(11.9, True), (12.1, False)])
@@ -186,15 +213,15 @@ def test_poles_of_a_sensor_are_told_beside_those_of_a_line(bic: float, is_told: 
         ranked(("line_resonance",), bic, values=values),
         ranked(("sensor_lag",), 45.0),
     ]
-    best, names = _rivals(rows, BEFORE, PERIOD_S)
+    best, names = choose_contender(rows, BEFORE, PERIOD_S)
     assert best.candidate.keys == ("sensor_lag",)
     assert ("sensor_resonance" in names) is is_told
 
 
-def test_effects_that_were_there_are_no_rivals() -> None:
+def test_effects_that_were_there_are_nochoose_contender() -> None:
     """In a second round only what each candidate adds is compared."""
     rows = [ranked(("delay", "creep"), 0.0), ranked(("delay", "ageing"), 2.0)]
-    best, names = _rivals(rows, ranked(("delay",), 1000.0), PERIOD_S)
+    best, names = choose_contender(rows, ranked(("delay",), 1000.0), PERIOD_S)
     assert best is rows[0]
     assert names == ("creep", "ageing")
 
