@@ -244,16 +244,18 @@ class Log:
         )
 
     @property
-    def between_samples(self) -> Intersample:
-        """What the input is taken to do between samples."""
+    def reading(self) -> Intersample:
+        """What the input is taken to have done between the samples that were recorded."""
         return self.intersample or "straight"
 
     @property
-    def as_recorded(self) -> Log:
-        """The log that this one was made from, where its samples are no longer those of a record.
+    def between_samples(self) -> Intersample:
+        """What it is taken to do between the samples of this log, which may be averages."""
+        return self.reading
 
-        By default the log itself.
-        """
+    @property
+    def as_recorded(self) -> Log:
+        """The log that this one was made from, with samples as they were recorded, or itself."""
         return self
 
     def with_roles(self, *, input: str | None = None, outputs: Sequence[str] = ()) -> Log:
@@ -288,10 +290,7 @@ class Log:
         InputError
             Fewer than two samples lie in the range.
         """
-        kept = np.flatnonzero((self.time_s >= start_s) & (self.time_s < stop_s))
-        assert self.masked is not None
-        channels = {k: replace(c, values=c.values[kept]) for k, c in self.channels.items()}
-        return replace(self, time_s=self.time_s[kept], channels=channels, masked=self.masked[kept])
+        return self._taking((self.time_s >= start_s) & (self.time_s < stop_s))
 
     def every(self, step: int) -> Log:
         """Every so many-th sample as a log of its own.
@@ -301,11 +300,12 @@ class Log:
         step
             One or more.
         """
+        return self._taking(slice(None, None, step))
+
+    def _taking(self, rows: BoolArray | slice) -> Log:
         assert self.masked is not None
-        channels = {k: replace(c, values=c.values[::step]) for k, c in self.channels.items()}
-        return replace(
-            self, time_s=self.time_s[::step], channels=channels, masked=self.masked[::step]
-        )
+        channels = {k: replace(c, values=c.values[rows]) for k, c in self.channels.items()}
+        return replace(self, time_s=self.time_s[rows], channels=channels, masked=self.masked[rows])
 
     @classmethod
     def from_arrays(

@@ -114,7 +114,7 @@ def search_with_intersample(
         As in `search_causes`.
     """
     base, first = search.base, first or search.first_cause()
-    now = base.candidate.problem.logs[0].between_samples
+    now = base.candidate.problem.logs[0].reading
 
     def judges_of(reading: Intersample, known: Candidate) -> tuple[Log, ...]:
         """What is held out, read as a model with what is known explains it."""
@@ -140,18 +140,18 @@ def search_with_intersample(
         reading = intersample_after_all_causes(final, last.base.sigma, found.remainder.excess)
         if reading is not None:
             return searched_as(reading, final)
-        judges = judges_of(last.base.candidate.problem.logs[0].between_samples, final)
+        judges = judges_of(last.base.candidate.problem.logs[0].reading, final)
         if _readings(judges) != _readings(last.base.identified.hold_out):
             other = replace(last, base=last.base.judged_by(judges))
             again = other.judged(found.chain, found.first)
             return replace(again, met_multistart=found.met_multistart), other
     elif last.promising is not None:
         model = last.promising
-        reading = model.problem.logs[0].between_samples
+        reading = model.problem.logs[0].reading
         if _readings(judges_of(reading, model)) != _readings(last.base.identified.hold_out):
             return searched_as(reading, model)
     return found, last
 
 
 def _readings(logs: Iterable[Log]) -> list[Intersample]:
-    return [log.between_samples for log in logs]
+    return [log.reading for log in logs]

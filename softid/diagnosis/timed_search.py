@@ -96,7 +96,7 @@ def _chains(
 
 
 def _reading(logs: Iterable[Log]) -> Intersample:
-    return next(iter(logs)).between_samples
+    return next(iter(logs)).reading
 
 
 def _over(recordings: Recordings, request: Request, search: CauseSearch) -> CauseSearch:

@@ -284,7 +284,7 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
     )
     if count > 1:
         if kept.logs.logs[0].intersample is None:
-            kept = recordings_read_as(kept, base.candidate.problem.logs[0].between_samples)
+            kept = recordings_read_as(kept, base.candidate.problem.logs[0].reading)
         kept = kept.each(partial(decimated, count=count, keeps_jumps=True))
     if base.candidate.has_spring:  # without one there is no rest, and no beginning is forgotten
         states = len(problem.model.start_states)

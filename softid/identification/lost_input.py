@@ -7,14 +7,16 @@ the noise, which no law of motion explains.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
 from softid.excitation.noise import noise_std
+from softid.identification.slow_outputs import SlowOutputLog
 from softid.intersample import lost_intervals
 from softid.log import Log
 from softid.models.base import Model
@@ -48,7 +50,10 @@ def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> L
     gaps = _gaps(log)
     if gaps.size == 0:
         return log
-    above, below = (simulate(model, values, _through(log, gaps, side)) for side in (1.0, -1.0))
+    above, below = (
+        simulate(model, values, with_course(log, partial(_through, gaps=gaps, side=side)))
+        for side in (1.0, -1.0)
+    )
     differs = apart(above, below, log)
     depends = differs > max(MATTERS, float(np.quantile(differs, 1.0 - MOST_LEFT_OUT)))
     if not depends.any():
@@ -87,6 +92,21 @@ def apart(one: Simulation, other: Simulation, log: Log) -> Array:
     return found
 
 
+def with_course(log: Log, change: Callable[[Log], Log]) -> Log:
+    """The log with another course of its input, which that of a slow output has in its recording.
+
+    Parameters
+    ----------
+    log
+        A log.
+    change
+        Gives a recording another course.
+    """
+    if isinstance(log, SlowOutputLog):
+        return replace(log, recorded=change(log.recorded))
+    return change(log)
+
+
 def with_rows_of(log: Log, time_s: Array, after: Places, input_values: Array) -> Log:
     """The log with rows put in that have an input and no output, for a simulation.
 
@@ -108,9 +128,10 @@ def with_rows_of(log: Log, time_s: Array, after: Places, input_values: Array) ->
 
 
 def _gaps(log: Log) -> Places:
-    """Last samples before an interval that has lost others, and is none between two segments."""
-    lost = lost_intervals(log.time_s)
-    found: Places = lost[np.diff(log.time_s)[lost] <= log.stall_s]
+    """Last rows before an interval that has lost others, and is none between two segments."""
+    rows_s = log.recorded.time_s if isinstance(log, SlowOutputLog) else log.time_s
+    lost = lost_intervals(rows_s)
+    found: Places = lost[np.diff(rows_s)[lost] <= log.stall_s]
     return found
 
 

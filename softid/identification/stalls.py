@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
-from softid.identification.lost_input import MATTERS, apart, with_rows_of
+from softid.identification.lost_input import MATTERS, apart, with_course, with_rows_of
 from softid.intersample import BEFORE
 from softid.log import Log
 from softid.models.base import Model
@@ -47,7 +48,10 @@ def across_stalls(log: Log, model: Model, values: Mapping[str, float]) -> Log:
     if count < 1 or not _has_rest(model, values, u[:1], log.outputs[0]):
         return log
     joined = replace(log, is_bridged=True)
-    high, low = (simulate(model, values, _held(joined, float(at))) for at in (u.max(), u.min()))
+    high, low = (
+        simulate(model, values, with_course(joined, partial(_held, level=float(level))))
+        for level in (u.max(), u.min())
+    )
     depends = apart(high, low, log) > MATTERS
     if np.mean(depends) > MOST_LEFT_OUT:
         return log

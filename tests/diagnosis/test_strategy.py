@@ -118,12 +118,12 @@ def test_what_judges_is_read_anew_when_all_causes_are_known(
 
     def judged_by(*logs: Any) -> Any:
         base = base_fit()
-        base.candidate.problem.logs = [SimpleNamespace(between_samples="zoh")]
+        base.candidate.problem.logs = [SimpleNamespace(reading="zoh")]
         base.identified = SimpleNamespace(hold_out=logs)
         base.judged_by = lambda others: judged_by(*others)
         return base
 
-    held, by_all = (SimpleNamespace(between_samples=reading) for reading in ("held", "zoh"))
+    held, by_all = (SimpleNamespace(reading=reading) for reading in ("held", "zoh"))
     monkeypatch.setattr(strategy, "intersample_after_first_cause", lambda *args: None)
     monkeypatch.setattr(strategy, "intersample_after_all_causes", lambda *args: None)
     read: Any = SimpleNamespace(hold_out=())

@@ -15,6 +15,7 @@ from softid.diagnosis.base.base_fit import BaseFit, Recordings
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.workflow import _prepared
 from softid.identification.lost_input import MATTERS, MOST_LEFT_OUT, without_lost_input
+from softid.identification.slow_outputs import SlowOutputLog, at_readings
 from softid.log import Log, LogSet
 
 VALUES = dict(
@@ -118,6 +119,22 @@ def test_an_input_that_goes_straight_on_is_known(course: str) -> None:
     slow = 60.0 * t if course == "ramp" else 30.0 * (1.0 - np.cos(0.4 * np.pi * t))
     log = recorded(slow)
     assert without_lost_input(log, MODEL, VALUES) is log
+
+
+def test_a_gap_matters_as_much_to_a_slow_output() -> None:
+    """A camera that reads every second row: of the same samples those that it read."""
+    log = recorded(jump())
+    seen = np.arange(len(log)) % 2 == 0
+    angle = np.where(seen, log.channels["angle"].values, np.nan)
+    channels = {**log.channels, "angle": replace(log.channels["angle"], values=angle)}
+    camera = at_readings(replace(log, channels=channels))
+    assert isinstance(camera, SlowOutputLog)
+    masked, all_masked = (without_lost_input(one, MODEL, VALUES).masked for one in (camera, log))
+    assert masked is not None
+    assert all_masked is not None
+    assert masked.sum() == pytest.approx(0.5 * all_masked.sum(), abs=2.0)
+    ends_s = [one.time_s[rows][[0, -1]] for one, rows in ((camera, masked), (log, all_masked))]
+    assert ends_s[0] == pytest.approx(ends_s[1], abs=1.5 * log.period_s)
 
 
 def test_of_a_log_that_mostly_hangs_on_it_the_worst_is_left_out() -> None:

@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from linear_motion import MODEL, TRUTH, linear_log, linear_problem
+from slow_camera import slow
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.effects import effects_of
 from softid.effects.extended_model import ExtendedModel
 from softid.identification.lost_input import MATTERS
+from softid.identification.slow_outputs import SlowOutputLog, at_readings
 from softid.identification.stalls import MOST_LEFT_OUT, across_stalls, as_remembered
 from softid.log import Log
 from softid.simulation import simulate
@@ -69,6 +71,28 @@ def test_what_the_motion_remembers_is_left_out() -> None:
     assert (issue.code, issue.severity) == ("bridged-stalls", "info")
     assert "through 2 stalls of up to 2.5 s" in issue.message
     assert f"{left_out.size} samples" in issue.message
+
+
+def test_behind_a_stall_of_a_slow_output_as_much_is_left_out() -> None:
+    """A camera at a third of the rate of its gauge: its readings in the same spans; where the
+    camera alone stalls, the course of the input is known."""
+    whole = linear_log(noise=NOISE, samples=2000)
+    cut = at_readings(slow(stalled(whole, (8.0, 10.0))))
+    assert isinstance(cut, SlowOutputLog)
+    bridged = across_stalls(cut, MODEL, VALUES)
+    left_out = bridged.time_s[bridged.masked]
+    memory_s = forgotten_s(SPAN_KPA, MATTERS * NOISE)
+    assert left_out.size > 2
+    period_s = cut.period_s
+    assert left_out[0] == pytest.approx(10.0, abs=period_s)
+    assert left_out[-1] - 10.0 == pytest.approx(memory_s, abs=period_s + 0.04)
+    blind = slow(whole)
+    dark = (blind.time_s > 8.0) & (blind.time_s < 10.0)
+    seen = np.where(dark, np.nan, blind.channels["angle"].values)
+    angle = replace(blind.channels["angle"], values=seen)
+    kept = at_readings(replace(blind, channels={**blind.channels, "angle": angle}))
+    assert len(kept.segments()) == 2
+    assert not np.any(across_stalls(kept, MODEL, VALUES).masked)
 
 
 @pytest.mark.parametrize("springless", [True, False], ids=["no spring", "many stalls"])

@@ -106,7 +106,7 @@ def better_intersample(
         None where the reading of the candidate stays.
     """
     logs = candidate.problem.logs
-    now = logs[0].intersample or "straight"
+    now = logs[0].reading
     others = [reading for reading in readings_of(logs) if reading != now]
     if not others:
         return None
@@ -323,7 +323,7 @@ def hold_out_read_as_explained(
     """
     if reading not in HELD:
         return tuple(hold_out)
-    now = candidate.problem.logs[0].between_samples
+    now = candidate.problem.logs[0].reading
     read = candidate if reading == now else refitted_as(candidate, sigma, reading) or candidate
     model, values = read.problem.model, read.parameters
     others = [other for other in HELD if other != reading]

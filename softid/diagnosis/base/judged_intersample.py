@@ -57,7 +57,7 @@ def read_as_judged(
     if not before > MORE * base.rms:
         return recordings, base
     misfit = misfit_of(base.candidate.problem, base.candidate.minimum.point)
-    now = recordings.logs.logs[0].intersample or "straight"
+    now = recordings.logs.logs[0].reading
     best, least = (recordings, base), TELLS**0.5 * before
     for reading in readings_of(recordings.logs):
         if reading == now or reading not in WAYS:

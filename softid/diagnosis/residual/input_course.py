@@ -47,7 +47,7 @@ def moved_by_course(model: Candidate, draw: int, *, without_jumps: bool) -> list
     """
     problem, moved = model.problem, []
     for k, segment in enumerate(problem.segments):
-        if problem.logs[problem.owner[k]].between_samples in HELD:
+        if problem.logs[problem.owner[k]].reading in HELD:
             moved.append(np.zeros(segment.samples_of(segment.time_s).size))
             continue
         rng = np.random.default_rng((SEED, k, draw))
