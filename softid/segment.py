@@ -59,6 +59,11 @@ class Segment:
     input_read_s: Array | None = None
 
     @property
+    def since_s(self) -> Array:
+        """Times since the log's first sample, shape (n,)."""
+        return self.time_s - self.log_start_s
+
+    @property
     def readings(self) -> tuple[Array, Array]:
         """Times at which the input was read, and what it was then, each of shape (R,)."""
         if self.input_read_s is None:

@@ -282,7 +282,7 @@ class InputEffect(Effect):
         eta
             Parameter values in the order of `parameters`, shape (H,).
         time_s
-            Strictly increasing times, finer than the samples, shape (m,).
+            Strictly increasing times since the log's start, finer than the samples, shape (m,).
         u
             Input, straight between these times and constant before the first, shape (m,).
         scale

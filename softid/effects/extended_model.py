@@ -253,7 +253,7 @@ class ExtendedModel(Model):
 
     def _recorded(self, theta: Array, segment: Segment, y: Array) -> Array:
         """What the sensor makes of the first output."""
-        since_s = segment.time_s - segment.log_start_s
+        since_s = segment.since_s
         for effect, eta in self._own(theta):
             if isinstance(effect, OutputEffect):
                 y = effect.apply(eta, since_s, y, self.scale)
@@ -289,7 +289,7 @@ class ExtendedModel(Model):
         law = self.model.motion_law(base)
         u, bends_in_s = segment.input, np.inf
         for effect, eta in self._on_input(theta):
-            u = effect.apply(eta, segment.time_s, u, self.scale)
+            u = effect.apply(eta, segment.since_s, u, self.scale)
             bends_in_s = min(bends_in_s, effect.bends_in_s(eta))
         counts = np.ones(max(u.size - 1, 0), np.intp)
         if law is not None:

@@ -61,8 +61,9 @@ def arriving_input(
     from softid.kernels.stage_projection import gather
 
     time_s, u = plan.nodes
+    since_s = time_s - segment.log_start_s
     for effect, eta in effects:
-        u = effect.apply(eta, time_s, u, scale)
+        u = effect.apply(eta, since_s, u, scale)
     nodes = plan.nodes_per_step
     at_stages = np.empty(((time_s.size - 1) // nodes, 3))
     weights = _to_stages(nodes, are_means=holds_jumps(time_s))

@@ -12,6 +12,7 @@ from io_rig import SCALE, extended, pressure, segment
 from softid.effects import Scale
 from softid.effects.base import InputEffect
 from softid.effects.delay import Delay
+from softid.effects.extended_model import ExtendedModel
 from softid.effects.pneumatic_lag import LevelPneumaticLag, PneumaticLag, SeparatePneumaticLag
 from softid.effects.stage_input import arriving_input
 from softid.kernels.radau import STAGES
@@ -50,6 +51,22 @@ def test_a_parabola_arrives_as_itself() -> None:
     at_s = plan.stage_s
     assert first == 3.0
     np.testing.assert_allclose(stages, 3.0 - 2.0 * at_s + 0.7 * at_s**2, rtol=0.0, atol=1e-9)
+
+
+def test_the_time_of_an_effect_begins_with_the_log() -> None:
+    """A log from 1000 s on is that from 0 s on, with its plan and with what arrives."""
+    model, theta = extended("delay")
+    model = ExtendedModel(model.model, (Curved(),), SCALE)
+    early = segment("irregular")
+    late = replace(early, time_s=early.time_s + 1000.0, log_start_s=early.log_start_s + 1000.0)
+    plans = [model.plan(theta, s) for s in (early, late)]
+    arriving = [
+        arriving_input([(Curved(), np.zeros(1))], s, plan, SCALE)
+        for s, plan in zip((early, late), plans, strict=True)
+    ]
+    assert plans[0].stage_s.shape == plans[1].stage_s.shape
+    assert arriving[0][0] == pytest.approx(arriving[1][0])
+    np.testing.assert_allclose(arriving[0][1], arriving[1][1], atol=1e-6)
 
 
 @pytest.mark.parametrize("tau_s", [0.0031, 0.0437])

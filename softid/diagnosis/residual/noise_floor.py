@@ -113,6 +113,8 @@ def noise_floor(
         runs = [run for rest in rests for run in contiguous_runs(rest)]
         lengths = [run.size for run in runs]
         known = effective_n(fit_ar(runs), lengths)
+        # those of a mean, fewer than a variance has: the power of what is held against this
+        # estimate is as little known
         degrees = max(known - len(rests), 1.0)
         total = sum(float(run @ run) for run in runs)
         variance = total / sum(lengths) * (known / degrees)

@@ -58,10 +58,11 @@ def variations(
 
     With W whitening the residual r, J its Jacobian, g = Σ Aᵢ ∂y/∂Aᵢ the response's derivative along
     the logarithm of all sizes A of the effect, and h the hat functions of a variable, the score
-    test regresses W r on W (g h) beside W J. What that takes away, q, is χ² with as many degrees of
-    freedom ν as columns stand beside W J where the size is constant. Else (q − ν)/‖W g‖² is the
-    variance of the size over its square, and the share is (q − ν)/‖W g‖² with W g beside the
-    unknowns of the model without the effect, which is what the cause itself takes away.
+    test regresses W r on W (g h) beside W J. What that takes away of the variance s² of W r, q, is
+    χ² with as many degrees of freedom ν as columns stand beside W J where the size is constant.
+    Else (q − ν) s²/‖W g‖² is the variance of the size over its square, and the share is the same
+    with W g beside the unknowns of the model without the effect, which is what the cause itself
+    takes away.
 
     Parameters
     ----------
@@ -145,7 +146,7 @@ def _judged(
         return None
     further = float(np.sum((asked.T @ left) ** 2)) / variance
     chance = chi_square_tail(further, freedom)
-    beyond = max(further - freedom, 0.0)
+    beyond = max(further - freedom, 0.0) * variance
     if chance > CHANCE or beyond < NOTABLE_VARIATION * taken:
         return None
     return Variation(name, (beyond / weight) ** 0.5, beyond / taken, chance)

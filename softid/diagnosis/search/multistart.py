@@ -167,7 +167,7 @@ def driven(
     """
     eta = effect.parameters(scale).with_values(values).values_vector()
     arriving = [
-        replace(s, input=effect.apply(eta, s.time_s - s.log_start_s, s.input, scale))
+        replace(s, input=effect.apply(eta, s.since_s, s.input, scale))
         for s in base.problem.plain_segments
     ]
     return list(_places(base, arriving))

@@ -136,7 +136,7 @@ def inputs_exchanged(candidate: Candidate) -> tuple[Effect, ...]:
         u = segment.input
         for effect in pair:
             eta = np.array(list(own_values(effect, candidate.parameters).values()))
-            u = effect.apply(eta, segment.time_s, u, model.scale)
+            u = effect.apply(eta, segment.since_s, u, model.scale)
         arriving.append(u)
     apart = float(np.std(arriving[0] - arriving[1]))
     if not apart > COMMUTE * float(np.ptp(segment.input)):

@@ -25,7 +25,7 @@ from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.residual import parameter_constancy
-from softid.diagnosis.residual.parameter_constancy import CHANCE, variations
+from softid.diagnosis.residual.parameter_constancy import CHANCE, _judged, variations
 from softid.diagnosis_results import Variation
 from softid.effects.base import Effect, Scale
 from softid.log import Log
@@ -123,6 +123,21 @@ def test_a_size_that_jumps_is_found_with_its_spread(change: float) -> None:
     assert told.chance < CHANCE
     assert 0.7 * abs(change) < told.spread < 1.2 * abs(change)
     assert told.share > told.spread**2
+
+
+def test_a_variation_counts_in_what_is_left() -> None:
+    """Twice the residual with four times its variance is the same chance, of twice the spread."""
+    rng = np.random.default_rng(0)
+    asked = np.linalg.qr(rng.standard_normal((500, 3)))[0]
+    left = rng.standard_normal(500) + asked @ np.array([20.0, -15.0, 8.0])
+    one, other = (
+        _judged("t", asked, factor * left, factor**2 * 1.0, 1000.0, 500.0) for factor in (1.0, 2.0)
+    )
+    assert one is not None
+    assert other is not None
+    assert other.chance == pytest.approx(one.chance)
+    assert other.spread == pytest.approx(2.0 * one.spread)
+    assert other.share == pytest.approx(4.0 * one.share)
 
 
 def test_the_variable_is_told() -> None:
