@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
@@ -110,8 +110,7 @@ def chosen_model(
         given = described(geometry, name or GEOMETRY_MODEL) | given
 
     if name is None:
-        owners = [k for k, m in MODELS.items() if given.keys() <= {f.name for f in fields(m)}]
-        name = owners[0]
+        name = _only_owner(given)
     if name not in MODELS:
         raise UsageError(
             "there is no such model",
@@ -138,6 +137,20 @@ def chosen_model(
     options: dict[str, object] = dict(given)
     model: Model = MODELS[name](**options)
     return model
+
+
+def _only_owner(given: Mapping[str, object]) -> str:
+    """The one model that has all of the options."""
+    from softid.models import MODELS
+
+    owners = [k for k, m in MODELS.items() if given.keys() <= {f.name for f in fields(m)}]
+    if len(owners) == 1:
+        return owners[0]
+    raise UsageError(
+        "several models have these options" if owners else "no model has all of these options",
+        where=", ".join(_FLAGS.get(option, f"--option {option}") for option in given),
+        remedy=f"name the model with --model, one of {', '.join(owners or MODELS)}",
+    )
 
 
 def _require_both(fixed_length_mm: float | None, diameter_mm: float | None) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, Issue
+from softid.fitters.rest import REST_FRACTION
 from softid.fitters.swings import Swings, count_swings
 from softid.log import Log
 from softid.models.equilibrium import NAMES, Equilibrium
@@ -97,14 +98,15 @@ def by_hand(log: Log, *, model: Equilibrium | None = None, output: str = "angle"
 
     Raises
     ------
+    UsageError
+        The log has no such channel.
     IdentificationError
         The record does not swing, or no C_d or C_m gives its swings.
 
     Source: DEE 2022, Figures 5 and 6.
     """
     chosen = model or Equilibrium()
-    if output in log.outputs:
-        log = log.with_roles(outputs=(output,))
+    log = log.with_roles(outputs=(output,))
     segment = max(log.segments(), key=lambda s: s.time_s.size)
     record = segment.outputs[output]
     shown = np.where(segment.used[output], record, np.nan)
@@ -152,8 +154,9 @@ def _told(
     measured, damped, compensated = swings
     simulated = _simulated(model, tuned, segment, output)
     used = segment.used[output]
-    still = segment.input == segment.input[0]
-    still[: max(1, int(np.argmax(np.abs(np.gradient(segment.input)) > 0)))] = True
+    u = segment.input
+    moves = np.abs(u - u[0]) > REST_FRACTION * float(np.ptp(u))
+    still = np.arange(u.size) < max(1, int(np.argmax(moves)))
     simulated = simulated + float(np.mean((segment.outputs[output] - simulated)[used & still]))
     left = (segment.outputs[output] - simulated)[used]
     issues = []

@@ -54,7 +54,7 @@ def local_derivatives(
     >>> local_derivatives(t, t**3, window_s=0.5).curvature[10].round(9)
     np.float64(3.0)
     """
-    count = samples_per_window(time_s, window_s, degree)
+    count = _samples_of_window(time_s, window_s, degree)
     first = np.clip(np.arange(time_s.size) - count // 2, 0, time_s.size - count)
     window = first[:, None] + np.arange(count)
     half_s = 0.5 * count * float(np.median(np.diff(time_s)))
@@ -71,15 +71,14 @@ def local_derivatives(
 
 
 def samples_per_window(time_s: Array, window_s: float, degree: int = DEGREE) -> int:
-    """Odd number of samples that a window of the given length holds at the median rate.
-
-    Raises
-    ------
-    InputError
-        There are fewer samples than that.
-    """
+    """Odd number of samples that a window of the given length holds at the median rate."""
     period_s = float(np.median(np.diff(time_s))) if time_s.size > 1 else window_s
-    count = max(round(window_s / period_s) | 1, (degree + 2) | 1)
+    return max(round(window_s / period_s) | 1, (degree + 2) | 1)
+
+
+def _samples_of_window(time_s: Array, window_s: float, degree: int) -> int:
+    """The same, or an `InputError` where there are fewer samples than that."""
+    count = samples_per_window(time_s, window_s, degree)
     if time_s.size < count:
         raise InputError(
             f"a window needs {count} samples",
@@ -93,7 +92,7 @@ def local_polynomial(
     time_s: Array, values: Array, *, near_s: float, window_s: float, degree: int = DEGREE
 ) -> np.polynomial.Polynomial:
     """The polynomial in ``t − near_s`` fitted to the samples nearest to ``near_s``."""
-    count = samples_per_window(time_s, window_s, degree)
+    count = _samples_of_window(time_s, window_s, degree)
     middle = int(np.searchsorted(time_s, near_s))
     first = min(max(middle - count // 2, 0), time_s.size - count)
     window = slice(first, first + count)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from softid.errors import Issue
+from softid.errors import IdentificationError, Issue
 from softid.fitters.damping_surface import Damping, DampingFit, DampingSamples, fit_damping
 from softid.fitters.local_derivatives import local_derivatives, samples_per_window
 from softid.fitters.settled_levels import levels
@@ -105,7 +105,8 @@ def damping_surface(
     Raises
     ------
     IdentificationError
-        Too few samples move, or the damping they show is negative.
+        No stretch is as long as a window, too few samples move, or the damping they show is
+        negative.
 
     Source: Ru et al. 2019, Eq 6.
     """
@@ -121,6 +122,12 @@ def damping_surface(
         balances.append(static.force_balance(pressure, motion.value) - mass * motion.curvature)
         speeds.append(motion.slope)
         lengths.append(pressure.size)
+    if not lengths:
+        raise IdentificationError(
+            f"no stretch of the log is as long as a window of {window:.3g} s",
+            where=log.name,
+            remedy="use a log without stalls, or give a shorter window_s",
+        )
     samples = DampingSamples(
         np.concatenate(pressures),
         np.concatenate(balances),

@@ -83,7 +83,8 @@ def choose_order(
             remedy="add levels, or keep the quartic",
         )
     best = int(np.argmin(means))
-    spread = float(np.std(errors[best], ddof=1) / np.sqrt(errors[best].size))
+    left_out = errors[best].size
+    spread = float(np.std(errors[best], ddof=1) / np.sqrt(left_out)) if left_out > 1 else 0.0
     within = [k for k in range(len(tried)) if means[k] <= means[best] + spread]
     chosen = min(within, key=lambda k: tried[k])
     rmse = np.sqrt(means)
@@ -96,7 +97,7 @@ def choose_order(
         tried[chosen],
         tried,
         tuple(rmse.tolist()),
-        int(errors[best].size),
+        left_out,
         reason,
     )
 

@@ -252,7 +252,6 @@ def _scout(
             lead = Lead(begin, begin) if rough is None else led(own, begin, rough, limit)
         own.prior = objective.prior
         found = own.solve(lead.point, limit, damping=lead.damping)
-        objective.evaluations += own.evaluations
         return found, lead.start, own
 
     if len(begins) == 1:
@@ -260,6 +259,7 @@ def _scout(
     else:
         with ThreadPoolExecutor(max_workers=SCOUTS) as pool:
             rows = list(pool.map(run, begins))
+    objective.evaluations += sum(own.evaluations for _, _, own in rows)
     rows = sorted((row for row in rows if np.isfinite(row[0].normal.cost)), key=_cost)
     if rows:
         objective.adopt(rows[0][2])

@@ -162,7 +162,9 @@ def _simultaneous(logs: list[Log], rng: np.random.Generator) -> tuple[float, boo
     """
     model = Muscle()
     problem = Problem(model, model.parameters(), logs, zeros=False)
-    starts = [guess.values_dict() for guess in model.guess(problem.segments, problem.outputs[0])]
+    starts = [
+        guess.values_dict() for guess in model.guess(problem.plain_segments, problem.outputs[0])
+    ]
     found = output_error(problem, starts, rng=rng, rounds=0)
     mass = problem.theta(found.unknowns)[problem.parameters.names.index("M")]
     return float(mass), found.status.success

@@ -248,13 +248,16 @@ def leads(
     if not isinstance(problem, WindowedProblem):
         return []
 
-    def run(start: Array) -> Lead:
-        return led(objective, start, problem, evaluations)
+    def run(start: Array) -> tuple[Lead, int]:
+        own = Objective(objective.problem, objective.sigma)
+        return led(own, start, problem, evaluations), own.evaluations
 
-    found = [run(starts[0])]
+    rows = [run(starts[0])]
     with ThreadPoolExecutor(max_workers=LEADERS) as pool:
-        while len(found) < len(starts) and not any(lead.is_white for lead in found):
-            found += pool.map(run, starts[len(found) :][:LEADERS])
+        while len(rows) < len(starts) and not any(lead.is_white for lead, _ in rows):
+            rows += pool.map(run, starts[len(rows) :][:LEADERS])
+    objective.evaluations += sum(spent for _, spent in rows)
+    found = [lead for lead, _ in rows]
     return sorted(found, key=lambda lead: lead.cost)
 
 

@@ -205,7 +205,7 @@ def _terms(model: Model) -> int:
 def _draft(model: Model, logs: LogSet, rng: np.random.Generator) -> _Draft:
     """Fit to all samples roughly, then refit from there without every fourth block in turn."""
     problem = Problem(model, model.parameters(), logs.logs)
-    guesses = model.guess(problem.segments, logs.outputs[0])
+    guesses = model.guess(problem.plain_segments, logs.outputs[0])
     starts = [g.values_dict() for g in guesses] or [model.parameters().values_dict()]
     optimum = output_error(problem, starts, rng=rng, rounds=0)
     if not np.isfinite(optimum.cost):

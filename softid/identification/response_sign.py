@@ -171,7 +171,7 @@ def _rises_behind_a_lag(logs: LogSet) -> bool:
 def _cost_of_start(model: Model, logs: LogSet) -> float:
     """Sum of squares that the best start values of a model leave over."""
     problem = Problem(model, model.parameters(), logs.logs)
-    starts = model.guess(problem.segments, logs.outputs[0]) or (model.parameters(),)
+    starts = model.guess(problem.plain_segments, logs.outputs[0]) or (model.parameters(),)
     objective = Objective(problem, dict.fromkeys(problem.outputs, 1.0))
     return objective(problem.unknowns(starts[0].values_dict())).cost
 
@@ -180,6 +180,6 @@ def _cost(model: Model, logs: LogSet, rng: np.random.Generator, *, rounds: int) 
     """Sum of squares that a fit of the model leaves over, or a draft of one without any rounds."""
     problem = Problem(model, model.parameters(), logs.logs)
     starts: Sequence[dict[str, float]] = [
-        guess.values_dict() for guess in model.guess(problem.segments, logs.outputs[0])
+        guess.values_dict() for guess in model.guess(problem.plain_segments, logs.outputs[0])
     ] or [model.parameters().values_dict()]
     return output_error(problem, starts, rng=rng, rounds=rounds, thorough=False).cost

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from softid.errors import IdentificationError
+from softid.errors import IdentificationError, UsageError
 from softid.fitters.equilibrium import by_hand
 from softid.fitters.swings import count_swings
 from softid.identification import fit
@@ -50,6 +50,26 @@ def test_noise_hardly_counts() -> None:
     noisy = clean + 0.01 * np.random.default_rng(2).standard_normal(time_s.size)
     counts = [count_swings(time_s, y, np.ones_like(y), least=0.05).count for y in (clean, noisy)]
     assert 0 <= counts[1] - counts[0] <= 2
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_its_zero_is_that_of_the_rest_before_the_step(seed: int) -> None:
+    """Under a gauge that trembles by 0.2 % of the step no two samples are alike: the angle stands
+    at −0.2 rad there with noise of 0.01, so the mean of 500 samples is known to 4.5e-4 rad."""
+    log = simulated(6e-4, 1.0)
+    rng = np.random.default_rng(seed)
+    pressure = log.pressure_kpa + 0.04 * rng.standard_normal(len(log))
+    angle = log.channels["angle"].values - 0.2 + 0.01 * rng.standard_normal(len(log))
+    noisy = Log.from_arrays(log.time_s, {"pressure": pressure, "angle": angle})
+    left = angle - by_hand(noisy).simulated_rad
+    assert abs(left[:500].mean()) < 1e-12
+    assert abs(left[500:].mean()) < 4.0 * 4.5e-4
+
+
+def test_a_channel_that_is_not_there_is_refused() -> None:
+    """As everywhere, with the channels to choose from."""
+    with pytest.raises(UsageError, match="no channel torque"):
+        by_hand(simulated(6e-4, 1.0), output="torque")
 
 
 def test_it_recovers_its_own_kind() -> None:

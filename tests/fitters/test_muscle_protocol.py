@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -283,6 +284,24 @@ def test_constant_damping_is_the_alternative():
     assert (fit.a2, fit.b2, fit.correlation) == (0.0, 0.0, None)
     assert fit.stderr["c2"] is not None
     assert fit.stderr["a2"] is None
+
+
+def test_a_stretch_that_is_too_short_is_skipped():
+    """Five samples between two stalls hold no window; the rest of the log gives what it gave.
+
+    Where no stretch holds one, the error says so.
+    """
+    static = levels_from_arrays(LEVELS_KPA, _static(LEVELS_KPA))
+    whole = _log(_sine(1000, 8.0))
+    stalled = whole.time_s + np.where(np.arange(len(whole)) >= 5, 5.0, 0.0)
+    log = replace(whole, time_s=stalled)
+    assert [stop - start for start, stop in log.stretches] == [5, len(whole) - 5]
+    fits = [damping_surface(one, static, TRUTH["M"], window_s=0.015) for one in (whole, log)]
+    assert fits[1].c2 == pytest.approx(fits[0].c2, rel=1e-2)
+    found = [extremes(one, static, window_s=0.015) for one in (whole, log)]
+    assert found[1].samples.size >= found[0].samples.size - 1
+    with pytest.raises(IdentificationError, match=r"no stretch .* as long as a window of 10 s"):
+        damping_surface(whole, static, TRUTH["M"], window_s=10.0)
 
 
 def test_damping_fit_keeps_its_bounds_and_finds_either_sign_of_b2():

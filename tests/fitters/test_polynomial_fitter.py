@@ -232,6 +232,12 @@ def test_requests_that_cannot_be_met():
         quartic(np.tile([1.0, 2, 3, 4], 3), np.arange(12.0))
     with pytest.raises(IdentificationError, match="too few pressure levels"):
         choose_order([1.0, 1.0, 2.0], [0.0, 0.1, 1.0], orders=(3,))
+
+
+def test_of_three_levels_one_is_left_out() -> None:
+    """It has no spread, so the order that misses it least is chosen."""
+    choice = choose_order([0.0, 1.0, 2.0], [0.0, 1.0, 2.0], orders=(1,))
+    assert (choice.order, choice.blocks) == (1, 1)
     with pytest.raises(UsageError, match="no such branch"):
         quartic(LEVELS_KPA, LEVELS_KPA, branch="sideways")
     with pytest.raises(InputError, match="differ in shape"):
