@@ -1,4 +1,4 @@
-"""What a held input does between the samples of a log that is not fitted."""
+"""A log as a finished fit takes it: what is left out of it, and what its input does in between."""
 
 from __future__ import annotations
 
@@ -11,12 +11,40 @@ from softid.errors import Issue
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
 from softid.identification.intersample_choice import BETTER_BY, misfit_of
+from softid.identification.preparation import without_dropouts
+from softid.identification.repeated_input import without_repeats
+from softid.identification.slow_outputs import at_readings
 from softid.intersample import HELD, Intersample
 from softid.log import Log
 from softid.models.base import Model
 
 HELD_OTHERWISE = "held-otherwise"
 """Code of the remark that a log is held in another way than the fitted ones."""
+
+
+def prepared(log: Log, reading: object) -> Log:
+    """A log with what a fit leaves out of its residuals, and with its input as a fit takes it.
+
+    Parameters
+    ----------
+    log, reading
+        As in `input_as_fitted`.
+    """
+    return at_readings(input_as_fitted(without_dropouts(log), reading))
+
+
+def input_as_fitted(log: Log, reading: object) -> Log:
+    """The log with an input that goes on between the readings of a gauge that repeats its values.
+
+    Parameters
+    ----------
+    log
+        As it was recorded.
+    reading
+        What the input of the fitted logs does between its samples, as the record of a fit may say:
+        one that is held stays as it is.
+    """
+    return log if reading in HELD else without_repeats(log)
 
 
 def read_as_fitted(

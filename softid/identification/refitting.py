@@ -9,10 +9,8 @@ import numpy as np
 
 from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
-from softid.identification.preparation import as_log_set, without_dropouts
-from softid.identification.repeated_input import without_repeats
-from softid.identification.slow_outputs import at_readings
-from softid.intersample import HELD
+from softid.identification.new_log_reading import prepared
+from softid.identification.preparation import as_log_set
 from softid.log import Log
 from softid.parameters import ParameterSet
 from softid.results import FitResult
@@ -40,11 +38,7 @@ def refitted(
     from softid.effects import model_of  # twenty modules, which few fits need
 
     reading = result.options.get("intersample")
-    cleaned = (without_dropouts(log) for log in as_log_set(logs))
-    read = [
-        at_readings(log if reading in HELD else without_repeats(log)).with_intersample(reading)
-        for log in cleaned
-    ]
+    read = [prepared(log, reading).with_intersample(reading) for log in as_log_set(logs)]
     model = model_of(result.model)
     problem = Problem(model, _as_fitted(model.parameters(), result), read)
     return problem, output_error(problem, [result.values], rng=rng, rounds=0, far=False)

@@ -10,12 +10,9 @@ from softid.errors import Issue, UsageError
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.issues import extrapolation
-from softid.identification.new_log_reading import read_as_fitted
-from softid.identification.preparation import as_log_set, without_dropouts
-from softid.identification.repeated_input import without_repeats
-from softid.identification.slow_outputs import at_readings
+from softid.identification.new_log_reading import prepared, read_as_fitted
+from softid.identification.preparation import as_log_set
 from softid.identification.stalls import as_remembered
-from softid.intersample import HELD
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
@@ -73,10 +70,7 @@ def validate(
         The response is not finite on a log.
     """
     scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
-    cleaned = (without_dropouts(log) for log in as_log_set(logs))
-    is_held = scored.intersample in HELD
-    bridged = (at_readings(log if is_held else without_repeats(log)) for log in cleaned)
-    given = LogSet(tuple(bridged))
+    given = LogSet(tuple(prepared(log, scored.intersample) for log in as_log_set(logs)))
     for log in given:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
             raise UsageError(

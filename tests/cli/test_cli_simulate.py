@@ -77,6 +77,30 @@ def test_a_measured_log_is_shown_beside(softid: Cli, params: Path, tmp_path: Pat
     )
 
 
+def test_a_gauge_that_repeats_its_values_is_no_later(
+    softid: Cli, params: Path, tmp_path: Path
+) -> None:
+    """A sine of 0.5 Hz in rows of 50 Hz from a gauge of 10 Hz: taken as it stands it would be late
+    by 0.04 s; as a fit takes it, a spline through its readings, it is not."""
+    time_s = np.arange(500) / 50.0
+
+    def predicted(pressure_kpa: np.ndarray, name: str) -> np.ndarray:
+        path = tmp_path / f"{name}.csv"
+        rows = [f"{t:.2f},{p:.9g}" for t, p in zip(time_s, pressure_kpa, strict=True)]
+        path.write_text("time_s,pressure_kpa\n" + "\n".join(rows) + "\n")
+        told = softid("simulate", params, "--input", path)
+        assert told.code == 0
+        assert ("repeats each value for about 5 samples" in told.err) == (name == "slow")
+        return table(told.out)["angle_deg"]
+
+    def sine(at_s: np.ndarray) -> np.ndarray:
+        return 40.0 + 39.0 * np.sin(np.pi * at_s)
+
+    true, late = predicted(sine(time_s), "true"), predicted(sine(time_s - 0.04), "late")
+    slow = predicted(sine(time_s[np.arange(500) // 5 * 5]), "slow")
+    assert np.std((slow - true)[50:-50]) < 0.02 * np.std((late - true)[50:-50])
+
+
 def test_a_file_is_written_once(softid: Cli, params: Path, plan: Path) -> None:
     """--out takes the same bytes as stdout and keeps an earlier file without --force."""
     printed = softid("simulate", params, "--input", plan).out
