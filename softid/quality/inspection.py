@@ -23,6 +23,7 @@ from softid.excitation import (
 )
 from softid.log import Log
 from softid.quality.abilities import LEVEL_SPACING, Evidence, judge_abilities
+from softid.quality.causality import leading_outputs
 from softid.quality.dropouts import find_dropouts, may_drop_out
 from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role
 from softid.quality.holding import describe_holds, other_inputs
@@ -123,7 +124,7 @@ def inspect(log: Log) -> Inspection:
             stretches,
             holds=holds,
             other_inputs=other_inputs(log, judged),
-            from_reader=log.issues,
+            from_reader=(*log.issues, *leading_outputs(log)),
         ),
     )
 
@@ -152,8 +153,10 @@ def dropout_mask(log: Log) -> BoolArray:
     return mask
 
 
-def stuck_outputs(log: Log) -> tuple[Issue, ...]:
-    """What is to be said of outputs that saturate or repeat one value: a fit takes both as motion.
+def faulty_outputs(log: Log) -> tuple[Issue, ...]:
+    """What is to be said of outputs that saturate, repeat one value, or move before the input does.
+
+    A fit takes all of it as motion.
 
     Parameters
     ----------
@@ -165,6 +168,7 @@ def stuck_outputs(log: Log) -> tuple[Issue, ...]:
         channel = log.channels[name]
         if may_be_stuck(channel.values):
             found += list_stuck(_report(log, channel, "output", None, ()))
+    found += leading_outputs(log)
     return tuple(replace(issue, message=f"{log.name}: {issue.message}") for issue in found)
 
 

@@ -12,6 +12,7 @@ from softid.excitation import SettledWindow, median_of_five
 from softid.log import Log
 from softid.quality.findings import CommandLag, Frozen, SignCheck, StepResponse
 from softid.quality.holding import Hold
+from softid.quality.lagged_correlation import common_grid, lagged_correlations, longest_lag_s
 
 Array = npt.NDArray[np.float64]
 
@@ -21,16 +22,6 @@ FALLS_WITH_PRESSURE = ("distance", "length")
 CLEARLY_INVERTED = -0.6
 """Correlation, in the expected sense, up to which a sign is called inverted: over a third of the
 variance goes the wrong way. A judgement."""
-
-GRID = 2000
-"""Points to which a log is interpolated for correlations at most: a lag is then known to 1/2000 of
-the log."""
-
-LONGEST_LAG_S = 10.0
-"""Longest lag that is tried, a judgement …"""
-
-LONGEST_LAG_OF_LOG = 0.1
-"""… and as a share of the log, nine tenths of which then still overlap."""
 
 MIN_LAG_CORRELATION = 0.5
 """Correlation below which a measured pressure does not follow its command, so that a lag between
@@ -71,12 +62,12 @@ def check_sign(log: Log, output: str) -> SignCheck | None:
     SignCheck or None
         None when input or output does not move.
     """
-    grid = _common_grid(log, log.input, output)
+    grid = common_grid(log, log.input, output)
     if grid is None:
         return None
     step_s, given, answered = grid
-    lags = max(int(_longest_lag_s(step_s, given) / step_s), 1)
-    correlations = _lagged_correlations(given, answered, lags)
+    lags = max(int(longest_lag_s(step_s, given) / step_s), 1)
+    correlations = lagged_correlations(given, answered, lags)
     best = int(np.abs(correlations).argmax())
     correlation = float(correlations[best])
     sign = -1.0 if output in FALLS_WITH_PRESSURE else 1.0
@@ -97,12 +88,12 @@ def command_lag(log: Log) -> CommandLag | None:
     """
     if not {"pressure_command", "pressure"} <= set(log.channels):
         return None
-    grid = _common_grid(log, "pressure_command", "pressure")
+    grid = common_grid(log, "pressure_command", "pressure")
     if grid is None:
         return None
     step_s, given, answered = grid
-    lags = max(int(_longest_lag_s(step_s, given) / step_s), 2)
-    correlations = _lagged_correlations(given, answered, lags)
+    lags = max(int(longest_lag_s(step_s, given) / step_s), 2)
+    correlations = lagged_correlations(given, answered, lags)
     best = int(correlations.argmax())
     if correlations[best] < MIN_LAG_CORRELATION:
         return None
@@ -112,40 +103,6 @@ def command_lag(log: Log) -> CommandLag | None:
         bend = left - 2.0 * top + right
         shift = 0.5 * float((left - right) / bend) if bend < 0.0 else 0.0
     return CommandLag((best + shift) * step_s, float(correlations[best]))
-
-
-def _common_grid(log: Log, first: str, second: str) -> tuple[float, Array, Array] | None:
-    """Two channels on a regular grid, good enough for correlations, or None when one is still."""
-    finite = np.isfinite(log.channels[first].values) & np.isfinite(log.channels[second].values)
-    if finite.sum() < 8:
-        return None
-    times = log.time_s[finite]
-    span_s = float(times[-1] - times[0])
-    count = int(min(GRID, max(span_s / log.period_s, 8.0)))
-    regular = np.linspace(times[0], times[-1], count)
-    one = np.interp(regular, times, log.channels[first].values[finite])
-    two = np.interp(regular, times, log.channels[second].values[finite])
-    if np.ptp(one) == 0.0 or np.ptp(two) == 0.0:
-        return None
-    return span_s / (count - 1), one, two
-
-
-def _longest_lag_s(step_s: float, given: Array) -> float:
-    """A quarter of the main period, within a tenth of the log and 10 s."""
-    spectrum = np.abs(np.fft.rfft(given - given.mean()))
-    main = max(int(spectrum[1:].argmax()) + 1, 1)
-    span_s = step_s * given.size
-    return min(0.25 * span_s / main, LONGEST_LAG_OF_LOG * span_s, LONGEST_LAG_S)
-
-
-def _lagged_correlations(given: Array, answered: Array, lags: int) -> Array:
-    correlations = np.zeros(lags + 1)
-    for lag in range(min(lags + 1, given.size - 4)):
-        one = given[: given.size - lag] - given[: given.size - lag].mean()
-        two = answered[lag:] - answered[lag:].mean()
-        scale = float(np.sqrt((one @ one) * (two @ two)))
-        correlations[lag] = float(one @ two) / scale if scale > 0.0 else 0.0
-    return correlations
 
 
 def step_response(

@@ -59,6 +59,7 @@ from softid.diagnosis_results import (
     cause_before,
     dropped_from,
 )
+from softid.quality.causality import LEADS
 from softid.results import FitResult
 
 WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW)
@@ -111,8 +112,8 @@ def write_summary(found: Diagnosis) -> Diagnosis:
 def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
     """Codes of the remarks on the logs that belong into the paragraph: a cause explains a set."""
     if verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
-        return ONE_FREQUENCY, NEARLY_STATIC, RESIDUAL_SET
-    return (ONE_FREQUENCY,)
+        return LEADS, ONE_FREQUENCY, NEARLY_STATIC, RESIDUAL_SET
+    return LEADS, ONE_FREQUENCY
 
 
 def _remedy_of_disturbance(found: Diagnosis) -> str | None:
