@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from softid.diagnosis.answer import answer_of
 from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request, require_enough
 from softid.diagnosis.base.intersample_selection import (
@@ -50,11 +52,13 @@ from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.effects import effects_of
+from softid.errors import InputError
 from softid.identification.lost_input import without_lost_input
 from softid.identification.preparation import as_log_set, as_logs, without_dropouts
 from softid.identification.repeated_input import without_repeats
 from softid.identification.slow_outputs import at_readings
 from softid.identification.stalls import across_stalls
+from softid.identification.unit_slips import unit_slips
 from softid.log import Log
 from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
@@ -120,7 +124,8 @@ def diagnose(
     ------
     InputError, UsageError, IdentificationError
         As `softid.fit`; besides, an effect is unknown, the model is static, the logs have too few
-        samples to tell a cause from noise, or what is held out does not move.
+        samples to tell a cause from noise, or what is held out does not move or is given in
+        another unit than it was recorded in.
 
     Examples
     --------
@@ -272,8 +277,14 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
     """The cleaned and averaged logs, their base fit, and how many samples were averaged.
 
     Cleaning and averaging need a fit that knows how long the actuator remembers.
+
+    Raises
+    ------
+    InputError
+        What is held out is given in another unit than it was recorded in.
     """
     base = request.fit_base(recordings.logs, recordings.hold_out, thorough=False)
+    _require_units(base, recordings.hold_out)
     problem = base.candidate.problem
     values = base.candidate.parameters
     kept = recordings.each(partial(across_stalls, model=problem.model, values=values))
@@ -292,6 +303,22 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
     if kept is not recordings:
         base = request.fit_base(kept.logs, kept.hold_out, thorough=False)
     return kept, base, count
+
+
+def _require_units(base: BaseFit, hold_out: Sequence[Log]) -> None:
+    """Refuse logs to judge by that are given in another unit than they were recorded in.
+
+    Raises
+    ------
+    InputError
+        The base explains one of them in another unit, and not as it stands.
+    """
+    problem = base.candidate.problem
+    first = problem.outputs[0]
+    spread = np.std(np.concatenate([s.outputs[first][s.used[first]] for s in problem.segments]))
+    usual = base.rms / max(float(spread), np.finfo(float).tiny)
+    for slip in unit_slips(problem.model, base.candidate.parameters, hold_out, usual=usual):
+        raise InputError(slip.message, remedy=slip.remedy)
 
 
 def _rising(progress: Progress | None) -> Progress:

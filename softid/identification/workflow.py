@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softid.errors import IdentificationError, UsageError
+from softid.errors import IdentificationError, Issue, UsageError
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.assembly import OptimisedProblem, assemble
@@ -43,6 +43,7 @@ from softid.identification.preparation import (
 from softid.identification.repeated_input import without_repeats
 from softid.identification.response_sign import falls_with_input, opposed
 from softid.identification.slow_outputs import at_readings
+from softid.identification.unit_slips import unit_slips
 from softid.intersample import HELD
 from softid.log import Log, LogSet
 from softid.models.base import Model
@@ -135,7 +136,18 @@ def fit(
     )
     signs = opposed(identified.logs, identified.hold_out)
     require_explained(found, identified.logs, signs)
-    return replace(found, issues=(*signs, *found.issues))
+    return replace(found, issues=(*signs, *_slips(identified, found), *found.issues))
+
+
+def _slips(identified: Identification, found: FitResult) -> tuple[Issue, ...]:
+    """Wrong units of what is held out."""
+    rows = [row for row in found.statistics if row.in_sample and row.channel == found.outputs[0]]
+    return unit_slips(
+        identified.found.problem.model,
+        found.values,
+        identified.hold_out,
+        usual=max(row.nrmse for row in rows),
+    )
 
 
 @dataclass(frozen=True, eq=False)

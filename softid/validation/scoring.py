@@ -13,6 +13,7 @@ from softid.identification.issues import extrapolation
 from softid.identification.new_log_reading import prepared, read_as_fitted
 from softid.identification.preparation import as_log_set
 from softid.identification.stalls import as_remembered
+from softid.identification.unit_slips import unit_slips
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
@@ -101,7 +102,11 @@ def validate(
         statistics=statistics,
         nuisances=nuisances,
         simulations=simulations,
-        issues=(*scored.issues, *_issues(log_set.logs, scored, in_sample)),
+        issues=(
+            *scored.issues,
+            *unit_slips(scored.model, scored.values, log_set.logs),
+            *_issues(log_set.logs, scored, in_sample),
+        ),
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in log_set},
         fitted_range=scored.ranges,
     )
