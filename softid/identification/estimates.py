@@ -21,8 +21,8 @@ from softid.results import (
     Verdict,
 )
 from softid.scores import fit_statistics
-from softid.uncertainty import CI_METHOD, confidence_interval, standard_error
-from softid.uncertainty.identifiability import judge
+from softid.uncertainty import CI_METHOD, Covariance, confidence_interval, standard_error
+from softid.uncertainty.identifiability import companions, judge, strongest_partner
 
 MOST_RATIO = 1e6
 """An interval over more than this factor says nothing but that the parameter is not known."""
@@ -60,7 +60,7 @@ def parameter_estimates(
         at_bound = index is not None and bool(optimum.at_bound[index])
         known = at_bound or constraints.bounds(name)
         verdict, reason = _verdict(
-            problem, errors, name, sd, row, at_bound, unseen, theta[name], use_bounds=known
+            problem, covariance, name, sd, at_bound, unseen, theta[name], use_bounds=known
         )
         interval = _interval(float(theta[name]), p.scale, sd, freedom)
         if interval is not None and interval[0] < p.lower and interval[1] > p.upper:
@@ -100,10 +100,9 @@ def _interval(
 
 def _verdict(
     problem: Problem,
-    errors: Errors,
+    covariance: Covariance | None,
     name: str,
     sd: float | None,
-    row: int | None,
     at_bound: bool,
     unseen: Mapping[str, str],
     value: float,
@@ -117,7 +116,11 @@ def _verdict(
         return "tied", f"computed as {p.tie}"
     if p.fixed:
         return "fixed", ""
-    partner = _partner(errors, row)
+    partner: tuple[str, float] | None = None
+    others: tuple[str, ...] = ()
+    if covariance is not None:
+        partner = strongest_partner(covariance, name) if sd is not None else None
+        others = companions(covariance, name)
     return judge(
         value,
         p.scale,
@@ -126,7 +129,7 @@ def _verdict(
         partner=partner,
         lower=p.lower if use_bounds else None,
         upper=p.upper if use_bounds else None,
-        companions=_companions(errors, name),
+        companions=others,
     )
 
 
@@ -134,26 +137,6 @@ def _remedy(problem: Problem, name: str) -> str:
     """The log that would show a parameter."""
     shown_by = problem.model.identified_by.get(name)
     return f"record {shown_by}" if shown_by else ""
-
-
-def _partner(errors: Errors, row: int | None) -> tuple[str, float] | None:
-    """The unknown most correlated with one of them, with the correlation."""
-    if row is None or errors.covariance is None:
-        return None
-    matrix = errors.covariance.matrix
-    with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = matrix[row] / np.sqrt(matrix[row, row] * np.diag(matrix))
-    correlation[row] = 0.0
-    if not np.isfinite(correlation).any():
-        return None
-    k = int(np.nanargmax(np.abs(correlation)))
-    return errors.covariance.names[k], float(correlation[k])
-
-
-def _companions(errors: Errors, name: str) -> tuple[str, ...]:
-    """Other unknowns in a direction that the residuals cannot see, together with this one."""
-    groups = errors.covariance.undetermined if errors.covariance else ()
-    return tuple(n for group in groups if name in group for n in group if n != name)
 
 
 def nuisances_of(
