@@ -93,8 +93,6 @@ class Normal:
         JᵀJ, shape (U, U).
     n
         Number of residuals.
-    residual, jacobian
-        r of shape (n,) and J of shape (n, U) where they are small enough to keep.
     """
 
     point: Array
@@ -102,8 +100,6 @@ class Normal:
     gradient: Array
     matrix: Array
     n: int
-    residual: Array | None = None
-    jacobian: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ moves to its optimum by changing t, no sample being visited again.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -79,8 +79,8 @@ class Linearised(Normal):
         Steps per segment that were taken, None where they were planned anew.
     """
 
-    pieces: tuple[Piece, ...] = field(default=())
-    plans: Sequence[Division | None] | None = None
+    pieces: tuple[Piece, ...]
+    plans: Sequence[Division | None] | None
 
     @property
     def affine(self) -> bool:

@@ -28,8 +28,6 @@ def normal(z: Array, residual: Array, jacobian: Array) -> Normal:
         jacobian.T @ residual,
         jacobian.T @ jacobian,
         residual.size,
-        residual,
-        jacobian,
     )
 
 
