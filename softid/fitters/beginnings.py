@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from softid.fitters.levenberg_marquardt import Minimum
-from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
+from softid.fitters.objective import DRAFT_EVALUATIONS, SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
 
 FIRST_SHARES = (0.1, 0.16)
@@ -24,9 +24,6 @@ on the log, so that two are tried."""
 
 GROWTH = 2.0**0.5
 """Each beginning is so many times longer than the one before."""
-
-DRAFT_EVALUATIONS = 60
-"""Evaluations on the whole at the end of a way."""
 
 LEAST_WAY = 0.5
 """A beginning tells enough when its input travels so large a part of what its length would have."""

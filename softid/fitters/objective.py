@@ -26,6 +26,10 @@ SCOUT_EVALUATIONS = 30
 """Evaluations of a run that only has to tell good starts from bad ones; a judgement. A run of no
 more is rough: it keeps the division of the steps with which it began."""
 
+DRAFT_EVALUATIONS = 60
+"""The same of a draft, twice those of a scout: it is compared with other drafts, or begins next to
+its optimum."""
+
 TOLERANCE = 1e-3
 """`attainable_offset` at which a run ends: a thousandth of a standard error. A fit asks for fifty
 times as much, which leaves room for runs that rounding stops in between."""

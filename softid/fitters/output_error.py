@@ -20,7 +20,7 @@ import numpy.typing as npt
 from softid.fitters.levenberg_marquardt import Minimum, attainable_offset, movable
 from softid.fitters.noise_level import at_noise_level
 from softid.fitters.normal_equations import Linearised
-from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
+from softid.fitters.objective import DRAFT_EVALUATIONS, SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
 from softid.fitters.rivals import best_rival
 from softid.fitters.thinned import Lead, leads, led, rough_problem
@@ -32,10 +32,6 @@ Progress = Callable[[str, float], None]
 POLISH_EVALUATIONS = 400
 """Evaluations of a run that is to reach the optimum. A backstop: the tolerance or a stall is meant
 to end it before, and a run that ends here is judged by its offset."""
-
-DRAFT_EVALUATIONS = 60
-"""The same of a draft, twice those of a scout: it is compared with other drafts, or begins next to
-its optimum."""
 
 OFFSET_TOLERANCE = 5e-2
 """Largest `attainable_offset` at which the optimum counts as reached: the estimate is then within a

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from softid.fitters.beginnings import LEAST_WAY
 from softid.log import Log
-
-LEAST_WAY = 0.5
-"""A beginning tells enough when its input travels so large a part of what its length would have."""
 
 
 def beginning(log: Log, samples: int) -> Log:

@@ -19,7 +19,16 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.models.second_order import Law
-from softid.models.starts import as_values, damping_shapes, diverse, motion_kind, score, thinned
+from softid.models.starts import (
+    Stretch,
+    as_values,
+    block_means,
+    damping_shapes,
+    diverse,
+    motion_kind,
+    score,
+    thinned,
+)
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -139,7 +148,8 @@ def _windows(
     total_s = sum(float(s.time_s[-1] - s.time_s[0]) for s in segments)
     found = []
     for own, (segment, motion) in enumerate(zip(segments, motions, strict=True)):
-        time, pressure, x, used = _block_means(segment, motion, output, length_s)
+        stretch = _averaged(segment, motion, output, length_s)
+        time, used = stretch.time_s, stretch.used
         if time.size < MIN_SAMPLES_PER_WINDOW or time[-1] - time[0] < length_s:
             continue
         count = max(2, int(N_WINDOWS * (time[-1] - time[0]) / total_s))
@@ -159,25 +169,17 @@ def _windows(
         bump = product_s**4 * width
         slope = 4.0 * product_s**3 * (1.0 - 2.0 * s) / length_s * width
         curve = 12.0 * product_s**2 * (1.0 - 2.0 * s) ** 2 - 8.0 * product_s**3
-        found.append(
-            _Windows(own, samples, bump, slope, curve / length_s**2 * width, pressure / 100.0, x)
-        )
+        curve = curve / length_s**2 * width
+        pressure_bar = stretch.input / 100.0
+        found.append(_Windows(own, samples, bump, slope, curve, pressure_bar, stretch.motion))
     return found
 
 
-def _block_means(
-    segment: Segment, motion: Array, output: str, length_s: float
-) -> tuple[Array, Array, Array, npt.NDArray[np.bool_]]:
-    """Time, pressure and motion, averaged where a window would hold too many samples."""
+def _averaged(segment: Segment, motion: Array, output: str, length_s: float) -> Stretch:
+    """A segment with its motion, averaged where a window would hold too many samples."""
     period_s = float(np.median(np.diff(segment.time_s)))
     k = max(1, int(length_s / period_s / MAX_SAMPLES_PER_WINDOW))
-    n = segment.time_s.size // k
-    used = np.asarray(segment.used[output][: n * k].reshape(n, k).all(axis=1), bool)
-    filled = np.where(np.isfinite(motion), motion, 0.0)
-    time, pressure, x = (
-        a[: n * k].reshape(n, k).mean(axis=1) for a in (segment.time_s, segment.input, filled)
-    )
-    return time, pressure, x, used
+    return block_means(segment, motion, output, k)
 
 
 def _regression(windows: Sequence[_Windows], b1: float, n_segments: int) -> Array | None:

@@ -355,7 +355,7 @@ def thinned(
         k = k // 2
     out = []
     for segment, motion in zip(segments, motions, strict=True):
-        whole = _blocks(segment, motion, output, k)
+        whole = block_means(segment, motion, output, k)
         if whole.time_s.size < 2:
             continue
         share = k / longest
@@ -374,16 +374,15 @@ def _averaged_away(segments: Sequence[Segment], k: int) -> float:
     return lost / power if power > 0.0 else 0.0
 
 
-def _blocks(segment: Segment, motion: Array, output: str, k: int) -> Stretch:
+def block_means(segment: Segment, motion: Array, output: str, k: int) -> Stretch:
+    """Means over so many samples each, which count where all of their samples do."""
     n = segment.time_s.size // k
     used = np.asarray(segment.used[output][: n * k].reshape(n, k).all(axis=1), bool)
     filled = np.where(np.isfinite(motion), motion, 0.0)
-
-    def mean(a: Array) -> Array:
-        averaged: Array = a[: n * k].reshape(n, k).mean(axis=1)
-        return averaged
-
-    return Stretch(mean(segment.time_s), mean(segment.input), mean(filled), used)
+    time_s, inputs, x = (
+        a[: n * k].reshape(n, k).mean(axis=1) for a in (segment.time_s, segment.input, filled)
+    )
+    return Stretch(time_s, inputs, x, used)
 
 
 def _windows(whole: Stretch, share: float) -> list[Stretch]:

@@ -164,8 +164,7 @@ def with_line(remainder: Remainder, line: Line | None, motion_s: float) -> Remai
 
 def _height(power: Array, places: npt.NDArray[np.intp]) -> Array:
     """Power at some places of a spectrum over the mean of noise as loud as their neighbours."""
-    medians = [np.median(power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1]) for k in places]
-    found: Array = power[places] / np.maximum(np.array(medians) / log(2.0), np.finfo(float).tiny)
+    found: Array = power[places] / (_beside(power, places) / log(2.0))
     return found
 
 
@@ -288,7 +287,7 @@ def _power(values: Array) -> Array:
     return found
 
 
-def _beside(power: Array, places: npt.NDArray[np.int64]) -> Array:
+def _beside(power: Array, places: npt.NDArray[np.intp]) -> Array:
     """Median power of the bins around each place."""
     rows = [np.median(power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1]) for k in places.tolist()]
     return np.maximum(np.array(rows), np.finfo(float).tiny)

@@ -86,7 +86,7 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
         Variance of the noise of the first output.
     """
     known = base.candidate
-    variance = known.squares / known.problem.n_samples * base.sigma[known.problem.outputs[0]] ** 2
+    variance = base.rms**2
     if not variance > noise:
         return None
     left = noise / variance * known.squares

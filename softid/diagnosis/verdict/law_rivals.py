@@ -10,6 +10,7 @@ import numpy as np
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.base.intersample_selection import SINGLE_DELAYS
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.usual_law import usual_law
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.equivalence import (
     HELD_INPUT,
@@ -115,13 +116,8 @@ def own_time(final: Candidate) -> float:
     final
         An extended model; the time is infinite where there is no spring.
     """
-    problem = final.problem
-    law = problem.model.motion_law(problem.theta(final.minimum.point))
-    if law is None:
-        return np.inf
-    u = np.concatenate([segment.input for segment in problem.segments])
-    damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
-    return damping / stiffness if stiffness > 0.0 else np.inf
+    law = usual_law(final)
+    return law.damping_s if law is not None and law.stiffness > 0.0 else np.inf
 
 
 def _may_be_held(late: Cause, final: Candidate) -> bool:
