@@ -2,7 +2,13 @@
 
 from softid.excitation.holds import SettledWindow, distinct_levels
 from softid.excitation.motion import median_of_five
-from softid.excitation.noise import UNRESOLVED_STEPS, noise_std
+from softid.excitation.noise import (
+    NORMAL_QUARTILE,
+    SECOND_DIFFERENCE,
+    UNRESOLVED_STEPS,
+    noise_std,
+    second_difference_noise,
+)
 from softid.excitation.segmentation import (
     Kind,
     Stretch,
@@ -22,6 +28,8 @@ from softid.excitation.texture import (
 )
 
 __all__ = [
+    "NORMAL_QUARTILE",
+    "SECOND_DIFFERENCE",
     "UNRESOLVED_STEPS",
     "Kind",
     "Quantisation",
@@ -38,6 +46,7 @@ __all__ = [
     "median_of_five",
     "noise_std",
     "run_starts",
+    "second_difference_noise",
     "segment_excitation",
     "settled_windows",
 ]

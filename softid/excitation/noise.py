@@ -12,6 +12,12 @@ from softid.excitation.texture import SampleHold, fresh_samples
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
+NORMAL_QUARTILE = 0.6745
+"""Median of the size of a normal number, in its standard deviations."""
+
+SECOND_DIFFERENCE = 6.0
+"""Variance of a second difference of white noise in its own, 1² + 2² + 1²."""
+
 ONE_SIGMA = 0.6826894921370859
 """Share of a normal law within one standard deviation; a few jumps hardly move this quantile."""
 
@@ -95,6 +101,33 @@ def noise_std(
     if variance <= (UNRESOLVED_STEPS * quantum) ** 2:
         return None
     return sqrt(variance)
+
+
+def second_difference_noise(values: Array) -> float:
+    """Standard deviation of the white noise of even samples, σ = med|v″|/(0.6745 √6).
+
+    The median leaves out what jumps; v″ is v_{k−1} − 2 v_k + v_{k+1}.
+
+    Parameters
+    ----------
+    values
+        Samples that follow each other, shape (n,), without NaN.
+
+    Returns
+    -------
+    float
+        Zero for fewer than three samples.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).normal(scale=0.5, size=10_000)
+    >>> round(second_difference_noise(noise), 2)
+    0.5
+    """
+    if values.size < 3:
+        return 0.0
+    size = float(np.median(np.abs(np.diff(values, 2))))
+    return size / (NORMAL_QUARTILE * sqrt(SECOND_DIFFERENCE))
 
 
 def _divided_differences(

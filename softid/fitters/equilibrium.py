@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError, Issue
+from softid.excitation import second_difference_noise
 from softid.fitters.rest import REST_FRACTION
 from softid.fitters.swings import Swings, count_swings
 from softid.log import Log
@@ -36,11 +37,6 @@ swings goes nearly as √C_m, so that the grid spans a factor of 20 in it."""
 LEAST_SWING, NOISES = 0.05, 5.0
 """Extremes nearer to the final level than this share of the way to it, or than this many standard
 deviations of the record's noise, are not counted."""
-
-
-_MEDIAN_OF_NORMAL, _SECOND_DIFFERENCE = 0.6745, 6.0**0.5
-"""Median of |z| of a standard normal z, and standard deviation of the second differences of white
-noise in units of its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,9 +216,8 @@ def _simulated(model: Equilibrium, theta: Array, segment: Segment, output: str) 
 def _least(shown: Array) -> float:
     """Smallest share of the step that stands out of the noise."""
     y = shown[np.isfinite(shown)]
-    noise = float(np.median(np.abs(np.diff(y, 2)))) / (_MEDIAN_OF_NORMAL * _SECOND_DIFFERENCE)
     step = abs(float(np.median(y[-(y.size // 4) :])) - float(y[0]))
-    return float(max(LEAST_SWING, NOISES * noise / max(step, 1e-12)))
+    return float(max(LEAST_SWING, NOISES * second_difference_noise(y) / max(step, 1e-12)))
 
 
 def _moved(theta: Array, name: str, value: float) -> Array:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
+from softid.excitation import SECOND_DIFFERENCE
 from softid.log import Log
 from softid.segment import Segment
 
@@ -64,8 +65,11 @@ def _swing(still: npt.NDArray[np.float64]) -> float:
 
 
 def _noise(values: npt.NDArray[np.float64]) -> float:
-    """Standard deviation of the fast part, from second differences; spikes make it larger."""
-    return float(np.sqrt(np.mean(np.diff(values, 2) ** 2) / 6.0))
+    """Standard deviation of the fast part, from second differences; spikes make it larger.
+
+    A mean of squares, for a median of few or coarse readings says little.
+    """
+    return float(np.sqrt(np.mean(np.diff(values, 2) ** 2) / SECOND_DIFFERENCE))
 
 
 def spans_of(log: Log) -> dict[str, float]:

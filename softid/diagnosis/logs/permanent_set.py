@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from softid.channels import Channel
 from softid.errors import Issue
-from softid.excitation import settled_windows
+from softid.excitation import second_difference_noise, settled_windows
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -44,9 +44,9 @@ set."""
 SETTLED = 4.0
 """A rest lasts so many time constants of the motion at least: 2 % of a move are left then."""
 
-NOISE_STEPS = 3.0
-"""A set is more than so many median second differences, which are 1.65 standard deviations of white
-noise each."""
+NOISES = 4.957
+"""A set is more than so many standard deviations of white noise: three times its median second
+difference."""
 
 
 @dataclass(frozen=True)
@@ -118,14 +118,11 @@ def _set_of(y: Array, start: slice, tail: slice, level: float, apart: float) -> 
     """
     before, after = float(np.median(y[start])), float(np.median(y[tail]))
     size = abs(after - before)
-    noise = float(np.median(np.abs(np.diff(y, 2)))) if y.size > 2 else 0.0
+    noise = NOISES * second_difference_noise(y)
     span = float(np.ptp(y))
-    if (
-        _change(y, tail) > STILL_GOING * size
-        or size <= NOISE_STEPS * noise + STEEPEST * apart * span
-    ):
+    if _change(y, tail) > STILL_GOING * size or size <= noise + STEEPEST * apart * span:
         return None
-    if _change(y, start) > STILL_GOING * size + NOISE_STEPS * noise:
+    if _change(y, start) > STILL_GOING * size + noise:
         return None  # a log that begins in mid-motion
     return ResidualSet(level, before, after, size / span)
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.residual.structure import ResidualContext, predicted_beyond_chance
 from softid.diagnosis_results import NotNoise
+from softid.excitation import NORMAL_QUARTILE
 from softid.residuals import ljung_box
 from softid.uncertainty.autoregression import fit_ar, run_slices, whiten
 
@@ -39,9 +40,6 @@ ENOUGH = 0.8
 
 SPIKE = 6.0
 """A sample so many deviations of the fast noise off both neighbours is a fault of the sensor."""
-
-NORMAL_MEDIAN = 0.6745
-"""Median of the size of a normal number, in its deviations."""
 
 LONGEST_S, LONGEST_TIMES = 2.0, 2.0
 """Noise with a correlation time up to this, or so many time constants of the motion, is colour.
@@ -257,7 +255,7 @@ def _are_spikes(residual: Array) -> npt.NDArray[np.bool_]:
     beside = np.concatenate((residual[1:2], residual[:-1])), np.append(residual[1:], residual[-2])
     off = residual - np.clip(residual, np.minimum(*beside), np.maximum(*beside))
     usual = residual - 0.5 * (beside[0] + beside[1])
-    deviation = float(np.median(np.abs(usual))) / (NORMAL_MEDIAN * 1.5**0.5)
+    deviation = float(np.median(np.abs(usual))) / (NORMAL_QUARTILE * 1.5**0.5)
     found: npt.NDArray[np.bool_] = np.abs(off) > (SPIKE * deviation if deviation > 0.0 else np.inf)
     return found
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from softid.excitation import SECOND_DIFFERENCE
 from softid.uncertainty.autoregression import contiguous_runs, fit_ar
 from softid.uncertainty.noise import effective_n
 
@@ -38,9 +39,6 @@ one, which varies far less from piece to piece in slow noise."""
 
 FEWEST_SAMPLES = 3
 """Measured samples of a rest: fewer make no noise model."""
-
-SECOND_DIFFERENCE = 6.0
-"""Variance of a second difference of white noise in its own, 1² + 2² + 1²."""
 
 SQUARES_COST = 5.0
 """Relative variance of the estimate, times the number of differences: 3.9 for their squares, which
