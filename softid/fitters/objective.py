@@ -95,7 +95,7 @@ class Objective:
         """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
         return self._with_prior(self._at(z))
 
-    def _with_prior(self, found: Linearised) -> Normal:
+    def _with_prior(self, found: Normal) -> Normal:
         if self.prior is None or not np.isfinite(found.cost):
             return found
         return replace(

@@ -168,11 +168,7 @@ class WhitenedObjective(Objective):
                 n += r.size
         if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
             return Normal(z, np.inf, np.zeros(size), np.eye(size), n)
-        if self.prior is not None:
-            cost += self.prior.cost(z)
-            gradient -= self.prior.weight * (z - self.prior.centre)
-            matrix += np.diag(self.prior.weight)
-        return Normal(z, cost, gradient, matrix, n)
+        return self._with_prior(Normal(z, cost, gradient, matrix, n))
 
 
 def prior_about(
