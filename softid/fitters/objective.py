@@ -110,7 +110,7 @@ class Objective:
 
         Columns are kept where that is cheap, and where they are asked for.
         """
-        columns = self._entries <= (SUMMED_ENTRIES if columns else CHEAP_ENTRIES)
+        keeps = self._entries <= (SUMMED_ENTRIES if columns else CHEAP_ENTRIES)
         last = self._last
         if (
             last is not None
@@ -119,11 +119,11 @@ class Objective:
             and np.array_equal(z, last.point)
             and self.sigma == self._weighted
             and _same(self.plans, last.plans)
-            and (last.kept or not columns)
+            and (last.kept or not keeps)
         ):
             return last
         self.evaluations += 1
-        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=columns)
+        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=1 if keeps else 0)
         self._last, self._weighted = found, dict(self.sigma)
         return found
 

@@ -267,7 +267,7 @@ def sum_law(
     columns = np.zeros((N_COLUMNS, -(-segment.time_s.size // keep) if keep else 0))
     gram = np.empty((N_PADDED, N_PADDED))
     course, state = run.arguments[:6], run.arguments[6]
-    sum_products(*course, y, used, gain, level, state, run.tangent, int(keep), columns, gram)
+    sum_products(*course, y, used, gain, level, state, run.tangent, keep, columns, gram)
     gram = gram[:N_COLUMNS, :N_COLUMNS]
     by_state = gain * np.eye(N_STATES)
     return Products(gram, gain * form.by_theta, by_state, columns if keep else None)

@@ -50,7 +50,7 @@ def affine(log: Log) -> tuple[Callable[[], object], int]:
     z = problem.unknowns(dict(zip(NAMES, TRUTH.tolist(), strict=True)))
     plans = problem.plans(z)
     sigma = {"contraction": 1.0}
-    run = lambda: linearise(problem, z, sigma, plans=plans, keep=False)  # noqa: E731
+    run = lambda: linearise(problem, z, sigma, plans=plans, keep=0)  # noqa: E731
     return run, len(NAMES) + STATES
 
 

@@ -69,8 +69,8 @@ def case(name: str) -> tuple[Problem, Array]:
 
 
 @pytest.mark.parametrize("name", ["x", "scaled", "geometry", "drive", "no zeros"])
-@pytest.mark.parametrize("keep", [False, True])
-def test_sums_equal_the_jacobian(name: str, keep: bool) -> None:
+@pytest.mark.parametrize("keep", [0, 1])
+def test_sums_equal_the_jacobian(name: str, keep: int) -> None:
     """Cost, Jᵀr, JᵀJ, n and moved zeros, from sums and from samples: to rounding, 1e-11."""
     p, z = case(name)
     sigma = {channel: 0.5 + k for k, channel in enumerate(p.outputs)}
@@ -89,7 +89,7 @@ def test_kept_columns_make_up_residuals_and_jacobians(name: str) -> None:
     """What `Problem.blocks` simulates anew at the same unknowns, to rounding."""
     p, z = case(name)
     plans = p.plans(z)
-    found = linearise(p, z, dict.fromkeys(p.outputs, 1.0), plans=plans, keep=True)
+    found = linearise(p, z, dict.fromkeys(p.outputs, 1.0), plans=plans, keep=1)
     wanted = list(p.blocks(found.point, derivatives=True, plans=plans))
     for block, anew in zip(found.blocks(p, derivatives=True), wanted, strict=True):
         assert (block.channel, block.segment) == (anew.channel, anew.segment)
@@ -107,7 +107,7 @@ def test_bend_is_the_second_derivative_seen_from_the_parameters(name: str) -> No
     p, z = case(name)
     sigma = dict.fromkeys(p.outputs, 0.7)
     plans = p.plans(z)
-    at = linearise(p, z, sigma, plans=plans, keep=True)
+    at = linearise(p, z, sigma, plans=plans, keep=1)
     step = 0.02 * np.random.default_rng(2).normal(size=z.size)
     moved, _, _, _, r, j = by_samples(p, z, sigma)
     there = p.blocks(moved + 0.1 * step, derivatives=False, plans=plans)
@@ -116,7 +116,7 @@ def test_bend_is_the_second_derivative_seen_from_the_parameters(name: str) -> No
     found = bend(p, at, at.point, step, sigma, plans=plans, fraction=0.1)
     assert found is not None
     np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
-    summed = linearise(p, z, sigma, plans=plans, keep=False)
+    summed = linearise(p, z, sigma, plans=plans, keep=0)
     assert summed.kept == (name == "geometry")  # a distance, no line in x, is never only summed
     again = bend(p, summed, summed.point, step, sigma, plans=plans, fraction=0.1)
     assert again is not None
@@ -127,7 +127,7 @@ def test_a_point_without_a_finite_response_costs_infinitely() -> None:
     """b1 = e⁵⁰ per bar overflows: an infinite cost and a regular matrix, not an error."""
     p, z = case("x")
     z[p.free.index("b1")] = 50.0
-    found = linearise(p, z, {"contraction": 1.0}, plans=None, keep=True)
+    found = linearise(p, z, {"contraction": 1.0}, plans=None, keep=1)
     assert found.cost == np.inf
     assert np.isfinite(found.matrix).all()
     assert replace(found, cost=1.0).pieces == found.pieces
