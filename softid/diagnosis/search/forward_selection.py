@@ -73,11 +73,12 @@ class Link:
     before
         What was to be extended, under the step's noise model.
     ranked
-        All contenders of the step, best first.
+        All contenders of the step and what they extend, best first.
     chosen
-        The best one.
+        The contender that is taken: the best one, a plainer one that explains about as much, or a
+        later one where what was held out refused those before.
     rivals
-        Keys of the effects that explain the logs as well, the chosen one first.
+        Names of the effects that explain the logs as well, the chosen one's first.
     signatures
         The best signature of every effect.
     squares_before
