@@ -11,7 +11,6 @@ import click
 
 from softid.errors import InputError, UsageError
 from softid_cli.console import announce_compilation, progress
-from softid_cli.effects import no_such_effect
 from softid_cli.model_options import described_models, model_option, shape_options
 from softid_cli.options import (
     FILE,
@@ -28,7 +27,7 @@ from softid_cli.options import (
     seed_option,
 )
 from softid_cli.requests import Request, takes
-from softid_cli.results_folder import free_folder, refuse_old_results
+from softid_cli.results_folder import RESULTS, free_folder, refuse_old_results
 
 if TYPE_CHECKING:
     from softid.diagnosis_results import Diagnosis
@@ -36,7 +35,6 @@ if TYPE_CHECKING:
     from softid.parameters import ParameterSet
     from softid.records import SavedModel
 
-RESULTS = Path("softid-out")
 SUFFIX = "-diagnosis"
 
 
@@ -132,13 +130,11 @@ def _how_to_go_on(request: DiagnoseRequest) -> str:
 
 
 def _require_effects(names: Sequence[str]) -> None:
-    if not names:
-        return
-    from softid.effects import EFFECTS
+    """Say before the work that there is no such effect."""
+    if names:
+        from softid.effects import effects_of
 
-    for name in names:
-        if name not in EFFECTS:
-            raise no_such_effect(name, list(EFFECTS))
+        effects_of(names)
 
 
 def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:

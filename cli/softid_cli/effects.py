@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from softid.errors import UsageError
 from softid_cli.options import json_option, quiet_option
 
 if TYPE_CHECKING:
@@ -28,29 +27,17 @@ EXAMPLE = "a log of 60 s at 100 Hz, 0 to 200 kPa, 0 to 1.5 rad"
 def effects(name: str | None, as_json: bool, quiet: bool) -> None:
     """List the physical effects, or explain the one called NAME."""
     del quiet  # there is nothing on stderr to silence
-    from softid.effects import EFFECTS
+    from softid.effects import EFFECTS, effects_of
     from softid.records import dump_json
 
-    if name is not None and name not in EFFECTS:
-        raise no_such_effect(name, list(EFFECTS))
+    chosen = effects_of(() if name is None else (name,))
     if as_json:
-        chosen = [EFFECTS[name]] if name else list(EFFECTS.values())
-        click.echo(dump_json([describe(effect()) for effect in chosen]), nl=False)
+        click.echo(dump_json([describe(effect) for effect in chosen]), nl=False)
     elif name is None:
-        print_list([effect() for effect in EFFECTS.values()])
+        print_list(chosen)
     else:
         variants = [key for key in EFFECTS if key != name and key.split(".")[0] == name]
-        print_description(EFFECTS[name](), variants)
-
-
-def no_such_effect(name: str, known: list[str]) -> UsageError:
-    """An error that proposes the names nearest to one that is unknown."""
-    close = get_close_matches(name, known, n=3, cutoff=0.5)
-    close += [key for key in known if name.lower() in key and key not in close]
-    remedy = f"did you mean {' or '.join(close)}? " if close else ""
-    return UsageError(
-        "there is no such effect", value=name, remedy=f"{remedy}`softid effects` lists all"
-    )
+        print_description(chosen[0], variants)
 
 
 def example_scale() -> Scale:
@@ -89,7 +76,7 @@ def describe(effect: Effect) -> dict[str, Any]:
     }
 
 
-def print_list(chosen: list[Effect]) -> None:
+def print_list(chosen: Sequence[Effect]) -> None:
     """Print the catalogue, one table per stage."""
     from softid_cli.tables import print_rows, print_text
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -33,14 +32,13 @@ from softid_cli.options import (
 )
 from softid_cli.profiles import print_profiles, profile_entries, profile_figures, profiled
 from softid_cli.requests import Request, takes
-from softid_cli.results_folder import free_folder, refuse_old_results
+from softid_cli.results_folder import RESULTS, free_folder, refuse_old_results
 
 if TYPE_CHECKING:
     from softid.log import Log
     from softid.results import FitResult
     from softid.uncertainty.profile import ProfileResult
 
-RESULTS = Path("softid-out")
 PARAMS = "params.json"
 
 

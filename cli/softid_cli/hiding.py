@@ -11,9 +11,10 @@ import click
 
 from softid.errors import InputError, UsageError
 from softid_cli.console import say
+from softid_cli.results_folder import RESULTS
 from softid_cli.tables import print_rows
 
-DEFAULT_OUT = Path("softid-out") / "hidden"
+DEFAULT_OUT = RESULTS / "hidden"
 NOTHING = "none"
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import sys
-import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +10,7 @@ import click
 
 from softid_cli.console import progress
 from softid_cli.options import FILE, json_option, load_logs, log_options, quiet_option
-from softid_cli.tables import WIDTH
+from softid_cli.tables import WIDTH, folded, table_of, terminal_width
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -72,7 +69,7 @@ def inspect(
     if as_json:
         click.echo(dump_json({"schema": SCHEMA, "logs": inspections}), nl=False)
         return
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
+    width = terminal_width()
     click.echo("\n\n".join(render(found, width=width) for found in inspections))
 
 
@@ -88,7 +85,7 @@ def render(inspection: Inspection, *, width: int = WIDTH) -> str:
     """
     blocks: list[str | Table] = [
         f"{inspection.log}: {inspection.input} → {', '.join(inspection.outputs)}",
-        _hanging(_sampling_text(inspection), width),
+        folded(_sampling_text(inspection), width),
         "",
         *_channel_table(inspection.channels, width),
         "",
@@ -99,7 +96,7 @@ def render(inspection: Inspection, *, width: int = WIDTH) -> str:
         *_excitation(inspection),
         "",
         "What this log can identify",
-        _table(
+        table_of(
             [("property", "left"), ("", "left"), ("why", "left")],
             [(a.name, a.possible, a.reason) for a in inspection.abilities],
         ),
@@ -149,14 +146,14 @@ def _channel_table(channels: Sequence[ChannelReport], width: int) -> list[str | 
     shown = [c for c in channels if c.name not in hidden]
     rows = [_channel_row(c) for c in shown]
     more = [(f"… {len(hidden)} more", "other", "", "", "", "")] if hidden else []
-    table = _table(CHANNEL_COLUMNS, [*rows, *more])
+    table = table_of(CHANNEL_COLUMNS, [*rows, *more])
     if _natural_width(table) <= width:
         return [table]
 
     def narrow(names: Sequence[str]) -> Table:
         named = [(name, *row[1:]) for name, row in zip(names, rows, strict=True)]
         kept = [(*row[:COLUMN_AT], *row[COLUMN_AT + 1 :]) for row in (*named, *more)]
-        return _table([*CHANNEL_COLUMNS[:COLUMN_AT], *CHANNEL_COLUMNS[COLUMN_AT + 1 :]], kept)
+        return table_of([*CHANNEL_COLUMNS[:COLUMN_AT], *CHANNEL_COLUMNS[COLUMN_AT + 1 :]], kept)
 
     names = [c.name for c in shown]
     room = max(map(len, names)) - (_natural_width(narrow(names)) - width)
@@ -195,17 +192,10 @@ def _channel_row(c: ChannelReport) -> tuple[str, ...]:
 def _issue_lines(issues: Iterable[Issue], width: int) -> list[str]:
     lines = []
     for issue in issues:
-        lines.append(_hanging(f"{issue.severity}: {issue.message}", width))
+        lines.append(folded(f"{issue.severity}: {issue.message}", width))
         if issue.remedy:
-            lines.append(_hanging(f"  → {issue.remedy}", width))
+            lines.append(folded(f"  → {issue.remedy}", width))
     return lines
-
-
-def _hanging(text: str, width: int) -> str:
-    """Text wrapped so that all lines but the first are indented."""
-    return textwrap.fill(
-        text, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
-    )
 
 
 def _excitation(inspection: Inspection) -> list[str | Table]:
@@ -231,7 +221,7 @@ def _stretch_table(stretches: Sequence[Stretch], channel: ChannelReport) -> Tabl
     if len(stretches) > len(shown):
         rows.append(("", f"{stretches[-1].stop_s:.2f}", "…", f"{len(stretches) - len(shown)} more"))
     columns = [("from s", "right"), ("to s", "right"), ("kind", "left"), ("what", "left")]
-    return _table(columns, rows)
+    return table_of(columns, rows)
 
 
 def _stretch_text(s: Stretch, channel: ChannelReport) -> str:
@@ -274,23 +264,8 @@ def _wanted_lines(inspection: Inspection, width: int) -> list[str]:
             wanted.setdefault(ability.wanted, []).append(ability.name)
     if not wanted:
         return []
-    lines = [_hanging(f"  for {', '.join(names)}: {what}", width) for what, names in wanted.items()]
+    lines = [folded(f"  for {', '.join(names)}: {what}", width) for what, names in wanted.items()]
     return ["", "Logs that would help", *lines]
-
-
-def _table(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) -> Table:
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
-    for heading, side in columns:
-        right = side == "right"
-        table.add_column(
-            heading, justify="right" if right else "left", no_wrap=right, overflow="fold"
-        )
-    for row in rows:
-        table.add_row(*row)
-    return table
 
 
 def _natural_width(table: Table) -> int:

@@ -6,6 +6,9 @@ from pathlib import Path
 
 from softid.errors import OutputError
 
+RESULTS = Path("softid-out")
+"""Where results go that the user names no folder for."""
+
 
 def refuse_old_results(folder: Path | None, record: str, *, force: bool) -> None:
     """Say before the work, not after it, that the results would have no place.

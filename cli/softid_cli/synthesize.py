@@ -15,8 +15,9 @@ from softid_cli.hiding import HideRequest, hide_effects, split_names
 from softid_cli.model_options import model_option
 from softid_cli.options import FILE, json_option, out_options, quiet_option
 from softid_cli.requests import takes
+from softid_cli.results_folder import RESULTS
 
-DEFAULT_OUT = Path("softid-out") / "synthetic"
+DEFAULT_OUT = RESULTS / "synthetic"
 
 
 @dataclass(frozen=True)

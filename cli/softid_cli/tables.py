@@ -81,24 +81,22 @@ def print_issues(issues: Sequence[Issue]) -> None:
     """Print each issue with its remedy below."""
     if issues:
         _print("")
+    width = terminal_width()
     for issue in issues:
-        click.echo(_folded(f"{issue.severity}: {issue.message}", indent="  "))
+        click.echo(folded(f"{issue.severity}: {issue.message}", width, indent="  "))
         if issue.remedy:
-            click.echo(_folded(f"  → {issue.remedy}", indent="    "))
+            click.echo(folded(f"  → {issue.remedy}", width))
 
 
 def print_rows(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) -> None:
     """Print a table; a column is a heading and ``"left"`` or ``"right"``."""
-    table = _table(columns)
-    for row in rows:
-        table.add_row(*row)
-    _print(table)
+    _print(table_of(columns, rows))
 
 
 def print_files(folder: Path, names: Sequence[str]) -> None:
     """Print where results were written, file names folded to the width."""
     click.echo(f"\nWritten to {folder}{os.sep}:")
-    click.echo(_folded("  " + "  ".join(names), indent="  "))
+    click.echo(folded("  " + "  ".join(names), terminal_width(), indent="  "))
 
 
 def print_text(text: str) -> None:
@@ -201,7 +199,7 @@ def _interval_of(p: ParameterEstimate) -> str:
 
 
 def _parameter_table(parameters: Sequence[ParameterEstimate], key: str = "") -> Table:
-    table = _table(
+    table = table_of(
         [
             ("parameter", "left"),
             ("value ± std. error", "right"),
@@ -249,7 +247,7 @@ def name_in_effect(name: str, key: str) -> str:
 
 
 def _score_table(statistics: Sequence[FitStatistics]) -> Table:
-    table = _table(
+    table = table_of(
         [
             ("log", "left"),
             ("channel", "left"),
@@ -273,7 +271,8 @@ def _score_table(statistics: Sequence[FitStatistics]) -> Table:
     return table
 
 
-def _table(columns: Sequence[tuple[str, str]]) -> Table:
+def table_of(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]] = ()) -> Table:
+    """A table; a column is a heading and ``"left"`` or ``"right"``."""
     from rich import box
     from rich.table import Table
 
@@ -286,6 +285,8 @@ def _table(columns: Sequence[tuple[str, str]]) -> Table:
             no_wrap=side == "right",
             overflow="fold",
         )
+    for row in rows:
+        table.add_row(*row)
     return table
 
 
@@ -305,8 +306,13 @@ def _print(*blocks: str | Table) -> None:
         click.echo("\n".join(line.rstrip() for line in text.get().split("\n")), nl=False)
 
 
-def _folded(text: str, *, indent: str) -> str:
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
+def terminal_width() -> int:
+    """Columns of the terminal, or `WIDTH` where results go elsewhere."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
+
+
+def folded(text: str, width: int, *, indent: str = "    ") -> str:
+    """Text folded to a width, all lines but the first behind an indent."""
     return textwrap.fill(
         text, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
     )

@@ -60,14 +60,15 @@ def effect_of(key: str) -> Effect:
     Raises
     ------
     UsageError
-        There is none.
+        There is none; the error proposes the nearest.
     """
     if key not in EFFECTS:
-        close = get_close_matches(key, EFFECTS, n=1)
+        close = get_close_matches(key, EFFECTS, n=3, cutoff=0.5)
+        close += [known for known in EFFECTS if key.lower() in known and known not in close]
         raise UsageError(
             "there is no such effect",
             value=key,
-            remedy=(f"did you mean {close[0]}? " if close else "")
+            remedy=(f"did you mean {' or '.join(close)}? " if close else "")
             + "`softid effects` lists all; one of your own must be registered first, with "
             "softid.register_effect",
         )
