@@ -72,7 +72,7 @@ class Log:
     outputs
         Names of the channels to be explained.
     masked
-        Samples to leave out of every residual, shape (n,).
+        Samples to leave out of every residual, shape (n,); None leaves out none.
     source
         File of origin, or None for arrays.
     issues
@@ -101,7 +101,7 @@ class Log:
     channels: Mapping[str, Channel]
     input: str
     outputs: tuple[str, ...]
-    masked: BoolArray | None = None
+    masked: BoolArray = None  # type: ignore[assignment]  # only until __post_init__
     source: Source | None = None
     issues: tuple[Issue, ...] = ()
     metadata: Mapping[str, str] = field(default_factory=dict)
@@ -224,8 +224,7 @@ class Log:
     def _rows(self, index: int, start: int, stop: int) -> Segment:
         span = slice(start, stop)
         outputs = {name: self.channels[name].values[span] for name in self.outputs}
-        keep = ~self.masked[span] if self.masked is not None else np.ones(stop - start, bool)
-        used = {name: keep & np.isfinite(values) for name, values in outputs.items()}
+        used = {name: ~self.masked[span] & np.isfinite(values) for name, values in outputs.items()}
         u = self.channels[self.input].values[span]
         time_s, read_s = self.time_s[span], self.input_read_s
         if read_s is not None:
@@ -279,7 +278,6 @@ class Log:
 
     def with_masked(self, masked: npt.ArrayLike) -> Log:
         """The same recording with more samples left out of the residuals."""
-        assert self.masked is not None
         return replace(self, masked=self.masked | np.asarray(masked, bool))
 
     def between(self, start_s: float, stop_s: float) -> Log:
@@ -303,7 +301,6 @@ class Log:
         return self._taking(slice(None, None, step))
 
     def _taking(self, rows: BoolArray | slice) -> Log:
-        assert self.masked is not None
         channels = {k: replace(c, values=c.values[rows]) for k, c in self.channels.items()}
         return replace(self, time_s=self.time_s[rows], channels=channels, masked=self.masked[rows])
 

@@ -124,7 +124,8 @@ def with_rows_of(log: Log, time_s: Array, after: Places, input_values: Array) ->
         if name in rows
     }
     all_s = np.insert(log.time_s, after + 1, time_s)
-    return replace(log, time_s=all_s, channels=channels, masked=None, issues=())
+    none = np.zeros(all_s.size, bool)
+    return replace(log, time_s=all_s, channels=channels, masked=none, issues=())
 
 
 def _gaps(log: Log) -> Places:

@@ -53,9 +53,8 @@ def require_outputs(logs: Iterable[Log]) -> None:
         An output has fewer than two samples, or stays where it is although the input moves.
     """
     for log in logs:
-        usable = np.ones(len(log), bool) if log.masked is None else ~log.masked
         for name in log.outputs:
-            values = log.channels[name].values[usable]
+            values = log.channels[name].values[~log.masked]
             finite = values[np.isfinite(values)]
             if finite.size < 2:
                 raise InputError(
@@ -98,9 +97,7 @@ def without_dropouts(log: Log) -> Log:
 
 
 def _without_wrong(log: Log) -> Log:
-    dropped = dropout_mask(log)
-    if log.masked is not None:
-        dropped &= ~log.masked
+    dropped = dropout_mask(log) & ~log.masked
     for name in log.outputs:
         dropped &= np.isfinite(log.channels[name].values)
     count = int(dropped.sum())

@@ -32,7 +32,6 @@ def repeated_readings(log: Log) -> BoolArray:
     >>> repeated_readings(Log.from_arrays(np.arange(600.0), channels))[:6].tolist()
     [False, True, True, False, True, True]
     """
-    assert log.masked is not None
     return rows_without_news(log) & ~log.masked
 
 

@@ -100,7 +100,6 @@ def at_readings(log: Log) -> Log:
     rows = np.flatnonzero(_is_read(log))
     if rows.size < 2 or float(np.mean(np.diff(rows) > 1)) <= USUAL:
         return log
-    assert log.masked is not None
     rows, time_s = _taken(log, rows)
     channels = {k: replace(c, values=c.values[rows]) for k, c in log.channels.items()}
     course = np.interp(time_s, log.time_s, log.channels[log.input].values)
@@ -123,7 +122,6 @@ def at_readings(log: Log) -> Log:
 
 def _is_read(log: Log) -> BoolArray:
     """At which rows an output counts, shape (n,)."""
-    assert log.masked is not None
     finite = [np.isfinite(log.channels[name].values) for name in log.outputs]
     read: BoolArray = ~log.masked & np.any(finite, axis=0)
     return read

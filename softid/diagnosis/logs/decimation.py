@@ -166,7 +166,7 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
         return log
     bins = TimeBins.of(log, count)
     jumping = _Jumps.of(log, most=MOST_JUMPS * bins.centre_s.size if keeps_jumps else 0.0)
-    used = np.ones(len(log), bool) if log.masked is None else ~log.masked
+    used = ~log.masked
     channels = {}
     for name, channel in log.channels.items():
         if name == log.input:

@@ -49,7 +49,6 @@ def evenly_sampled(log: Log) -> Log | None:
         return log
     if len(log.segments()) > 1 or log.between_samples in HELD:
         return None
-    assert log.masked is not None
     count = int((log.time_s[-1] - log.time_s[0]) / log.period_s) + 1
     time_s = log.time_s[0] + log.period_s * np.arange(count)
     after = np.clip(np.searchsorted(log.time_s, time_s), 1, len(log) - 1)

@@ -92,9 +92,7 @@ def residual_set(log: Log, output: str, motion_s: float = 0.0) -> ResidualSet | 
     (0.2, 0.182)
     """
     u, y = log.channels[log.input].values, log.channels[output].values
-    used = np.isfinite(u) & np.isfinite(y)
-    if log.masked is not None:
-        used &= ~log.masked
+    used = np.isfinite(u) & np.isfinite(y) & ~log.masked
     time_s, u, y = log.time_s[used], u[used], y[used]
     span = float(np.ptp(u)) if u.size else 0.0
     if span <= 0.0 or np.ptp(y) <= 0.0:

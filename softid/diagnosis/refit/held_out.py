@@ -227,9 +227,7 @@ class HeldOutBlocks(HeldOut):
         """
         found = []
         for log, whole, held in zip(logs, self.whole, self.blocks, strict=True):
-            before = np.zeros(len(log), bool) if whole.masked is None else whole.masked
-            now = before if log.masked is None else np.where(held, before, log.masked)
-            found.append(replace(log, masked=now))
+            found.append(replace(log, masked=np.where(held, whole.masked, log.masked)))
         return tuple(found)
 
     def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
@@ -326,8 +324,7 @@ def hold_out_blocks(logs: LogSet) -> tuple[LogSet, HeldOutBlocks]:
     trained, blocks = [], []
     for log in logs:
         held = _blocks(log)
-        masked = held if log.masked is None else log.masked | held
-        trained.append(replace(log, masked=masked))
+        trained.append(log.with_masked(held))
         blocks.append(held)
     return LogSet(tuple(trained)), HeldOutBlocks(logs.logs, tuple(blocks))
 

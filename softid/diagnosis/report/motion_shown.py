@@ -195,9 +195,7 @@ def _cross(log: Log, stretch: Stretch, output: str, hz: float) -> complex:
     """Amplitude of the output's sine times the conjugate of that of the input's."""
     span = slice(stretch.start, stretch.stop)
     u, y = log.channels[log.input].values[span], log.channels[output].values[span]
-    used = np.isfinite(y)
-    if log.masked is not None:
-        used &= ~log.masked[span]
+    used = np.isfinite(y) & ~log.masked[span]
     angle = 2.0 * np.pi * hz * log.time_s[span][used]
     columns = np.column_stack((np.cos(angle), np.sin(angle), np.ones(angle.size)))
     fitted = np.linalg.lstsq(columns, np.column_stack((u[used], y[used])))[0]
