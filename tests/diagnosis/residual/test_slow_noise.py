@@ -153,7 +153,8 @@ def test_an_excursion_is_told_with_its_place() -> None:
     assert "deg rms" in told.message
     place_s = float(told.message.split("near ")[1].removesuffix(" s"))
     assert place_s == pytest.approx(100.0, abs=3.0)
-    assert told in disturbance_issues([part], MOTION_S, channel="angle", unit="deg", factor=100.0)
+    found = disturbance_issues([part], MOTION_S, None, channel="angle", unit="deg", factor=100.0)
+    assert told in found
 
 
 def test_covariance_of_block_means() -> None:
