@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.errors import Issue
+from softid.errors import IdentificationError, Issue
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.slow_outputs import SlowOutputLog
@@ -72,13 +72,14 @@ def unit_slips(
         best, name, unit = min(tried, default=(np.inf, "", ""))
         if best <= min(FAR_LESS * missed, max(FITS, 2.0 * usual)):
             recorded = log.channels[name].display_unit
+            now = f"misses {100.0 * missed:.2g} %" if np.isfinite(missed) else "runs away"
             found.append(
                 Issue(
                     UNIT_SLIP,
                     "error",
                     f"{log.name}: {name} is given in {recorded}, but the model explains this log "
                     f"only if it is in {unit}: it then misses {100.0 * best:.2g} % of its spread, "
-                    f"and {100.0 * missed:.2g} % as it stands",
+                    f"and {now} as it stands",
                     f"correct the header, or read it with --channel {name}=COLUMN:{unit}",
                 )
             )
@@ -107,7 +108,10 @@ def _rescaled(log: Log, name: str, factor: float) -> Log:
 
 def _missed(model: Model, values: Mapping[str, float], log: Log) -> float:
     """‖y − ŷ‖/‖y − mean y‖ of the first output; infinite where the model runs away."""
-    with np.errstate(all="ignore"):
-        _, simulations = held_out(model, values, [log])
-        missed = scores([log], simulations, in_sample=False)[0].nrmse
+    try:
+        with np.errstate(all="ignore"):
+            _, simulations = held_out(model, values, [log])
+    except IdentificationError:
+        return np.inf
+    missed = scores([log], simulations, in_sample=False)[0].nrmse
     return missed if np.isfinite(missed) else np.inf

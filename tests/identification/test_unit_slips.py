@@ -15,7 +15,8 @@ from softid.identification import fit
 from softid.identification.slow_outputs import at_readings
 from softid.identification.unit_slips import UNIT_SLIP, unit_slips
 from softid.log import Log
-from softid.models import Oscillator
+from softid.models import Muscle, Oscillator
+from softid.synthesis import hidden_pair
 from softid.validation import validate
 
 FITTED = linear_log(noise=0.01)
@@ -67,3 +68,15 @@ def test_what_no_unit_explains_is_left_alone() -> None:
         replace(good, channels={**good.channels, "angle": angle}) for angle in (softer, backward)
     ]
     assert unit_slips(model, values, [good, *others]) == ()
+
+
+def test_a_model_that_runs_away_is_told_in_words() -> None:
+    """e^(b1 p) of a muscle overflows at kPa that are read as MPa; with the right unit it fits."""
+    pair = hidden_pair(seed=2)
+    model = Muscle(x_unit=pair.actuator.x_unit)
+    log = pair.logs[1]
+    other = headed(log, "pressure", "MPa", is_in="kPa")
+    (slip,) = unit_slips(model, dict(pair.actuator.values), [other])
+    assert "only if it is in kPa" in slip.message
+    assert "runs away as it stands" in slip.message
+    assert unit_slips(model, dict(pair.actuator.values), [log]) == ()
