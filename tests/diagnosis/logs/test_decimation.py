@@ -193,7 +193,7 @@ def test_averages_of_a_held_input_come_when_it_does(reading: Intersample) -> Non
     log = moved(reading)
     short = decimated(log, 5, keeps_jumps=True)
     assert short.intersample == reading
-    assert short.between_samples == "straight"
+    assert (short.reading, short.between_samples) == (reading, "straight")
     assert left_by(short) < 1e-3
     other: Intersample = "zoh" if reading == "straight" else "straight"
     wrong = read_as(short, other)
