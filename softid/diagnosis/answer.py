@@ -68,7 +68,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     after = _fit_of(chain.final, base.identified, seed) if extends else None
     models = prefix_models(chain, base.candidate, base.scale, base.sigma)
     errors = [held_out.first_errors(model) for model in models]
-    causes = causes_of(chain, errors, after, rng)
+    causes = causes_of(chain, errors, after, base.scale, rng)
     causes = _with_errors_without(causes, chain, base, errors[-1], rng)
     causes = _with_variations(causes, chain, base, remainder)
     causes = with_doubts(causes, chain, after, remainder, base)

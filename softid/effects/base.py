@@ -182,17 +182,12 @@ class Effect(ABC):
         return f"{self.name}.{self.variant}" if self.variant else self.name
 
     def simpler(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]] | None:
-        """The simpler effect that the law is like at some values.
+        """Key and values of the simpler effect that the law is like at some values; None for none.
 
         Parameters
         ----------
         values
             Parameter → value.
-
-        Returns
-        -------
-        tuple or None
-            Key of that effect and its values; None where the law is like no other.
         """
         del values
         return None
@@ -209,20 +204,26 @@ class Effect(ABC):
         return np.inf
 
     def first_order(self, values: Mapping[str, float]) -> str | None:
-        """Key of the lag that stands for a law of second order where it does not ring.
+        """Key of the lag that stands for a law of second order that does not ring; else None.
 
         Parameters
         ----------
         values
             Parameter → value.
-
-        Returns
-        -------
-        str or None
-            None where the law rings, and for one that is not of second order.
         """
         del values
         return None
+
+    def law_at(self, scale: Scale) -> str:
+        """The law with the sizes that it takes from the logs as numbers.
+
+        Parameters
+        ----------
+        scale
+            Sizes of the logs and of the base model.
+        """
+        del scale
+        return self.law
 
     def wording(self, values: Mapping[str, float]) -> Wording:
         """In plain words what the law is at some values.

@@ -190,6 +190,11 @@ class LevelPneumaticLag(PneumaticLag):
         times = lag_times(scale)[1:]
         return tuple({"tau": tau, "ratio": ratio} for tau in times for ratio in RATIOS)
 
+    def law_at(self, scale: Scale) -> str:
+        """With the ends of the pressure."""
+        ends = f"pl = {scale.u_low:.5g}, ph = {scale.u_high:.5g} {scale.u_unit}, pm half way"
+        return self.law.replace("pl lowest, ph highest, pm middle of p", ends)
+
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The input lagged by the time constant of its level."""
         arriving = np.array(u, np.float64)

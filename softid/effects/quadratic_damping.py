@@ -136,6 +136,10 @@ class PowerDamping(QuadraticDamping):
         (plain,) = super().starts(scale)
         return tuple({**plain, "n": power} for power in START_POWERS)
 
+    def law_at(self, scale: Scale) -> str:
+        """With the largest speed."""
+        return self.law.replace("the largest speed", f"= {scale.v_max:.5g} {scale.x_unit}/s")
+
     def constants(self, scale: Scale) -> tuple[float, ...]:
         """The largest speed, and the square of the share of it below which the law is a line."""
         return scale.v_max, SMOOTH**2

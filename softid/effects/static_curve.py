@@ -105,6 +105,11 @@ class StaticCurve(StateEffect):
             for shape in SHAPES
         )
 
+    def law_at(self, scale: Scale) -> str:
+        """With the places of the knots."""
+        places = f"evenly from {scale.u_low:.5g} to {scale.u_high:.5g} {scale.u_unit}"
+        return self.law.replace("6 knots", f"6 knots {places}")
+
     def constants(self, scale: Scale) -> tuple[float, ...]:
         """Place of the first knot, and knots per unit of the input."""
         return (scale.u_low, LAST / scale.u_span)

@@ -131,7 +131,7 @@ def effect_entries(spec: ModelSpec) -> list[Plain]:
             "key": effect.key,
             "name": effect.name,
             "stage": effect.stage,
-            "law": effect.law,
+            "law": effect.law_at(scale),
             "parameters": [extended_name(effect, name) for name in effect.parameters(scale)],
         }
         for effect in map(effect_of, spec.effects)

@@ -72,6 +72,23 @@ def test_words_are_there(key: str) -> None:
     assert set(effect.neighbours) <= set(NAMES) - {effect.name}
 
 
+@pytest.mark.parametrize(
+    ("key", "goes_by"),
+    [
+        ("quadratic_damping.power", ["v_max"]),
+        ("pneumatic_lag.level", ["u_low", "u_high"]),
+        ("static_curve", ["u_low", "u_high"]),
+    ],
+)
+def test_a_law_that_goes_by_sizes_tells_them(key: str, goes_by: list[str]) -> None:
+    """Whoever has the parameters and the law can compute the effect elsewhere."""
+    scale = replace(sizes("muscle", driven("muscle")), u_unit="kPa", x_unit="rad")
+    told = EFFECTS[key]().law_at(scale)
+    for name in goes_by:
+        assert f"{getattr(scale, name):.5g}" in told
+    assert EFFECTS["delay"]().law_at(scale) == EFFECTS["delay"].law
+
+
 def test_neighbours_are_mutual() -> None:
     """Among the effects in the equation of motion, each names those that name it."""
     for key in STATE:

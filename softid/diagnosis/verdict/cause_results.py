@@ -15,7 +15,7 @@ from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis_results import Alternative, Cause, Evidence, Gain
 from softid.effects import EFFECTS, belongs_to, effect_of, extended_name, own_values
-from softid.effects.base import Effect
+from softid.effects.base import Effect, Scale
 from softid.results import FitResult, ParameterEstimate
 from softid.scores import fit_percent
 
@@ -30,6 +30,7 @@ def causes_of(
     chain: Chain,
     errors: Sequence[Array],
     after: FitResult | None,
+    scale: Scale,
     rng: np.random.Generator,
 ) -> tuple[Cause, ...]:
     """The links in words and numbers.
@@ -42,6 +43,8 @@ def causes_of(
         Held-out errors of the models with the first causes: none, one, two, and so on.
     after
         The fit with all causes, whose parameters are told.
+    scale
+        Sizes of the logs and of the base model.
     rng
         Draws the bootstrap.
     """
@@ -56,7 +59,7 @@ def causes_of(
                 effect=effect.name,
                 key=effect.key,
                 title=told.title,
-                law=effect.law,
+                law=effect.law_at(scale),
                 meaning=told.meaning,
                 remedy=told.remedy,
                 parameters=tuple(own),
