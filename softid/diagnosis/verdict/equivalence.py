@@ -286,8 +286,8 @@ _SEPARATIONS: dict[tuple[str, str], tuple[float, float, float, float, float]] = 
 }
 """Rms difference of two causes of moderate size, in units of 0.5 % of the output's range, after
 either was refitted to the other's data: for each of `EXPERIMENTS` on simulated muscles, as
-`tests/benchmarks/separation_of_causes.py --draws 2` printed it at commit d5d0486. Sizes are drawn
-otherwise since, and the corner of a contact is another; the script prints what they give now."""
+`tests/benchmarks/separation_of_causes.py --draws 2` printed it. Other draws give other sizes (a
+delay and a lag 6.5 in a chirp, 2.9 in fast steps) and the same experiment."""
 
 SEPARATIONS = {frozenset(pair): values for pair, values in _SEPARATIONS.items()}
 """The same whichever cause is named first."""
