@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import with_fewer_effects
 from softid.diagnosis.search.bic_ranking import rank
@@ -73,7 +71,7 @@ def revised(
             continue
         others = [effect for effect in now.effects if effect.name != mine.name]
         without = _without(now, base, others, scale, sigma)
-        if not np.isfinite(without.minimum.normal.cost):
+        if not without.squares <= base.squares:
             continue  # the others alone go nowhere from where the chain stands
         taken = {effect.name for effect in others}
         left = forms if is_sure else [e for e in effects if e.name not in taken]

@@ -16,6 +16,13 @@ from softid.parallel import in_parallel
 WHITE_ROUNDS = (8, 16)
 """Evaluations of the rounds under the noise model; who cannot catch up stays out of them."""
 
+LAST_ROUND = 32
+"""And of one more for those that are still on their way: a motion that adds up its force bends so
+much that they are soon nowhere near their optimum under another noise model."""
+
+ON_ITS_WAY = 1.0
+"""A candidate is when it is so many standard errors away from its optimum."""
+
 
 @dataclass(frozen=True, eq=False)
 class Ranked:
@@ -81,6 +88,13 @@ def rank(
     for evaluations in WHITE_ROUNDS:
         leader = min(c.squares for c in white)
         white = in_parallel(partial(polished, leader=leader, evaluations=evaluations), white)
+    leader = min(c.squares for c in white)
+    going = [k for k, c in enumerate(white) if c.minimum.offset > ON_ITS_WAY]
+    last = in_parallel(
+        partial(polished, leader=leader, evaluations=LAST_ROUND), [white[k] for k in going]
+    )
+    for k, candidate in zip(going, last, strict=True):
+        white[k] = candidate
     ranked = [Ranked(w, c, _bic(w)) for w, c in zip(white, candidates, strict=True)]
     return sorted(ranked, key=lambda r: r.bic)
 

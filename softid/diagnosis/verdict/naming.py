@@ -58,6 +58,10 @@ SAME = 0.05
 parameters that share a scale with it, as those of a muscle with another static curve do, next to
 nothing is the cause's own, and any trace of another law would be much of that."""
 
+SHORT_OF = 0.001
+"""A value that is short of its upper bound by so small a share lies on it: where it hardly matters,
+a fit ends a little before."""
+
 ROUNDING = 1e-14
 """Variances below this share of the largest are not told from it by the covariance's digits."""
 
@@ -287,7 +291,7 @@ def _is_unknown(cause: Cause, effect: Effect) -> bool:
 def _is_at_ceiling(parameter: ParameterEstimate) -> bool:
     """Whether a value lies on its upper bound."""
     value, upper = parameter.value, parameter.upper
-    return parameter.at_bound and upper is not None and bool(np.isclose(value, upper, rtol=1e-3))
+    return upper is not None and 0.0 < upper < np.inf and value >= (1.0 - SHORT_OF) * upper
 
 
 def _reaches_upper(parameter: ParameterEstimate) -> bool:
