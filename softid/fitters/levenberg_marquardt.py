@@ -294,7 +294,8 @@ def _step(normal: Normal, moving: npt.NDArray[np.bool_], scale: Array, damping: 
     matrix = _among(normal.matrix, moving) / d / d[:, None]
     matrix.flat[:: d.size + 1] += damping
     step = np.zeros(moving.size)
-    step[moving] = _solve(matrix, normal.gradient[moving] / d) / d
+    with np.errstate(over="ignore"):  # what the logs do not see may go as far as its reach
+        step[moving] = _solve(matrix, normal.gradient[moving] / d) / d
     return step
 
 
