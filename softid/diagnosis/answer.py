@@ -14,6 +14,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.report.changes import held_out_change_issues
 from softid.diagnosis.report.issues import refusal_issues
+from softid.diagnosis.report.open_reading import with_open_reading
 from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
@@ -86,7 +87,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         errors = [held_out.first_errors(base.instead_of.candidate), *errors]
     alternatives = alternatives_of(named or links, forms)
     is_sure = all(is_named) and not alternatives
-    return Diagnosis(
+    answer = Diagnosis(
         verdict=verdict_of(links, is_named, remainder),
         summary="",
         base=before,
@@ -106,6 +107,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         ),
         gain_ci95=whole_gain_of(errors, rng),
     )
+    return with_open_reading(answer, chain.final, base)
 
 
 def _issues_of_rest(

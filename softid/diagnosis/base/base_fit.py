@@ -118,6 +118,8 @@ class BaseFit:
         The fit of the model that was asked for, where this one takes its place.
     input_sds
         Log → standard deviation of the noise of its input as it was recorded, in its unit.
+    is_read_openly
+        Whether nobody said what the input does between its samples.
     """
 
     identified: Identification
@@ -126,6 +128,7 @@ class BaseFit:
     held_out: HeldOut
     instead_of: BaseFit | None = None
     input_sds: Mapping[str, float] = field(default_factory=dict)
+    is_read_openly: bool = False
 
     def judged_by(self, logs: Sequence[Log]) -> BaseFit:
         """The same fit, judged by logs that are read otherwise.
@@ -204,7 +207,7 @@ class Request:
         The fit of the model that the user asked for, where ``model`` is another.
     preferred
         As in `diagnose`.
-    input_sds
+    input_sds, is_read_openly
         As in `BaseFit`.
     """
 
@@ -215,6 +218,7 @@ class Request:
     instead_of: BaseFit | None = None
     preferred: Sequence[Model] = ()
     input_sds: Mapping[str, float] = field(default_factory=dict)
+    is_read_openly: bool = False
 
     def fit_base(self, logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> BaseFit:
         """Fit the base.
@@ -249,7 +253,15 @@ class Request:
         candidate = _candidate(identified, self.model)
         scale = scale_of(candidate.problem, candidate.minimum.point)
         held_out = held or HeldOutLogs(identified.hold_out)
-        return BaseFit(identified, candidate, scale, held_out, self.instead_of, self.input_sds)
+        return BaseFit(
+            identified,
+            candidate,
+            scale,
+            held_out,
+            self.instead_of,
+            self.input_sds,
+            self.is_read_openly,
+        )
 
 
 def _require_motion(model: Model | str | None) -> None:

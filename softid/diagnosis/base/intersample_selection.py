@@ -270,6 +270,27 @@ def refitted_as(
     return refitted if np.isfinite(refitted.squares) else None
 
 
+def explained_alike(
+    candidate: Candidate, sigma: Mapping[str, float], reading: Intersample
+) -> Candidate | None:
+    """The model refitted with another reading of the input that its logs do not tell from its own.
+
+    Parameters
+    ----------
+    candidate, sigma, reading
+        As in `refitted_as`.
+
+    Returns
+    -------
+    Candidate or None
+        None where the logs tell, or the refit does not go.
+    """
+    read = refitted_as(candidate, sigma, reading)
+    if read is None or _fall(read, candidate) * _independent_share(candidate) > BETTER_BY:
+        return None
+    return read
+
+
 def _fall(candidate: Candidate, other: Candidate) -> float:
     """By how much n ln(S) falls from one model to another."""
     return candidate.problem.n_samples * float(np.log(candidate.squares / other.squares))

@@ -81,7 +81,7 @@ def with_shared_scale(found: Diagnosis, *, linear_in: str | None) -> Diagnosis:
         return not is_outer and (linear_in is None or linear_in in p.unit)
 
     weak = {p.name for p in found.extended.parameters if goes_with_it(p)}
-    told = _less_sure(
+    told = less_sure(
         found,
         weak,
         "it is known up to a factor, which the static curve can make up for",
@@ -122,7 +122,7 @@ def with_open_places(found: Diagnosis) -> Diagnosis:
             weak.update(name for name in names if any(belongs_to(f, name) for f in filters))
     if not weak:
         return found
-    return _less_sure(
+    return less_sure(
         found,
         weak,
         "the actuator's own time or resonance and that of a cause may change places",
@@ -130,22 +130,34 @@ def with_open_places(found: Diagnosis) -> Diagnosis:
     )
 
 
-def _less_sure(found: Diagnosis, names: Collection[str], reason: str, remedy: str) -> Diagnosis:
-    """The diagnosis with some identified parameters known together with others only."""
-    assert found.extended is not None
+def less_sure(found: Diagnosis, names: Collection[str], reason: str, remedy: str) -> Diagnosis:
+    """The diagnosis with some identified parameters known less well than their intervals say.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers.
+    names
+        The parameters, of the extended model or, without causes, of the base.
+    reason, remedy
+        As in `ParameterEstimate`.
+    """
+    fit = found.extended or found.base
     parameters = tuple(
         replace(p, verdict="weakly identified", reason=reason, remedy=remedy)
         if p.name in names and p.verdict == "identified"
         else p
-        for p in found.extended.parameters
+        for p in fit.parameters
     )
     told = {p.name: p for p in parameters}
     causes = (
         replace(c, parameters=tuple(told.get(p.name, p) for p in c.parameters))
         for c in found.causes
     )
-    extended = replace(found.extended, parameters=parameters)
-    return replace(found, causes=tuple(causes), extended=extended)
+    sure = replace(fit, parameters=parameters)
+    if found.extended is None:
+        return replace(found, base=sure)
+    return replace(found, causes=tuple(causes), extended=sure)
 
 
 def _value(cause: Cause, parameter: str) -> float:

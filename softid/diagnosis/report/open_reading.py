@@ -1,0 +1,74 @@
+"""Parameters that hang on what a command does between its samples, where the logs do not tell."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.base.intersample_selection import (
+    explained_alike,
+    is_measured,
+    readings_of,
+)
+from softid.diagnosis.base.judged_intersample import WAYS
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.report.joint_causes import less_sure
+from softid.diagnosis_results import Diagnosis
+from softid.errors import Issue
+
+OPEN_READING = "open-reading"
+"""Code of the remark."""
+
+
+def with_open_reading(found: Diagnosis, final: Candidate, base: BaseFit) -> Diagnosis:
+    """The diagnosis with what another reading of a command would make of its parameters.
+
+    A command that is held at every sample is half an interval later than one that goes straight,
+    and inertia and damping make up for that. Where the logs do not tell, an interval holds for the
+    reading that was taken only: what leaves it with another one is known less well than it says.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers.
+    final
+        Its model.
+    base
+        What that extends.
+    """
+    logs = final.problem.logs
+    if not base.is_read_openly or is_measured(logs):
+        return found
+    told = (found.extended or found.base).parameters
+    others = [r for r in readings_of(logs) if r in WAYS and r != logs[0].reading]
+    for reading in others:
+        read = explained_alike(final, base.sigma, reading)
+        if read is None:
+            continue
+        moved = {
+            p.name: read.parameters[p.name]
+            for p in told
+            if p.ci95 is not None and not p.ci95[0] <= read.parameters[p.name] <= p.ci95[1]
+        }
+        if not moved:
+            continue
+        way = f"{logs[0].input} {WAYS[reading]}"
+        values = ", ".join(
+            f"{p.name} {moved[p.name]:.4g} in place of {p.value:.4g} {p.unit}"
+            for p in told
+            if p.name in moved
+        )
+        found = less_sure(
+            found,
+            moved,
+            f"it is another one with {way}, which explains these logs as well",
+            f"declare it with --intersample {reading}, or as it is",
+        )
+        issue = Issue(
+            OPEN_READING,
+            "warning",
+            f"{way} explains these logs as well, and makes {values}",
+            f"declare it with --intersample {reading}, or as it is",
+        )
+        found = replace(found, issues=(*found.issues, issue))
+    return found
