@@ -188,6 +188,7 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
         issues=log.issues,
         metadata=log.metadata,
         intersample=log.intersample,
+        input_read_s=log.input_read_s,
         is_bridged=log.is_bridged,
         recorded=log,
         count=count,

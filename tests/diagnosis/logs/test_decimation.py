@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from linear_motion import TRUTH, linear_problem
@@ -255,6 +257,18 @@ def test_a_smooth_input_is_straight_between_its_new_samples() -> None:
     smooth = log.with_intersample("smooth")
     assert smooth.segments()[0].time_s.size > len(smooth)
     assert decimated(smooth, 4).segments()[0].time_s.size == 100
+
+
+def test_what_else_is_known_of_a_log_stays() -> None:
+    """When a slow gauge read the input, and that the log goes on through its stalls."""
+    log = regular(4000)
+    time_s = log.time_s + np.where(np.arange(4000) < 2000, 0.0, 1.0)
+    read_s = time_s[::7]
+    known = replace(log, time_s=time_s, input_read_s=read_s, is_bridged=True)
+    short = decimated(known, 4)
+    assert np.array_equal(short.segments()[0].readings[0], read_s[read_s <= short.time_s[-1]][1:])
+    assert len(short.segments()) == 1
+    assert len(decimated(replace(known, is_bridged=False), 4).segments()) == 2
 
 
 def test_one_sample_is_its_own_mean() -> None:
