@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from softid.errors import InputError, UsageError
-from softid_cli.console import announce_compilation, progress
+from softid_cli.console import announce_compilation, progress, say
 from softid_cli.model_options import described_models, model_option, shape_options
 from softid_cli.options import (
     FILE,
@@ -31,6 +31,7 @@ from softid_cli.results_folder import RESULTS, free_folder, refuse_old_results
 
 if TYPE_CHECKING:
     from softid.diagnosis_results import Diagnosis
+    from softid.log import Log
     from softid.models.base import Model
     from softid.parameters import ParameterSet
     from softid.records import SavedModel
@@ -149,6 +150,9 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:
         intersample=request.intersample or (saved.intersample if saved else None),
     )
 
+    if not request.quiet:
+        _warn_early(logs)
+
     from softid.diagnosis import diagnose as diagnose_logs
 
     with announce_compilation(quiet=request.quiet), progress(quiet=request.quiet) as report:
@@ -169,6 +173,15 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:
         from softid.plots import png_files
 
         return found, png_files(found)
+
+
+def _warn_early(logs: Sequence[Log]) -> None:
+    """Say what makes a search of minutes pointless while it can still be stopped."""
+    from softid.quality.causality import leading_outputs
+
+    for log in logs:
+        for issue in leading_outputs(log):
+            say(f"{issue.severity}: {log.name}: {issue.message}")
 
 
 def _base(

@@ -48,6 +48,18 @@ def bench(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> Desk:
     return desk
 
 
+def test_exchanged_columns_are_told_before_the_search(
+    softid: Cli, bench: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On the error stream, for it takes minutes; with --quiet nothing is said."""
+    bench.answer = IdentificationError("stopped here")
+    issue = Issue("output-leads", "warning", "angle moves before pressure does", "look")
+    monkeypatch.setattr("softid.quality.causality.leading_outputs", lambda log: (issue,))
+    told = softid("diagnose", "step_1.csv")
+    assert "warning: step_1: angle moves before pressure does" in told.err
+    assert "moves before" not in softid("diagnose", "step_1.csv", "--quiet").err
+
+
 def test_the_answer(softid: Cli, bench: Desk, tmp_path: Path) -> None:
     """The paragraph, the table in the unit of the log, issues and files; 2 and 0.5 degrees."""
     told = softid("diagnose", "step_1.csv", "--hold-out", "step_2.csv")
