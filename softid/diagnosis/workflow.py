@@ -48,6 +48,7 @@ from softid.diagnosis.report.other_explanations import (
 from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis_results import Diagnosis, Verdict
@@ -317,7 +318,8 @@ def _require_units(base: BaseFit, hold_out: Sequence[Log]) -> None:
     problem = base.candidate.problem
     first = problem.outputs[0]
     spread = np.std(np.concatenate([s.outputs[first][s.used[first]] for s in problem.segments]))
-    usual = base.rms / max(float(spread), np.finfo(float).tiny)
+    left = mean_square(residual_context(base.candidate)) ** 0.5
+    usual = left / max(float(spread), np.finfo(float).tiny)
     for slip in unit_slips(problem.model, base.candidate.parameters, hold_out, usual=usual):
         raise InputError(slip.message, remedy=slip.remedy)
 

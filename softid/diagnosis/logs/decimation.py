@@ -2,7 +2,6 @@
 
 A linear motion passes an average on unchanged: averaged input in, averaged output out. A diagnosis
 refits the logs a few hundred times, and gains nothing from the hundredth sample of a time constant.
-The averages lie at even times, whether the samples do or not.
 
 What bends within a mean is not lost: between means the input counts as straight, whatever it did
 between the old samples, and its new samples are those whose straight lines have the means of what
@@ -19,15 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.logs.time_bins import APART, TimeBins
 from softid.identification.slow_outputs import SlowOutputLog
-from softid.intersample import BEFORE, Intersample, is_abrupt, jumps
+from softid.intersample import BEFORE, HELD, Intersample, is_abrupt, jumps
 from softid.log import Log
 from softid.segment import Segment, absent_times, with_rows
 
@@ -41,12 +37,14 @@ SAMPLES_PER_MOTION = 30.0
 """Samples that stay in a time constant of the motion at least: delays and lags of a few hundredths
 of it still count in whole samples."""
 
-DENSE, USUAL_INTERVALS = 2.0, 0.9
-"""So large a share of the intervals is at most so many times the median one, or the samples come in
-bursts, of which averages over even times would hold all or nothing."""
+LEAST_MEANS = 3
+"""A slope is taken from the neighbours on both sides, so fewer means have none."""
 
 MOST_JUMPS = 0.05
 """Jumps stay where they were up to this share of the means: a train of pulses is averaged."""
+
+APART = 1e-6
+"""Share of a sampling interval within which a knot is a sample."""
 
 REGULAR = 0.2
 """Sampling is regular when no interval differs from the median by more than this share."""
@@ -75,7 +73,7 @@ def samples_to_average(
     per_motion
         So many averages are left in a time constant of the motion at least.
     """
-    if not all(_is_dense(log) and not isinstance(log, SlowOutputLog) for log in logs):
+    if not all(is_regular(log) and not isinstance(log, SlowOutputLog) for log in logs):
         return 1
     wanted = sum(len(log) for log in logs) / enough
     period_s = max(log.period_s for log in logs)
@@ -93,11 +91,6 @@ def is_regular(log: Log) -> bool:
     return bool(np.all(np.abs(np.diff(log.time_s) / log.period_s - 1.0) <= REGULAR))
 
 
-def _is_dense(log: Log) -> bool:
-    usual = np.mean(np.diff(log.time_s) <= DENSE * log.period_s)
-    return bool(usual >= USUAL_INTERVALS)
-
-
 @dataclass(frozen=True, eq=False)
 class AveragedLog(Log):
     """A log with a value from every few samples of another one in their place.
@@ -109,7 +102,7 @@ class AveragedLog(Log):
     recorded
         The other one.
     count
-        Sampling intervals of that one in a value.
+        Samples in a value.
     knots
         Times at which jumps of the input begin and end, and the input there, each of shape (m,).
     """
@@ -128,13 +121,6 @@ class AveragedLog(Log):
         """The other one: nodes of a straight input lie beyond its extremes."""
         return self.recorded
 
-    @cached_property
-    def stretches(self) -> tuple[tuple[int, int], ...]:
-        """Those of the other one: a few lost samples are no stall of the averages."""
-        begins_s = self.recorded.time_s[[start for start, _ in self.recorded.stretches[1:]]]
-        edges = [0, *np.searchsorted(self.time_s, begins_s).tolist(), len(self)]
-        return tuple((a, b) for a, b in pairwise(edges) if b - a >= 2)
-
     def _segment(self, index: int, start: int, stop: int) -> Segment:
         segment = super()._segment(index, start, stop)
         knot_s, level = self.knots
@@ -143,14 +129,14 @@ class AveragedLog(Log):
 
 
 def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
-    """The log with a value from every ``count`` sampling intervals in their place.
+    """The log with a value from every ``count`` samples in their place.
 
     Parameters
     ----------
     log
-        A log.
+        A regular log.
     count
-        Median sampling intervals in a value; the last ones that fill none are left out.
+        Samples in a value; the last ones that fill none are left out.
     keeps_jumps
         Whether jumps of the input stay where they were, and means of the outputs that hold one are
         left out.
@@ -164,35 +150,41 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
     """
     if count == 1:
         return log
-    bins = TimeBins.of(log, count)
-    jumping = _Jumps.of(log, most=MOST_JUMPS * bins.centre_s.size if keeps_jumps else 0.0)
-    used = ~log.masked
+    groups = len(log) // count
+
+    def mean(values: Array) -> Array:
+        averaged: Array = values[: groups * count].reshape(groups, count).mean(axis=1)
+        return averaged
+
+    time_s = mean(log.time_s)
+    jumping = _Jumps.of(log, most=MOST_JUMPS * groups if keeps_jumps else 0.0)
+    masked = mean(jumping.is_in_one(log.time_s)) > 0.0
+    masked |= mean(log.masked.astype(np.float64)) > 0.0
     channels = {}
     for name, channel in log.channels.items():
         if name == log.input:
             rest = channel.values - jumping.until(log.time_s)
-            nodes = bins.nodes(rest, log.between_samples)
-            values = nodes + jumping.until(bins.centre_s)
+            nodes = _straight(mean(_about_samples(rest, log.between_samples)))
+            values = nodes + jumping.until(time_s)
         else:
-            values = bins.at_centres(channel.values, used)
+            values = _at_centres(mean(channel.values), masked)
         channels[name] = replace(channel, values=values)
-    knot_s = jumping.knots_beside(bins.centre_s)
+    knot_s = jumping.knots_beside(time_s)
     return AveragedLog(
         name=log.name,
-        time_s=bins.centre_s,
+        time_s=time_s,
         channels=channels,
         input=log.input,
         outputs=log.outputs,
-        masked=bins.hold_any(jumping.is_in_one(log.time_s) > 0.0) | ~bins.are_known(used),
+        masked=masked,
         source=log.source,
         issues=log.issues,
         metadata=log.metadata,
         intersample=log.intersample,
         input_read_s=log.input_read_s,
-        is_bridged=log.is_bridged,
         recorded=log,
         count=count,
-        knots=(knot_s, np.interp(knot_s, bins.centre_s, nodes) + jumping.until(knot_s)),
+        knots=(knot_s, np.interp(knot_s, time_s, nodes) + jumping.until(knot_s)),
     )
 
 
@@ -263,3 +255,42 @@ def read_as(log: Log, reading: Intersample) -> Log:
     assert isinstance(again, AveragedLog)
     channels = {**log.channels, log.input: again.channels[log.input]}
     return replace(log, channels=channels, intersample=reading, knots=again.knots)
+
+
+def _about_samples(values: Array, reading: Intersample) -> Array:
+    """Means of the input from half an interval before every sample to half an interval behind it.
+
+    A held input has the value before until the sample. What goes straight or bends has the value of
+    the sample but for what bends within an interval, which is far less than what does within all
+    that are averaged; and so has a jump, since it takes from one sample what it gives to the next.
+    """
+    if reading not in HELD:
+        return values
+    changes = jumps(values) if reading == "held" else np.arange(values.size - 1)
+    about = values.copy()
+    about[changes + 1] = 0.5 * (values[changes] + values[changes + 1])
+    return about
+
+
+def _straight(means: Array) -> Array:
+    """Nodes of a line whose mean about each, half way to its neighbours, is given.
+
+    Solves (u₋ + 6 u + u₊)/8 = mean, with the line going straight on at both ends.
+    """
+    from scipy.linalg import solve_banded
+
+    if means.size < LEAST_MEANS or not np.isfinite(means).all():
+        return means
+    bands = np.tile([[0.125], [0.75], [0.125]], means.size)
+    bands[0, 1] = bands[2, -2] = 0.0
+    bands[1, [0, -1]] = 1.0
+    nodes: Array = solve_banded((1, 1), bands, means)
+    return nodes
+
+
+def _at_centres(means: Array, masked: BoolArray) -> Array:
+    """Values at the centres of means: mean − T² ÿ/24, with ÿ from the means beside."""
+    known = np.where(masked, np.nan, means)
+    bend = np.zeros(means.size)
+    bend[1:-1] = np.diff(known, 2)
+    return means - np.where(np.isfinite(bend), bend, 0.0) / 24.0
