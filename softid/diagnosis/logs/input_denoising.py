@@ -22,7 +22,7 @@ from softid.log import Log
 Array = npt.NDArray[np.float64]
 
 REACH = 10
-"""Samples to either side over which the input is averaged."""
+"""Samples to either side through which a parabola goes at most."""
 
 PASSES = 2
 """Times that it is smoothed; the second tells edges from an input that has less noise."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from softid.diagnosis.report.ambiguity import is_linear, own_places
@@ -128,6 +128,25 @@ def with_open_places(found: Diagnosis) -> Diagnosis:
         "the actuator's own time or resonance and that of a cause may change places",
         "record the sensor beside a faster one, or the pressure at the actuator itself",
     )
+
+
+def outside_intervals(
+    parameters: Sequence[ParameterEstimate], values: Mapping[str, float]
+) -> dict[str, float]:
+    """Other values of parameters that lie outside their intervals.
+
+    Parameters
+    ----------
+    parameters
+        What was estimated.
+    values
+        Parameter → its value with something else in the model; those it lacks stay out.
+    """
+    return {
+        p.name: values[p.name]
+        for p in parameters
+        if p.ci95 is not None and p.name in values and not p.ci95[0] <= values[p.name] <= p.ci95[1]
+    }
 
 
 def less_sure(found: Diagnosis, names: Collection[str], reason: str, remedy: str) -> Diagnosis:

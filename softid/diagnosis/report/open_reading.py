@@ -12,7 +12,7 @@ from softid.diagnosis.base.intersample_selection import (
 )
 from softid.diagnosis.base.judged_intersample import WAYS
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.report.joint_causes import less_sure
+from softid.diagnosis.report.joint_causes import less_sure, outside_intervals
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
 
@@ -45,11 +45,7 @@ def with_open_reading(found: Diagnosis, final: Candidate, base: BaseFit) -> Diag
         read = explained_alike(final, base.sigma, reading)
         if read is None:
             continue
-        moved = {
-            p.name: read.parameters[p.name]
-            for p in told
-            if p.ci95 is not None and not p.ci95[0] <= read.parameters[p.name] <= p.ci95[1]
-        }
+        moved = outside_intervals(told, read.parameters)
         if not moved:
             continue
         way = f"{logs[0].input} {WAYS[reading]}"

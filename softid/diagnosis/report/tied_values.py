@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from softid.diagnosis.report.joint_causes import less_sure
+from softid.diagnosis.report.joint_causes import less_sure, outside_intervals
 from softid.diagnosis.report.phrases import title_of
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis_results import Diagnosis
@@ -27,8 +27,8 @@ def with_tied_values(found: Diagnosis, links: Sequence[Link], size: int) -> Diag
     """
     if found.extended is None:
         return found
+    tied = {name for tie in found.alternatives for name in tie.effects}
     for link in links:
-        tied = {name for tie in found.alternatives for name in tie.effects}
         if link.added.name not in tied:
             continue
         rivals = [
@@ -39,14 +39,7 @@ def with_tied_values(found: Diagnosis, links: Sequence[Link], size: int) -> Diag
             and link.added_by(row).name in link.rivals
         ]
         for row in rivals:
-            values = row.plain.parameters
-            moved = {
-                p.name
-                for p in found.extended.parameters
-                if p.ci95 is not None
-                and p.name in values
-                and not p.ci95[0] <= values[p.name] <= p.ci95[1]
-            }
+            moved = outside_intervals(found.extended.parameters, row.plain.parameters)
             other = title_of(link.added_by(row).key)
             found = less_sure(
                 found,
