@@ -91,7 +91,7 @@ def _others(log: Log, name: str) -> Iterator[tuple[str, float]]:
     quantity = CHANNEL_QUANTITY.get(name)
     if quantity is None or quantity not in USUAL_UNITS:
         return
-    given = factor_to_canonical(log.channels[name].display_unit, quantity)
+    given = 1.0 / abs(log.channels[name].display_factor)  # whatever sign or scale was declared
     for unit in USUAL_UNITS[quantity]:
         factor = factor_to_canonical(unit, quantity) / given
         if not np.isclose(factor, 1.0):
