@@ -9,21 +9,23 @@ restarts must not find anything better.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.levenberg_marquardt import Minimum, attainable_offset, movable
-from softid.fitters.noise_level import at_noise_level
 from softid.fitters.normal_equations import Linearised
-from softid.fitters.objective import DRAFT_EVALUATIONS, SCOUT_EVALUATIONS, Objective
+from softid.fitters.objective import (
+    DRAFT_EVALUATIONS,
+    SCOUT_EVALUATIONS,
+    TOLERANCE,
+    Objective,
+)
 from softid.fitters.problem import Problem
 from softid.fitters.rivals import best_rival
-from softid.fitters.thinned import Lead, leads, led, rough_problem
+from softid.fitters.scouting import cost_of, scouts, searched
 from softid.results import FitStatus
 
 Array = npt.NDArray[np.float64]
@@ -37,13 +39,6 @@ OFFSET_TOLERANCE = 5e-2
 """Largest `attainable_offset` at which the optimum counts as reached: the estimate is then within a
 twentieth of its own white-noise standard error of it. The optimiser itself aims at a thousandth;
 where the parameters make up for each other almost exactly, rounding stops it in between."""
-
-SCOUTS = 2
-"""Starts that are scouted at a time, after the most promising one alone; when one of them ends at
-the noise level, the last."""
-
-FIRST_TIMES = 2
-"""The most promising start, which usually is the only one, gets so many times the evaluations."""
 
 RESTARTS = 3
 """Perturbed restarts of a round, each with the evaluations of a scout; a judgement."""
@@ -133,7 +128,7 @@ def output_error(
     problem
         What to fit.
     starts
-        Parameter name → value, one mapping per start, in any order.
+        Parameter name → value, one mapping per start, the most promising one first.
     rng
         Draws the perturbed restarts.
     rounds
@@ -154,34 +149,29 @@ def output_error(
     report = progress or (lambda message, fraction: None)
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
     report("searching from several starts", 0.1)
-    scouted, alone = _search(objective, starts, alone_if_white=rounds > 0, far=far)
+    scouted, alone = searched(objective, starts, alone_if_white=rounds > 0, far=far)
     if not scouted:
         return _nothing(objective, [problem.unknowns(start) for start in starts[:1]])
     report("refining the best starts", 0.3)
-    contenders = scouted[:2] if rounds else scouted[:1]
     limit = POLISH_EVALUATIONS if rounds else DRAFT_EVALUATIONS
+    is_rival = False
     if alone:
         best, start = scouted[0]  # the data hold every parameter, and need no prior
+    elif rounds:
+        best, start, is_rival = _basin(objective, scouted[:2], thorough=thorough)
     else:
-        polished = []
-        for found, start in contenders:
-            objective.set_prior(start, found)
-            polished.append((objective.solve(found.point, limit), start))
-        best, start = min(polished, key=lambda row: row[0].normal.cost)
-        objective.set_prior(start, best)
+        best, start = _polished(objective, scouted[0], limit)
     best = objective.solve(best.point, limit)
     best = _reweighted(objective, best)
     report("looking for a better optimum", 0.6)
     stable = alone or rounds == 0
     if not stable:
         best, stable = _challenge(objective, best, start, rng, rounds)
-    if rounds and not alone:
-        point, used = best_rival(problem, objective.sigma, best, thorough=thorough)
-        objective.evaluations += used
-        if point is not best.point:
-            start = point
-            objective.set_prior(start, best)
-            best, stable = _challenge(objective, objective.solve(point, limit), start, rng, rounds)
+    if rounds and not alone and not is_rival:
+        rival = _rival(objective, best, thorough=thorough)
+        if rival is not None:
+            best, stable = _challenge(objective, *rival, rng, rounds)
+            start = rival[1]
     report("checking the optimum", 0.9)
     if rounds:
         best = objective.with_columns(_released(objective, best))
@@ -200,70 +190,48 @@ def _span(problem: Problem, name: str) -> float:
     return float(np.ptp(joined)) if joined.size and np.ptp(joined) > 0 else 1.0
 
 
-def _search(
-    objective: Objective,
-    starts: Sequence[Mapping[str, float]],
-    *,
-    alone_if_white: bool,
-    far: bool,
-) -> tuple[list[tuple[Minimum, Array]], bool]:
-    """Scouts from the starts in turn, best first, and whether one has ended at the noise level."""
-    rough: Problem | None = None
-    first = 1 if alone_if_white else SCOUTS
-    most = FIRST_TIMES * SCOUT_EVALUATIONS
-    if starts and far:
-        rough = rough_problem(objective.problem, objective.problem.free_unknowns(starts[0]))
-    points = [objective.problem.unknowns(start, with_zeros=False) for start in starts]
-    first_led = leads(objective, points, rough, most) if rough is not None else []
-    begins: Sequence[Array | Lead] = [*first_led, *points[len(first_led) :]]
-    scouted: list[tuple[Minimum, Array]] = []
-    for begin, end in itertools.pairwise([0, *range(first, len(starts), SCOUTS), len(starts)]):
-        limit = most if begin == 0 and alone_if_white else SCOUT_EVALUATIONS
-        found = _scout(objective, begins[begin:end], limit, rough)
-        scouted = sorted([*scouted, *found], key=_cost)
-        if not (alone_if_white and scouted):
-            continue
-        scouted[0] = objective.with_columns(scouted[0][0]), scouted[0][1]
-        if at_noise_level(objective.problem, scouted[0][0]):
-            return scouted, True
-    return scouted, False
+def _basin(
+    objective: Objective, contenders: Sequence[tuple[Minimum, Array]], *, thorough: bool
+) -> tuple[Minimum, Array, bool]:
+    """The better one of the contenders at its optimum, its start, and whether a rival led there.
 
-
-def _scout(
-    objective: Objective,
-    begins: Sequence[Array | Lead],
-    limit: int,
-    rough: Problem | None = None,
-) -> list[tuple[Minimum, Array]]:
-    """Short runs from every start, best first; the compiled kernels release the lock.
-
-    Where there is a rough problem they lead through it, and go on over all samples from there.
+    A contender that a draft does not settle creeps along a valley, often one with a false optimum
+    at its end: before it is followed there, rivals are asked. Where several channels are fitted,
+    their weights have to settle first.
     """
-
-    def run(begin: Array | Lead) -> tuple[Minimum, Array, Objective]:
-        own = Objective(objective.problem, objective.sigma)
-        if isinstance(begin, Lead):
-            lead = begin
-        else:
-            lead = Lead(begin, begin) if rough is None else led(own, begin, rough, limit)
-        own.prior = objective.prior
-        found = own.solve(lead.point, limit, damping=lead.damping)
-        return found, lead.start, own
-
-    if len(begins) == 1:
-        rows = [run(begins[0])]
-    else:
-        with ThreadPoolExecutor(max_workers=SCOUTS) as pool:
-            rows = list(pool.map(run, begins))
-    objective.evaluations += sum(own.evaluations for _, _, own in rows)
-    rows = sorted((row for row in rows if np.isfinite(row[0].normal.cost)), key=_cost)
-    if rows:
-        objective.adopt(rows[0][2])
-    return [(found, point) for found, point, _ in rows]
+    polished = [_polished(objective, row, DRAFT_EVALUATIONS) for row in contenders]
+    creeping = [row for row in polished if row[0].offset > TOLERANCE]
+    best, start = min(polished, key=cost_of)
+    objective.set_prior(start, best)
+    if creeping and len(objective.problem.outputs) == 1:
+        rival = _rival(objective, best, thorough=thorough)
+        if rival is not None:
+            return *rival, True
+    if creeping:
+        polished += [_polished(objective, row, POLISH_EVALUATIONS) for row in creeping]
+        best, start = min(polished, key=cost_of)
+        objective.set_prior(start, best)
+    return best, start, False
 
 
-def _cost(row: tuple[Minimum, Array] | tuple[Minimum, Array, Objective]) -> float:
-    return row[0].normal.cost
+def _polished(
+    objective: Objective, row: tuple[Minimum, Array], evaluations: int
+) -> tuple[Minimum, Array]:
+    """A contender nearer to its optimum, held near its start."""
+    found, start = row
+    objective.set_prior(start, found)
+    return objective.solve(found.point, evaluations), start
+
+
+def _rival(objective: Objective, best: Minimum, *, thorough: bool) -> tuple[Minimum, Array] | None:
+    """A better basin than that of an optimum, at its own optimum, and the start there."""
+    problem = objective.problem
+    point, used = best_rival(problem, objective.sigma, best, thorough=thorough)
+    objective.evaluations += used
+    if point is best.point:
+        return None
+    objective.set_prior(point, best)
+    return objective.solve(point, POLISH_EVALUATIONS), point
 
 
 def _reweighted(objective: Objective, best: Minimum) -> Minimum:
@@ -303,7 +271,7 @@ def _challenge(
             size = np.minimum(reach / 2.0, np.maximum(np.abs(point[:n_free]), 1.0))
             point[:n_free] += RESTART_SPREAD * size * rng.standard_normal(n_free)
             points.append(point)
-        rivals = _scout(objective, points, SCOUT_EVALUATIONS)
+        rivals = scouts(objective, points, SCOUT_EVALUATIONS)
         margin = min(BETTER, BETTER_SAMPLES / max(best.normal.n, 1))
         if best.normal.cost <= 0.5 * best.normal.n * RESIDUAL_FLOOR**2:
             return best, True  # what is left is rounding, and a rival's is as likely to be less

@@ -40,7 +40,7 @@ STAGES: tuple[tuple[str, ModuleType | type, str], ...] = (
     ("drop-outs looked for", workflow, "without_dropouts"),
     ("start values", Muscle, "guess"),
     ("search, optimiser", workflow, "output_error"),
-    ("of which runs from starts", fitter, "_search"),
+    ("of which runs from starts", fitter, "searched"),
     ("of which the last run", fitter, "_released"),
     ("errors", assembly, "errors_of"),
     ("simulation, scores, verdicts", workflow, "assemble"),

@@ -59,8 +59,15 @@ def dry_log(course: str, seed: int, *, friction: float = FRICTION_KPA) -> Log:
     return Log.from_arrays(time_s, channels, name=f"{course}-{seed}")
 
 
-@pytest.mark.parametrize("course", ["steps", "ramps"])
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(
+    ("course", "seed"),
+    [
+        ("steps", 1),
+        ("ramps", 2),
+        pytest.param("ramps", 1, marks=pytest.mark.slow),
+        pytest.param("steps", 2, marks=pytest.mark.slow),
+    ],
+)
 def test_it_is_found_where_it_rests_off_its_equilibrium(course: str, seed: int) -> None:
     """Fc within 3 %, and noise alone is left, of the rest at the beginning, too."""
     judge = dry_log(course, seed + 21)

@@ -12,7 +12,7 @@ from softid.synthesis import hidden_pair
 SOME = ("contact", "creep", "delay", "static_curve", "stiffening")
 
 
-@pytest.mark.parametrize("effect", ["contact", "stiffening"])
+@pytest.mark.parametrize("effect", ["contact", pytest.param("stiffening", marks=pytest.mark.slow)])
 def test_a_plainer_model_with_its_cause_takes_the_place_of_one_that_bends_to_it(
     effect: str,
 ) -> None:
@@ -32,7 +32,7 @@ def test_a_plainer_model_with_its_cause_takes_the_place_of_one_that_bends_to_it(
     assert values == pytest.approx(dict(hidden.hidden[effect]), rel=0.05)
 
 
-@pytest.mark.parametrize("effect", ["creep", "static_curve"])
+@pytest.mark.parametrize("effect", ["creep", pytest.param("static_curve", marks=pytest.mark.slow)])
 def test_a_model_stays_that_explains_more(effect: str) -> None:
     """Known truth: a muscle; its creep leaves noise, a curve is held against an oscillator's."""
     train, hold_out = hidden_pair([effect], seed=502).logs
@@ -42,6 +42,7 @@ def test_a_model_stays_that_explains_more(effect: str) -> None:
     assert [cause.effect for cause in found.causes] == [effect]
 
 
+@pytest.mark.slow
 def test_a_model_of_which_little_is_known_beside_its_causes_is_asked_again() -> None:
     """Known truth: an oscillator. A muscle with both causes leaves noise, too, but five of its
     seven parameters are anything."""

@@ -12,6 +12,7 @@ import pytest
 from scipy.optimize import least_squares
 
 import softid.fitters.output_error as fitter
+from softid.fitters import scouting
 from softid.fitters.objective import Objective
 from softid.fitters.output_error import Optimum, output_error, refit_nuisance
 from softid.fitters.problem import Problem
@@ -117,6 +118,7 @@ def test_an_optimiser_that_stops_at_once_is_not_success(monkeypatch: pytest.Monk
     """One evaluation and no second look: the offset betrays it, whatever the start."""
     for limit in ("SCOUT_EVALUATIONS", "POLISH_EVALUATIONS", "DRAFT_EVALUATIONS"):
         monkeypatch.setattr(fitter, limit, 1)
+    monkeypatch.setattr(scouting, "SCOUT_EVALUATIONS", 1)
     found, values, _ = fitted(noisy(), rounds=0)
     assert found.status is FitStatus.NOT_MOVED
     assert values["a1"] == pytest.approx(NEAR["a1"])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from softid.errors import IdentificationError, InputError, UsageError
-from softid.fitters import beginnings, output_error, rivals
+from softid.fitters import beginnings, output_error, rivals, scouting
 from softid.identification import fit
 from softid.log import Log
 from softid.models import Muscle
@@ -128,6 +128,7 @@ def test_a_fit_that_stops_at_once_is_no_success(monkeypatch: pytest.MonkeyPatch)
     """With one evaluation per run the optimiser cannot move: the result must not claim it did."""
     for name in ("SCOUT_EVALUATIONS", "POLISH_EVALUATIONS", "DRAFT_EVALUATIONS"):
         monkeypatch.setattr(output_error, name, 1)
+    monkeypatch.setattr(scouting, "SCOUT_EVALUATIONS", 1)
     for name in ("SCOUT_EVALUATIONS", "SORTING_EVALUATIONS"):
         monkeypatch.setattr(rivals, name, 1)
     for name in ("SCOUT_EVALUATIONS", "DRAFT_EVALUATIONS"):
