@@ -149,6 +149,23 @@ def outside_intervals(
     }
 
 
+def other_values(parameters: Sequence[ParameterEstimate], values: Mapping[str, float]) -> str:
+    """Other values of parameters beside their own, as a part of a sentence.
+
+    Parameters
+    ----------
+    parameters
+        What was estimated.
+    values
+        Some of their names → the other values.
+    """
+    return ", ".join(
+        f"{p.name} {values[p.name]:.4g} in place of {p.value:.4g} {p.unit}"
+        for p in parameters
+        if p.name in values
+    )
+
+
 def less_sure(found: Diagnosis, names: Collection[str], reason: str, remedy: str) -> Diagnosis:
     """The diagnosis with some identified parameters known less well than their intervals say.
 

@@ -12,7 +12,7 @@ from softid.diagnosis.base.intersample_selection import (
 )
 from softid.diagnosis.base.judged_intersample import WAYS
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.report.joint_causes import less_sure, outside_intervals
+from softid.diagnosis.report.joint_causes import less_sure, other_values, outside_intervals
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
 
@@ -49,11 +49,6 @@ def with_open_reading(found: Diagnosis, final: Candidate, base: BaseFit) -> Diag
         if not moved:
             continue
         way = f"{logs[0].input} {WAYS[reading]}"
-        values = ", ".join(
-            f"{p.name} {moved[p.name]:.4g} in place of {p.value:.4g} {p.unit}"
-            for p in told
-            if p.name in moved
-        )
         found = less_sure(
             found,
             moved,
@@ -63,7 +58,7 @@ def with_open_reading(found: Diagnosis, final: Candidate, base: BaseFit) -> Diag
         issue = Issue(
             OPEN_READING,
             "warning",
-            f"{way} explains these logs as well, and makes {values}",
+            f"{way} explains these logs as well, and makes {other_values(told, moved)}",
             f"declare it with --intersample {reading}, or as it is",
         )
         found = replace(found, issues=(*found.issues, issue))
