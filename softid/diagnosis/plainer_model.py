@@ -127,12 +127,19 @@ class PlainerModels:
         return self._likelier(found, lambda rival: rival.first)
 
     def after_all_causes(
-        self, extended: ModelSearch, found: Chain, *, is_doubted: bool, is_explained: bool
+        self,
+        extended: ModelSearch,
+        found: Chain,
+        *,
+        is_named: bool,
+        is_doubted: bool,
+        is_explained: bool,
     ) -> ModelSearch | None:
         """A plainer model that is likelier with its causes than the chosen one is with its own.
 
         It is looked for where those or the model are doubted, or one of several is a curve; with a
-        first cause only where the misfit of the chosen one is explained otherwise.
+        first cause only where the misfit of the chosen one is explained otherwise. Where one or two
+        causes are named, a model that needs a third is no plainer one.
 
         Parameters
         ----------
@@ -140,9 +147,9 @@ class PlainerModels:
             The model that was extended.
         found
             Its causes.
-        is_doubted, is_explained
-            Whether they have no name, or the logs know little of the model that carries them, and
-            whether something else explains the misfit.
+        is_named, is_doubted, is_explained
+            Whether they have a name, whether they have none or the logs know little of the model
+            that carries them, and whether something else explains the misfit.
         """
         is_in_doubt = is_doubted or (len(found.links) > 1 and _bends(found))
         if extended is not self.chosen or not is_in_doubt:
@@ -153,6 +160,8 @@ class PlainerModels:
         def searched(rival: ModelSearch) -> Chain:
             two = _two(rival)
             if two.final.squares > NEAR * found.final.squares:
+                return two
+            if is_named and len(found.links) <= 2 and rival.search.leaves_structure(two):
                 return two
             return rival.search.search(rival.first).chain
 

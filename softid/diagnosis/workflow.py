@@ -214,6 +214,7 @@ def _searched(
     plainer = models.after_all_causes(
         asked,
         found.chain,
+        is_named=not unnamed,
         is_doubted=unnamed or _is_hollow(answer, base),
         is_explained=unnamed and bool(others.all(last.base)),
     )

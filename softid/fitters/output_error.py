@@ -35,6 +35,10 @@ POLISH_EVALUATIONS = 400
 """Evaluations of a run that is to reach the optimum. A backstop: the tolerance or a stall is meant
 to end it before, and a run that ends here is judged by its offset."""
 
+NUISANCE_EVALUATIONS = 40
+"""Evaluations that look for initial states alone; zeros move by themselves. Six do as a rule, and
+a motion of which that is not true bends so much that no number would: it sticks and slips."""
+
 OFFSET_TOLERANCE = 5e-2
 """Largest `attainable_offset` at which the optimum counts as reached: the estimate is then within a
 twentieth of its own white-noise standard error of it. The optimiser itself aims at a thousandth;
@@ -182,7 +186,7 @@ def refit_nuisance(problem: Problem) -> Optimum:
     """Estimate zeros and initial states; parameters are fixed but for a few near their values."""
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
     start = problem.unknowns(problem.parameters.values_dict())
-    return _judge(objective, objective.solve(start, POLISH_EVALUATIONS), start, stable=True)
+    return _judge(objective, objective.solve(start, NUISANCE_EVALUATIONS), start, stable=True)
 
 
 def _span(problem: Problem, name: str) -> float:

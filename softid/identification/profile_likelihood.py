@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -72,8 +73,9 @@ def profile_parameter(
         )
     p = parameters[name]
 
-    def solve(rival: Problem, starts: Iterator[Array]) -> tuple[float, Array]:
-        ended = [Objective(rival, optimum.sigma).solve(z, REFIT_EVALUATIONS) for z in starts]
+    def solve(rival: Problem, starts: Starts) -> tuple[float, Array]:
+        begins = (starts.nearest, starts.at_optimum())
+        ended = [Objective(rival, optimum.sigma).solve(z, REFIT_EVALUATIONS) for z in begins]
         best = min(ended, key=lambda found: found.normal.cost)
         return 2.0 * best.normal.cost, best.point
 
@@ -90,8 +92,27 @@ def profile_parameter(
     )
 
 
+class Starts(NamedTuple):
+    """Where a refit with a parameter held may begin, each of shape (U − 1,).
+
+    Attributes
+    ----------
+    predicted
+        Straight on from where the last refits on the way from the optimum ended, or along the
+        tangent there.
+    nearest
+        What the last of them found.
+    at_optimum
+        Asks for the values of the optimum, which takes a simulation.
+    """
+
+    predicted: Array
+    nearest: Array
+    at_optimum: Callable[[], Array]
+
+
 class ProfileRefits:
-    """Refits along one parameter, which start from the optimum and from the nearest refit before.
+    """Refits along one parameter, which go on from the optimum and from the refits before.
 
     A valley that bends has left the other parameters of the optimum behind, and a start there may
     end in a false minimum.
@@ -107,8 +128,10 @@ class ProfileRefits:
     values
         Parameter → value there.
     solve
-        From a problem that holds the parameter and starts, the nearest refit's first, to the least
-        cost Σ (r/σ)² that it finds, and where, shape (U − 1,).
+        From a problem that holds the parameter and starts to the least cost Σ (r/σ)² that it finds,
+        and where, shape (U − 1,).
+    matrix
+        Normal equations at the optimum, shape (U, U), for the tangent there; None to begin without.
     """
 
     def __init__(
@@ -117,7 +140,8 @@ class ProfileRefits:
         name: str,
         unknowns: Array,
         values: Mapping[str, float],
-        solve: Callable[[Problem, Iterator[Array]], tuple[float, Array]],
+        solve: Callable[[Problem, Starts], tuple[float, Array]],
+        matrix: Array | None = None,
     ) -> None:
         self._problem = problem
         self._name = name
@@ -125,6 +149,13 @@ class ProfileRefits:
         self._solve = solve
         own = problem.free.index(name)
         self._found = {float(values[name]): np.delete(unknowns, own)}
+        self._tangent = np.zeros(unknowns.size - 1)
+        if matrix is not None:
+            others, along = (
+                np.delete(np.delete(matrix, own, 0), own, 1),
+                np.delete(matrix[own], own),
+            )
+            self._tangent = -np.linalg.lstsq(others, along, rcond=None)[0]
 
     def refit(self, held: float) -> float:
         """Least cost Σ (r/σ)² with the parameter held at a value."""
@@ -135,14 +166,23 @@ class ProfileRefits:
             self._found[held] = point
         return cost
 
-    def _starts(self, rival: Problem, held: float) -> Iterator[Array]:
-        """Where refits begin; the second takes a simulation, of who asks for it."""
-        yield self._nearest(held)
-        yield rival.unknowns(self._values | {self._name: held})
-
-    def _nearest(self, held: float) -> Array:
-        """What was found at the nearest value on the way from the optimum."""
+    def _starts(self, rival: Problem, held: float) -> Starts:
         first = self._values[self._name]
         low, high = sorted((first, held))
-        between = [value for value in self._found if low <= value <= high]
-        return self._found[max(between, key=lambda value: abs(value - first))]
+        passed = sorted((v for v in self._found if low <= v <= high), key=lambda v: abs(v - first))
+        *_, last = passed
+        nearest = self._found[last]
+        slope = self._tangent
+        if len(passed) > 1:
+            slope = (nearest - self._found[passed[-2]]) / (self._at(last) - self._at(passed[-2]))
+        predicted = nearest + slope * (self._at(held) - self._at(last))
+        return Starts(
+            np.clip(predicted, *rival.bounds()),
+            nearest,
+            lambda: rival.unknowns(self._values | {self._name: held}),
+        )
+
+    def _at(self, value: float) -> float:
+        """The unknown of a value."""
+        is_log = self._problem.parameters[self._name].scale == "log"
+        return float(np.log(value)) if is_log else value

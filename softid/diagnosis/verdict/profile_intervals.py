@@ -7,7 +7,7 @@ only, and there the sum of squares is no parabola.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.optimum import optimum_of
+from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis_results import Cause
 from softid.effects import belongs_to
@@ -23,7 +24,7 @@ from softid.errors import Issue
 from softid.fitters.problem import Problem
 from softid.identification.issues import estimate_issue
 from softid.identification.parameter_covariance import errors_of
-from softid.identification.profile_likelihood import ProfileRefits
+from softid.identification.profile_likelihood import ProfileRefits, Starts
 from softid.parallel import in_parallel
 from softid.parameters import Parameter
 from softid.results import FitResult, ParameterEstimate
@@ -37,6 +38,13 @@ STRAIGHT = 0.1
 
 REFITTING = 25
 """Evaluations of one refit with a parameter held."""
+
+ACCURACY = 0.01
+"""A refit rests where no more than this share of one variance is to be gained: a limit lies where
+four of them are lost."""
+
+LEAST_REST, MOST_REST = 1e-2, 0.3
+"""Bounds of how many standard errors from its optimum that is."""
 
 FIRST_STEP = 0.5
 """First step along a parameter of which the covariance says nothing: in logarithms on such a scale,
@@ -143,11 +151,22 @@ def _profile_of(
     if not (sd > 0.0 and unit > 0.0):
         return None
 
-    def solve(rival: Problem, starts: Iterator[Array]) -> tuple[float, Array]:
-        found = advance(begun(final, final.effects, rival, next(starts)), sigma, REFITTING)
+    size = final.problem.size
+    variance = final.squares / max(final.problem.n_samples - size, 1)
+    rest = np.sqrt(ACCURACY * unit / (size * max(variance, np.finfo(float).tiny)))
+    tolerance = float(np.clip(rest, LEAST_REST, MOST_REST))
+
+    def solve(rival: Problem, starts: Starts) -> tuple[float, Array]:
+        nearer = (starts.predicted, starts.nearest)
+        z = min(nearer, key=lambda start: squares_at(rival, start, sigma))
+        begin = begun(final, final.effects, rival, z)
+        found = advance(begin, sigma, REFITTING, tolerance=tolerance)
         return found.squares, found.minimum.point
 
-    refits = ProfileRefits(final.problem, name, final.minimum.point, final.parameters, solve)
+    at = final.minimum
+    refits = ProfileRefits(
+        final.problem, name, at.point, final.parameters, solve, matrix=at.normal.matrix
+    )
     return profile(
         refits.refit,
         value,
