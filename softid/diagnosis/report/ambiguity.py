@@ -54,7 +54,7 @@ def why_tied(alternative: Alternative, *, linear: bool, extended: FitResult | No
     """
     known = law_that_ties(alternative, linear=linear)
     if known is not None:
-        own = _own_times(known, extended) if extended is not None else ()
+        own = own_times(known, extended) if extended is not None else ()
         here = f", here {' and '.join(own)}" if own else ""
         return f"{known.why}{here}{SPLITS}{known.splits}."
     return why_unsplit(alternative.keys, alike=_are_alike(alternative))
@@ -108,11 +108,19 @@ def own_places(tie: Alternative, extended: FitResult) -> tuple[str, ...]:
         The model with them.
     """
     known = law_that_ties(tie, linear=True)
-    return () if known is None else _own_times(known, extended)
+    return () if known is None else own_times(known, extended)
 
 
-def _own_times(known: EquivalenceClass, extended: FitResult) -> tuple[str, ...]:
-    """What of an actuator may change places with what a cause has, as numbers with units."""
+def own_times(known: EquivalenceClass, extended: FitResult) -> tuple[str, ...]:
+    """What of an actuator may change places with what a cause has, as numbers with units.
+
+    Parameters
+    ----------
+    known
+        `LAGS` or `RESONANCES`; nothing for any other class.
+    extended
+        The model with the cause.
+    """
     own = {name: value for name, (value, _) in extended.derived.items()}
     tau, frequency = own.get("time_constant"), own.get("natural_frequency")
     damping = own.get("damping_ratio")

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from itertools import takewhile
 
-from softid.diagnosis.report.ambiguity import is_linear, own_places
+from softid.diagnosis.report.ambiguity import is_linear, own_places, own_times
+from softid.diagnosis.verdict.equivalence import LAGS, RESONANCES
 from softid.diagnosis_results import Cause, Diagnosis
 from softid.effects import belongs_to, effect_of
+from softid.effects.base import Effect
 from softid.errors import Issue
-from softid.results import ParameterEstimate
+from softid.results import FitResult, ParameterEstimate
 
 ONE_CAUSE = "one-cause-in-two"
 """Code of the remark that two causes may be one."""
@@ -19,6 +22,9 @@ SHARED_SCALE = "shared-scale"
 
 DYNAMIC = ("M", "N")
 """Parameters of a linear model that make its time constants; its gain is no matter of places."""
+
+COMMUTING = (*LAGS.effects, *RESONANCES.effects, "delay", "sensor_drift", "sensor_gain_drift")
+"""Keys of what a linear motion may as well come before as behind."""
 
 CURVE = "static_curve"
 GAIN, ZERO = "sensor_gain_drift", "sensor_drift"
@@ -113,21 +119,39 @@ def with_open_places(found: Diagnosis) -> Diagnosis:
     """
     if found.extended is None or not is_linear(found.base):
         return found
-    weak: set[str] = set()
+    filters = _beside_the_motion(found.extended)
     for tie in found.alternatives:
         if own_places(tie, found.extended):
-            weak.update(DYNAMIC)
-            filters = [effect_of(c.key) for c in found.causes if c.effect in tie.effects]
-            names = (p.name for p in found.extended.parameters)
-            weak.update(name for name in names if any(belongs_to(f, name) for f in filters))
-    if not weak:
+            filters += [effect_of(c.key) for c in found.causes if c.effect in tie.effects]
+    if not filters:
         return found
+    names = (p.name for p in found.extended.parameters)
+    weak = {*DYNAMIC, *(name for name in names if any(belongs_to(f, name) for f in filters))}
     return less_sure(
         found,
         weak,
         "the actuator's own time or resonance and that of a cause may change places",
         "record the sensor beside a faster one, or the pressure at the actuator itself",
     )
+
+
+def _beside_the_motion(extended: FitResult) -> list[Effect]:
+    """Lags and resonances between which and a linear motion all is linear, and which it may have.
+
+    Their times and the motion's own in each other's place give the same response.
+    """
+    effects = [effect_of(key) for key in extended.model.effects]
+    if any(effect.stage == "state" for effect in effects):
+        return []
+    before = [effect for effect in reversed(effects) if effect.stage == "input"]
+    behind = [effect for effect in effects if effect.stage == "output"]
+    return [
+        effect
+        for side in (before, behind)
+        for effect in takewhile(lambda one: one.key in COMMUTING, side)
+        for known in (LAGS, RESONANCES)
+        if effect.name in known.effects and own_times(known, extended)
+    ]
 
 
 def outside_intervals(

@@ -61,7 +61,9 @@ def test_laws_that_may_be_chance_are_told_with_what_speaks_against_them() -> Non
     sure = cause("creep", [], before=2.0, after=1.0)
     unsure = replace(sure, doubt=Doubt.MAY_GAIN_NOTHING)
     (told,) = unsure_issues([sure, unsure])
-    assert "creep of the material would lower the BIC by 412, but it may be chance" in told.message
+    assert (
+        "creep of the material would lower the BIC by 412, but it is not confirmed" in told.message
+    )
     assert told.remedy == "record more of the same moves, which would show whether it is there"
     (quick,) = unsure_issues([replace(sure, doubt=Doubt.TOO_QUICK)])
     assert quick.remedy == "sample the input faster, which would show what it does meanwhile"

@@ -109,13 +109,25 @@ def test_over_a_linear_model_forces_share_the_scale_and_speeds_do_not() -> None:
 
 
 def test_what_may_change_places_with_the_actuators_own_is_not_identified() -> None:
-    """A line's resonance, tied with the sensor's, may be the actuator's; its gain is none of it."""
+    """A line's resonance, tied with the sensor's or not, may be the actuator's; its gain is none
+    of it. Behind a dead zone it may be, too, and before one it is not."""
     found = over_oscillator("line_resonance", "sensor_drift")
-    assert with_open_places(found) is found
+    open_ones = {"M", "N", "line_resonance_period", "line_resonance_zeta"}
     rivals = ("line_resonance", "sensor_resonance")
     tie = Alternative(rivals, dict.fromkeys(rivals, 0.0), why="")
-    told = with_open_places(replace(found, alternatives=(tie,)))
-    open_places = {name for name, verdict in verdicts(told).items() if verdict != "identified"}
-    assert open_places == {"M", "N", "line_resonance_period", "line_resonance_zeta"}
-    assert told.causes[0].parameters[0].verdict == "weakly identified"
-    assert told.causes[1] == found.causes[1]
+    for alternatives in ((), (tie,)):
+        told = with_open_places(replace(found, alternatives=alternatives))
+        assert {n for n, verdict in verdicts(told).items() if verdict != "identified"} == open_ones
+        assert told.causes[0].parameters[0].verdict == "weakly identified"
+        assert told.causes[1] == found.causes[1]
+    behind = with_open_places(over_oscillator("dead_zone", "line_resonance"))
+    assert {n for n, v in verdicts(behind).items() if v != "identified"} == open_ones
+    for keys in (("line_resonance", "dead_zone"), ("line_resonance", "hysteresis")):
+        between = over_oscillator(*keys)
+        assert with_open_places(between) is between
+
+
+def test_a_lag_is_none_of_an_actuator_that_rings() -> None:
+    """One real pole has no place among two complex ones."""
+    found = over_oscillator("pneumatic_lag")
+    assert with_open_places(found) is found

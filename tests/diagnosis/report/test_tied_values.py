@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from extended_fits import extended_fit
 from handmade_diagnosis import diagnosis
 from handmade_rounds import ranked
 
@@ -46,4 +47,21 @@ def test_what_a_rival_makes_another_is_less_sure(rival: str, share: float, moves
     assert first.verdict == ("weakly identified" if moves else "identified")
     assert ("lag of the pneumatics" in first.reason) is moves
     assert second == rows[1]
-    assert with_tied_values(found, [link], 2) == found
+    beside_more = with_tied_values(found, [link], 2).extended
+    assert beside_more is not None
+    assert beside_more.parameters[:2] == rows
+
+
+def test_what_a_tied_cause_has_holds_for_it_alone() -> None:
+    """A delay's own parameters, and none where its name is not in doubt."""
+    found = diagnosis(Verdict.AMBIGUOUS, extended=extended_fit("muscle", "delay"))
+    assert found.extended is not None
+    own = {p.name for p in found.causes[0].parameters}
+    sure = tuple(replace(p, verdict="identified") for p in found.extended.parameters)
+    found = replace(found, extended=replace(found.extended, parameters=sure))
+    told = with_tied_values(found, [], 1)
+    assert told.extended is not None
+    weak = {p.name for p in told.extended.parameters if p.verdict == "weakly identified"}
+    assert weak == own
+    alone = replace(found, alternatives=())
+    assert with_tied_values(alone, [], 1) == alone
