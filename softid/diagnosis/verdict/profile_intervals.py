@@ -34,7 +34,8 @@ from softid.uncertainty.profile import CI_METHOD, ProfileResult, profile
 Array = npt.NDArray[np.float64]
 
 STRAIGHT = 0.1
-"""Relative standard error below which an interval from the covariance stands."""
+"""Relative standard error below which an interval from the covariance stands, where it ends within
+the bounds of the search."""
 
 REFITTING = 25
 """Evaluations of one refit with a parameter held."""
@@ -136,7 +137,10 @@ def _rough_ones(own: Sequence[ParameterEstimate]) -> list[ParameterEstimate]:
 
 def _is_rough(p: ParameterEstimate) -> bool:
     """Whether its interval from the covariance may be another one than the logs tell."""
-    return p.stderr is None or p.ci95 is None or p.stderr > STRAIGHT * abs(p.value)
+    if p.stderr is None or p.ci95 is None or p.stderr > STRAIGHT * abs(p.value):
+        return True
+    lower, upper = p.lower, p.upper
+    return (lower is not None and p.ci95[0] < lower) or (upper is not None and p.ci95[1] > upper)
 
 
 def _profile_of(
