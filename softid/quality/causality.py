@@ -37,12 +37,13 @@ def lead_s(log: Log, output: str) -> float | None:
     if grid is None:
         return None
     step_s, given, answered = grid
-    lags = max(int(longest_lag_s(step_s, given) / step_s), LEAST_SAMPLES)
+    least = max(int(np.ceil(LEAST_SAMPLES * log.period_s / step_s)), 1)
+    lags = max(int(longest_lag_s(step_s, given) / step_s), least)
     behind, ahead = (
         np.abs(lagged_correlations(*pair, lags)) for pair in ((given, answered), (answered, given))
     )
     lead = int(ahead.argmax())
-    if lead < LEAST_SAMPLES or ahead[lead] < LEAST_CORRELATION:
+    if lead < least or ahead[lead] < LEAST_CORRELATION:
         return None
     left_behind, left_ahead = 1.0 - float(behind.max()) ** 2, 1.0 - float(ahead[lead]) ** 2
     return lead * step_s if left_ahead < LESS_LEFT * left_behind else None

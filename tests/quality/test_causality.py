@@ -70,6 +70,13 @@ def test_a_clock_that_is_late_is_told() -> None:
     assert lead_s(recorded(np.roll(pressure, 1), angle), "angle") is None
 
 
+def test_a_lead_of_two_samples_is_told_however_long_the_log_is() -> None:
+    """Of 4000 samples every second is correlated, and a step of that grid is such a lead."""
+    pressure = levels()
+    ahead_s = lead_s(recorded(np.roll(pressure, 2), pressure), "angle")
+    assert ahead_s == pytest.approx(0.02, rel=0.01)
+
+
 def test_an_overshoot_does_not_lead() -> None:
     """A reading that jumps and comes back by a half in 1 s, as a sensor that creeps does."""
     pressure = levels()
