@@ -39,6 +39,7 @@ from softid.diagnosis.report.joint_causes import (
     joint_cause_issues,
     with_open_places,
     with_shared_scale,
+    with_unnamed_misfit,
 )
 from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.other_explanations import (
@@ -166,6 +167,7 @@ def diagnose(
         answer = with_coarse_sampling(answer, base.candidate)
     unit = recorded.input_unit if base.candidate.problem.model.is_linear else None
     answer = with_open_places(with_shared_scale(answer, linear_in=unit))
+    answer = with_unnamed_misfit(answer)
     issues = (
         *negligible_issues(base),
         *plainer_model_issues(chosen, base),

@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from itertools import takewhile
 
-from softid.diagnosis.report.ambiguity import is_linear, own_places, own_times
-from softid.diagnosis.verdict.equivalence import LAGS, RESONANCES
-from softid.diagnosis_results import Cause, Diagnosis
+from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, own_places, own_times
+from softid.diagnosis.verdict.equivalence import LAGS, OWN_DAMPING, RESONANCES
+from softid.diagnosis_results import Cause, Diagnosis, Verdict
 from softid.effects import belongs_to, effect_of
 from softid.effects.base import Effect
 from softid.errors import Issue
@@ -121,7 +121,7 @@ def with_open_places(found: Diagnosis) -> Diagnosis:
         return found
     filters = _beside_the_motion(found.extended)
     for tie in found.alternatives:
-        if own_places(tie, found.extended):
+        if law_that_ties(tie, linear=True) is OWN_DAMPING or own_places(tie, found.extended):
             filters += [effect_of(c.key) for c in found.causes if c.effect in tie.effects]
     if not filters:
         return found
@@ -202,22 +202,48 @@ def less_sure(found: Diagnosis, names: Collection[str], reason: str, remedy: str
     reason, remedy
         As in `ParameterEstimate`.
     """
-    fit = found.extended or found.base
+    if found.extended is None:
+        return replace(found, base=_weakened(found.base, names, reason, remedy))
+    extended = _weakened(found.extended, names, reason, remedy)
+    told = {p.name: p for p in extended.parameters}
+    causes = (
+        replace(c, parameters=tuple(told.get(p.name, p) for p in c.parameters))
+        for c in found.causes
+    )
+    return replace(found, causes=tuple(causes), extended=extended)
+
+
+def with_unnamed_misfit(found: Diagnosis) -> Diagnosis:
+    """The diagnosis with parameters that what has no name may have bent, in both of its models.
+
+    An interval holds for a model that leaves noise. Beside a misfit that nothing in the catalogue
+    explains, or that is described by laws which are not believed, it may be far off.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers.
+    """
+    if found.verdict is not Verdict.UNKNOWN:
+        return found
+    reason = "what the model misses has no name, and may have bent it"
+    remedy = "find the cause first, with what the diagnosis asks for"
+    names = {p.name for p in found.base.parameters}
+    base = _weakened(found.base, names, reason, remedy)
+    if found.extended is None:
+        return replace(found, base=base)
+    names = {p.name for p in found.extended.parameters}
+    return replace(found, base=base, extended=_weakened(found.extended, names, reason, remedy))
+
+
+def _weakened(fit: FitResult, names: Collection[str], reason: str, remedy: str) -> FitResult:
     parameters = tuple(
         replace(p, verdict="weakly identified", reason=reason, remedy=remedy)
         if p.name in names and p.verdict == "identified"
         else p
         for p in fit.parameters
     )
-    told = {p.name: p for p in parameters}
-    causes = (
-        replace(c, parameters=tuple(told.get(p.name, p) for p in c.parameters))
-        for c in found.causes
-    )
-    sure = replace(fit, parameters=parameters)
-    if found.extended is None:
-        return replace(found, base=sure)
-    return replace(found, causes=tuple(causes), extended=sure)
+    return replace(fit, parameters=parameters)
 
 
 def _value(cause: Cause, parameter: str) -> float:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.joint_causes import less_sure, outside_intervals
 from softid.diagnosis.report.phrases import lowered, title_of, titles_of
 from softid.diagnosis.search.forward_selection import Link
@@ -31,27 +32,31 @@ def with_tied_values(found: Diagnosis, links: Sequence[Link], size: int) -> Diag
         return found
     found = _with_own_parameters(found)
     assert found.extended is not None
+    for name, model in _models_with_others(found, links, size):
+        found = less_sure(
+            found,
+            outside_intervals(found.extended.parameters, model.parameters),
+            f"it is another one with {title_of(name)}, which these logs do not tell from the cause",
+            TIED_REMEDY,
+        )
+        assert found.extended is not None
+    return found
+
+
+def _models_with_others(
+    found: Diagnosis, links: Sequence[Link], size: int
+) -> Iterator[tuple[str, Candidate]]:
+    """What else is in a tie, and the model with it in the place of a cause."""
     tied = {name for tie in found.alternatives for name in tie.effects}
     for link in links:
         if link.added.name not in tied:
             continue
-        rivals = [
-            row
-            for row in link.extending
-            if len(row.plain.effects) == size
-            and link.added_by(row).name in tied - {link.added.name}
-            and link.added_by(row).name in link.rivals
-        ]
-        for row in rivals:
-            moved = outside_intervals(found.extended.parameters, row.plain.parameters)
-            other = title_of(link.added_by(row).key)
-            found = less_sure(
-                found,
-                moved,
-                f"it is another one with {other}, which these logs do not tell from the cause",
-                TIED_REMEDY,
-            )
-    return found
+        others = tied.intersection(link.rivals) - {link.added.name}
+        for row in link.extending:
+            added = link.added_by(row)
+            if len(row.plain.effects) == size and added.name in others:
+                yield added.key, row.plain
+        yield from ((name, model) for name, model in link.replaced if name in others)
 
 
 def _with_own_parameters(found: Diagnosis) -> Diagnosis:

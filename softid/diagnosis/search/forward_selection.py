@@ -85,6 +85,9 @@ class Link:
         Sum of squares of what was to be extended, for white noise: what the promises are shares of.
     found
         The model with this link and those before it, at its optimum when the link was added.
+    replaced
+        Names of other laws, and the model with them in the place of this and perhaps other causes,
+        which explains the logs as well.
     """
 
     before: Ranked
@@ -94,6 +97,7 @@ class Link:
     signatures: tuple[Signature, ...]
     squares_before: float
     found: Candidate | None = None
+    replaced: tuple[tuple[str, Candidate], ...] = ()
 
     @property
     def added(self) -> Effect:

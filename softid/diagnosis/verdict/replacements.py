@@ -142,7 +142,7 @@ def with_replacements(
     found, best = list(links), ranked[0].bic + INDISTINCT
     for (row, laws), other in zip(asked, others, strict=True):
         if bic[id(other)] < min(best, bic[id(final)] + row.behind):
-            found = [_with_rivals(link, row, laws) for link in found]
+            found = [_with_rivals(link, row, laws, other) for link in found]
     return found
 
 
@@ -167,11 +167,13 @@ def _drifts(laws: Sequence[Effect]) -> bool:
     return any(law.name in CHANGING.effects for law in laws)
 
 
-def _with_rivals(link: Link, row: Replacement, laws: Sequence[Effect]) -> Link:
+def _with_rivals(link: Link, row: Replacement, laws: Sequence[Effect], model: Candidate) -> Link:
     """The link with laws that explain as much, if it is of one of the causes of a row."""
     if not row.takes(link.added):
         return link
-    return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *(law.name for law in laws)))))
+    names = tuple(law.name for law in laws)
+    rivals = tuple(dict.fromkeys((*link.rivals, *names)))
+    return replace(link, rivals=rivals, replaced=(*link.replaced, (names[-1], model)))
 
 
 def refitted_with(
