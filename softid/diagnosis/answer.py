@@ -110,7 +110,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         gain_ci95=whole_gain_of(errors, rng),
     )
     answer = with_tied_values(answer, named, len(chain.final.effects))
-    answer = with_other_forms(answer, chain.final, base)
+    answer = with_other_forms(answer, named, chain.final, base)
     return with_open_reading(answer, chain.final, base)
 
 

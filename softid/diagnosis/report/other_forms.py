@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from softid.diagnosis.base.base_fit import BaseFit
@@ -13,6 +13,7 @@ from softid.diagnosis.report.phrases import title_of
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forms import is_richer
+from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.replacements import NEAR, refitted_with
 from softid.diagnosis_results import Diagnosis
 from softid.effects import EFFECTS, effect_of
@@ -23,35 +24,52 @@ OTHER_FORM = "other-form"
 """Code of the remark."""
 
 
-def with_other_forms(found: Diagnosis, final: Candidate, base: BaseFit) -> Diagnosis:
+def with_other_forms(
+    found: Diagnosis, links: Sequence[Link], final: Candidate, base: BaseFit
+) -> Diagnosis:
     """The diagnosis with what another form of a cause would make of its parameters.
 
     A creep of the material relaxes a part of the stiffness, and one in series with the actuator
     lets the reading creep on: the stiffness that a fit finds is the one at rest in the first and
     the one before the creep in the second. Where the logs do not tell which, what leaves its
-    interval under the other form is known less well than that says.
+    interval under the other form is known less well than that says. So it is under a richer form
+    that is likelier, if too little to be taken.
 
     Parameters
     ----------
     found
         A diagnosis in numbers.
+    links
+        The named links of its chain.
     final
         Its model.
     base
         What that extends.
     """
-    for cause in found.causes:
+    for key, form, other in _with_forms(links, final, base):
         assert found.extended is not None
-        effect = effect_of(cause.key)
+        told = found.extended.parameters
+        moved = outside_intervals(told, other.parameters)
+        if moved:
+            found = _told(found, key, form, other_values(told, moved), moved)
+    return found
+
+
+def _with_forms(
+    links: Sequence[Link], final: Candidate, base: BaseFit
+) -> Iterator[tuple[str, Effect, Candidate]]:
+    """Key of a cause, another form of it, and the model with that in its place."""
+    for link in links:
+        effect = link.added
+        for row in link.extending:
+            form = link.added_by(row)
+            is_whole = len(row.plain.effects) == len(final.effects)
+            if is_whole and row.bic < link.chosen.bic and is_richer(form, effect, base.scale):
+                yield effect.key, form, row.plain
         for form in _other_forms(effect, base.scale):
             other = _alike_with(form, effect, final, base)
-            if other is None:
-                continue
-            told = found.extended.parameters
-            moved = outside_intervals(told, other.parameters)
-            if moved:
-                found = _told(found, cause.key, form, other_values(told, moved), moved)
-    return found
+            if other is not None:
+                yield effect.key, form, other
 
 
 def _told(
@@ -60,7 +78,7 @@ def _told(
     """The diagnosis with a remark on another form, and what it moves as weakly identified."""
     other = f"{title_of(form.key)} ({form.key})"
     remedy = f"record {form.shown_by}, which would tell the two apart"
-    if is_linear(found.base):
+    if is_linear(found.base) and form.stage != effect_of(key).stage:  # one transfer function
         remedy = "read off what both have in common, such as the response, or fix what is known"
     issue = Issue(
         OTHER_FORM,
