@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from softid.diagnosis.answer import answer_of
-from softid.diagnosis.base.base_fit import BaseFit, Progress, Recordings, Request, require_enough
+from softid.diagnosis.base.base_fit import (
+    BaseFit,
+    Progress,
+    Recordings,
+    Request,
+    require_driven,
+    require_enough,
+)
 from softid.diagnosis.base.intersample_selection import (
     is_measured,
     is_open,
@@ -126,8 +133,8 @@ def diagnose(
     ------
     InputError, UsageError, IdentificationError
         As `softid.fit`; besides, an effect is unknown, the model is static, the logs have too few
-        samples to tell a cause from noise, or what is held out does not move or is given in
-        another unit than it was recorded in.
+        samples to tell a cause from noise, their input does not move beyond its own, or what is
+        held out does not move or is given in another unit than it was recorded in.
 
     Examples
     --------
@@ -145,6 +152,7 @@ def diagnose(
         usual = reading_unless_held(recorded)
         recordings = recordings.each(lambda log: log.with_intersample(usual))
     require_enough(recordings.logs, recordings.hold_out)
+    require_driven(recorded)
     request = Request(
         model,
         parameters,

@@ -13,6 +13,7 @@ from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs, hold_out_blocks
 from softid.effects.base import Scale
 from softid.errors import IdentificationError, UsageError
+from softid.excitation import second_difference_noise, segment_excitation
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.problem import Problem
 from softid.identification.preparation import named_model
@@ -36,6 +37,10 @@ out has next to none."""
 
 LEAST_MOVE = 0.05
 """Held-out logs judge when their input moves by this share of what the fitted ones' does."""
+
+CLEARLY = 20.0
+"""An input that ranges over so many standard deviations of its noise moves: noise ranges over ten
+in millions of samples."""
 
 NEGLIGIBLE = 3e-4
 """Share of the output's range below which a misfit is none: steps of the integrator, and what the
@@ -83,6 +88,39 @@ def require_enough(logs: LogSet, hold_out: Sequence[Log] = ()) -> None:
             value=f"a range of {moves:.3g} {hold_out[0].channels[hold_out[0].input].unit}",
             remedy="hold out a log that moves, or none: then blocks of the logs judge",
         )
+
+
+def require_driven(logs: LogSet) -> None:
+    """Refuse logs in which nothing drives the actuator.
+
+    Parameters
+    ----------
+    logs
+        Logs to explain, as they were recorded.
+
+    Raises
+    ------
+    IdentificationError
+        The input of none moves beyond its noise.
+    """
+    if not any(_is_driven(log) for log in logs):
+        first = logs.logs[0]
+        raise IdentificationError(
+            "the input does not move beyond its noise, so nothing can be told of what acts on it",
+            where=", ".join(log.name for log in logs),
+            value=f"a range of {_move(first):.3g} {first.channels[first.input].unit}",
+            remedy="record a log in which it moves, or choose another --input",
+        )
+
+
+def _is_driven(log: Log) -> bool:
+    """Whether a log's input moves beyond its noise."""
+    return any(
+        np.ptp(u) > CLEARLY * second_difference_noise(u)
+        or any(stretch.kind != "rest" for stretch in segment_excitation(segment.time_s, u))
+        for segment in log.segments()
+        for u in (segment.input,)
+    )
 
 
 def _move(log: Log) -> float:

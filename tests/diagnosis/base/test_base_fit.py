@@ -19,6 +19,7 @@ from softid.diagnosis.base.base_fit import (
     Recordings,
     Request,
     _whole_values,
+    require_driven,
     require_enough,
 )
 from softid.diagnosis.refit.held_out import HeldOutBlocks, HeldOutLogs
@@ -64,6 +65,17 @@ def test_samples_of_all_logs_count_together() -> None:
     require_enough(LogSet((half, replace(half, name="second"))))
     with pytest.raises(IdentificationError):
         require_enough(LogSet((half,)))
+
+
+def test_an_input_that_shows_its_noise_alone_is_refused() -> None:
+    """One log that moves is enough; a step of ten times the noise is a move."""
+    noise = np.random.default_rng(3).standard_normal(1000)
+    still, stepped = driven(50.0 + noise), driven(50.0 + noise + 10.0 * (np.arange(1000) > 500))
+    with pytest.raises(IdentificationError, match="does not move beyond its noise") as told:
+        require_driven(LogSet((still,)))
+    assert "kPa" in str(told.value.value)
+    require_driven(LogSet((still, replace(MOVING, name="moving"))))
+    require_driven(LogSet((stepped,)))
 
 
 @pytest.mark.parametrize(("share", "judges"), [(1.1 * LEAST_MOVE, True), (0.9 * LEAST_MOVE, False)])
