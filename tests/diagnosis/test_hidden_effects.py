@@ -135,6 +135,7 @@ def test_a_resonance_slower_than_its_actuator_is_found() -> None:
         assert parameter.value == pytest.approx(true[parameter.name.split("_")[-1]], rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_wall_that_stands_for_clipping_is_seen_through() -> None:
     """A wall of the largest stiffness leaves what looks like noise, and its numbers refuse a name.
 

@@ -94,6 +94,7 @@ def test_jumps_are_drawn_at_the_moments_that_the_motion_tells() -> None:
         assert np.mean(np.abs(off) < 0.15) > 0.8
 
 
+@pytest.mark.slow
 def test_a_cause_behind_jumps_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """A rubber softens; without the moments another clock is named beside it, and more is left."""
     whole, (log, judge) = held(8, ("softening",))

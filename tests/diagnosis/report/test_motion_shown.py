@@ -167,6 +167,7 @@ def test_a_cause_explains_why_a_log_looks_static() -> None:
     assert "So it is." in told(ONE_FREQUENCY, diagnosis(Verdict.NAMED))
 
 
+@pytest.mark.slow
 def test_a_diagnosis_of_one_sine_says_so() -> None:
     found = diagnose(moving(sine(0.5)), model="oscillator", effects=["creep"])
     assert found.verdict is Verdict.ADEQUATE

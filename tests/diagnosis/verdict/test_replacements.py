@@ -84,16 +84,18 @@ def test_what_explains_as_much_in_the_place_of_drifts(hidden: str, drifts: tuple
     ("hidden", "named", "rival"),
     [
         (("saturating_sensor",), ("stiffening",), "bent_reading"),
-        (("stiffening",), ("stiffening",), None),
+        pytest.param(("stiffening",), ("stiffening",), None, marks=pytest.mark.slow),
         (("rate_limit",), ("valve_flow",), "rate_limit"),
-        (("valve_flow",), ("valve_flow",), None),
+        pytest.param(("valve_flow",), ("valve_flow",), None, marks=pytest.mark.slow),
         (("dead_zone", "sensor_clipping"), ("sensor_clipping.both",), "dead_zone"),
         (("output_backlash",), ("hysteresis",), "output_play"),
-        (("hysteresis",), ("hysteresis",), None),
+        pytest.param(("hysteresis",), ("hysteresis",), None, marks=pytest.mark.slow),
         (("settling_stiffness",), ("softening",), "settling_stiffness"),
-        (("settling_stiffness",), ("ageing",), "settling_stiffness"),
+        pytest.param(
+            ("settling_stiffness",), ("ageing",), "settling_stiffness", marks=pytest.mark.slow
+        ),
         (("softening",), ("softening",), None),
-        (("ageing",), ("ageing",), None),
+        pytest.param(("ageing",), ("ageing",), None, marks=pytest.mark.slow),
     ],
 )
 def test_what_explains_as_much_in_the_place_of_a_cause(
@@ -111,7 +113,7 @@ def test_what_explains_as_much_in_the_place_of_a_cause(
     [
         (("two_time_creep",), "hysteresis", ("second_creep",)),
         (("creep", "hysteresis"), "hysteresis", ()),
-        (("creep", "sensor_warmup"), "sensor_warmup", ()),
+        pytest.param(("creep", "sensor_warmup"), "sensor_warmup", (), marks=pytest.mark.slow),
     ],
 )
 def test_a_second_creep_in_the_place_of_a_cause_beside_a_creep(
