@@ -46,13 +46,13 @@ from softid.diagnosis.report.joint_causes import (
     joint_cause_issues,
     with_open_places,
     with_shared_scale,
-    with_unnamed_misfit,
 )
 from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
     with_other_explanations,
 )
+from softid.diagnosis.report.parameter_doubts import with_unnamed_misfit
 from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.summary import write_summary

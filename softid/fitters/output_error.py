@@ -36,8 +36,8 @@ POLISH_EVALUATIONS = 400
 to end it before, and a run that ends here is judged by its offset."""
 
 NUISANCE_EVALUATIONS = 40
-"""Evaluations that look for initial states alone; zeros move by themselves. Six do as a rule, and
-a motion of which that is not true bends so much that no number would: it sticks and slips."""
+"""Evaluations that look for initial states alone; zeros move by themselves. A few do, unless the
+motion sticks and slips: then it bends so much that no number would."""
 
 OFFSET_TOLERANCE = 5e-2
 """Largest `attainable_offset` at which the optimum counts as reached: the estimate is then within a

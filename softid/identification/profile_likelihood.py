@@ -151,11 +151,9 @@ class ProfileRefits:
         self._found = {float(values[name]): np.delete(unknowns, own)}
         self._tangent = np.zeros(unknowns.size - 1)
         if matrix is not None:
-            others, along = (
-                np.delete(np.delete(matrix, own, 0), own, 1),
-                np.delete(matrix[own], own),
-            )
-            self._tangent = -np.linalg.lstsq(others, along, rcond=None)[0]
+            rows = np.delete(matrix, own, axis=0)
+            others, along = np.delete(rows, own, axis=1), rows[:, own]
+            self._tangent = np.asarray(np.linalg.lstsq(others, -along, rcond=None)[0], np.float64)
 
     def refit(self, held: float) -> float:
         """Least cost Σ (r/σ)² with the parameter held at a value."""

@@ -6,10 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linear_motion import SIGMA, linear_log, linear_problem
 
 from softid.errors import UsageError
+from softid.fitters.objective import Objective
+from softid.fitters.problem import Problem
 from softid.identification import fit
-from softid.identification.profile_likelihood import profile_parameter
+from softid.identification.profile_likelihood import ProfileRefits, Starts, profile_parameter
 from softid.log import Log
 from softid.readers import load
 
@@ -84,3 +87,24 @@ def test_a_valley_that_bends_is_followed(measured: Path) -> None:
     assert found.ci95[1] is not None
     rise = dict(zip(found.values, found.cost_rise, strict=True))[found.ci95[1]]
     assert np.sqrt(rise / found.threshold) == pytest.approx(1.0, abs=0.0101)
+
+
+def test_a_refit_begins_where_the_tangent_or_the_last_two_point_to() -> None:
+    """Fifty times nearer to what is found there than the last refit is, on either side."""
+    problem = linear_problem([linear_log(noise=0.01)])
+    optimum = Objective(problem, SIGMA).solve(problem.unknowns({"M": 1.0, "N": 8.0, "Q": 50.0}), 40)
+    values = problem.values(optimum.point)
+    shares: list[float] = []
+
+    def solve(rival: Problem, starts: Starts) -> tuple[float, np.ndarray]:
+        found = Objective(rival, SIGMA).solve(starts.nearest, 40)
+        predicted, nearest = (
+            float(np.linalg.norm(z - found.point)) for z in (starts.predicted, starts.nearest)
+        )
+        shares.append(predicted / nearest)
+        return 2.0 * found.normal.cost, found.point
+
+    refits = ProfileRefits(problem, "Q", optimum.point, values, solve, matrix=optimum.normal.matrix)
+    for factor in (1.001, 1.002, 0.999, 0.998):
+        refits.refit(factor * values["Q"])
+    assert max(shares) < 0.02

@@ -116,10 +116,9 @@ def require_driven(logs: LogSet) -> None:
 def _is_driven(log: Log) -> bool:
     """Whether a log's input moves beyond its noise."""
     return any(
-        np.ptp(u) > CLEARLY * second_difference_noise(u)
-        or any(stretch.kind != "rest" for stretch in segment_excitation(segment.time_s, u))
+        np.ptp(segment.input) > CLEARLY * second_difference_noise(segment.input)
+        or any(s.kind != "rest" for s in segment_excitation(segment.time_s, segment.input))
         for segment in log.segments()
-        for u in (segment.input,)
     )
 
 

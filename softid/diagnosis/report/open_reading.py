@@ -12,7 +12,7 @@ from softid.diagnosis.base.intersample_selection import (
 )
 from softid.diagnosis.base.judged_intersample import WAYS
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.report.joint_causes import less_sure, other_values, outside_intervals
+from softid.diagnosis.report.parameter_doubts import less_sure, other_values, outside_intervals
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.ambiguity import is_linear
-from softid.diagnosis.report.joint_causes import less_sure, other_values, outside_intervals
+from softid.diagnosis.report.parameter_doubts import less_sure, other_values, outside_intervals
 from softid.diagnosis.report.phrases import title_of
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
@@ -46,9 +46,10 @@ def with_other_forms(
     base
         What that extends.
     """
+    if found.extended is None:
+        return found
+    told = found.extended.parameters
     for key, form, other in _with_forms(links, final, base):
-        assert found.extended is not None
-        told = found.extended.parameters
         moved = outside_intervals(told, other.parameters)
         if moved:
             found = _told(found, key, form, other_values(told, moved), moved)

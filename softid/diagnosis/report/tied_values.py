@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.report.joint_causes import less_sure, outside_intervals
+from softid.diagnosis.report.parameter_doubts import less_sure, outside_intervals
 from softid.diagnosis.report.phrases import lowered, title_of, titles_of
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis_results import Diagnosis
@@ -30,16 +30,15 @@ def with_tied_values(found: Diagnosis, links: Sequence[Link], size: int) -> Diag
     """
     if found.extended is None:
         return found
+    told = found.extended.parameters
     found = _with_own_parameters(found)
-    assert found.extended is not None
     for name, model in _models_with_others(found, links, size):
         found = less_sure(
             found,
-            outside_intervals(found.extended.parameters, model.parameters),
+            outside_intervals(told, model.parameters),
             f"it is another one with {title_of(name)}, which these logs do not tell from the cause",
             TIED_REMEDY,
         )
-        assert found.extended is not None
     return found
 
 

@@ -15,7 +15,6 @@ from softid.diagnosis.report.joint_causes import (
     joint_cause_issues,
     with_open_places,
     with_shared_scale,
-    with_unnamed_misfit,
 )
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis_results import Alternative, Diagnosis, Verdict
@@ -132,20 +131,3 @@ def test_a_lag_is_none_of_an_actuator_that_rings() -> None:
     """One real pole has no place among two complex ones."""
     found = over_oscillator("pneumatic_lag")
     assert with_open_places(found) is found
-
-
-def test_beside_a_misfit_without_a_name_nothing_is_identified() -> None:
-    """In the base and in what describes it; what was not identified keeps its own reason."""
-    found = diagnosis(Verdict.UNKNOWN)
-    assert found.extended is not None
-    first, second, *_ = found.base.parameters
-    rows = (replace(first, verdict="identified"), replace(second, verdict="not identified"))
-    found = replace(found, base=replace(found.base, parameters=rows))
-    told = with_unnamed_misfit(found)
-    assert told.base.parameters[0].verdict == "weakly identified"
-    assert "has no name" in told.base.parameters[0].reason
-    assert told.base.parameters[1] == rows[1]
-    assert told.extended is not None
-    assert all(p.verdict != "identified" for p in told.extended.parameters)
-    named = replace(found, verdict=Verdict.NAMED)
-    assert with_unnamed_misfit(named) is named
