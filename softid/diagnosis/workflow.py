@@ -55,6 +55,7 @@ from softid.diagnosis.report.other_explanations import (
 from softid.diagnosis.report.parameter_doubts import with_unnamed_misfit
 from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
+from softid.diagnosis.report.second_input import with_second_input
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis.search_result import SearchResult
@@ -170,6 +171,7 @@ def diagnose(
     others = OtherExplanations()
     answer, base = _searched(recordings, request, search, others, is_in_doubt=is_in_doubt)
     answer = with_other_explanations(answer, base, others)
+    answer = with_second_input(answer, base, recorded.logs, seed)
     if count == 1:  # the mean of several samples lies between the steps
         answer = with_rounding(answer, recorded, base.candidate)
         answer = with_coarse_sampling(answer, base.candidate)

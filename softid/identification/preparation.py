@@ -12,7 +12,7 @@ from softid.identification.repeated_output import repeated_readings
 from softid.log import Log, LogSet
 from softid.models import MODELS
 from softid.models.base import Model
-from softid.quality import dropout_mask, faulty_outputs
+from softid.quality import dropout_mask, misleading_channels
 
 
 def as_log_set(logs: Log | Sequence[Log]) -> LogSet:
@@ -115,9 +115,9 @@ def _without_wrong(log: Log) -> Log:
 
 
 def with_faults_told(log: Log) -> Log:
-    """Say of the outputs where they saturate, stand still or lead, which a fit takes for motion."""
+    """Say what a fit takes for motion that the input makes, and is not."""
     known = {issue.code for issue in log.issues}
-    found = [issue for issue in faulty_outputs(log) if issue.code not in known]
+    found = [issue for issue in misleading_channels(log) if issue.code not in known]
     return replace(log, issues=(*log.issues, *found)) if found else log
 
 

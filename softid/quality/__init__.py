@@ -13,7 +13,7 @@ from softid.quality.findings import (
     StepResponse,
 )
 from softid.quality.holding import Hold
-from softid.quality.inspection import dropout_mask, faulty_outputs, inspect
+from softid.quality.inspection import dropout_mask, inspect, misleading_channels
 from softid.quality.sampling import Gap, Sampling
 
 __all__ = [
@@ -31,6 +31,6 @@ __all__ = [
     "SignCheck",
     "StepResponse",
     "dropout_mask",
-    "faulty_outputs",
     "inspect",
+    "misleading_channels",
 ]

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from softid.excitation import SettledWindow, median_of_five
 from softid.log import Log
+from softid.quality.second_inputs import MIN_SIGMAS, OF_RANGE, other_inputs
 
 Array = npt.NDArray[np.float64]
 
@@ -38,17 +39,6 @@ reaches it in a hold of less than 0.7 of its time constant."""
 STEADY_SPEED = 0.4
 """Drift between the last two fifths over the travel in the second half, from which it does not slow
 down either: a straight line has just this."""
-
-MIN_SIGMAS = 10.0
-"""Standard deviations of the noise that such a motion exceeds: 10,000 samples of white noise, in
-medians of five, span four."""
-
-OTHER_INPUT_OF_RANGE = 0.25
-"""Travel of another channel, in units of the input's range, from which it moves like an input; a
-judgement between a leak from the input and a second drive."""
-
-TINY = 1e-12
-"""Least travel of such a channel, in its unit, where the input itself does not move."""
 
 
 @dataclass(frozen=True)
@@ -144,34 +134,8 @@ def describe_holds(
     return tuple(found)
 
 
-def other_inputs(log: Log, output: str) -> tuple[str, ...]:
-    """Channels of the input's unit that move like an input and neither repeat it nor its command.
-
-    Parameters
-    ----------
-    log
-        The recording.
-    output
-        A channel to leave out.
-    """
-    given = log.channels[log.input]
-    if given.unit == "1":
-        return ()  # raw counts and duty cycles share it with sensors
-    known = [given, *(log.channels[n] for n in ("pressure_command",) if n in log.channels)]
-    least = OTHER_INPUT_OF_RANGE * float(np.ptp(given.values))
-    found = []
-    for name, channel in log.channels.items():
-        copied = any(np.array_equal(channel.values, k.values, equal_nan=True) for k in known)
-        if copied or name == output or channel.unit != given.unit:
-            continue
-        finite = channel.values[np.isfinite(channel.values)]
-        if finite.size and float(np.ptp(finite)) >= max(least, TINY):
-            found.append(name)
-    return tuple(found)
-
-
 def _moving(log: Log, output: str, window: SettledWindow) -> tuple[str, ...]:
-    least = OTHER_INPUT_OF_RANGE * float(np.ptp(log.channels[log.input].values))
+    least = OF_RANGE * float(np.ptp(log.channels[log.input].values))
     moving = []
     for name in other_inputs(log, output):
         held = log.channels[name].values[window.start : window.stop]

@@ -26,11 +26,12 @@ from softid.quality.abilities import LEVEL_SPACING, Evidence, judge_abilities
 from softid.quality.causality import leading_outputs
 from softid.quality.dropouts import find_dropouts, may_drop_out
 from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role
-from softid.quality.holding import describe_holds, other_inputs
+from softid.quality.holding import describe_holds
 from softid.quality.hum import find_hum
 from softid.quality.issues import list_issues, list_stuck
 from softid.quality.relations import check_sign, command_lag, step_response
 from softid.quality.sampling import describe_sampling
+from softid.quality.second_inputs import independent_inputs, other_inputs, second_input_issues
 from softid.quality.stuck import FROZEN_SAMPLES, find_frozen, find_saturation, may_be_stuck
 from softid.quality.trace import Runs, Trace
 
@@ -86,12 +87,11 @@ def inspect(log: Log) -> Inspection:
     found = tuple(r for r in responses if r is not None)
     signs = tuple(s for s in (check_sign(log, name) for name in log.outputs) if s is not None)
     lag = command_lag(log)
-    shown = log.channels[log.input]
     evidence = Evidence(
         log.time_s,
         log.input,
-        shown.display_unit,
-        shown.display_factor,
+        log.channels[log.input].display_unit,
+        log.channels[log.input].display_factor,
         float(np.ptp(driving)),
         judged,
         stretches,
@@ -124,6 +124,7 @@ def inspect(log: Log) -> Inspection:
             stretches,
             holds=holds,
             other_inputs=other_inputs(log, judged),
+            second_inputs=independent_inputs(log),
             from_reader=(*log.issues, *leading_outputs(log)),
         ),
     )
@@ -153,10 +154,10 @@ def dropout_mask(log: Log) -> BoolArray:
     return mask
 
 
-def faulty_outputs(log: Log) -> tuple[Issue, ...]:
-    """What is to be said of outputs that saturate, repeat one value, or move before the input does.
+def misleading_channels(log: Log) -> tuple[Issue, ...]:
+    """What a fit takes for motion that the input makes, and is not.
 
-    A fit takes all of it as motion.
+    Outputs that saturate, repeat one value, or move before the input does, and a second input.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ def faulty_outputs(log: Log) -> tuple[Issue, ...]:
         channel = log.channels[name]
         if may_be_stuck(channel.values):
             found += list_stuck(_report(log, channel, "output", None, ()))
-    found += leading_outputs(log)
+    found += [*leading_outputs(log), *second_input_issues(independent_inputs(log), log.input)]
     return tuple(replace(issue, message=f"{log.name}: {issue.message}") for issue in found)
 
 

@@ -11,6 +11,7 @@ from softid.excitation import Stretch
 from softid.quality.findings import ChannelReport, Dropout, Role, SignCheck
 from softid.quality.holding import Hold
 from softid.quality.sampling import Gap, Sampling
+from softid.quality.second_inputs import NAMED, listed, second_input_issues
 from softid.units import CHANNEL_QUANTITY
 
 ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}
@@ -30,9 +31,6 @@ VERY_FEW_BITS = 4.0
 LITTLE_SIGNAL = 20.0
 """Range of an output over its noise below which it says little; white noise spans 5 to 8."""
 
-NAMED = 4
-"""Places or names in a sentence; more make it hard to read."""
-
 INTERMITTENT = 3
 """Distinct stuck values from which on the noise itself is said to come and go."""
 
@@ -49,6 +47,7 @@ def list_issues(
     *,
     holds: Mapping[str, Sequence[Hold]] | None = None,
     other_inputs: Sequence[str] = (),
+    second_inputs: Sequence[str] = (),
     from_reader: Sequence[Issue] = (),
 ) -> tuple[Issue, ...]:
     """All issues of a log, most severe first.
@@ -60,7 +59,9 @@ def list_issues(
     holds
         Output → what it does while the input is held.
     other_inputs
-        Channels that move like a second input.
+        Channels that move like an input.
+    second_inputs
+        Those that move on their own.
     from_reader
         Issues that the log already carries; kept but for missing samples, which are told here.
     """
@@ -68,7 +69,9 @@ def list_issues(
     read = [issue for issue in from_reader if issue.code not in TOLD_HERE]
     found = [*read, *at_rest, *_of_sampling(sampling)]
     if not at_rest:
-        found += _of_other_inputs(other_inputs)
+        driving = next(c.name for c in channels if c.role == "input")
+        found += second_input_issues(second_inputs, driving)
+        found += _of_other_inputs([n for n in other_inputs if n not in second_inputs])
         for name, held in (holds or {}).items():
             found += _of_holds(next(c for c in channels if c.name == name), held)
     for channel in channels:
@@ -219,7 +222,7 @@ def _of_holds(channel: ChannelReport, holds: Sequence[Hold]) -> Iterator[Issue]:
     more = ", …" if len(moving) > NAMED else ""
     others = list(dict.fromkeys(name for h in moving for name in h.moving))
     if others:
-        remedy = f"{_listed(others)} move meanwhile, and a model of one input cannot know that"
+        remedy = f"{listed(others)} move meanwhile, and a model of one input cannot know that"
     elif channel.name == "pressure":
         remedy = "hold longer, so that it settles"
     else:
@@ -241,14 +244,10 @@ def _of_other_inputs(names: Sequence[str]) -> Iterator[Issue]:
         yield Issue(
             "other-inputs",
             "info",
-            f"{_count(names, 'other channel')} of the input's unit, {_listed(names)}, "
+            f"{_count(names, 'other channel')} of the input's unit, {listed(names)}, "
             f"move{'s' if len(names) == 1 else ''} at least a quarter as far as the input",
             "if they drive the actuator too, fit only logs in which they move alike",
         )
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names[:NAMED]) + (", …" if len(names) > NAMED else "")
 
 
 def list_stuck(channel: ChannelReport) -> list[Issue]:

@@ -10,7 +10,7 @@ from linear_motion import linear_log
 
 from softid.identification import fit
 from softid.log import Log
-from softid.quality import dropout_mask, faulty_outputs
+from softid.quality import dropout_mask, misleading_channels
 
 
 def with_angle(values: np.ndarray) -> Log:
@@ -35,12 +35,12 @@ def noisy() -> np.ndarray:
 def test_what_an_output_is_stuck_at(values: np.ndarray, code: str | None) -> None:
     """Cut off at 0.9 of 1.6 rad, or one value for 2 s; a fit carries it among its issues."""
     log = with_angle(values)
-    codes = [issue.code for issue in faulty_outputs(log)]
+    codes = [issue.code for issue in misleading_channels(log)]
     assert codes == ([code] if code else [])
     told = {issue.code for issue in fit(log, model="oscillator").issues}
     assert (code in told) is (code is not None)
     if code:
-        (issue,) = faulty_outputs(log)
+        (issue,) = misleading_channels(log)
         assert issue.message.startswith(f"{log.name}: angle ")
 
 

@@ -46,6 +46,7 @@ from softid.diagnosis.report.phrases import (
     what_it_may_be,
     with_open_moments,
 )
+from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis_results import (
@@ -63,7 +64,7 @@ from softid.diagnosis_results import (
 from softid.quality.causality import LEADS
 from softid.results import FitResult
 
-WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW)
+WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW, FOLLOWS_SECOND_INPUT)
 """Codes of remarks that say what a misfit is for which no cause is named."""
 
 NEXT_TO_NOTHING = 0.1

@@ -1,0 +1,131 @@
+"""A misfit that goes with another channel, which drives the actuator beside the input."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.report.phrases import listed, percent
+from softid.diagnosis.residual.motion import mean_square, residual_context
+from softid.diagnosis.residual.structure import predicted_beyond_chance
+from softid.diagnosis_results import Diagnosis, Verdict
+from softid.errors import Issue
+from softid.log import Log
+from softid.quality.second_inputs import NAMED, independent_inputs
+
+Array = npt.NDArray[np.float64]
+
+FOLLOWS_SECOND_INPUT = "follows-second-input"
+"""Code of the remark."""
+
+LAGS = (0.0, 0.3, 1.0, 3.0)
+"""Time constants of the lags behind which the other channel is looked for, in units of the
+motion's."""
+
+LEAST_SHARE = 0.1
+"""A channel of which less of the misfit follows is not told."""
+
+AS_MUCH = 0.5
+"""Causes are no more than descriptions where the channel alone accounts, by a straight line, for so
+much of what they explain: a law of the motion would account for more. A judgement."""
+
+
+def with_second_input(
+    answer: Diagnosis, base: BaseFit, recorded: Sequence[Log], seed: int
+) -> Diagnosis:
+    """The diagnosis that says of what the base leaves that it goes with another input.
+
+    Parameters
+    ----------
+    answer
+        The diagnosis.
+    base
+        The base fit that it extends.
+    recorded
+        The logs as they came, with all of their channels.
+    seed
+        Of the draws of what chance does.
+    """
+    names = list(dict.fromkeys(n for log in recorded for n in independent_inputs(log)))
+    shares = {n: _share_of(n, base, recorded, seed) for n in names}
+    told = {n: s for n, s in shares.items() if s >= LEAST_SHARE}
+    if not told:
+        return answer
+    share = max(told.values())
+    if answer.causes and share < AS_MUCH * _explained(answer, base):
+        return answer
+    issue = _issue(told, recorded[0].input)
+    described = (*answer.causes, *answer.descriptive)
+    return replace(
+        answer,
+        verdict=Verdict.UNKNOWN,
+        causes=(),
+        descriptive=described,
+        alternatives=(),
+        issues=(*answer.issues, issue),
+        next_experiment=issue.remedy,
+    )
+
+
+def _share_of(name: str, base: BaseFit, recorded: Sequence[Log], seed: int) -> float:
+    """Share of the base's residual that follows from a channel through lags; 0 if chance does."""
+    whole = {log.name: log for log in recorded if name in log.channels}
+    candidate, columns, residuals, times = base.candidate, [], [], []
+    owners = [candidate.problem.logs[k].name for k in candidate.problem.owner]
+    for part, owner in zip(residual_context(candidate), owners, strict=True):
+        used = np.isfinite(part.residual)
+        if not used.any() or owner not in whole:
+            continue
+        other = _lagged(whole[owner], name, part.time_s, base.scale.motion_s)
+        columns.append(other[used])
+        residuals.append(part.residual[used])
+        times.append(part.time_s[used])
+    if not times:
+        return 0.0
+    rows = np.concatenate(residuals)
+    share, limit = predicted_beyond_chance(
+        np.concatenate(columns), rows - rows.mean(), times, rng=np.random.default_rng(seed)
+    )
+    return share if share > limit else 0.0
+
+
+def _lagged(log: Log, name: str, time_s: Array, motion_s: float) -> Array:
+    """A channel behind first-order lags at given times, a column for each lag, (n, len(LAGS))."""
+    from scipy.signal import lfilter  # takes a tenth of a second to import
+
+    values = log.channels[name].values
+    finite = np.isfinite(values)
+    grid = np.arange(log.time_s[0], log.time_s[-1] + log.period_s, log.period_s)
+    regular = np.interp(grid, log.time_s[finite], values[finite])
+    rows = []
+    for lag in LAGS:
+        decay = np.exp(-log.period_s / (lag * motion_s)) if lag else 0.0
+        start = [decay * regular[0]]
+        lagged, _ = lfilter([1.0 - decay], [1.0, -decay], regular, zi=start)
+        rows.append(np.interp(time_s, grid, lagged))
+    return np.column_stack(rows)
+
+
+def _explained(answer: Diagnosis, base: BaseFit) -> float:
+    """Share of the base's residual that the causes take away."""
+    before = mean_square(residual_context(base.candidate))
+    return 1.0 - answer.remainder.rms**2 / max(before, np.finfo(float).tiny)
+
+
+def _issue(told: Mapping[str, float], driving: str) -> Issue:
+    """That the misfit follows some channels, the one that predicts most of it first."""
+    names = sorted(told, key=lambda name: -told[name])
+    few = listed(names[:NAMED])
+    moves, is_held = ("moves", "is held") if len(names) == 1 else ("move", "are held")
+    return Issue(
+        FOLLOWS_SECOND_INPUT,
+        "warning",
+        f"what is missing follows {few}, which {moves} as an input does and not with {driving}: "
+        f"through lags {names[0]} alone accounts for {percent(told[names[0]])} of what the model "
+        "leaves, so that a second input may be all that is missing",
+        f"record logs in which {few} {is_held}, or {moves} with {driving}",
+    )
