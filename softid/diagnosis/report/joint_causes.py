@@ -20,6 +20,9 @@ ONE_CAUSE = "one-cause-in-two"
 SHARED_SCALE = "shared-scale"
 """Code of the remark that inertia, damping and stiffness are known up to a factor."""
 
+TWO = 2
+"""Real times of a motion that does not ring."""
+
 DYNAMIC = ("M", "N")
 """Parameters of a linear model that make its time constants; its gain is no matter of places."""
 
@@ -117,14 +120,16 @@ def with_open_places(found: Diagnosis) -> Diagnosis:
     found
         A diagnosis in numbers.
     """
-    if found.extended is None or not is_linear(found.base):
+    if not is_linear(found.base):
         return found
+    if found.extended is None:
+        return _with_own_lag(found, found.base)
     filters = _beside_the_motion(found.extended)
     for tie in found.alternatives:
         if law_that_ties(tie, linear=True) is OWN_DAMPING or own_places(tie, found.extended):
             filters += [effect_of(c.key) for c in found.causes if c.effect in tie.effects]
     if not filters:
-        return found
+        return _with_own_lag(found, found.extended)
     names = (p.name for p in found.extended.parameters)
     weak = {*DYNAMIC, *(name for name in names if any(belongs_to(f, name) for f in filters))}
     return less_sure(
@@ -132,6 +137,27 @@ def with_open_places(found: Diagnosis) -> Diagnosis:
         weak,
         "the actuator's own time or resonance and that of a cause may change places",
         "record the sensor beside a faster one, or the pressure at the actuator itself",
+    )
+
+
+def _with_own_lag(found: Diagnosis, fit: FitResult) -> Diagnosis:
+    """The diagnosis with inertia and damping that may be a lag before a motion without inertia.
+
+    M ẍ + N ẋ + Q x = Q (τ₁ d/dt + 1) (τ₂ d/dt + 1) x where the motion does not ring, unless a law
+    of the motion itself tells its own time from that of a gauge, a valve or a tube.
+    """
+    times = own_times(LAGS, fit)
+    of_motion = any(effect_of(key).stage == "state" for key in fit.model.effects)
+    if len(times) < TWO or of_motion:
+        return found
+    slow, fast = times
+    return less_sure(
+        found,
+        DYNAMIC,
+        f"a lag of {slow} or of {fast}, before or behind a motion without inertia that has the "
+        "other time, is the same law",
+        "record the pressure at the actuator itself and the sensor beside a faster one, or weigh "
+        "what moves",
     )
 
 

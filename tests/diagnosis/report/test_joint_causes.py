@@ -131,3 +131,47 @@ def test_a_lag_is_none_of_an_actuator_that_rings() -> None:
     """One real pole has no place among two complex ones."""
     found = over_oscillator("pneumatic_lag")
     assert with_open_places(found) is found
+
+
+def test_an_inertia_that_does_not_ring_may_be_a_lag() -> None:
+    """(0.5 d/dt + 1)(0.1 d/dt + 1): a lag of either before the other, unless friction tells.
+
+    By hand: ω = 1/√0.05 rad/s, ζ = 0.6 ω/2.
+    """
+    omega = 1.0 / np.sqrt(0.05)
+    own = {
+        "time_constant": (0.6, "s"),
+        "natural_frequency": (omega / (2.0 * np.pi), "Hz"),
+        "damping_ratio": (0.3 * omega, "1"),
+    }
+
+    def with_times(*keys: str) -> Diagnosis:
+        found = over_oscillator(*keys)
+        assert found.extended is not None
+        return replace(found, extended=replace(found.extended, derived=own))
+
+    told = with_open_places(with_times("sensor_drift"))
+    assert {n for n, v in verdicts(told).items() if v != "identified"} == {"M", "N"}
+    assert told.extended is not None
+    assert "a lag of 0.5 s or of 0.1 s" in told.extended.parameters[0].reason
+    rubs = with_times("coulomb_friction")
+    assert with_open_places(rubs) is rubs
+    rings = over_oscillator("sensor_drift")
+    assert with_open_places(rings) is rings
+
+
+def test_an_adequate_base_tells_it_too() -> None:
+    """Without a cause the base itself is in doubt, and only a linear one."""
+    own = {
+        "time_constant": (0.6, "s"),
+        "natural_frequency": (2.0, "Hz"),
+        "damping_ratio": (2.0, "1"),
+    }
+    found = over_oscillator("sensor_drift")
+    assert found.extended is not None
+    base = replace(found.extended, model=found.base.model, derived=own)
+    clean = replace(found, verdict=Verdict.ADEQUATE, base=base, extended=None, causes=())
+    told = {p.name: p.verdict for p in with_open_places(clean).base.parameters}
+    assert (told["M"], told["N"], told["Q"]) == (*["weakly identified"] * 2, "identified")
+    nonlinear = replace(diagnosis(Verdict.ADEQUATE), extended=None)
+    assert with_open_places(nonlinear) is nonlinear
