@@ -12,6 +12,7 @@ from softid.diagnosis.base.base_fit import BaseFit, Progress
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import BETTER, NO_WORSE
 from softid.diagnosis.residual.assessment import assess
+from softid.diagnosis.residual.input_noise import takes_input_noise_at_most
 from softid.diagnosis.search.alternative_first import alternative_first_links, that_promise_the_rest
 from softid.diagnosis.search.backward_revision import revised
 from softid.diagnosis.search.bic_ranking import is_likelier
@@ -83,8 +84,7 @@ class CauseSearch:
         if model not in self._known:
             rng = np.random.default_rng(self.seed)
             base, sds = self.base, self.base.input_sds
-            found = assess(base.candidate, model, base.scale, rng=rng, input_sds=sds)
-            self._known[model] = found
+            self._known[model] = assess(base.candidate, model, base.scale, rng=rng, input_sds=sds)
         return self._known[model]
 
     def first_cause(self) -> Chain:
@@ -137,18 +137,12 @@ class CauseSearch:
         extra: Sequence[Candidate] = (),
         raced: Link | None = None,
     ) -> Chain:
-        held_out = self.base.held_out
-
-        def is_no_worse(before: Candidate, after: Candidate) -> bool:
-            limit = BETTER if before.effects else NO_WORSE
-            return held_out.rms(after) <= limit * held_out.rms(before)
-
         return select_forward(
             chain.final,
             self.effects,
             self.base.scale,
             self.base.sigma,
-            is_no_worse=is_no_worse,
+            is_no_worse=self._is_borne_out,
             is_noise=self._leaves_noise,
             report=lambda message, fraction: self.report(message, 0.3 + 0.4 * fraction),
             known_links=chain.links,
@@ -157,13 +151,21 @@ class CauseSearch:
             max_links=max_links,
         )
 
+    def _is_borne_out(self, before: Candidate, after: Candidate) -> bool:
+        """Whether a cause is no worse on what is held out, and more than noise of the input."""
+        held_out, sds = self.base.held_out, self.base.input_sds
+        limit = BETTER if before.effects else NO_WORSE
+        if held_out.rms(after) > limit * held_out.rms(before):
+            return False
+        return not (self._leaves_noise(before) and takes_input_noise_at_most(before, after, sds))
+
     def _leaves_noise(self, model: Candidate) -> bool:
         """Whether what a model leaves looks like noise, also on what is held out."""
-        left, base = self.remainder_of(model), self.base
+        left, held_out = self.remainder_of(model), self.base.held_out
         if left.structured:
             return False
-        before = base.held_out.rms(base.candidate)
-        return not with_held_out(left, before, model, base.held_out, base.sigma).misses_held_out
+        before = held_out.rms(self.base.candidate)
+        return not with_held_out(left, before, model, held_out, self.base.sigma).misses_held_out
 
     def search(self, first: Chain | None = None) -> SearchResult:
         """The chain of causes, what it leaves, and what may be named.

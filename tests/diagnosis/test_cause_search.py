@@ -309,3 +309,27 @@ def test_as_much_as_behind_noise_is_asked_only_where_all_is_noise(
     monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
     search_over().grow(chain_of("delay"))
     assert asked == [noise]
+
+
+@pytest.mark.parametrize(
+    ("left", "muffles", "stays"),
+    [(NOISE, True, False), (NOISE, False, True), (STRUCTURE, True, True)],
+)
+def test_behind_noise_a_cause_must_explain_more_than_the_gauge(
+    left: Remainder, muffles: bool, stays: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Friction that holds a motion still against the noise of the pressure is none."""
+    asked: list[bool] = []
+
+    def selected(now: Any, *args: Any, is_no_worse: Any, **others: Any) -> Chain:
+        asked.append(is_no_worse(now, now))
+        return chain_of("delay")
+
+    monkeypatch.setattr(cause_search, "select_forward", selected)
+    monkeypatch.setattr(cause_search, "with_held_out", lambda left, *args: left)
+    monkeypatch.setattr(cause_search, "takes_input_noise_at_most", lambda *args: muffles)
+    monkeypatch.setattr(cause_search, "NO_WORSE", 1.1)
+    monkeypatch.setattr(cause_search, "BETTER", 1.1)
+    monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: left)
+    search_over().grow(chain_of("delay"))
+    assert asked == [stays]

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.input_course import moved_by_course
-from softid.diagnosis.residual.motion import simulated
+from softid.diagnosis.residual.motion import mean_square, residual_context, simulated
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.projection import basis_of, rows_of
 from softid.log import Log
@@ -31,6 +31,10 @@ DRAWS = 12
 LEAST_COURSE = 0.02
 """Share of the noise of the output from which on the unknown course is drawn: where it is sampled
 well it makes less, and every draw is a simulation."""
+
+FLATTER = 0.7
+"""Share of what the noise leaves that is drawn: it goes through the averaging of a course that is
+averaged already, which is flatter at its edges."""
 
 SEED = 0
 """Of those draws, the same in every log."""
@@ -111,6 +115,26 @@ def input_noise(model: Candidate, sds: Mapping[str, float], variance: float) -> 
     draws = noise + course
     power = np.mean(course**2) / (np.mean(course**2) + np.mean(noise**2))
     return InputNoise(draws - (draws @ basis) @ basis.T, float(power))
+
+
+def takes_input_noise_at_most(
+    before: Candidate, after: Candidate, sds: Mapping[str, float]
+) -> bool:
+    """Whether a cause takes away no more than what is not known of the input leaves anyway.
+
+    Friction that holds a motion still also holds it against the noise of a gauge, which no
+    actuator feels.
+
+    Parameters
+    ----------
+    before, after
+        The models without and with the cause.
+    sds
+        As in `input_noise`.
+    """
+    left, behind = (mean_square(residual_context(model)) for model in (before, after))
+    driven = input_noise(before, sds, behind)
+    return driven is not None and left - behind <= driven.variance / FLATTER
 
 
 def _course(model: Candidate, draw: int) -> Array:

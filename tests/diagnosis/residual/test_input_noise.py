@@ -11,7 +11,11 @@ from linear_motion import TRUTH, linear_angle, linear_problem, pressure_course, 
 from softid.diagnosis import diagnose
 from softid.diagnosis.logs.input_denoising import input_noise_sd, without_input_noise
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.input_noise import InputNoise, input_noise
+from softid.diagnosis.residual.input_noise import (
+    InputNoise,
+    input_noise,
+    takes_input_noise_at_most,
+)
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis_results import Verdict
 from softid.log import Log
@@ -57,6 +61,23 @@ def test_it_is_as_large_as_what_noise_leaves() -> None:
         left.append(float(np.mean((block.residual - block.residual.mean()) ** 2)))
         drawn.append(found.variance)
     assert np.mean(drawn) == pytest.approx(np.mean(left), rel=0.3)
+
+
+def test_a_cause_that_muffles_the_gauge_takes_no_more_than_its_noise() -> None:
+    """A motion that is held still feels half of the gauge's noise, and three quarters of its power
+    go; a misfit of the motion itself that goes is more. An exact input has no noise to muffle."""
+    log = gauged(0)
+    exact = pressure_course(log.time_s)
+    channel = log.channels["pressure"]
+    calmer = replace(channel, values=0.5 * (channel.values + exact))
+    half = replace(log, channels={**log.channels, "pressure": calmer})
+    drifts = replace(log.channels["angle"], values=linear_angle(log.time_s, exact) + log.time_s)
+    drifting = replace(log, channels={**log.channels, "angle": drifts})
+    before, after, misfit = (at_the_truth(one) for one in (log, half, drifting))
+    sds = {"gauged": input_noise_sd(log)}
+    assert takes_input_noise_at_most(before, after, sds)
+    assert not takes_input_noise_at_most(misfit, after, sds)
+    assert not takes_input_noise_at_most(before, after, {})
 
 
 def test_both_noises_add_up() -> None:
