@@ -20,6 +20,9 @@ ONE_CAUSE = "one-cause-in-two"
 SHARED_SCALE = "shared-scale"
 """Code of the remark that inertia, damping and stiffness are known up to a factor."""
 
+OWN_LAG = "own-lag"
+"""Code of the remark that an inertia may be a lag."""
+
 TWO = 2
 """Real times of a motion that does not ring."""
 
@@ -151,14 +154,16 @@ def _with_own_lag(found: Diagnosis, fit: FitResult) -> Diagnosis:
     if len(times) < TWO or of_motion:
         return found
     slow, fast = times
-    return less_sure(
-        found,
-        DYNAMIC,
+    same = (
         f"a lag of {slow} or of {fast}, before or behind a motion without inertia that has the "
-        "other time, is the same law",
-        "record the pressure at the actuator itself and the sensor beside a faster one, or weigh "
-        "what moves",
+        "other time, is the same law"
     )
+    remedy = (
+        "record the pressure at the actuator itself and the sensor beside a faster one, or weigh "
+        "what moves"
+    )
+    issue = Issue(OWN_LAG, "info", f"M and N are known for a motion with inertia: {same}", remedy)
+    return replace(less_sure(found, DYNAMIC, same, remedy), issues=(*found.issues, issue))
 
 
 def _beside_the_motion(extended: FitResult) -> list[Effect]:

@@ -11,6 +11,7 @@ from handmade_diagnosis import DELAY, cause, diagnosis, estimate
 
 from softid.diagnosis.report.joint_causes import (
     ONE_CAUSE,
+    OWN_LAG,
     SHARED_SCALE,
     joint_cause_issues,
     with_open_places,
@@ -154,6 +155,7 @@ def test_an_inertia_that_does_not_ring_may_be_a_lag() -> None:
     assert {n for n, v in verdicts(told).items() if v != "identified"} == {"M", "N"}
     assert told.extended is not None
     assert "a lag of 0.5 s or of 0.1 s" in told.extended.parameters[0].reason
+    assert told.issues[-1].code == OWN_LAG
     rubs = with_times("coulomb_friction")
     assert with_open_places(rubs) is rubs
     rings = over_oscillator("sensor_drift")
