@@ -12,7 +12,8 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import Candidate, TemperedPrior
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.forward_selection import converged
-from softid.effects.base import OutputEffect, Scale
+from softid.effects.base import OutputEffect
+from softid.effects.scale import Scale
 from softid.fitters.levenberg_marquardt import Minimum, Normal
 from softid.fitters.problem import Problem
 from softid.log import Log

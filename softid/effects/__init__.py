@@ -1,16 +1,11 @@
 """The effects, by key. A new effect is one file and one line in `softid.effects.catalogue`."""
 
-from softid.effects.base import (
-    Effect,
-    InputEffect,
-    OutputEffect,
-    Scale,
-    StateEffect,
-)
+from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.building import effect_of, effects_of, model_of
 from softid.effects.catalogue import EFFECTS
 from softid.effects.extended_model import ExtendedModel, belongs_to, extended_name, own_values
 from softid.effects.registration import register_effect
+from softid.effects.scale import Scale
 from softid.models.division import divided
 
 __all__ = [

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import MOST_LOST, Scale, StateEffect
+from softid.effects.base import MOST_LOST, StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.terms import STIFFNESS
 from softid.parameters import Parameter, ParameterSet
 

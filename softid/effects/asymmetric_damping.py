@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import SHARPEST_BEND, Scale, StateEffect
+from softid.effects.base import SHARPEST_BEND, StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.exponential import hyperbolic_tangent
 from softid.kernels.terms import DAMPING
 from softid.parameters import Parameter, ParameterSet

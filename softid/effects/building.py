@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from difflib import get_close_matches
 
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
 from softid.effects.catalogue import EFFECTS
 from softid.effects.extended_model import ExtendedModel
+from softid.effects.scale import Scale
 from softid.errors import UsageError
 from softid.models import MODELS, Model
 from softid.results import ModelSpec

@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import LEAST_AMPLITUDE, Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 

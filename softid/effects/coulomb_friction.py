@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.exponential import hyperbolic_tangent
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
@@ -25,8 +26,8 @@ LARGEST = 3.0
 the elastic force is that of a base without friction, whose force may be too small."""
 
 TURN = 0.8
-"""Rate that the steps resolve while the speed goes through ±vs, in ranges of positions that the
-largest speed covers in a second, times v_max/vs."""
+"""Rate that the steps resolve while the speed goes through ±vs, in `Scale.turning_rate` times
+v_max/vs."""
 
 SHARP = 190.0
 """Largest v_max/vs that the steps resolve. A sharper change is a jump for them, at which the motion
@@ -119,7 +120,7 @@ class CoulombFriction(StateEffect):
         """The friction turns round while the speed goes through ±vs."""
         largest = float(eta[0]) * (1.0 + self.excess(eta))
         jump = SHARP * min(max(largest / scale.force, 0.0) / LARGE, 1.0) ** 0.5
-        return float(TURN * min(scale.v_max / eta[1], jump) * scale.v_max / scale.x_span)
+        return float(TURN * min(scale.v_max / eta[1], jump) * scale.turning_rate)
 
     def excess(self, eta: Array) -> float:
         """Share by which the friction at low speed is above that at high speed."""

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import LEAST_AMPLITUDE, OutputEffect, Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, OutputEffect, StateEffect
+from softid.effects.scale import Scale
 from softid.effects.time_constants import SETTLING_PERIODS, start_times, time_bounds
 from softid.kernels.filters import lag
 from softid.kernels.terms import FORCE, RATE

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import InputEffect, Scale
+from softid.effects.base import InputEffect
+from softid.effects.scale import Scale
 from softid.effects.stage_input import holds_jumps
 from softid.effects.time_constants import first_time
 from softid.kernels.earlier_input import means_between, read_at

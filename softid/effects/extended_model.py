@@ -10,15 +10,9 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import (
-    STAGES,
-    Effect,
-    InputEffect,
-    OutputEffect,
-    Scale,
-    StateEffect,
-)
+from softid.effects.base import STAGES, Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.motion import rest, simulate_motion
+from softid.effects.scale import Scale
 from softid.effects.stage_input import arriving_input
 from softid.kernels.step_counts import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
 from softid.models.base import Model, Response

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.terms import FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.small_matrix import LANES
 from softid.models.arrived_input import observed, simulate_law_through
 from softid.models.base import Model, MotionTerm, Response

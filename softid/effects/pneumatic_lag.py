@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import InputEffect, Scale
+from softid.effects.base import InputEffect
+from softid.effects.scale import Scale
 from softid.effects.time_constants import lag_bounds, lag_times
 from softid.kernels.filters import lag, lag_by_level
 from softid.parameters import Parameter, ParameterSet

@@ -9,8 +9,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
+from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.catalogue import EFFECTS
+from softid.effects.scale import Scale
 from softid.errors import UsageError
 from softid.parameters import ParameterSet
 

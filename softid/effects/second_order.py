@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.effects.time_constants import first_time, last_time
 from softid.parameters import Parameter, ParameterSet
 

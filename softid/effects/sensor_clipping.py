@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import OutputEffect, Scale
+from softid.effects.base import OutputEffect
+from softid.effects.scale import Scale
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]

@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import OutputEffect, Scale
+from softid.effects.base import OutputEffect
 from softid.effects.finer_motion import PIECES, finer_motion
+from softid.effects.scale import Scale
 from softid.effects.second_order import (
     as_lag,
     ringing_parameters,

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import LEAST_AMPLITUDE, MOST_LOST, Scale, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, MOST_LOST, StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.terms import RATE, STIFFNESS
 from softid.parameters import Parameter, ParameterSet
 

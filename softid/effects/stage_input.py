@@ -14,7 +14,8 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import InputEffect, Scale
+from softid.effects.base import InputEffect
+from softid.effects.scale import Scale
 from softid.models.division import SMOOTH_NODES, Division
 from softid.segment import Segment
 

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from softid.effects.base import Scale, StateEffect
+from softid.effects.base import StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.terms import SHIFT
 from softid.parameters import Parameter, ParameterSet
 

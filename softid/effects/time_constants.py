@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.parameters import Parameter
 
 SHORTEST_PERIODS = 1e-3

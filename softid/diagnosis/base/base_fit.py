@@ -11,7 +11,7 @@ import numpy as np
 from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs, hold_out_blocks
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.errors import IdentificationError, UsageError
 from softid.excitation import second_difference_noise, segment_excitation
 from softid.fitters.levenberg_marquardt import Minimum, Normal

@@ -18,7 +18,7 @@ from softid.diagnosis.logs.decimation import read_as
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.effects import ExtendedModel, effect_of, own_values
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.fitters.rivals import residuals_by_channel, squared_autocorrelation
 from softid.identification.intersample_choice import (

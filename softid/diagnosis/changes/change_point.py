@@ -19,7 +19,7 @@ from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plans
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
 from softid.effects import extended_name
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 
 Array = npt.NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import elastic_force
 from softid.diagnosis.refit.extension import extend, named_values
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
 from softid.log import Log

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
+from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.terms import DAMPING, FORCE, STIFFNESS
 from softid.parameters import Parameter, ParameterSet
 

@@ -19,7 +19,8 @@ from softid.diagnosis.refit.candidates import Candidate, advance, standing_at
 from softid.diagnosis.refit.characteristic_scales import elastic_force, range_without_zeros
 from softid.diagnosis.refit.extension import united_bounds
 from softid.effects import ExtendedModel, belongs_to, extended_name
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 
 GROWN = 1.2

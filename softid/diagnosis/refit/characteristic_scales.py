@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 
 if TYPE_CHECKING:
@@ -67,7 +68,18 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
         x_unit=str(getattr(problem.model, "x_unit", units[first])),
         force_unit=_force_unit(problem),
         y_unit=units[first],
+        a_turn=_turning(paths, [s.time_s for s in problem.segments]),
     )
+
+
+def _turning(paths: Sequence[tuple[Array, Array]], times: Sequence[Array]) -> float:
+    """Median size of the acceleration in the intervals in which the speed changes its sign."""
+    found = [
+        np.abs(np.diff(v) / np.diff(time_s))[v[1:] * v[:-1] < 0.0]
+        for (_, v), time_s in zip(paths, times, strict=True)
+    ]
+    turns = np.concatenate(found)
+    return float(np.median(turns)) if turns.size else 0.0
 
 
 def range_without_zeros(problem: Problem, unknowns: Array) -> tuple[float, float]:

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects import ExtendedModel, extended_name
-from softid.effects.base import Effect, OutputEffect, Scale
+from softid.effects.base import Effect, OutputEffect
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.parameters import Parameter, ParameterSet
 

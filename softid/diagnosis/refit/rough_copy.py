@@ -18,7 +18,7 @@ from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.even_sampling import evenly_sampled
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.extension import extend
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 
 ENOUGH = 1200

@@ -26,7 +26,7 @@ from softid.diagnosis.report.motion_shown import sine_lag
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis_results import Remainder
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.errors import IdentificationError, InputError, Issue
 from softid.log import Log
 

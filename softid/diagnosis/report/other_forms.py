@@ -17,7 +17,8 @@ from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.replacements import NEAR, refitted_with
 from softid.diagnosis_results import Diagnosis
 from softid.effects import EFFECTS, effect_of
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.errors import Issue
 
 OTHER_FORM = "other-form"

@@ -19,7 +19,7 @@ from softid.diagnosis.residual.projection import slopes_of
 from softid.diagnosis.residual.rounding_floor import rounding_floor
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
 from softid.diagnosis_results import Remainder
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 
 Array = npt.NDArray[np.float64]
 

@@ -21,7 +21,8 @@ from softid.diagnosis.search.forward_selection import (
 )
 from softid.diagnosis.search.screening import screen
 from softid.diagnosis_results import Remainder
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 
 TRIED = 3
 """So many of the most promising other effects are tried as the first cause."""

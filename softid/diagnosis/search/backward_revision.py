@@ -20,7 +20,8 @@ from softid.diagnosis.search.forward_selection import (
 from softid.diagnosis.search.racing import CLEAR_LEAD
 from softid.diagnosis.search.rounds import variance_of
 from softid.diagnosis.search.screening import Signature, screen
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 
 WITHOUT_ROUND = 25
 """Evaluations that bring a chain without one of its links to its optimum."""

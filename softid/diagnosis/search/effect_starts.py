@@ -23,7 +23,8 @@ from softid.diagnosis.refit.extension import (
     within_bounds_of,
 )
 from softid.diagnosis.search.screening import Signature
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]

@@ -10,7 +10,8 @@ from softid.diagnosis.search.effect_starts import forms_of
 from softid.diagnosis.search.rounds import FAR_ROUND, SECOND_ROUND, run_round, variance_of
 from softid.diagnosis.search.screening import Signature
 from softid.effects import own_values
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 
 BY_ITSELF = 3.0
 """A richer form of a law runs by itself when it promises so many times what the plain one does: the

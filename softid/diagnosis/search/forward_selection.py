@@ -15,7 +15,8 @@ from softid.diagnosis.search.contenders import added_to, choose_contender
 from softid.diagnosis.search.order_of_action import in_better_order
 from softid.diagnosis.search.racing import UNCONVERGED, race
 from softid.diagnosis.search.screening import Signature, screen
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.parallel import in_parallel
 
 

@@ -17,7 +17,8 @@ from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, standi
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.effect_starts import candidate_at
 from softid.diagnosis.search.racing import refined
-from softid.effects.base import Effect, InputEffect, OutputEffect, Scale
+from softid.effects.base import Effect, InputEffect, OutputEffect
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.intersample import HELD
 from softid.parallel import in_parallel

@@ -16,7 +16,8 @@ from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import named_values
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.effects import ExtendedModel, belongs_to, own_values
-from softid.effects.base import Effect, InputEffect, Scale
+from softid.effects.base import Effect, InputEffect
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.parameters import ParameterSet
 

@@ -35,7 +35,8 @@ from softid.diagnosis.search.rounds import (
     variance_of,
 )
 from softid.diagnosis.search.screening import Signature, screen
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.parallel import in_parallel
 
 SECOND_START = 0.3

@@ -13,7 +13,8 @@ from softid.diagnosis.refit.extension import extend, named_values, start_unknown
 from softid.diagnosis.refit.rough_copy import rough_copy
 from softid.diagnosis.refit.state_sizes import reach_of
 from softid.diagnosis.residual.projection import Span, project_out, span_of
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.parallel import in_parallel
 

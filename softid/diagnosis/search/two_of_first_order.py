@@ -18,7 +18,8 @@ from softid.diagnosis.search.forward_selection import (
     next_link,
 )
 from softid.effects import own_values
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 
 
 def chain_of_first_order(

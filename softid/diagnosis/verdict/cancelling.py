@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.extension import with_fewer_effects
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]

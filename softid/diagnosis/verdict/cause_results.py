@@ -15,7 +15,8 @@ from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis_results import Alternative, Cause, Evidence, Gain
 from softid.effects import EFFECTS, belongs_to, effect_of, extended_name, own_values
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.results import FitResult, ParameterEstimate
 from softid.scores import fit_percent
 

@@ -13,7 +13,8 @@ from softid.diagnosis.verdict.naming import doubt_of, most_variation
 from softid.diagnosis.verdict.occurrence import occurs
 from softid.diagnosis_results import Cause, Doubt, Remainder
 from softid.effects import extended_name
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.results import FitResult
 
 NO_GAIN = (Doubt.GAINS_NOTHING, Doubt.MAY_GAIN_NOTHING)

@@ -21,7 +21,7 @@ from softid.diagnosis.verdict.equivalence import (
 )
 from softid.diagnosis.verdict.replacements import with_replacements
 from softid.diagnosis_results import Cause
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.intersample import HELD
 
 GIVES_WAY = 0.02

@@ -9,7 +9,8 @@ import numpy as np
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.extension import with_fewer_effects
 from softid.diagnosis.refit.held_out import HeldOut
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 
 NOTHING = 0.05
 """An effect does nothing where leaving it out moves the simulation by less than this share of what

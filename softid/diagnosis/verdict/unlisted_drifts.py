@@ -11,7 +11,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.effects.base import Effect, InputEffect, Scale, StateEffect
+from softid.effects.base import Effect, InputEffect, StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.terms import DAMPING, FORCE, RATE, STIFFNESS
 from softid.parameters import Parameter, ParameterSet
 

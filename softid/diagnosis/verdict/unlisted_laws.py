@@ -24,7 +24,8 @@ from softid.diagnosis.verdict.unlisted_drifts import (
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import EarlyReading, SmoothedReading, UnevenReading
 from softid.effects import effect_of
-from softid.effects.base import Effect, InputEffect, OutputEffect, Scale, StateEffect
+from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
+from softid.effects.scale import Scale
 from softid.kernels.filters import play
 from softid.kernels.terms import DAMPING, FORCE, RATE
 from softid.parameters import Parameter, ParameterSet

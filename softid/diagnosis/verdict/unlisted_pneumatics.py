@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects import effect_of
-from softid.effects.base import InputEffect, Scale
+from softid.effects.base import InputEffect
+from softid.effects.scale import Scale
 from softid.kernels.filters import lag_with_relief, limit_rate
 from softid.parameters import Parameter, ParameterSet
 

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from softid.diagnosis.verdict.unlisted_drifts import one_parameter
 from softid.effects import effect_of
-from softid.effects.base import OutputEffect, Scale
+from softid.effects.base import OutputEffect
+from softid.effects.scale import Scale
 from softid.kernels.earlier_input import read_at
 from softid.kernels.filters import lag
 from softid.parameters import ParameterSet

@@ -32,7 +32,7 @@ from softid.diagnosis.report.changes import (
     held_out_change_issues,
 )
 from softid.diagnosis.residual.assessment import excess_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.log import Log
 from softid.synthesis import hidden_pair
 

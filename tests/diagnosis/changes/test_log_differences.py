@@ -22,7 +22,7 @@ from softid.diagnosis.report.changes import (
     difference_issues,
 )
 from softid.effects import EFFECTS
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]

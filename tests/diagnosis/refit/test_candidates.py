@@ -24,7 +24,7 @@ from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.refit.whitening import Whitener
 from softid.effects import effect_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.models.division import NODES_PER_STEP, SMOOTH_NODES
 from softid.parameters import Parameter

@@ -147,6 +147,24 @@ def test_travel_and_speed() -> None:
     assert 0.5 / 0.2 < scale.v_max < 1.0 / 0.2
 
 
+def test_a_free_mass_turns_round_as_quickly_as_it_is_driven() -> None:
+    """Closed form: under a sine of A the acceleration is A/M where the speed is none, and the speed
+    goes from its largest to none at the rate ω of the drive; a log that never turns has no rate of
+    its own."""
+    time_s = 0.01 * np.arange(3000)
+    omega, mass = 2.0 * np.pi * 0.7, 0.4
+    pressure = 30.0 * np.cos(omega * time_s)
+    drive = replace(MODEL, spring="none")
+    values = {"M": mass, "N": 1e-3, "offset": 0.0}
+    for course, wanted in ((pressure, 30.0 / mass), (np.full(3000, 5.0), 0.0)):
+        log = Log.from_arrays(time_s, {"pressure": course, "angle": np.cos(omega * time_s)})
+        problem = Problem(drive, drive.parameters(), [log])
+        scale = scale_of(problem, problem.unknowns(values))
+        assert scale.a_turn == pytest.approx(wanted, rel=0.03)
+        own = scale.v_max / scale.x_span
+        assert scale.turning_rate == pytest.approx(max(omega if wanted else 0.0, own), rel=0.05)
+
+
 def test_of_several_logs_the_longest_counts() -> None:
     """Travel and duration are those of the longest log, not of all together."""
     long, short = linear_log(), replace(linear_log(samples=400), name="short")

@@ -14,7 +14,7 @@ from softid.diagnosis import diagnose
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.effects import effect_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.log import Log
 

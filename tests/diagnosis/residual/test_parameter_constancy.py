@@ -27,7 +27,8 @@ from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.residual import parameter_constancy
 from softid.diagnosis.residual.parameter_constancy import CHANCE, _judged, variations
 from softid.diagnosis_results import Variation
-from softid.effects.base import Effect, Scale
+from softid.effects.base import Effect
+from softid.effects.scale import Scale
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]

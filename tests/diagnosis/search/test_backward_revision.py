@@ -25,7 +25,7 @@ from softid.diagnosis.search.backward_revision import (
 from softid.diagnosis.search.forward_selection import FURTHER, Chain, Link, converged, next_link
 from softid.diagnosis.search.screening import Signature
 from softid.effects import effect_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 
 DRIFT = effect_of("sensor_drift")
 

@@ -27,7 +27,7 @@ from softid.diagnosis.search.forward_selection import (
 )
 from softid.diagnosis.search.screening import screen
 from softid.effects import effect_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 
 DRIFT = effect_of("sensor_drift")
 RATE, SIZE = 0.003, 0.05

@@ -21,7 +21,7 @@ from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search import racing
 from softid.diagnosis.search.multistart import has_vanished, is_astray, multistart_candidates
 from softid.effects import effect_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.log import Log
 
 DRIFT, DEAD_ZONE = effect_of("sensor_drift"), effect_of("dead_zone")

@@ -32,7 +32,7 @@ from softid.diagnosis.search.racing import (
 )
 from softid.diagnosis.search.screening import Signature
 from softid.effects import effect_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.parameters import Parameter, ParameterSet
 
 DRIFT = effect_of("sensor_drift")

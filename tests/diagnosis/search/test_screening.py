@@ -16,7 +16,7 @@ from softid.diagnosis.search.screening import (
     screen,
 )
 from softid.effects import effect_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.log import Log
 

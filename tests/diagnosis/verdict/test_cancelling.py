@@ -14,7 +14,7 @@ from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.verdict.cancelling import cancelling
 from softid.effects import EFFECTS, effect_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 
 
 @dataclass(frozen=True)

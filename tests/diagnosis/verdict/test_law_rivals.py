@@ -19,7 +19,7 @@ from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.law_rivals import own_time, with_law_rivals
 from softid.effects import effect_of
-from softid.effects.base import Scale
+from softid.effects.scale import Scale
 
 OWN_S = TRUTH["N"] / TRUTH["Q"]
 
