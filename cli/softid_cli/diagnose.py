@@ -27,7 +27,7 @@ from softid_cli.options import (
     seed_option,
 )
 from softid_cli.requests import Request, takes
-from softid_cli.results_folder import RESULTS, free_folder, refuse_old_results
+from softid_cli.results_folder import RESULTS, free_folder, require_place_for_results
 
 if TYPE_CHECKING:
     from softid.diagnosis_results import Diagnosis
@@ -108,7 +108,7 @@ def examine(request: DiagnoseRequest) -> None:
     request.require_logs("diagnose")
     from softid.records.diagnosis import RECORD
 
-    refuse_old_results(request.out, RECORD, force=request.force)
+    require_place_for_results(request.out, RECORD, force=request.force)
     _require_effects(request.effects)
     try:
         found, plots = _found(request)

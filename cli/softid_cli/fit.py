@@ -32,7 +32,7 @@ from softid_cli.options import (
 )
 from softid_cli.profiles import print_profiles, profile_entries, profile_figures, profiled
 from softid_cli.requests import Request, takes
-from softid_cli.results_folder import RESULTS, free_folder, refuse_old_results
+from softid_cli.results_folder import RESULTS, free_folder, require_place_for_results
 
 if TYPE_CHECKING:
     from softid.log import Log
@@ -106,7 +106,7 @@ def identify(request: FitRequest) -> None:
         The optimum was not reached; nothing is written.
     """
     request.require_logs("fit")
-    refuse_old_results(request.out, PARAMS, force=request.force)
+    require_place_for_results(request.out, PARAMS, force=request.force)
     model = request.chosen_model()
     require_parameters(model, request.profile, option="--profile")
     preferred = () if model is not None else described_models(request.geometry)

@@ -10,7 +10,7 @@ RESULTS = Path("softid-out")
 """Where results go that the user names no folder for."""
 
 
-def refuse_old_results(folder: Path | None, record: str, *, force: bool) -> None:
+def require_place_for_results(folder: Path | None, record: str, *, force: bool) -> None:
     """Say before the work, not after it, that the results would have no place.
 
     Parameters
@@ -25,7 +25,8 @@ def refuse_old_results(folder: Path | None, record: str, *, force: bool) -> None
     Raises
     ------
     OutputError
-        The folder is a file, or holds results that may not be replaced.
+        The folder is a file, holds results that may not be replaced, or nothing can be written
+        where it is to be.
     """
     if folder is not None and folder.is_file():
         raise OutputError(
@@ -39,6 +40,25 @@ def refuse_old_results(folder: Path | None, record: str, *, force: bool) -> None
             where=str(folder),
             remedy="say --force to replace them, or name another folder with --out",
         )
+    _require_writable(folder or RESULTS)
+
+
+def _require_writable(folder: Path) -> None:
+    """Try it where the folder is, or in the nearest of its parents that is there."""
+    from tempfile import TemporaryDirectory  # brings what no other command needs
+
+    whole = folder.absolute()
+    nearest = next(path for path in (whole, *whole.parents) if path.exists())
+    try:
+        with TemporaryDirectory(prefix=".softid-", dir=nearest):
+            pass
+    except OSError as error:
+        raise OutputError(
+            "nothing can be written here",
+            where=str(folder),
+            value=error.strerror or type(error).__name__,
+            remedy="name another folder with --out",
+        ) from None
 
 
 def free_folder(wanted: Path) -> Path:

@@ -48,6 +48,17 @@ def bench(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> Desk:
     return desk
 
 
+def test_a_second_pressure_is_told_before_the_search(
+    softid: Cli, bench: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As an output that leads: a user with the wrong log need not wait for the answer."""
+    bench.answer = IdentificationError("stopped here")
+    monkeypatch.setattr("softid.quality.second_inputs.independent_inputs", lambda log: ("p2",))
+    told = softid("diagnose", "step_1.csv")
+    assert "warning: step_1: p2 moves as an input does, and not with pressure" in told.err
+    assert "as an input does" not in softid("diagnose", "step_1.csv", "--quiet").err
+
+
 def test_exchanged_columns_are_told_before_the_search(
     softid: Cli, bench: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:

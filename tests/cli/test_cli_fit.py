@@ -123,6 +123,20 @@ def test_a_file_in_the_way_is_told_before_the_work(softid: Cli, desk: Desk) -> N
     assert "logs" not in desk.asked
 
 
+@pytest.mark.parametrize("place", ["taken/results", "taken/deeper/results"])
+def test_a_place_where_nothing_can_be_written_is_told_before_the_work(
+    place: str, softid: Cli, desk: Desk
+) -> None:
+    """A folder below a file, which no user may make; what is tried leaves nothing behind."""
+    Path("taken").write_text("mine")
+    before = sorted(Path().iterdir())
+    told = softid("fit", "step_1.csv", "--out", place)
+    assert (told.code, told.out) == (3, "")
+    assert f"{place}: nothing can be written here" in told.err
+    assert "logs" not in desk.asked
+    assert sorted(Path().iterdir()) == before
+
+
 def test_no_plot_of_an_earlier_model_stays(
     softid: Cli, desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
