@@ -18,7 +18,7 @@ from softid.diagnosis.report.open_reading import with_open_reading
 from softid.diagnosis.report.other_forms import with_other_forms
 from softid.diagnosis.report.tied_values import with_tied_values
 from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
-from softid.diagnosis.residual.motion import residual_context
+from softid.diagnosis.residual.motion import heard, residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
 from softid.diagnosis.search.forward_selection import Chain
@@ -122,7 +122,7 @@ def _issues_of_rest(
     return (
         *reduced_base_issues(base, unit=row.display_unit, factor=row.display_factor),
         *disturbance_issues(
-            residual_context(chain.final),
+            heard(chain.final, residual_context(chain.final)),
             base.scale.motion_s,
             line,
             channel=row.channel,

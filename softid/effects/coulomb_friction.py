@@ -26,12 +26,13 @@ LARGEST = 3.0
 the elastic force is that of a base without friction, whose force may be too small."""
 
 TURN = 0.8
-"""Rate that the steps resolve while the speed goes through ±vs, in `Scale.turning_rate` times
-v_max/vs."""
+"""Rate that the steps resolve while the speed goes through ±vs, in units of that at which it passes
+from zero to vs …"""
 
 SHARP = 190.0
-"""Largest v_max/vs that the steps resolve. A sharper change is a jump for them, at which the motion
-stops or turns: up to `SHARPEST` they are off by less than 1e-4 of the range there, and by 2e-5 rms
+"""… or in that at which a motion that turns round leaves a range of positions, where the change is
+so sharp that it is a jump for the steps: a position is off by the square of a step times the
+acceleration. Up to `SHARPEST` that is less than 1e-4 of the range, and 2e-5 rms
 (`tests/effects/test_coulomb_friction.py`)."""
 
 SHARPEST = 5000.0
@@ -119,8 +120,10 @@ class CoulombFriction(StateEffect):
     def rate(self, eta: Array, scale: Scale) -> float:
         """The friction turns round while the speed goes through ±vs."""
         largest = float(eta[0]) * (1.0 + self.excess(eta))
-        jump = SHARP * min(max(largest / scale.force, 0.0) / LARGE, 1.0) ** 0.5
-        return float(TURN * min(scale.v_max / eta[1], jump) * scale.turning_rate)
+        passes = scale.turning_rate * scale.v_max / float(eta[1])
+        share = min(max(largest / scale.force, 0.0) / LARGE, 1.0)
+        jumps = SHARP * math.sqrt(share * scale.turning_rate * scale.v_max / scale.x_span)
+        return TURN * min(passes, jumps)
 
     def excess(self, eta: Array) -> float:
         """Share by which the friction at low speed is above that at high speed."""

@@ -316,20 +316,24 @@ def noise_like(remainder: Remainder) -> str:
             "is more than the noise between neighbouring samples but has the marks of slow noise "
             f"with a correlation time of {remainder.colour_s:.2g} s"
             f"{with_open_moments(remainder.open_jumps)}: it is steady, normal and no larger where "
-            "the motion is quick. No long rest shows the noise alone, so a slow misfit could hide "
-            "in it"
+            f"the motion is quick{_of_input(remainder)}. No long rest shows the noise alone, so a "
+            "slow misfit could hide in it"
         )
     if remainder.is_a_line:
         return f"is no noise: {percent(remainder.line_share)} of its power is one steady line"
-    told = f"looks like noise{with_open_moments(remainder.open_jumps)}"
-    if remainder.input_noise > OF_INPUT:
-        whose = "what is not known" if remainder.input_course > 0.0 else "that"
-        share = percent(min(remainder.input_noise, 1.0))
-        told += f", a part of it {whose} of the input ({share})"
+    told = f"looks like noise{with_open_moments(remainder.open_jumps)}{_of_input(remainder)}"
     if remainder.excess <= LOUDER:
         return told
     what = known_noise(remainder) or "noise in its fastest part"
     return f"{told}, though its power is {percent(remainder.excess)} above that of {what}"
+
+
+def _of_input(remainder: Remainder) -> str:
+    """Which part of what is left the input makes; nothing where that is little."""
+    if remainder.input_noise <= OF_INPUT:
+        return ""
+    whose = "what is not known" if remainder.input_course > 0.0 else "that"
+    return f", a part of it {whose} of the input ({percent(min(remainder.input_noise, 1.0))})"
 
 
 def known_noise(remainder: Remainder) -> str | None:

@@ -13,7 +13,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.coloured_noise import ColourTest, colour_test
 from softid.diagnosis.residual.input_noise import InputNoise, input_noise
 from softid.diagnosis.residual.jump_timing import with_open_jumps
-from softid.diagnosis.residual.motion import mean_square, muted_samples, residual_context
+from softid.diagnosis.residual.motion import heard, mean_square, residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
 from softid.diagnosis.residual.projection import slopes_of
 from softid.diagnosis.residual.rounding_floor import rounding_floor
@@ -61,9 +61,10 @@ def assess(
 ) -> Remainder:
     """Look at what the last model leaves.
 
-    Where that is more than noise, it is held against what is not known of the input, and looked at
-    again with the moments of jumps of the input that fall between two samples as unknowns beside
-    its own. If that leaves noise, they stay so.
+    Where that is more than noise, or what passes for slow noise without a rest that shows it, it is
+    held against what is not known of the input. Where it is still more, it is looked at again with
+    the moments of jumps of the input that fall between two samples as unknowns beside its own. If
+    that leaves noise, they stay so.
 
     Parameters
     ----------
@@ -78,19 +79,20 @@ def assess(
     """
     before, after = residual_context(base), residual_context(final)
     rounding = rounding_floor(final)
-    floor = _larger(_floor_of(_heard(after, final), scale), rounding)
+    floor = _larger(_floor_of(heard(final, after), scale), rounding)
     found = _look(before, after, floor, scale, final, rng=rng)
-    if not found.structured:
+    if not found.structured and found.colour_s is None:
         return found
     driven = input_noise(final, input_sds, floor.variance)
     if driven is not None:
-        found = _look(before, after, floor, scale, final, rng=rng, driven=driven)
-        if not found.structured:
-            return found
+        beside = _look(before, after, floor, scale, final, rng=rng, driven=driven)
+        found = beside if found.structured or not beside.structured else found
+    if not found.structured:
+        return found
     jumps = with_open_jumps(final, after, _least_noise(floor, before), slopes_of(final))
     if jumps is None:
         return found
-    floor = _larger(_floor_of(_heard(jumps.parts, final), scale), rounding)
+    floor = _larger(_floor_of(heard(final, jumps.parts), scale), rounding)
     timed = _look(before, jumps.parts, floor, scale, final, rng=rng, driven=driven)
     if timed.structured:
         return found
@@ -121,13 +123,13 @@ def _look(
     colour = ColourTest()
     louder = mean_square(after) / _least_noise(floor, before) - 1.0
     if not (floor.is_known or structure.significant) and louder > SMALLEST_EXCESS:
-        heard = _heard(after, final)
-        slopes = _slopes_where(heard, after, final)
-        told = colour_test(heard, scale.motion_s, slopes=slopes, rng=rng)
+        audible = heard(final, after)
+        slopes = _slopes_where(audible, after, final)
+        told = colour_test(audible, scale.motion_s, slopes=slopes, rng=rng)
         if louder > LEAST_COLOUR or told.is_brief:
             colour = told
         if colour.correlation_s is not None:
-            floor = _floor_of_colour(colour.correlation_s, heard)
+            floor = _floor_of_colour(colour.correlation_s, audible)
     least = _least_noise(floor, before)
     excess, excess_before = mean_square(after) / least - 1.0, mean_square(before) / least - 1.0
     explained = 1.0
@@ -224,14 +226,6 @@ def _floor_of(parts: Sequence[ResidualContext], scale: Scale) -> NoiseFloor:
 def _larger(floor: NoiseFloor, rounding: NoiseFloor | None) -> NoiseFloor:
     """The noise, or the rounding of what has less noise than that."""
     return floor if rounding is None or floor.variance >= rounding.variance else rounding
-
-
-def _heard(parts: Sequence[ResidualContext], model: Candidate) -> list[ResidualContext]:
-    """The residual where a sensor shows its noise."""
-    return [
-        replace(part, residual=np.where(muted, np.nan, part.residual))
-        for part, muted in zip(parts, muted_samples(model, parts), strict=True)
-    ]
 
 
 def _slopes_where(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -82,6 +83,22 @@ def muted_samples(
                     muted |= below <= near
         found.append(muted)
     return found
+
+
+def heard(candidate: Candidate, parts: Sequence[ResidualContext]) -> list[ResidualContext]:
+    """The residual where a sensor shows its noise, NaN at its `muted_samples`.
+
+    Parameters
+    ----------
+    candidate
+        The model where it stands.
+    parts
+        Its residual in every segment.
+    """
+    return [
+        replace(part, residual=np.where(muted, np.nan, part.residual))
+        for part, muted in zip(parts, muted_samples(candidate, parts), strict=True)
+    ]
 
 
 def simulated(candidate: Candidate, k: int, segment: Segment) -> Array:

@@ -11,6 +11,8 @@ from linear_motion import TRUTH, linear_angle, linear_problem, pressure_course, 
 from softid.diagnosis import diagnose
 from softid.diagnosis.logs.input_denoising import input_noise_sd, without_input_noise
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.residual.assessment import assess
 from softid.diagnosis.residual.input_noise import (
     InputNoise,
     input_noise,
@@ -78,6 +80,26 @@ def test_a_cause_that_muffles_the_gauge_takes_no_more_than_its_noise() -> None:
     assert takes_input_noise_at_most(before, after, sds)
     assert not takes_input_noise_at_most(misfit, after, sds)
     assert not takes_input_noise_at_most(before, after, {})
+
+
+def test_what_passes_for_slow_noise_is_held_against_the_gauge() -> None:
+    """No rest shows the noise, and what the gauge makes is slow: its share is told beside it."""
+    time_s = np.arange(6000) / 50.0
+    pressure = 50.0 + 40.0 * np.sin(0.9 * time_s) * np.sin(0.31 * time_s)
+    rng = np.random.default_rng(1)
+    angle = linear_angle(time_s, pressure) + 0.002 * rng.standard_normal(time_s.size)
+    noisy = pressure + SD_KPA * rng.standard_normal(time_s.size)
+    log = Log.from_arrays(time_s, {"pressure": noisy, "angle": angle}, name="gauged")
+    model = at_the_truth(log)
+    scale = scale_of(model.problem, model.minimum.point)
+    exact, gauge = (
+        assess(model, model, scale, rng=np.random.default_rng(0), input_sds=sds)
+        for sds in ({}, {"gauged": input_noise_sd(log)})
+    )
+    assert exact.colour_s is not None
+    assert exact.input_noise < 0.01
+    assert not gauge.structured
+    assert gauge.input_noise > 0.1
 
 
 def test_both_noises_add_up() -> None:

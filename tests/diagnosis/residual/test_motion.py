@@ -10,7 +10,7 @@ from linear_motion import TRUTH, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
-from softid.diagnosis.residual.motion import muted_samples, residual_context
+from softid.diagnosis.residual.motion import heard, muted_samples, residual_context
 from softid.effects import EFFECTS
 
 
@@ -48,6 +48,8 @@ def test_a_clipped_reading_is_muted_at_its_limit() -> None:
     assert np.sum(muted != near) < 0.05 * muted.size
     assert 0.2 * muted.size < np.sum(muted) < 0.8 * muted.size
     assert np.nanstd(part.residual[~muted]) == pytest.approx(0.01, rel=0.1)
+    (audible,) = heard(model, [part])
+    assert np.array_equal(np.isnan(audible.residual), muted | np.isnan(part.residual))
     alone = standing(base, z)
     (none,) = muted_samples(alone, residual_context(alone))
     assert not none.any()
