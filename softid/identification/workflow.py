@@ -304,11 +304,12 @@ def _identify(
     )
     period_s = float(np.median([log.period_s for log in logs]))
     input_range = fitted_range(logs)[logs.input]
+    longest_s = max(float(np.ptp(log.time_s)) for log in logs)
     unseen: dict[str, str] = {}
     while np.isfinite(optimum.cost):
         theta = problem.theta(optimum.unknowns)
         values = dict(zip(problem.parameters.names, theta.tolist(), strict=True))
-        simpler = simpler_model(problem.model, values, period_s, input_range)
+        simpler = simpler_model(problem.model, values, period_s, input_range, longest_s)
         if simpler is None:
             break
         limit, reason = simpler
