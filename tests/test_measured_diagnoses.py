@@ -53,9 +53,14 @@ def drive(drive_log: Log) -> Diagnosis:
 
 @pytest.mark.slow
 def test_the_drive_has_dry_friction(drive: Diagnosis) -> None:
-    """Stands on the published model: dry friction is named, mass and frictions are those."""
-    assert drive.verdict in (Verdict.NAMED, Verdict.PARTIAL)
+    """Stands on the published model: dry friction is named, mass and frictions are those.
+
+    What differs by direction beside it may be a damping or how fast the force comes up and falls;
+    no other cause does as well as the friction.
+    """
+    assert drive.verdict in (Verdict.NAMED, Verdict.PARTIAL, Verdict.AMBIGUOUS)
     assert "coulomb_friction" in {cause.effect for cause in drive.causes}
+    assert all("coulomb_friction" not in tie.effects for tie in drive.alternatives)
     for name in ("coulomb_friction_Fc", "M", "N"):
         require_near(drive, name)
 
