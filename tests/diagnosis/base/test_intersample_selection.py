@@ -197,7 +197,7 @@ def test_steps_that_were_held_are_no_lag(seed: int) -> None:
     )
     assert clean.verdict is Verdict.ADEQUATE
     codes = [issue.code for issue in clean.issues]
-    assert sorted(codes) == ["held-input", "moving-start", "moving-start"]
+    assert sorted(codes) == ["held-input", "moving-start", "moving-start", "own-lag"]
     tied = {name for tie in lagged.alternatives for name in tie.effects}
     assert "pneumatic_lag" in tied | {cause.effect for cause in lagged.causes}
 
