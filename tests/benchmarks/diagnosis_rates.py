@@ -13,7 +13,7 @@ import json
 import os
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
 from pathlib import Path
@@ -23,6 +23,8 @@ for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 
 import numpy as np
 from diagnosis_cases import RIGS, Case, Score, cases, run
+
+from softid.errors import InputError
 
 KINDS = (
     "clean",
@@ -67,6 +69,9 @@ def main() -> None:
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     with asked.out.open("a") as out:
         for score in _scores(missing, asked.workers):
+            if isinstance(score, str):
+                print(f"--  {score}", flush=True)
+                continue
             out.write(json.dumps(asdict(score)) + "\n")
             out.flush()
             done[score.key] = score
@@ -103,13 +108,22 @@ def _read(path: Path) -> dict[str, Score]:
     return found
 
 
-def _scores(missing: Sequence[Case], workers: int):  # type: ignore[no-untyped-def]
+def _scores(missing: Sequence[Case], workers: int) -> Iterator[Score | str]:
+    """Scores as they come, and why a case has none."""
     if workers == 1:
-        yield from map(run, missing)
+        yield from map(_score, missing)
         return
     with ProcessPoolExecutor(workers, initializer=_alone) as pool:
-        for future in as_completed([pool.submit(run, case) for case in missing]):
+        for future in as_completed([pool.submit(_score, case) for case in missing]):
             yield future.result()
+
+
+def _score(case: Case) -> Score | str:
+    """Some draws make an actuator run away, of which there is no log."""
+    try:
+        return run(case)
+    except InputError as error:
+        return f"{case.key}: {error}"
 
 
 def _alone() -> None:
