@@ -11,7 +11,8 @@ from softid.excitation import Stretch
 from softid.quality.findings import ChannelReport, Dropout, Role, SignCheck
 from softid.quality.holding import Hold
 from softid.quality.sampling import Gap, Sampling
-from softid.quality.second_inputs import NAMED, listed, second_input_issues
+from softid.quality.second_inputs import second_input_issues
+from softid.quality.wording import NAMED, listed
 from softid.units import CHANNEL_QUANTITY
 
 ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}

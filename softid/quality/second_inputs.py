@@ -11,6 +11,7 @@ from softid.errors import Issue
 from softid.excitation import median_of_five, noise_std
 from softid.log import Log
 from softid.quality.lagged_correlation import common_grid, lagged_correlations, longest_lag_s
+from softid.quality.wording import listed
 
 Array = npt.NDArray[np.float64]
 
@@ -23,8 +24,8 @@ TINY = 1e-12
 
 OF_ITS_OWN = 0.5
 """Share of a channel's variance that no lag makes follow the input, from which it moves on its
-own. Of the arms and grippers with several chambers, those that are driven alike leave at most a
-fifteenth, their commands a third."""
+own. A judgement: chambers that are driven alike follow each other far closer, and the pressures of
+different chambers that take turns not at all."""
 
 MIN_SIGMAS = 10.0
 """Standard deviations of a channel's noise that a motion exceeds: 10,000 samples of white noise, in
@@ -32,9 +33,6 @@ medians of five, span four."""
 
 SECOND_INPUT = "second-input"
 """Code of the remark."""
-
-NAMED = 4
-"""Names in a sentence; more make it hard to read."""
 
 
 def other_inputs(log: Log, output: str) -> tuple[str, ...]:
@@ -118,14 +116,3 @@ def second_input_issues(names: Sequence[str], driving: str) -> tuple[Issue, ...]
             f"with {driving}",
         ),
     )
-
-
-def listed(names: Sequence[str]) -> str:
-    """The first names in a sentence.
-
-    Parameters
-    ----------
-    names
-        What is named.
-    """
-    return ", ".join(names[:NAMED]) + (", …" if len(names) > NAMED else "")

@@ -101,8 +101,8 @@ def test_a_drive_that_turns_round_within_a_sample_is_followed(
 ) -> None:
     """A mass on a weak spring under a chirp, whose speed passes ±vs within a sampling interval.
 
-    Beside steps 40 times as fine: 1e-6 of the range. Steps that went by how fast the motion crosses
-    its range, which is slow without a stiff spring, were off by 9e-5.
+    Beside steps 40 times as fine: 1e-6 of the range. Steps that go by how fast the motion crosses
+    its range, which is slow without a stiff spring, are too long for that.
     """
     time_s = np.arange(2500) * 0.02
     pressure = 60.0 * np.sin(2.0 * np.pi * (0.1 + 0.014 * time_s) * time_s)

@@ -15,7 +15,8 @@ from softid.diagnosis.residual.structure import predicted_beyond_chance
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 from softid.log import Log
-from softid.quality.second_inputs import NAMED, independent_inputs
+from softid.quality.second_inputs import independent_inputs
+from softid.quality.wording import NAMED
 
 Array = npt.NDArray[np.float64]
 
