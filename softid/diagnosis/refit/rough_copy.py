@@ -17,7 +17,7 @@ import numpy as np
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.even_sampling import evenly_sampled
 from softid.diagnosis.refit.candidates import Candidate, advance
-from softid.diagnosis.refit.extension import extend
+from softid.diagnosis.refit.extension import extend_in_order
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 
@@ -75,6 +75,6 @@ def over_samples_of(candidate: Candidate, fitted: Candidate, scale: Scale) -> Ca
     scale
         Sizes of the base fit.
     """
-    added = candidate.effects[len(fitted.effects) :]
+    problem = extend_in_order(fitted.problem, candidate.acting, scale)
     begin = replace(candidate.minimum, damping=None)
-    return replace(candidate, problem=extend(fitted.problem, added, scale), minimum=begin)
+    return replace(candidate, problem=problem, minimum=begin)

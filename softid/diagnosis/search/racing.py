@@ -25,6 +25,7 @@ from softid.diagnosis.search.forms import (
     is_richer,
     simpler_forms,
 )
+from softid.diagnosis.search.order_of_action import in_better_order, other_order
 from softid.diagnosis.search.rounds import (
     FAR_ROUND,
     SECOND_ROUND,
@@ -211,7 +212,8 @@ def _second_round(
     """Those that stay after the first round, once more, and the unconverged among them again.
 
     Effects that take time also begin far off, whoever dropped out: a base that was fitted to a slow
-    sensor has taken its time, and leaves a lag nothing to explain where a search begins.
+    sensor has taken its time, and leaves a lag nothing to explain where a search begins. And limits
+    of a reading with a drift are tried in front of that, too: behind it they cut what they do not.
     """
     favoured = promising[:PROMISING_SIGNATURES]
     field = [
@@ -223,6 +225,10 @@ def _second_round(
     variance = variance_of(fitted)
     slow = [effect for effect in running if effect.takes_time(scale)]
     far_off += [slow_candidate(fitted, effect, scale, variance) for effect in slow]
+    far_off += in_parallel(
+        lambda one: in_better_order(one, sigma),
+        [one for one in first if other_order(one.acting) != one.acting],
+    )
     from_afar, second = run_rounds([(far_off, FAR_ROUND), (field, SECOND_ROUND)], sigma, COARSE)
     left_behind: list[Candidate] = []
     for _ in range(EXTRA_ROUNDS):

@@ -20,16 +20,17 @@ from linear_motion import (
 from softid.diagnosis.refit import rough_copy as module
 from softid.diagnosis.refit.candidates import advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.refit.extension import extend
+from softid.diagnosis.refit.extension import extend, extend_in_order, start_unknowns
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.racing import race
 from softid.effects import effect_of
+from softid.effects.base import Effect
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.oscillator import Oscillator
 
 SAMPLES = 3000
-DRIFT = effect_of("sensor_drift")
+DRIFT, CLIPPING = effect_of("sensor_drift"), effect_of("sensor_clipping")
 
 
 @pytest.fixture(autouse=True)
@@ -137,6 +138,23 @@ def test_there_and_back_is_the_same_candidate() -> None:
     back = over_samples_of(advance(there, weights, 1), whole, scale)
     assert back.parameters == candidate.parameters
     assert advance(back, SIGMA, 1).squares == pytest.approx(candidate.squares)
+
+
+@pytest.mark.parametrize("order", [(CLIPPING, DRIFT), (DRIFT, CLIPPING)])
+def test_effects_keep_their_order(order: tuple[Effect, ...]) -> None:
+    """A limit in front of a drift is no limit behind it, and its unknowns stand elsewhere."""
+    problem = linear_problem([linear_log(samples=SAMPLES)])
+    z = problem.unknowns(TRUTH)
+    whole, scale = standing(problem, z), scale_of(problem, z)
+    rough, _ = rough_copy(whole, scale, SIGMA)
+    limited = extend_in_order(problem, order, scale)
+    values = {"sensor_clipping_upper": 1.5, "sensor_drift_rate": 0.02}
+    point = start_unknowns(limited, problem, z, values)
+    candidate = replace(standing(limited, point), effects=(DRIFT, CLIPPING))
+    there = over_samples_of(candidate, rough, scale)
+    back = over_samples_of(there, whole, scale)
+    assert there.acting == back.acting == order
+    assert there.parameters == back.parameters == candidate.parameters
 
 
 def test_a_race_over_averages_ends_where_one_over_all_samples_does(

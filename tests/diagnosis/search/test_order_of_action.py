@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from linear_motion import SIGMA, TRUTH, linear_angle, linear_log, linear_problem, standing
 
+from softid.diagnosis import diagnose
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import acting_order, extend_in_order, start_unknowns
@@ -17,8 +18,10 @@ from softid.diagnosis.search.order_of_action import (
     inputs_exchanged,
     other_order,
 )
+from softid.diagnosis_results import Diagnosis
 from softid.effects import effect_of, extended_name
 from softid.effects.base import Effect
+from softid.synthesis import hidden_pair
 
 CLIPPING, DRIFT = effect_of("sensor_clipping"), effect_of("sensor_drift")
 RATE, LIMIT = 0.02, 1.5
@@ -149,3 +152,23 @@ def test_what_is_added_acts_before_the_end_of_the_range(known: str, added: str, 
     named = {"c": CLIPPING, "d": DRIFT, "k": effect_of("creep"), "s": effect_of("creep.series")}
     told = acting_order([named[k] for k in known], [named[k] for k in added])
     assert told == tuple(named[k] for k in order)
+
+
+@pytest.mark.parametrize("seed", [321013, 5])
+def test_a_limit_in_front_of_a_drift_stays_in_the_race(seed: int) -> None:
+    """The drift is found first. Behind it a limit cuts what it does not, and was out of the race
+    before it could change its place: a stop in the actuator was named for it, or nothing."""
+    hidden = hidden_pair(
+        ["sensor_clipping", "sensor_drift"], seed=seed, model="oscillator", protocol="lever"
+    )
+    train, hold_out = hidden.logs
+    effects = ["sensor_drift", "sensor_clipping", "contact"]
+    found = diagnose(train, hold_out=[hold_out], model="oscillator", effects=effects)
+    assert {cause.effect for cause in found.causes} == {"sensor_drift", "sensor_clipping"}
+    limit = estimate(found, "sensor_clipping_upper")
+    assert limit == pytest.approx(hidden.hidden["sensor_clipping"]["upper"], rel=0.02)
+
+
+def estimate(found: Diagnosis, name: str) -> float:
+    assert found.extended is not None
+    return found.extended.parameter(name).value
