@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from softid.excitation import SettledWindow, median_of_five
 from softid.log import Log
-from softid.quality.second_inputs import MIN_SIGMAS, OF_RANGE, other_inputs
+from softid.quality.second_inputs import OF_RANGE, other_inputs
 
 Array = npt.NDArray[np.float64]
 
@@ -31,6 +31,10 @@ judgement."""
 WANDERS_OF_RANGE = 0.1
 """The same over a whole hold before which nothing moved, where no motion of this log can be dying
 out. A judgement."""
+
+MIN_SIGMAS = 10.0
+"""Standard deviations of the noise that such a travel exceeds: 10,000 samples of white noise, in
+medians of five, span four."""
 
 UNDIMINISHED = 0.7
 """Travel in the second half over that in the first from which it does not slow down. An exponential

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
-from softid.excitation import median_of_five, noise_std
+from softid.excitation import segment_excitation
 from softid.log import Log
 from softid.quality.lagged_correlation import common_grid, lagged_correlations, longest_lag_s
 from softid.quality.wording import listed
@@ -26,10 +26,6 @@ OF_ITS_OWN = 0.5
 """Share of a channel's variance that no lag makes follow the input, from which it moves on its
 own. A judgement: chambers that are driven alike follow each other far closer, and the pressures of
 different chambers that take turns not at all."""
-
-MIN_SIGMAS = 10.0
-"""Standard deviations of a channel's noise that a motion exceeds: 10,000 samples of white noise, in
-medians of five, span four."""
 
 SECOND_INPUT = "second-input"
 """Code of the remark."""
@@ -87,11 +83,11 @@ def _moves_on_its_own(log: Log, name: str) -> bool:
 
 
 def _moves(log: Log, name: str) -> bool:
-    """Whether it travels farther than its noise makes it."""
+    """Whether anything of it is no rest."""
     values = log.channels[name].values
     finite = np.isfinite(values)
-    noise = noise_std(log.time_s[finite], values[finite]) or 0.0
-    return float(np.ptp(median_of_five(values[finite]))) > MIN_SIGMAS * noise
+    stretches = segment_excitation(log.time_s[finite], values[finite])
+    return any(stretch.kind != "rest" for stretch in stretches)
 
 
 def second_input_issues(names: Sequence[str], driving: str) -> tuple[Issue, ...]:

@@ -35,9 +35,10 @@ def log_with(other: np.ndarray) -> Log:
         (0.5 * levels(1) + 3.0, ()),
         (np.roll(levels(1), 40), ()),
         (np.random.default_rng(3).normal(0.0, 10.0, TIME_S.size), ()),
+        (20.0 * np.repeat(np.random.default_rng(3).normal(0.0, 0.5, 500).round(), 4), ()),
         (0.1 * levels(7), ()),
     ],
-    ids=["on its own", "alike", "late", "noise", "small"],
+    ids=["on its own", "alike", "late", "noise", "coarse and held noise", "small"],
 )
 def test_only_what_moves_on_its_own_is_told(other: np.ndarray, told: tuple[str, ...]) -> None:
     """A copy, a copy that is 0.8 s late, noise and what hardly moves are no second input."""
