@@ -160,7 +160,7 @@ def diagnose(
         seed,
         lambda m, fraction: report(m, 0.3 * fraction),
         preferred=preferred,
-        input_sds={log.name: input_noise_sd(log) for log in recorded},
+        input_sds={log.name: input_noise_sd(log) for log in (*as_logs(hold_out), *recorded)},
         is_read_openly=is_in_doubt,
     )
     whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)

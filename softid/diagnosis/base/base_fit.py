@@ -176,7 +176,8 @@ class BaseFit:
             The logs that judge.
         """
         identified = replace(self.identified, hold_out=tuple(logs))
-        return replace(self, identified=identified, held_out=HeldOutLogs(identified.hold_out))
+        held_out = HeldOutLogs(identified.hold_out, self.input_sds)
+        return replace(self, identified=identified, held_out=held_out)
 
     @property
     def asked_for(self) -> BaseFit:
@@ -289,7 +290,7 @@ class Request:
         )
         candidate = _candidate(identified, self.model)
         scale = scale_of(candidate.problem, candidate.minimum.point)
-        held_out = held or HeldOutLogs(identified.hold_out)
+        held_out = held or HeldOutLogs(identified.hold_out, self.input_sds)
         return BaseFit(
             identified,
             candidate,

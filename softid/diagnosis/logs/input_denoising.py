@@ -6,7 +6,8 @@ a hysteresis forgets during a hold what the real one keeps.
 
 What takes the noise away must not bend the course: a mean over neighbours rounds it off where it
 turns, on average by more than the noise moves a parameter, and inertia and damping make up for
-that. A parabola through them does not.
+that. A parabola through them does not. Where the input is held it goes through many more of them:
+the trembling that is left there is the longest path of a log with pauses.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from softid.log import Log
 Array = npt.NDArray[np.float64]
 
 REACH = 10
-"""Samples to either side through which a parabola goes at most."""
+"""Samples to either side through which a parabola goes at most where the input moves."""
 
 PASSES = 2
 """Times that it is smoothed; the second tells edges from an input that has less noise."""
@@ -30,6 +31,16 @@ PASSES = 2
 SIGMAS = 5.0
 """Pairs count as far as both samples lie within so many standard deviations of the one between
 them, so that edges stay. Of white noise one difference in 2500 is larger."""
+
+LONGER_REACHES = (14, 20, 28, 40, 56, 80)
+"""The same where it is held."""
+
+SAME_LEVEL = 3.0
+"""The input is held as far as the samples that a longer reach adds lie, on the average, within so
+many standard errors of the level between them: it may slope there, but hardly bend."""
+
+PARABOLA = 9.0 / 4.0
+"""Variance of a parabola's value in the middle of many samples, in units of their mean's."""
 
 FEWEST = 5
 """Samples that show how a course bends; a parabola through three takes no noise away."""
@@ -50,8 +61,7 @@ def without_input_noise(log: Log) -> Log:
         return log
     for segment in log.segments():
         span = slice(segment.start, segment.stop)
-        for _ in range(PASSES):
-            values[span] = _smoothed(values[span], SIGMAS * sigma)
+        values[span] = _without_noise(values[span], sigma)
     channels = dict(log.channels) | {log.input: replace(channel, values=values)}
     return replace(log, channels=channels)
 
@@ -65,6 +75,53 @@ def input_noise_sd(log: Log) -> float:
         A log as it was recorded.
     """
     return noise_std(log.time_s, log.channels[log.input].values) or 0.0
+
+
+def _without_noise(recorded: Array, sigma: float) -> Array:
+    """The course of one stretch without its noise."""
+    course = recorded
+    for _ in range(PASSES):
+        course = _smoothed(course, SIGMAS * sigma)
+    return _smoothed_where_held(recorded, course, sigma)
+
+
+def _smoothed_where_held(recorded: Array, course: Array, sigma: float) -> Array:
+    """The course, and where the input is held the parabola through as many samples as it is.
+
+    A reach is taken while all of the course within it stays within the limit of pairs, and while
+    the mean of what the reach before left out is that of the level inside.
+    """
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import
+
+    found, inside = course, REACH
+    held = np.ones(recorded.size, bool)
+    for reach in LONGER_REACHES:
+        width, count = 2 * reach + 1, 2 * (reach - inside)
+        if width > recorded.size:
+            break
+        highest, lowest = maximum_filter1d(course, width), minimum_filter1d(course, width)
+        held &= np.maximum(highest - course, course - lowest) <= SIGMAS * sigma
+        added = _sums(recorded, reach) - _sums(recorded, inside)
+        error = sigma * (1.0 / count + PARABOLA / (2 * inside + 1)) ** 0.5
+        held &= np.abs(added / count - found) <= SAME_LEVEL * error
+        held[:reach] = held[-reach:] = False
+        found = np.where(held, np.convolve(recorded, _parabola(reach), mode="same"), found)
+        inside = reach
+    smooth: Array = np.where(found != course, _smoothed(found, SIGMAS * sigma), found)
+    return smooth
+
+
+def _sums(values: Array, reach: int) -> Array:
+    """Sums of the samples up to a reach to either side of each; those at the ends mean nothing."""
+    return np.convolve(values, np.ones(2 * reach + 1), mode="same")
+
+
+def _parabola(reach: int) -> Array:
+    """Weights of the samples about one in the parabola's value there, as in `_smoothed`."""
+    k = np.arange(-reach, reach + 1.0)
+    s2, s4 = np.sum(k**2), np.sum(k**4)
+    weights: Array = (s4 - s2 * k**2) / (k.size * s4 - s2**2)
+    return weights
 
 
 def _smoothed(values: Array, limit: float) -> Array:

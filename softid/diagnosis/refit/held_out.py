@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -60,7 +61,16 @@ class HeldOutErrors(NamedTuple):
 
 
 class HeldOut(ABC):
-    """The samples that judge and are not fitted."""
+    """The samples that judge and are not fitted.
+
+    Attributes
+    ----------
+    input_sds
+        Log → standard deviation of the noise of its input as it was recorded, in its unit; nothing
+        where parts of the fitted logs are held out.
+    """
+
+    input_sds: Mapping[str, float] = MappingProxyType({})
 
     @abstractmethod
     def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
@@ -130,9 +140,12 @@ class HeldOutLogs(HeldOut):
     ----------
     logs
         The logs.
+    input_sds
+        See `HeldOut`.
     """
 
     logs: tuple[Log, ...]
+    input_sds: Mapping[str, float] = field(default_factory=dict)
 
     def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
         """At all samples of the logs; see `HeldOut.errors`."""

@@ -88,7 +88,9 @@ class InputNoise:
         return found
 
 
-def input_noise(model: Candidate, sds: Mapping[str, float], variance: float) -> InputNoise | None:
+def input_noise(
+    model: Candidate, sds: Mapping[str, float], variance: float, *, is_judged: bool = False
+) -> InputNoise | None:
     """Simulate what is not known of the input; None where that leaves nothing.
 
     What the parameters make up for is taken away.
@@ -101,6 +103,8 @@ def input_noise(model: Candidate, sds: Mapping[str, float], variance: float) -> 
         Log → standard deviation of the noise of its input as it was recorded, in its unit.
     variance
         That of the output's noise, beside which a course that is sampled well is none.
+    is_judged
+        Whether the logs are held out: then the parameters make up for nothing.
     """
     problem = model.problem
     noise = course = np.zeros((1, 1))
@@ -110,7 +114,8 @@ def input_noise(model: Candidate, sds: Mapping[str, float], variance: float) -> 
         course = np.array([first, *(_course(model, draw) for draw in range(1, DRAWS))])
     if not (noise.any() or course.any()):
         return None
-    of_first = [r.jacobian for r in rows_of(model) if r.channel == problem.outputs[0]]
+    fitted = slice(len(problem.free) if is_judged else 0, None)
+    of_first = [r.jacobian[:, fitted] for r in rows_of(model) if r.channel == problem.outputs[0]]
     basis = basis_of(np.concatenate(of_first))
     draws = noise + course
     power = np.mean(course**2) / (np.mean(course**2) + np.mean(noise**2))

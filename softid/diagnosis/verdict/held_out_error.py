@@ -12,6 +12,7 @@ from softid.diagnosis.refit.candidates import BASE_SD, Candidate
 from softid.diagnosis.refit.held_out import HeldOut, fitted_range
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share
+from softid.diagnosis.residual.input_noise import input_noise
 from softid.diagnosis.residual.jump_timing import JumpResponses, OpenJumps
 from softid.diagnosis.residual.motion import mean_square
 from softid.diagnosis.residual.noise_floor import fastest_part
@@ -44,7 +45,8 @@ def with_held_out(
 ) -> Remainder:
     """The remainder with what is left on what is held out.
 
-    Where that is more than noise, it is looked at again with the moments of jumps of other logs'
+    Noise of a held-out input may move the simulation more than that of the fitted ones did. Where
+    what is left is more than noise, it is looked at again with the moments of jumps of other logs'
     inputs as unknowns; if that leaves noise, and they scatter as by chance, they stay so.
 
     Parameters
@@ -64,7 +66,7 @@ def with_held_out(
     power = float(np.mean(np.concatenate(runs) ** 2)) if runs else float("nan")
     noise, unsure = remainder.noise_power, 0.0
     if power > noise:  # what more is asked for costs an evaluation of all logs
-        noise = max(noise, fastest_part(runs).variance)
+        noise = max(noise + _of_input(after, held_out, remainder), fastest_part(runs).variance)
         unsure = parametric_power(after, held_out, sigma)
     fitted = after.problem.n_samples / len(after.problem.outputs)
     longer = fitted / max(sum(run.size for run in runs), 1)
@@ -81,6 +83,16 @@ def with_held_out(
         held_out_share=held_out_share(before, float(np.sqrt(power)), noise + unsure),
         misses_held_out=power > most or strays,
     )
+
+
+def _of_input(model: Candidate, held_out: HeldOut, remainder: Remainder) -> float:
+    """Mean square that the noise of the held-out input adds to that of the fitted one, or 0."""
+    judged = held_out.standing(model)
+    driven = None
+    if judged is not None and any(held_out.input_sds.values()):
+        driven = input_noise(judged, held_out.input_sds, remainder.noise_power, is_judged=True)
+    known = remainder.input_noise * remainder.rms**2
+    return max(driven.variance - known, 0.0) if driven is not None else 0.0
 
 
 def _open_jumps(model: Candidate, held_out: HeldOut, noise: float) -> OpenJumps | None:

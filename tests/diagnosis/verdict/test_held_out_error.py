@@ -17,6 +17,7 @@ from linear_motion import (
     standing,
 )
 
+from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.refit.candidates import BASE_SD, Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, hold_out_blocks
 from softid.diagnosis.search.forward_selection import converged
@@ -25,6 +26,9 @@ from softid.diagnosis_results import Remainder
 from softid.log import Log, LogSet
 
 NOISE = 0.02
+GAUGE = 6.0
+"""Noise of a gauge, kPa."""
+
 LEFT = replace(remainder(structured=False, explained=1.0), rms=NOISE, excess=0.0)
 
 
@@ -90,6 +94,23 @@ def test_what_is_missed(judge: Log, misses: bool) -> None:
     told = told_of(LEFT, model, HeldOutLogs((judge,)))
     assert told.misses_held_out is misses
     assert told.leaves_something is misses
+
+
+def test_a_noisy_gauge_of_what_is_held_out_is_no_miss() -> None:
+    """Known truth: the actuator follows the pressure that was there, the simulation the recorded
+    one; that the gauge has noise must be known."""
+    model, log = fitted(seed=3), fast_log(noise=NOISE)
+    gauge = replace(log.channels["pressure"], values=log.pressure_kpa + GAUGE * trembling(1000))
+    noisy = without_input_noise(replace(log, channels={**log.channels, "pressure": gauge}))
+    assert told_of(LEFT, model, HeldOutLogs((noisy,))).misses_held_out
+    assert not told_of(LEFT, model, HeldOutLogs((noisy,), {"fast": GAUGE})).misses_held_out
+    off = fast_log(noise=NOISE, gain=1.6)
+    off = replace(off, channels={**off.channels, "pressure": noisy.channels["pressure"]})
+    assert told_of(LEFT, model, HeldOutLogs((off,), {"fast": GAUGE})).misses_held_out
+
+
+def trembling(samples: int) -> np.ndarray:
+    return np.random.default_rng(5).standard_normal(samples)
 
 
 def test_noise_that_is_hardly_known_misses_later() -> None:
