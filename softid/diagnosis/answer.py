@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,11 +13,12 @@ from softid.diagnosis.base.reduced_base import reduced_base_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.report.changes import held_out_change_issues
-from softid.diagnosis.report.issues import refusal_issues
+from softid.diagnosis.report.issues import refusal_issues, unsure_input_issues
 from softid.diagnosis.report.open_reading import with_open_reading
 from softid.diagnosis.report.other_forms import with_other_forms
 from softid.diagnosis.report.tied_values import with_tied_values
 from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
+from softid.diagnosis.residual.input_noise import moved_parameters
 from softid.diagnosis.residual.motion import heard, residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
@@ -63,12 +64,18 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     line = line_in(residual_context(chain.final))
     remainder = with_line(found.remainder, line, base.scale.motion_s)
     rng = np.random.default_rng(seed)
+    least_sd = moved_parameters(chain.final, base.input_sds, remainder.noise_power)
+    extends = bool(chain.links) or base.instead_of is not None
     asked_for = base.asked_for.identified
     before = assemble(
-        asked_for.found, asked_for.logs, asked_for.hold_out, choice=asked_for.choice, seed=seed
+        asked_for.found,
+        asked_for.logs,
+        asked_for.hold_out,
+        choice=asked_for.choice,
+        seed=seed,
+        least_sd={} if extends else least_sd,
     )
-    extends = bool(chain.links) or base.instead_of is not None
-    after = _fit_of(chain.final, base.identified, seed) if extends else None
+    after = _fit_of(chain.final, base.identified, seed, least_sd) if extends else None
     models = prefix_models(chain, base.candidate, base.scale, base.sigma)
     errors = [held_out.first_errors(model) for model in models]
     causes = causes_of(chain, errors, after, base.scale, rng)
@@ -81,7 +88,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         link.added.key: told_as(link.added, cause.parameters).key
         for link, cause in zip(chain.links, causes, strict=True)
     }
-    after, causes = with_intervals(after, causes, is_named, chain, base.sigma)
+    after, causes = with_intervals(after, causes, is_named, chain, base.sigma, least_sd)
     links = with_rivals(chain, causes, list(forms.values()), is_named, base)
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]
@@ -103,6 +110,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         next_experiment=None,
         issues=(
             *(after if after is not None and named else before).issues,
+            *unsure_input_issues(after or before, least_sd),
             *_issues_of_rest(base, chain, before, line),
             *refusal_issues(chain, held_out),
             *held_out_change_issues(chain.final, remainder, held_out, base.scale, is_sure=is_sure),
@@ -161,12 +169,19 @@ def _with_variations(
     return tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
 
 
-def _fit_of(final: Candidate, identified: Identification, seed: int) -> FitResult:
+def _fit_of(
+    final: Candidate, identified: Identification, seed: int, least_sd: Mapping[str, float]
+) -> FitResult:
     """The extended model as a fit with errors and scores."""
     problem = final.problem
     optimum = optimum_of(final, identified.found.optimum.sigma)
     constraints = ParameterConstraints.of(problem.model.parameters(), None)
     found = OptimisedProblem(problem, optimum, identified.found.unseen, constraints)
     return assemble(
-        found, identified.logs, identified.hold_out, choice=identified.choice, seed=seed
+        found,
+        identified.logs,
+        identified.hold_out,
+        choice=identified.choice,
+        seed=seed,
+        least_sd=least_sd,
     )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +21,7 @@ from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.results import FitResult, LogNuisance, ParameterEstimate, Simulation
 from softid.simulation import simulate
-from softid.uncertainty import propagated_errors
+from softid.uncertainty import propagated_errors, widened
 
 Array = npt.NDArray[np.float64]
 
@@ -52,6 +53,7 @@ def assemble(
     *,
     choice: ModelChoice | None,
     seed: int,
+    least_sd: Mapping[str, float] = MappingProxyType({}),
 ) -> FitResult:
     """Errors, verdicts, scores and issues around an optimum.
 
@@ -65,6 +67,9 @@ def assemble(
         How the model was chosen, if softid chose it.
     seed
         For the record.
+    least_sd
+        Parameter → least standard deviation in internal coordinates, from what the residuals do not
+        show of its error.
 
     Raises
     ------
@@ -80,6 +85,8 @@ def assemble(
             remedy="check the units, fix or bound a parameter, or choose another --model",
         )
     errors = errors_of(problem, optimum)
+    if errors.covariance is not None:
+        errors = replace(errors, covariance=widened(errors.covariance, least_sd))
     estimates = parameter_estimates(problem, optimum, errors, found.unseen, found.constraints)
     values = {e.name: e.value for e in estimates}
     nuisances = nuisances_of(problem, optimum, errors)

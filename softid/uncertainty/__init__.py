@@ -37,6 +37,7 @@ from softid.uncertainty.noise import effective_n, noise_model
 from softid.uncertainty.profile import ProfileResult, profile
 from softid.uncertainty.propagation import propagated_errors
 from softid.uncertainty.rounding import Rounding
+from softid.uncertainty.widening import widened
 
 __all__ = [
     "CI_METHOD",
@@ -70,4 +71,5 @@ __all__ = [
     "strongest_partner",
     "to_linear",
     "whiten",
+    "widened",
 ]

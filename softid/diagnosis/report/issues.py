@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.report.phrases import DOUBTS, OF_INPUT, listed, lowered, percent
@@ -14,6 +16,8 @@ from softid.diagnosis_results import Cause, Doubt, Remainder
 from softid.effects import EFFECTS
 from softid.errors import Issue
 from softid.fitters.problem import Problem
+from softid.results import FitResult
+from softid.uncertainty import standard_error
 
 REFUSED = "not-held-out"
 """Code of the remark that a law does not carry over."""
@@ -228,3 +232,35 @@ def input_noise_issues(
         )
         found.append(Issue(code, "info", message, remedy))
     return tuple(found)
+
+
+def unsure_input_issues(fit: FitResult, least_sd: Mapping[str, float]) -> tuple[Issue, ...]:
+    """That what is not known of the input makes intervals wider than the residuals tell.
+
+    Parameters
+    ----------
+    fit
+        What is told.
+    least_sd
+        As in `softid.identification.assembly.assemble`.
+    """
+    wider = [
+        p.name
+        for p in fit.parameters
+        if p.stderr is not None
+        and p.name in least_sd
+        and np.isclose(p.stderr, standard_error(p.value, p.scale, least_sd[p.name]) or 0.0)
+    ]
+    if not wider:
+        return ()
+    whose = "intervals of" if len(wider) > 1 else "interval of"
+    return (
+        Issue(
+            "unsure-input",
+            "info",
+            f"the {whose} {listed(wider)} {'allow' if len(wider) > 1 else 'allows'} for what is "
+            f"not known of {fit.input}, its noise and its course between samples: the residuals "
+            "alone tell smaller errors",
+            f"record {fit.input} with less noise and several times as fast",
+        ),
+    )

@@ -32,10 +32,6 @@ LEAST_COURSE = 0.02
 """Share of the noise of the output from which on the unknown course is drawn: where it is sampled
 well it makes less, and every draw is a simulation."""
 
-FLATTER = 0.7
-"""Share of what the noise leaves that is drawn: it goes through the averaging of a course that is
-averaged already, which is flatter at its edges."""
-
 SEED = 0
 """Of those draws, the same in every log."""
 
@@ -106,20 +102,55 @@ def input_noise(
     is_judged
         Whether the logs are held out: then the parameters make up for nothing.
     """
-    problem = model.problem
-    noise = course = np.zeros((1, 1))
-    if any(sds.get(log.name, 0.0) > 0.0 for log in problem.logs):
-        noise = np.array([_draw(model, sds, seed) for seed in range(DRAWS)])
-    if np.mean((first := _course(model, 0)) ** 2) > LEAST_COURSE * variance:
-        course = np.array([first, *(_course(model, draw) for draw in range(1, DRAWS))])
-    if not (noise.any() or course.any()):
+    found = _unknown(model, sds, variance)
+    if found is None:
         return None
-    fitted = slice(len(problem.free) if is_judged else 0, None)
-    of_first = [r.jacobian[:, fitted] for r in rows_of(model) if r.channel == problem.outputs[0]]
-    basis = basis_of(np.concatenate(of_first))
+    noise, course = found
+    basis = basis_of(_slopes(model)[:, len(model.problem.free) if is_judged else 0 :])
     draws = noise + course
     power = np.mean(course**2) / (np.mean(course**2) + np.mean(noise**2))
     return InputNoise(draws - (draws @ basis) @ basis.T, float(power))
+
+
+def moved_parameters(
+    model: Candidate, sds: Mapping[str, float], variance: float
+) -> dict[str, float]:
+    """How far what is not known of the input moves each free parameter; nothing where it does not.
+
+    The root mean square of what parameters, sensor zeros and initial states together make up for of
+    the draws, in the internal coordinates of the problem. The residuals tell errors as noise that
+    is alike throughout makes them. That of a course which is not known where it bends lies where
+    inertia and damping act.
+
+    Parameters
+    ----------
+    model, sds, variance
+        As in `input_noise`.
+    """
+    found = _unknown(model, sds, variance)
+    if found is None:
+        return {}
+    noise, course = found
+    moved = np.linalg.lstsq(_slopes(model), (noise + course).T, rcond=None)[0]
+    return dict(zip(model.problem.free, np.sqrt(np.mean(moved**2, axis=1)).tolist(), strict=False))
+
+
+def _unknown(
+    model: Candidate, sds: Mapping[str, float], variance: float
+) -> tuple[Array, Array] | None:
+    """Draws of the noise's and of the course's part, each of shape (D, m) or (1, 1)."""
+    noise = course = np.zeros((1, 1))
+    if any(sds.get(log.name, 0.0) > 0.0 for log in model.problem.logs):
+        noise = np.array([_draw(model, sds, seed) for seed in range(DRAWS)])
+    if np.mean((first := _course(model, 0)) ** 2) > LEAST_COURSE * variance:
+        course = np.array([first, *(_course(model, draw) for draw in range(1, DRAWS))])
+    return (noise, course) if noise.any() or course.any() else None
+
+
+def _slopes(model: Candidate) -> Array:
+    """Derivatives of the first output at its used samples by all unknowns, shape (m, U)."""
+    first = model.problem.outputs[0]
+    return np.concatenate([row.jacobian for row in rows_of(model) if row.channel == first])
 
 
 def takes_input_noise_at_most(
@@ -139,7 +170,7 @@ def takes_input_noise_at_most(
     """
     left, behind = (mean_square(residual_context(model)) for model in (before, after))
     driven = input_noise(before, sds, behind)
-    return driven is not None and left - behind <= driven.variance / FLATTER
+    return driven is not None and left - behind <= driven.variance
 
 
 def _course(model: Candidate, draw: int) -> Array:

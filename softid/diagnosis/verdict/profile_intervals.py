@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +29,7 @@ from softid.identification.profile_likelihood import ProfileRefits, Starts
 from softid.parallel import in_parallel
 from softid.parameters import Parameter
 from softid.results import FitResult, ParameterEstimate
-from softid.uncertainty import Covariance
+from softid.uncertainty import Covariance, widened
 from softid.uncertainty.profile import CI_METHOD, ProfileResult, profile
 
 Array = npt.NDArray[np.float64]
@@ -58,6 +59,7 @@ def with_intervals(
     is_named: Sequence[bool],
     chain: Chain,
     sigma: Mapping[str, float],
+    least_sd: Mapping[str, float] = MappingProxyType({}),
 ) -> tuple[FitResult | None, tuple[Cause, ...]]:
     """The fit and its causes with profile likelihood intervals of what is named.
 
@@ -71,18 +73,24 @@ def with_intervals(
         The links to them.
     sigma
         Output channel → scale that its residual is divided by.
+    least_sd
+        As in `softid.identification.assembly.assemble`.
     """
     named = [link.added for link, stays in zip(chain.links, is_named, strict=True) if stays]
     if after is None or not named:
         return after, tuple(causes)
-    known = with_profile_intervals(after, chain.final, named, sigma)
+    known = with_profile_intervals(after, chain.final, named, sigma, least_sd)
     told = (tuple(known.parameter(p.name) for p in cause.parameters) for cause in causes)
     pairs = zip(causes, told, strict=True)
     return known, tuple(replace(cause, parameters=own) for cause, own in pairs)
 
 
 def with_profile_intervals(
-    fit: FitResult, final: Candidate, effects: Sequence[Effect], sigma: Mapping[str, float]
+    fit: FitResult,
+    final: Candidate,
+    effects: Sequence[Effect],
+    sigma: Mapping[str, float],
+    least_sd: Mapping[str, float] = MappingProxyType({}),
 ) -> FitResult:
     """The fit with profile likelihood intervals of what effects know badly, or beside a bound.
 
@@ -99,6 +107,8 @@ def with_profile_intervals(
         Those whose parameters are looked at.
     sigma
         Output channel → scale that its residual is divided by.
+    least_sd
+        As in `softid.identification.assembly.assemble`.
     """
     rough = [
         p.name
@@ -110,6 +120,7 @@ def with_profile_intervals(
     covariance = errors_of(final.problem, optimum_of(final, sigma)).covariance if rough else None
     if covariance is None:
         return fit
+    covariance = widened(covariance, least_sd)
     profiles = in_parallel(lambda name: _profile_of(final, name, covariance, sigma), rough)
     known = dict(zip(rough, profiles, strict=True))
     told = [_with_interval(p, known.get(p.name)) for p in fit.parameters]
