@@ -69,8 +69,8 @@ def test_it_is_as_large_as_what_noise_leaves() -> None:
 def test_parameters_scatter_as_far_as_it_is_told() -> None:
     """Known truth: fits to twelve noises of a gauge, with an exact angle, err as is foretold.
 
-    Twelve fits tell the mean square error of a parameter to four tenths, and the draws about one
-    log what they scatter to as much; over 24 logs the foretold errors are 1.1 to 1.4 times as large.
+    Twelve fits tell the mean square error of a parameter to four tenths, and so do the draws about
+    one log. Over 24 logs the foretold errors are 1.1 to 1.4 times as large as those that were made.
     """
     reached, foretold = [], []
     for seed in range(12):
