@@ -52,7 +52,7 @@ from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
     with_other_explanations,
 )
-from softid.diagnosis.report.parameter_doubts import with_unnamed_misfit
+from softid.diagnosis.report.parameter_doubts import with_unnamed_misfit, with_varying_sizes
 from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.second_input import with_second_input
@@ -177,7 +177,7 @@ def diagnose(
         answer = with_coarse_sampling(answer, base.candidate)
     unit = recorded.input_unit if base.candidate.problem.model.is_linear else None
     answer = with_open_places(with_shared_scale(answer, linear_in=unit))
-    answer = with_unnamed_misfit(answer)
+    answer = with_unnamed_misfit(with_varying_sizes(answer))
     issues = (
         *negligible_issues(base),
         *plainer_model_issues(chosen, base),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
+from softid.diagnosis.report.phrases import VARIABLES, lowered
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.results import FitResult, ParameterEstimate
 
@@ -66,6 +67,28 @@ def less_sure(found: Diagnosis, names: Collection[str], reason: str, remedy: str
         for c in found.causes
     )
     return replace(found, causes=tuple(causes), extended=extended)
+
+
+def with_varying_sizes(found: Diagnosis) -> Diagnosis:
+    """The diagnosis with the parameters of causes whose size is not the same throughout.
+
+    An interval holds for the law that was fitted, and theirs is not exactly that one.
+
+    Parameters
+    ----------
+    found
+        A diagnosis in numbers.
+    """
+    for cause in found.causes:
+        if cause.variation is not None:
+            found = less_sure(
+                found,
+                [p.name for p in cause.parameters],
+                f"the size of {lowered(cause.title)} varies with {VARIABLES[cause.variation.by]}, "
+                "so its law is not exactly this one",
+                "see in the plots of what is left where it does, and fit a law of your own",
+            )
+    return found
 
 
 def with_unnamed_misfit(found: Diagnosis) -> Diagnosis:

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from handmade_diagnosis import diagnosis
 
-from softid.diagnosis.report.parameter_doubts import with_unnamed_misfit
-from softid.diagnosis_results import Verdict
+from softid.diagnosis.report.parameter_doubts import with_unnamed_misfit, with_varying_sizes
+from softid.diagnosis_results import Variation, Verdict
 
 
 def test_beside_a_misfit_without_a_name_nothing_is_identified() -> None:
@@ -25,3 +25,17 @@ def test_beside_a_misfit_without_a_name_nothing_is_identified() -> None:
     assert all(p.verdict != "identified" for p in told.extended.parameters)
     named = replace(found, verdict=Verdict.NAMED)
     assert with_unnamed_misfit(named) is named
+
+
+def test_a_cause_that_is_not_the_same_throughout_has_another_law() -> None:
+    """Its own parameters are weakly identified, and those of the base stay what they are."""
+    found = diagnosis(Verdict.NAMED)
+    first, *others = found.causes
+    varied = replace(first, variation=Variation("x", spread=0.1, share=0.02, chance=1e-9))
+    told = with_varying_sizes(replace(found, causes=(varied, *others)))
+    assert told.extended is not None
+    own = {p.name for p in first.parameters}
+    weak = {p.name for p in told.extended.parameters if p.verdict == "weakly identified"}
+    assert weak == own
+    assert "varies with the position" in told.causes[0].parameters[0].reason
+    assert with_varying_sizes(found) is found
