@@ -28,7 +28,6 @@ from softid.diagnosis.base.judged_intersample import read_as_judged
 from softid.diagnosis.base.reduced_base import reduced_if_better
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
-from softid.diagnosis.logs.input_denoising import input_noise_sd, without_input_noise
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.plainer_model import ModelSearch, PlainerModels, plainer_model_issues
@@ -63,6 +62,7 @@ from softid.diagnosis.strategy import Searched, search_causes, search_with_inter
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.effects import effects_of
 from softid.errors import InputError
+from softid.identification.input_denoising import AVERAGED, input_noise_sd, without_input_noise
 from softid.identification.lost_input import without_lost_input
 from softid.identification.preparation import as_log_set, as_logs, without_dropouts
 from softid.identification.repeated_input import without_repeats
@@ -73,6 +73,7 @@ from softid.log import Log
 from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
 from softid.parameters import ParameterSet
+from softid.results import FitResult
 
 if TYPE_CHECKING:
     import lmfit
@@ -190,7 +191,18 @@ def diagnose(
         *joint_cause_issues(answer),
         *reading_issues(answer),
     )
-    return write_summary(replace(answer, issues=(*answer.issues, *issues)))
+    answer = replace(
+        answer,
+        base=_as_read(answer.base),
+        extended=answer.extended and _as_read(answer.extended),
+        issues=(*answer.issues, *issues),
+    )
+    return write_summary(answer)
+
+
+def _as_read(fit: FitResult) -> FitResult:
+    """The fit whose record says how its input was read, for those who take the model elsewhere."""
+    return replace(fit, options={**fit.options, "input_noise": AVERAGED})
 
 
 def _searched(

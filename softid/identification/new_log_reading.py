@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from softid.errors import Issue
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
+from softid.identification.input_denoising import AVERAGED, without_input_noise
 from softid.identification.intersample_choice import BETTER_BY, misfit_of
 from softid.identification.preparation import without_dropouts
 from softid.identification.repeated_input import without_repeats
@@ -22,7 +23,28 @@ HELD_OTHERWISE = "held-otherwise"
 """Code of the remark that a log is held in another way than the fitted ones."""
 
 
-def prepared(log: Log, reading: object) -> Log:
+@dataclass(frozen=True)
+class InputReading:
+    """How a finished fit took the input of its logs, as its record says.
+
+    Attributes
+    ----------
+    intersample
+        What the input does between its samples.
+    noise
+        `AVERAGED` where the noise of the input was averaged, else None.
+    """
+
+    intersample: object = None
+    noise: object = None
+
+    @classmethod
+    def of(cls, options: Mapping[str, object]) -> InputReading:
+        """From the options of a `FitResult`."""
+        return cls(options.get("intersample"), options.get("input_noise"))
+
+
+def prepared(log: Log, reading: InputReading) -> Log:
     """A log with what a fit leaves out of its residuals, and with its input as a fit takes it.
 
     Parameters
@@ -33,18 +55,20 @@ def prepared(log: Log, reading: object) -> Log:
     return at_readings(input_as_fitted(without_dropouts(log), reading))
 
 
-def input_as_fitted(log: Log, reading: object) -> Log:
+def input_as_fitted(log: Log, reading: InputReading) -> Log:
     """The log with an input that goes on between the readings of a gauge that repeats its values.
+
+    And without the noise of its input, where it was averaged in the fitted logs.
 
     Parameters
     ----------
     log
         As it was recorded.
     reading
-        What the input of the fitted logs does between its samples, as the record of a fit may say:
-        one that is held stays as it is.
+        How that of the fitted logs was taken: one that is held goes on nowhere.
     """
-    return log if reading in HELD else without_repeats(log)
+    whole = log if reading.intersample in HELD else without_repeats(log)
+    return without_input_noise(whole) if reading.noise == AVERAGED else whole
 
 
 def read_as_fitted(

@@ -9,7 +9,7 @@ import numpy as np
 
 from softid.fitters.output_error import Optimum, output_error
 from softid.fitters.problem import Problem
-from softid.identification.new_log_reading import prepared
+from softid.identification.new_log_reading import InputReading, prepared
 from softid.identification.preparation import as_log_set
 from softid.log import Log
 from softid.parameters import ParameterSet
@@ -37,8 +37,9 @@ def refitted(
     """
     from softid.effects import model_of  # twenty modules, which few fits need
 
-    reading = result.options.get("intersample")
-    read = [prepared(log, reading).with_intersample(reading) for log in as_log_set(logs)]
+    reading = InputReading.of(result.options)
+    read = [prepared(log, reading) for log in as_log_set(logs)]
+    read = [log.with_intersample(reading.intersample) for log in read]
     model = model_of(result.model)
     problem = Problem(model, _as_fitted(model.parameters(), result), read)
     return problem, output_error(problem, [result.values], rng=rng, rounds=0, far=False)

@@ -53,6 +53,8 @@ class SavedModel:
         What was noticed in reading, such as an edit by hand.
     intersample
         What the fit took the input to do between its samples; None for straight.
+    input_noise
+        ``"averaged"`` where the fit, as that of a diagnosis, averaged the noise of its input.
     """
 
     path: str
@@ -69,6 +71,7 @@ class SavedModel:
     fitted_logs: tuple[str, ...]
     issues: tuple[Issue, ...] = ()
     intersample: str | None = None
+    input_noise: str | None = None
 
     def build_model(self) -> Model:
         """The model with its options, ready for `softid.simulate`."""
@@ -143,6 +146,7 @@ def load_params(path: Path | str) -> SavedModel:
         fitted_logs=tuple(entry["log"] for entry in data if entry["in_sample"]),
         issues=_edits(document, spec, values, where=where),
         intersample=document["options"].get("intersample"),
+        input_noise=document["options"].get("input_noise"),
     )
 
 

@@ -10,7 +10,7 @@ from softid.errors import Issue, UsageError
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.issues import extrapolation
-from softid.identification.new_log_reading import prepared, read_as_fitted
+from softid.identification.new_log_reading import InputReading, prepared, read_as_fitted
 from softid.identification.preparation import as_log_set
 from softid.identification.stalls import as_remembered
 from softid.identification.unit_slips import unit_slips
@@ -33,7 +33,7 @@ class _Scored:
     fingerprints: Mapping[str, str | None]
     fitted_logs: tuple[str, ...]
     issues: tuple[Issue, ...]
-    intersample: object
+    reading: InputReading
 
 
 @matrices_on_one_thread()
@@ -71,7 +71,7 @@ def validate(
         The response is not finite on a log.
     """
     scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
-    given = LogSet(tuple(prepared(log, scored.intersample) for log in as_log_set(logs)))
+    given = LogSet(tuple(prepared(log, scored.reading) for log in as_log_set(logs)))
     for log in given:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
             raise UsageError(
@@ -80,7 +80,7 @@ def validate(
                 where=log.place,
                 remedy="choose the roles with --input and --output",
             )
-    read = read_as_fitted(given.logs, scored.intersample, scored.model, scored.values)
+    read = read_as_fitted(given.logs, scored.reading.intersample, scored.model, scored.values)
     log_set = LogSet(tuple(as_remembered(log, scored.model, scored.values) for log in read))
     nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)
     seen = {
@@ -123,7 +123,7 @@ def _from_fit(result: FitResult) -> _Scored:
         dict(result.fingerprints),
         fitted,
         (),
-        result.options.get("intersample"),
+        InputReading.of(result.options),
     )
 
 
@@ -137,7 +137,7 @@ def _from_file(saved: SavedModel) -> _Scored:
         saved.fingerprints,
         saved.fitted_logs,
         saved.issues,
-        saved.intersample,
+        InputReading(saved.intersample, saved.input_noise),
     )
 
 

@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.input_course import moved_by_course
 from softid.diagnosis.residual.motion import mean_square, residual_context, simulated
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.projection import basis_of, rows_of
+from softid.identification.input_denoising import without_input_noise
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]

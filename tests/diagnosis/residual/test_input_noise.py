@@ -9,7 +9,6 @@ import pytest
 from linear_motion import TRUTH, linear_angle, linear_problem, pressure_course, standing
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.logs.input_denoising import input_noise_sd, without_input_noise
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.residual.assessment import assess
@@ -22,6 +21,7 @@ from softid.diagnosis.residual.input_noise import (
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis_results import Verdict
+from softid.identification.input_denoising import input_noise_sd, without_input_noise
 from softid.log import Log
 from softid.synthesis import hidden_pair
 from softid.synthesis.rig import Rig

@@ -17,12 +17,12 @@ from linear_motion import (
     standing,
 )
 
-from softid.diagnosis.logs.input_denoising import without_input_noise
 from softid.diagnosis.refit.candidates import BASE_SD, Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, hold_out_blocks
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.verdict.held_out_error import parametric_power, with_held_out
 from softid.diagnosis_results import Remainder
+from softid.identification.input_denoising import without_input_noise
 from softid.log import Log, LogSet
 
 NOISE = 0.02

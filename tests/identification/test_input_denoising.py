@@ -9,13 +9,13 @@ import numpy.typing as npt
 import pytest
 from scipy.signal import savgol_coeffs, savgol_filter
 
-from softid.diagnosis.logs.input_denoising import (
+from softid.identification import fit
+from softid.identification.input_denoising import (
     LONGER_REACHES,
     REACH,
     SIGMAS,
     without_input_noise,
 )
-from softid.identification import fit
 from softid.log import Log
 from softid.synthesis import hidden_pair
 from softid.synthesis.rig import Rig

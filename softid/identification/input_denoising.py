@@ -22,6 +22,9 @@ from softid.log import Log
 
 Array = npt.NDArray[np.float64]
 
+AVERAGED = "averaged"
+"""What the record of a fit says of an input whose noise was taken away."""
+
 REACH = 10
 """Samples to either side through which a parabola goes at most where the input moves."""
 
