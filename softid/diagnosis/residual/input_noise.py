@@ -131,7 +131,10 @@ def moved_parameters(
     if found is None:
         return {}
     noise, course = found
-    moved = np.linalg.lstsq(_slopes(model), (noise + course).T, rcond=None)[0]
+    slopes, draws = _slopes(model), noise + course
+    if not (np.isfinite(slopes).all() and np.isfinite(draws).all()):  # it runs away
+        return {}
+    moved = np.linalg.lstsq(slopes, draws.T, rcond=None)[0]
     return dict(zip(model.problem.free, np.sqrt(np.mean(moved**2, axis=1)).tolist(), strict=False))
 
 
