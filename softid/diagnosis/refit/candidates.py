@@ -361,5 +361,6 @@ def _oscillates(law: Law | None, u: Array) -> npt.NDArray[np.bool_]:
     if law is None:
         return np.zeros(u.size - 1, bool)
     damping, stiffness, _ = law.coefficients(u)
-    swings = damping**2 < 4.0 * law.mass * stiffness
+    with np.errstate(over="ignore"):
+        swings = damping**2 < 4.0 * law.mass * stiffness
     return np.asarray(swings[1:] | swings[:-1], bool)

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import BASE_SD, Candidate
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, fitted_range
-from softid.diagnosis.refit.optimum import optimum_of
+from softid.diagnosis.refit.optimum import optimum_of, prior_sd
 from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share
 from softid.diagnosis.residual.input_noise import input_noise
 from softid.diagnosis.residual.jump_timing import JumpResponses, OpenJumps
@@ -157,7 +157,7 @@ def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, fl
     if errors.covariance is None or not free:
         return 0.0
     rows, places = np.array(free).T
-    limits = np.array([_prior_sd(model, int(k)) for k in places])
+    limits = np.array([prior_sd(model, int(k)) for k in places])
     scaled = errors.covariance.matrix[np.ix_(rows, rows)] / np.outer(limits, limits)
     held = np.flatnonzero(np.isfinite(np.diag(scaled)))
     variances, axes = np.linalg.eigh(scaled[np.ix_(held, held)])
@@ -166,10 +166,3 @@ def parametric_power(model: Candidate, held_out: HeldOut, sigma: Mapping[str, fl
     shrunk[np.ix_(held, held)] = axes * (variances / (1.0 + variances)) @ axes.T
     columns = slopes[:, places] * limits
     return float(np.einsum("mi,ij,mj->", columns, shrunk, columns)) / len(columns)
-
-
-def _prior_sd(model: Candidate, place: int) -> float:
-    """Standard deviation of the prior of a free parameter, on its own scale."""
-    problem = model.problem
-    is_relative = problem.parameters[problem.free[place]].scale == "log"
-    return BASE_SD * (1.0 if is_relative else max(abs(float(model.minimum.point[place])), 1.0))

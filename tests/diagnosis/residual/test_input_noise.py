@@ -9,7 +9,7 @@ import pytest
 from linear_motion import TRUTH, linear_angle, linear_problem, pressure_course, standing
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.candidates import BASE_SD, Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.residual.assessment import assess
 from softid.diagnosis.residual.input_noise import (
@@ -82,6 +82,17 @@ def test_parameters_scatter_as_far_as_it_is_told() -> None:
         reached.append(off)
     ratio = np.mean(np.square(foretold), axis=0) / np.mean(np.square(reached), axis=0)
     assert np.all((ratio > 0.5) & (ratio < 3.0))
+
+
+def test_what_is_not_shown_moves_no_farther_than_is_known() -> None:
+    """Invariant: a prior knows each parameter to a factor of 4.5, and a pressure at rest holds no
+    inertia: what a gauge makes of it is noise, of which an inertia would have to be anything."""
+    time_s = np.arange(1500) / 50.0
+    noisy = 50.0 + SD_KPA * np.random.default_rng(0).standard_normal(time_s.size)
+    angle = linear_angle(time_s, np.full(time_s.size, 50.0))
+    log = Log.from_arrays(time_s, {"pressure": noisy, "angle": angle}, name="gauged")
+    moved = moved_parameters(at_the_truth(log), {"gauged": SD_KPA}, 1.0)
+    assert 0.0 < max(moved.values()) <= BASE_SD
 
 
 def test_an_exact_input_moves_no_parameter() -> None:
