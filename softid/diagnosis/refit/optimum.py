@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from softid.diagnosis.refit.candidates import BASE_SD, Candidate
+from softid.diagnosis.refit.candidates import Candidate
 from softid.fitters.output_error import Optimum
 from softid.results import FitStatus
 
@@ -30,23 +30,3 @@ def optimum_of(candidate: Candidate, sigma: Mapping[str, float]) -> Optimum:
         at_bound=candidate.problem.at_bound(point),
         start=candidate.prior.centre,
     )
-
-
-def prior_sd(model: Candidate, place: int) -> float:
-    """Standard deviation of a prior that knows a free parameter to a factor of 4.5.
-
-    Parameters
-    ----------
-    model
-        A refit.
-    place
-        Of the parameter among the free ones.
-
-    Returns
-    -------
-    float
-        On the parameter's own scale.
-    """
-    problem = model.problem
-    is_relative = problem.parameters[problem.free[place]].scale == "log"
-    return BASE_SD * (1.0 if is_relative else max(abs(float(model.minimum.point[place])), 1.0))

@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.optimum import prior_sd
+from softid.diagnosis.refit.candidates import Candidate, prior_sd
 from softid.diagnosis.residual.input_course import moved_by_course
 from softid.diagnosis.residual.motion import mean_square, residual_context, simulated
 from softid.diagnosis.residual.noise_floor import NoiseFloor

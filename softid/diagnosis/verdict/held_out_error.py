@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.candidates import Candidate, prior_sd
 from softid.diagnosis.refit.held_out import HeldOut, fitted_range
-from softid.diagnosis.refit.optimum import optimum_of, prior_sd
+from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share
 from softid.diagnosis.residual.input_noise import input_noise
 from softid.diagnosis.residual.jump_timing import JumpResponses, OpenJumps

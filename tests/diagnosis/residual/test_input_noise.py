@@ -51,8 +51,7 @@ def test_an_exact_input_leaves_nothing() -> None:
 def test_it_is_as_large_as_what_noise_leaves() -> None:
     """Known truth: the angle is exact, so what its own model leaves is the noise of the pressure.
 
-    Five logs hold some 5 × 60 s / 0.4 s independent values: their mean square is known to 5 %. Over
-    twenty such logs what is drawn is 1.02 times what is left.
+    Five logs hold some 5 × 60 s / 0.4 s independent values: their mean square is known to 5 %.
     """
     left, drawn = [], []
     for seed in range(5):
@@ -70,7 +69,7 @@ def test_parameters_scatter_as_far_as_it_is_told() -> None:
     """Known truth: fits to twelve noises of a gauge, with an exact angle, err as is foretold.
 
     Twelve fits tell the mean square error of a parameter to four tenths, and so do the draws about
-    one log. Over 24 logs the foretold errors are 1.1 to 1.4 times as large as those that were made.
+    one log; a foretold error may be too large rather than too small.
     """
     reached, foretold = [], []
     for seed in range(12):
@@ -85,13 +84,13 @@ def test_parameters_scatter_as_far_as_it_is_told() -> None:
 
 
 def test_what_is_not_shown_moves_no_farther_than_is_known() -> None:
-    """Invariant: a prior knows each parameter to a factor of 4.5, and a pressure at rest holds no
-    inertia: what a gauge makes of it is noise, of which an inertia would have to be anything."""
+    """Invariant: a prior knows each parameter to a factor of 4.5. A pressure that hardly moves
+    holds next to nothing of an inertia, which would have to be anything to make up for a gauge."""
     time_s = np.arange(1500) / 50.0
-    noisy = 50.0 + SD_KPA * np.random.default_rng(0).standard_normal(time_s.size)
+    still = 50.0 + 1e-3 * SD_KPA * np.random.default_rng(0).standard_normal(time_s.size)
     angle = linear_angle(time_s, np.full(time_s.size, 50.0))
-    log = Log.from_arrays(time_s, {"pressure": noisy, "angle": angle}, name="gauged")
-    moved = moved_parameters(at_the_truth(log), {"gauged": SD_KPA}, 1.0)
+    log = Log.from_arrays(time_s, {"pressure": still, "angle": angle}, name="gauged")
+    moved = moved_parameters(at_the_truth(log), {"gauged": SD_KPA}, 1e-4)
     assert 0.0 < max(moved.values()) <= BASE_SD
 
 
