@@ -99,7 +99,7 @@ class CauseSearch:
         if self._is_astray:
             return self.grow(self._nothing, max_links=1, extra=self.multistart)
         chain = self._first_where_base_stands
-        if chain.links and len(chain.links[0].added.amplitudes) > 1:
+        if chain.bends:
             return self._raced_with_multistart(chain, NEAR_CURVE)
         return chain
 
@@ -330,7 +330,7 @@ class CauseSearch:
 
     def _may_stand_for_another(self, chain: Chain) -> bool:
         """Whether a single cause leaves structure, and was not raced with a multistart."""
-        if len(chain.links) != 1 or len(chain.links[0].added.amplitudes) > 1:
+        if len(chain.links) != 1 or chain.bends:
             return False
         return not self._is_astray and self.remainder_of(chain.final).structured
 

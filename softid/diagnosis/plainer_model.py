@@ -110,7 +110,7 @@ class PlainerModels:
         return with_one or self._likelier(_two(self.chosen), _two) or self.chosen
 
     def _is_in_doubt(self, chain: Chain) -> bool:
-        return _bends(chain) or self.search.leaves_structure(chain)
+        return chain.bends or self.search.leaves_structure(chain)
 
     def after_first_cause(self, extended: ModelSearch, found: Chain) -> ModelSearch | None:
         """A plainer model that is likelier with one cause than the chosen one is with all it has.
@@ -151,7 +151,7 @@ class PlainerModels:
             Whether they have a name, whether they have none or the logs know little of the model
             that carries them, and whether something else explains the misfit.
         """
-        is_in_doubt = is_doubted or (len(found.links) > 1 and _bends(found))
+        is_in_doubt = is_doubted or (len(found.links) > 1 and found.bends)
         if extended is not self.chosen or not is_in_doubt:
             return None
         if is_explained:
@@ -181,11 +181,6 @@ class PlainerModels:
 
 def _two(model: ModelSearch) -> Chain:
     return model.search.grow(model.first, max_links=2)
-
-
-def _bends(chain: Chain) -> bool:
-    """Whether a cause is a curve with free values, which bends to much that it is not."""
-    return any(len(link.added.amplitudes) > 1 for link in chain.links)
 
 
 def plainer_model_issues(chosen: BaseFit, extended: BaseFit) -> tuple[Issue, ...]:

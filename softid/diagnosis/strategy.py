@@ -80,7 +80,7 @@ def search_causes(
         if timed is not None:
             return timed
     if not found.came_to_nothing:
-        return found, search
+        return _without_a_curve(found, search) or found, search
     alone = search.without_causes()
     if alone is not None and alone.remainder.open_jumps > 0:
         return alone, search
@@ -94,6 +94,16 @@ def search_causes(
             return found, search
     other = search.search_from_multistart(found) or search.search_from_other_causes(found.chain)
     return other or found, search
+
+
+def _without_a_curve(found: SearchResult, search: CauseSearch) -> SearchResult | None:
+    """What is sure from another first cause, where a curve leaves something.
+
+    Its free values have taken what a second cause does, which pays no more beside it then.
+    """
+    if not (found.chain.bends and found.remainder.leaves_something):
+        return None
+    return search.search_from_other_causes(found.chain)
 
 
 def search_with_intersample(

@@ -107,6 +107,40 @@ def test_a_law_that_outdoes_the_first_cause_ends_the_search(
 
 
 @pytest.mark.parametrize(
+    ("keys", "left", "asks"),
+    [
+        (("static_curve", "delay"), STRUCTURE, True),
+        (("delay", "static_curve"), replace(NOISE, misses_held_out=True), True),
+        (("static_curve",), NOISE, False),
+        (("stiffening", "delay"), STRUCTURE, False),
+    ],
+    ids=["left in sample", "left elsewhere", "nothing left", "no curve"],
+)
+def test_other_first_causes_are_tried_where_a_curve_leaves_something(
+    keys: tuple[str, ...], left: Remainder, asks: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is not sure does not replace what has a name."""
+    named = SearchResult(chain_of(*keys), left, (True,) * len(keys))
+    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
+    monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
+    monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": named}, by=[]))
+    unused: Any = None
+    for sure in (NAMED, None):
+        asked: list[Chain] = []
+
+        def other(
+            self: CauseSearch, known: Chain, sure: Any = sure, asked: list[Chain] = asked
+        ) -> Any:
+            asked.append(known)
+            return sure
+
+        monkeypatch.setattr(CauseSearch, "search_from_other_causes", other)
+        answer, _ = search_causes(unused, unused, search_over(), others)
+        assert answer is (sure if asks and sure else named)
+        assert asked == ([named.chain] if asks else [])
+
+
+@pytest.mark.parametrize(
     ("keys", "anew"), [(("delay", "creep"), True), (("delay",), False)], ids=["two", "one"]
 )
 def test_what_judges_is_read_anew_when_all_causes_are_known(

@@ -144,6 +144,11 @@ class Chain:
     last: Link | None
     final: Candidate
 
+    @property
+    def bends(self) -> bool:
+        """Whether a cause is a curve with free values, which bends to much that it is not."""
+        return any(len(link.added.amplitudes) > 1 for link in self.links)
+
 
 def select_forward(
     base: Candidate,
