@@ -90,9 +90,8 @@ class CauseSearch:
     def first_cause(self) -> Chain:
         """The base with one cause, if what is held out does not speak against any.
 
-        Candidates from a multistart take part where the base is no place to start from. A curve
-        with free values bends to much that it is not: before it is believed the others are tried
-        from a multistart, too.
+        Candidates from a multistart take part where the base is no place to start from, and before
+        a curve with free values is believed.
         """
         if self.base.is_negligible:
             return self._nothing
@@ -191,6 +190,8 @@ class CauseSearch:
         first_model = chain.links[0].found if chain.links else None
         if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
             chain = self._with_third(self._revise(chain))
+        if len(chain.links) > 2:  # the two together may need a third that the one does not
+            chain = self._of_first_order(chain, max_links=MAX_LINKS)
         return replace(self.judged(chain, first_model), met_multistart=met_multistart)
 
     def search_from_multistart(self, known: SearchResult) -> SearchResult | None:
@@ -330,9 +331,8 @@ class CauseSearch:
 
     def _may_stand_for_another(self, chain: Chain) -> bool:
         """Whether a single cause leaves structure, and was not raced with a multistart."""
-        if len(chain.links) != 1 or chain.bends:
-            return False
-        return not self._is_astray and self.remainder_of(chain.final).structured
+        alone = len(chain.links) == 1 and not chain.bends
+        return alone and not self._is_astray and self.remainder_of(chain.final).structured
 
     def _share_of(self, chain: Chain) -> float:
         return self.remainder_of(chain.final).explained_share
@@ -346,13 +346,13 @@ class CauseSearch:
             return self._revise(longer)
         return replace(chain, last=longer.last)
 
-    def _of_first_order(self, chain: Chain) -> Chain:
-        """The chain, or a lag and another cause in place of one of second order, if likelier."""
+    def _of_first_order(self, chain: Chain, max_links: int = 2) -> Chain:
+        """The chain, or a lag and other causes in place of one of second order, if likelier."""
         base = self.base
         lag = chain_of_first_order(chain, base.candidate, self.effects, base.scale, base.sigma)
         if lag is None:
             return chain
-        longer = self.grow(lag, max_links=2)
+        longer = self.grow(lag, max_links=max_links)
         if len(longer.links) < 2 or not is_likelier(longer.final, chain.final, base.sigma):
             return chain
         is_worse = base.held_out.rms(longer.final) > NO_WORSE * base.held_out.rms(chain.final)

@@ -288,6 +288,33 @@ def test_a_first_cause_that_explains_little_is_raced_before_a_second_is_sought(
     assert found.met_multistart is (second == "other")
 
 
+@pytest.mark.parametrize("count", [2, 3])
+def test_a_lag_is_asked_again_where_a_third_cause_is_known(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A lag and two others explain more than a resonance and two others, one less than one."""
+    begun, lagging = chain_of("line_resonance"), chain_of("pneumatic_lag")
+    resonant = chain_of(*("line_resonance", "creep", "ageing")[:count])
+    of_lags = chain_of("pneumatic_lag", "sensor_lag", "pressure_mass")
+
+    def grow(self: CauseSearch, chain: Chain, *, max_links: int = 3, **options: Any) -> Chain:
+        if chain is lagging:
+            return of_lags if max_links > 2 else chain_of("pneumatic_lag", "sensor_lag")
+        return resonant if max_links > 2 else chain_of("line_resonance", "creep")
+
+    monkeypatch.setattr(cause_search, "is_astray", lambda base: False)
+    monkeypatch.setattr(cause_search, "chain_of_first_order", lambda *args: lagging)
+    monkeypatch.setattr(cause_search, "is_likelier", lambda new, old, sigma: new is of_lags.final)
+    monkeypatch.setattr(CauseSearch, "remainder_of", lambda self, model: NOISE)
+    monkeypatch.setattr(CauseSearch, "grow", grow)
+    monkeypatch.setattr(CauseSearch, "_revise", lambda self, chain: chain)
+    monkeypatch.setattr(
+        CauseSearch, "judged", lambda self, chain, model: SearchResult(chain, NOISE, ())
+    )
+    found = search_over().search(begun)
+    assert found.chain.final.keys == (of_lags if count == 3 else resonant).final.keys
+
+
 @pytest.mark.parametrize(
     ("left", "misses", "noise"),
     [(NOISE, False, True), (NOISE, True, False), (STRUCTURE, False, False)],
