@@ -110,6 +110,7 @@ def test_the_offset_of_the_drive_grows_with_speed(drive: Diagnosis, drive_log: L
     assert abs(told - regression) <= NEAR * abs(regression)
 
 
+@pytest.mark.slow
 def test_the_arm_fills_faster_than_it_vents(measured: Path) -> None:
     """Command to pressure of one chamber: an asymmetric cause with a ratio well above one.
 

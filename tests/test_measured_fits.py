@@ -78,7 +78,8 @@ def test_gripper_finger(measured: Path) -> None:
     assert np.mean([found[name] for name in held]) > 93.0
 
 
-@pytest.mark.parametrize("rate_hz", [pytest.param(30.0, marks=pytest.mark.slow), 100.0])
+@pytest.mark.slow
+@pytest.mark.parametrize("rate_hz", [30.0, 100.0])
 def test_a_uniform_grid_is_not_needed_for_the_gripper_finger(
     measured: Path, rate_hz: float
 ) -> None:

@@ -108,7 +108,9 @@ def test_a_hidden_effect_is_found(name: str) -> None:
     assert found.gain >= GAIN_SHARE * found.oracle_gain
 
 
-@pytest.mark.parametrize(("seed", "tau"), [(900, 0.3), (903, 0.15)])
+@pytest.mark.parametrize(
+    ("seed", "tau"), [(900, 0.3), pytest.param(903, 0.15, marks=pytest.mark.slow)]
+)
 def test_a_sensor_slower_than_its_actuator_is_found(seed: int, tau: float) -> None:
     """The base takes the sensor's time for its own, so nothing is left of it where the lag begins.
 
@@ -121,6 +123,7 @@ def test_a_sensor_slower_than_its_actuator_is_found(seed: int, tau: float) -> No
     assert cause.parameters[0].value == pytest.approx(tau, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_resonance_slower_than_its_actuator_is_found() -> None:
     """The base takes a part of its period for its own: no start near the base's own time leads on.
 
@@ -159,6 +162,7 @@ def test_a_curve_that_stands_for_two_is_seen_through() -> None:
     assert {cause.effect for cause in found.causes} == set(names)
 
 
+@pytest.mark.slow
 def test_a_reading_that_drifts_is_clipped() -> None:
     """What drifts passes the end of the range later or not at all.
 
@@ -220,7 +224,13 @@ def test_nothing_outside_the_catalogue_is_misnamed(name: str) -> None:
     assert sum(o.is_misnamed for o in drawn) <= 1
 
 
-@pytest.mark.parametrize(("names", "verdict"), [([], Verdict.ADEQUATE), (["creep"], Verdict.NAMED)])
+@pytest.mark.parametrize(
+    ("names", "verdict"),
+    [
+        ([], Verdict.ADEQUATE),
+        pytest.param(["creep"], Verdict.NAMED, marks=pytest.mark.slow),
+    ],
+)
 def test_slow_noise_needs_no_rest(names: list[str], verdict: Verdict) -> None:
     """Noise that is coloured by 90 %, of which no rest shows anything, is told by its marks."""
     pair = hidden_pair(names, seed=193001, rig=Rig(coloured_share=0.9))
@@ -237,6 +247,7 @@ def test_clean_data_stay_adequate(rig: Rig) -> None:
     assert not any(outcome_of([], seed, rig).told for seed in DRAWS)
 
 
+@pytest.mark.slow
 def test_a_contact_beyond_what_the_model_reaches_is_found() -> None:
     """Known truth: the hold-out leans on a wall at 74.6 mm, and the base bends down before it."""
     truth = {"xw": 74.6, "kw": 5.0}

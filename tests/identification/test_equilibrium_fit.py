@@ -138,6 +138,7 @@ def test_an_angle_that_is_sampled_slower_than_the_pressure() -> None:
         assert one.stderr / other.stderr == pytest.approx(2.0, rel=0.2), name
 
 
+@pytest.mark.slow
 def test_a_faster_or_a_smooth_pressure_takes_the_bias_away() -> None:
     """Without noise, in standard errors of 0.2° at 200 Hz: a is low by 0.7 when the pressure of a
     30 ms rise has 5 ms between samples and is straight between them, by less than 0.35 when it is

@@ -20,7 +20,7 @@ from softid.diagnosis_results import Verdict
 from softid.synthesis import hidden_pair
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_a_linear_creep_does_not_tell_which_stiffness_is_meant(seed: int) -> None:
     """The truth of Q is among the two values, and Q is not called identified."""
     drawn = hidden_pair(["creep"], seed=seed, model="oscillator", protocol="levels")

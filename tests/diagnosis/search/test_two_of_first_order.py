@@ -14,7 +14,8 @@ from softid.effects import EFFECTS, effect_of
 from softid.synthesis import hidden_pair
 
 
-@pytest.mark.parametrize("seed", [pytest.param(3, marks=pytest.mark.slow), 4])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 4])
 def test_both_are_named(seed: int) -> None:
     """The second takes a few per cent of what the first does."""
     pair = hidden_pair(["pneumatic_lag", "delay"], seed=seed)

@@ -112,7 +112,7 @@ def test_what_explains_as_much_in_the_place_of_a_cause(
     ("hidden", "second", "rivals"),
     [
         (("two_time_creep",), "hysteresis", ("second_creep",)),
-        (("creep", "hysteresis"), "hysteresis", ()),
+        pytest.param(("creep", "hysteresis"), "hysteresis", (), marks=pytest.mark.slow),
         pytest.param(("creep", "sensor_warmup"), "sensor_warmup", (), marks=pytest.mark.slow),
     ],
 )
