@@ -109,6 +109,7 @@ def rms(statistics: Iterable[FitStatistics]) -> float:
     return float(np.sqrt(sum(squares) / sum(row.n for row in statistics)))
 
 
+@pytest.mark.slow
 def test_two_segment_arm(measured: Path) -> None:
     """Reached 88.0/90.6 → 83.8/69.6. The angle of the April logs repeats each reading twice; with
     the repeats in the residuals it was 86.1/91.7 → 80.5/70.2."""

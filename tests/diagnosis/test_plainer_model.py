@@ -12,7 +12,8 @@ from softid.synthesis import hidden_pair
 SOME = ("contact", "creep", "delay", "static_curve", "stiffening")
 
 
-@pytest.mark.parametrize("effect", ["contact", pytest.param("stiffening", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", ["contact", "stiffening"])
 def test_a_plainer_model_with_its_cause_takes_the_place_of_one_that_bends_to_it(
     effect: str,
 ) -> None:

@@ -103,9 +103,8 @@ def test_nuisances_go_over_by_name() -> None:
     assert back[base.state_positions(0)].tolist() == [0.0, 0.0]
 
 
-@pytest.mark.parametrize(
-    "seed", [pytest.param(k, marks=() if k == 1 else pytest.mark.slow) for k in range(1, 6)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1, 6))
 def test_a_creep_is_named_in_a_log_that_begins_in_motion(seed: int) -> None:
     """Both logs begin 7 s late, with the material on its way: k and τ to a fifth or within 95 %."""
     pair = hidden_pair(["creep"], seed=8200 + seed)

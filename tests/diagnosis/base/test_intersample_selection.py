@@ -176,7 +176,8 @@ def test_an_input_that_may_be_held_needs_no_delay_of_half_an_interval(
     assert intersample_after_first_cause(base, delayed, scale, SIGMA) == found
 
 
-@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), 1])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
 def test_steps_that_were_held_are_no_lag(seed: int) -> None:
     """The pressure jumps every 3 s, at a sample; the same log with a lag of 60 ms has one."""
     time_s = np.arange(0.0, 36.0, 1.0 / RATE_HZ)
