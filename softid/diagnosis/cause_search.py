@@ -190,7 +190,7 @@ class CauseSearch:
         first_model = chain.links[0].found if chain.links else None
         if len(chain.links) > 1:  # a wrong first cause would ask for a third that mends it
             chain = self._with_third(self._revise(chain))
-        if len(chain.links) > 2:  # the two together may need a third that the one does not
+        if len(chain.links) > 2:  # a lag may win with a third where it lost with a second
             chain = self._of_first_order(chain, max_links=MAX_LINKS)
         return replace(self.judged(chain, first_model), met_multistart=met_multistart)
 

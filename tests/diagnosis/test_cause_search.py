@@ -292,7 +292,7 @@ def test_a_first_cause_that_explains_little_is_raced_before_a_second_is_sought(
 def test_a_lag_is_asked_again_where_a_third_cause_is_known(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A lag and two others explain more than a resonance and two others, one less than one."""
+    """With one other cause the resonance is likelier than the lag, with two the lag is."""
     begun, lagging = chain_of("line_resonance"), chain_of("pneumatic_lag")
     resonant = chain_of(*("line_resonance", "creep", "ageing")[:count])
     of_lags = chain_of("pneumatic_lag", "sensor_lag", "pressure_mass")

@@ -106,6 +106,7 @@ def test_a_law_that_outdoes_the_first_cause_ends_the_search(
     assert answer is (NOTHING if ends else NAMED)
 
 
+@pytest.mark.parametrize("sure", [NAMED, None])
 @pytest.mark.parametrize(
     ("keys", "left", "asks"),
     [
@@ -117,27 +118,28 @@ def test_a_law_that_outdoes_the_first_cause_ends_the_search(
     ids=["left in sample", "left elsewhere", "nothing left", "no curve"],
 )
 def test_other_first_causes_are_tried_where_a_curve_leaves_something(
-    keys: tuple[str, ...], left: Remainder, asks: bool, monkeypatch: pytest.MonkeyPatch
+    keys: tuple[str, ...],
+    left: Remainder,
+    asks: bool,
+    sure: SearchResult | None,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """What is not sure does not replace what has a name."""
     named = SearchResult(chain_of(*keys), left, (True,) * len(keys))
     others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
     monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
     monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": named}, by=[]))
+    asked: list[Chain] = []
+
+    def other(self: CauseSearch, known: Chain) -> SearchResult | None:
+        asked.append(known)
+        return sure
+
+    monkeypatch.setattr(CauseSearch, "search_from_other_causes", other)
     unused: Any = None
-    for sure in (NAMED, None):
-        asked: list[Chain] = []
-
-        def other(
-            self: CauseSearch, known: Chain, sure: Any = sure, asked: list[Chain] = asked
-        ) -> Any:
-            asked.append(known)
-            return sure
-
-        monkeypatch.setattr(CauseSearch, "search_from_other_causes", other)
-        answer, _ = search_causes(unused, unused, search_over(), others)
-        assert answer is (sure if asks and sure else named)
-        assert asked == ([named.chain] if asks else [])
+    answer, _ = search_causes(unused, unused, search_over(), others)
+    assert answer is (sure if asks and sure else named)
+    assert asked == ([named.chain] if asks else [])
 
 
 @pytest.mark.parametrize(
