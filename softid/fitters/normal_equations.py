@@ -77,10 +77,13 @@ class Linearised(Normal):
         One per segment and channel, in the order of `Problem.blocks`.
     plans
         Steps per segment that were taken, None where they were planned anew.
+    problem
+        What was simulated.
     """
 
     pieces: tuple[Piece, ...]
     plans: Sequence[Division | None] | None
+    problem: Problem
 
     @property
     def affine(self) -> bool:
@@ -92,17 +95,26 @@ class Linearised(Normal):
         """Whether the columns of all pieces are there."""
         return all(piece.columns is not None for piece in self.pieces)
 
-    def blocks(self, problem: Problem, *, derivatives: bool) -> list[Block]:
+    def blocks(self, *, derivatives: bool) -> list[Block]:
         """Residuals at the used samples, and Jacobians if asked, where the columns were kept."""
         blocks = []
         for piece in self.pieces:
             assert piece.columns is not None
-            used = problem.segments[piece.segment].used[piece.channel]
+            used = self.problem.segments[piece.segment].used[piece.channel]
             kept = slice(None) if used.all() else used
             residual = (piece.residual @ piece.columns)[kept]
             jacobian = (piece.columns.T @ piece.jacobian)[kept] if derivatives else None
             blocks.append(Block(piece.channel, piece.segment, residual, jacobian))
         return blocks
+
+    def weighted(self, sigma: Mapping[str, float]) -> Linearised:
+        """What `linearise` would find at the point, without a prior; nothing is simulated."""
+        return _summed_at_best_zeros(self.problem, self.point, self.pieces, sigma, self.plans)
+
+    def with_zeros_of(self, z: Array) -> Linearised:
+        """The same pieces at ``z``, which differs in its sensor zeros only; nothing is summed."""
+        pieces = [_with_zeros(self.problem, piece, self.point, z) for piece in self.pieces]
+        return replace(self, point=z, pieces=tuple(pieces))
 
 
 def linearise(
@@ -131,17 +143,22 @@ def linearise(
     """
     with np.errstate(all="ignore"):
         pieces = _pieces(problem, z, plans, keep=keep)
-        moved, pieces = _with_best_zeros(problem, z, pieces)
-        return _summed(problem, moved, pieces, sigma, plans)
+        return _summed_at_best_zeros(problem, z, pieces, sigma, plans)
 
 
-def _summed(
+def _zero_of(problem: Problem, segment: int, channel: str) -> int:
+    """Where the sensor zero of a segment and channel stands among the unknowns."""
+    return problem.zero_position(problem.owner[segment], channel)
+
+
+def _summed_at_best_zeros(
     problem: Problem,
-    moved: Array,
+    z: Array,
     pieces: Sequence[Piece],
     sigma: Mapping[str, float],
     plans: Sequence[Division | None] | None,
 ) -> Linearised:
+    moved, pieces = _with_best_zeros(problem, z, pieces)
     cost, n = 0.0, 0
     gradient, matrix = np.zeros(problem.size), np.zeros((problem.size, problem.size))
     for piece in pieces:
@@ -153,7 +170,7 @@ def _summed(
         n += round(float(piece.gram[-2, -2])) if np.isfinite(piece.gram[-2, -2]) else 0
     if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
         cost, gradient, matrix = np.inf, np.zeros(problem.size), np.eye(problem.size)
-    return Linearised(moved, cost, gradient, matrix, n, pieces=tuple(pieces), plans=plans)
+    return Linearised(moved, cost, gradient, matrix, n, tuple(pieces), plans, problem)
 
 
 def bend(
@@ -266,7 +283,7 @@ def _products(
 ) -> Products | None:
     """Those of the segment and channel of a ``place``, with the measured outputs of ``segment``."""
     number, channel = place
-    zero = problem.zero_position(problem.owner[number], channel)
+    zero = _zero_of(problem, number, channel)
     return problem.model.products(
         theta,
         segment,
@@ -286,7 +303,7 @@ def _from_products(
     inner = products.by_theta.shape[0]
     jacobian[:inner, : len(problem.free)] = products.by_theta @ chain
     if problem.zeros:
-        jacobian[-2, problem.zero_position(problem.owner[segment], channel)] = 1.0
+        jacobian[-2, _zero_of(problem, segment, channel)] = 1.0
     states = problem.state_positions(segment)
     jacobian[inner:-2, states] = products.by_state[:, : len(states)]
     residual = np.zeros(products.gram.shape[0])
@@ -316,16 +333,22 @@ def _with_best_zeros(
     if not problem.zeros:
         return z, list(pieces)
     sums: dict[int, tuple[float, float]] = {}
-    places = [problem.zero_position(problem.owner[p.segment], p.channel) for p in pieces]
+    places = [_zero_of(problem, p.segment, p.channel) for p in pieces]
     for place, piece in zip(places, pieces, strict=True):
         total, count = sums.get(place, (0.0, 0.0))
-        sums[place] = total + float(piece.gram[-2, -1]), count + float(piece.gram[-2, -2])
+        left = float(piece.gram[-2] @ piece.residual)
+        sums[place] = total + left, count + float(piece.gram[-2, -2])
     moved = z.copy()
-    shifted = []
     for place, (total, count) in sums.items():
         if count > 0.0 and np.isfinite(total):
             moved[place] += total / count
-    for place, piece in zip(places, pieces, strict=True):
-        piece.residual[-2] -= moved[place] - z[place]
-        shifted.append(piece)
-    return moved, shifted
+    return moved, [_with_zeros(problem, piece, z, moved) for piece in pieces]
+
+
+def _with_zeros(problem: Problem, piece: Piece, z: Array, moved: Array) -> Piece:
+    """A piece at other unknowns, which differ in sensor zeros only."""
+    residual = piece.residual.copy()
+    if problem.zeros:
+        zero = _zero_of(problem, piece.segment, piece.channel)
+        residual[-2] -= moved[zero] - z[zero]
+    return replace(piece, residual=residual)

@@ -88,6 +88,7 @@ class Objective:
         self.plans: list[Division | None] | None = None
         self.prior: Prior | None = None
         self._last: Linearised | None = None
+        self._asked = np.empty(0)
         self._weighted: dict[str, float] = {}
         self._planned: tuple[Array, list[Division | None]] | None = None
 
@@ -116,7 +117,7 @@ class Objective:
             last is not None
             and self.plans is not None
             and last.plans is not None
-            and np.array_equal(z, last.point)
+            and (np.array_equal(z, last.point) or np.array_equal(z, self._asked))
             and self.sigma == self._weighted
             and _same(self.plans, last.plans)
             and (last.kept or not keeps)
@@ -124,7 +125,7 @@ class Objective:
             return last
         self.evaluations += 1
         found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=1 if keeps else 0)
-        self._last, self._weighted = found, dict(self.sigma)
+        self._last, self._asked, self._weighted = found, z, dict(self.sigma)
         return found
 
     @property
@@ -151,10 +152,23 @@ class Objective:
         self.plans = None
         return replace(found, point=kept.point, normal=kept, offset=offset_within(kept, *limits))
 
+    def begin_with(self, known: Normal) -> None:
+        """Go on from where an earlier run ended, if that was one of the same problem.
+
+        Parameters
+        ----------
+        known
+            Its normal equations, under whatever weights and prior.
+        """
+        if isinstance(known, Linearised) and known.problem is self.problem:
+            with np.errstate(all="ignore"):
+                self._last, self._weighted = known.weighted(self.sigma), dict(self.sigma)
+            self._asked = known.point
+
     def adopt(self, other: Objective) -> None:
         """Go on from another one's last evaluation, of the same problem."""
         if other.problem is self.problem:
-            self._last, self._weighted = other._last, other._weighted
+            self._last, self._asked, self._weighted = other._last, other._asked, other._weighted
             self._planned = other._planned
 
     def _plans(self, z: Array) -> list[Division | None]:

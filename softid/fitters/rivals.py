@@ -378,7 +378,7 @@ def residuals_by_channel(
         Normal equations there, which may hold the residuals already.
     """
     if isinstance(known, Linearised) and known.kept:
-        blocks = known.blocks(problem, derivatives=False)
+        blocks = known.blocks(derivatives=False)
     else:
         blocks = list(problem.blocks(z, derivatives=False))
     return [

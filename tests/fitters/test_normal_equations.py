@@ -91,11 +91,32 @@ def test_kept_columns_make_up_residuals_and_jacobians(name: str) -> None:
     plans = p.plans(z)
     found = linearise(p, z, dict.fromkeys(p.outputs, 1.0), plans=plans, keep=1)
     wanted = list(p.blocks(found.point, derivatives=True, plans=plans))
-    for block, anew in zip(found.blocks(p, derivatives=True), wanted, strict=True):
+    for block, anew in zip(found.blocks(derivatives=True), wanted, strict=True):
         assert (block.channel, block.segment) == (anew.channel, anew.segment)
         np.testing.assert_allclose(block.residual, anew.residual, atol=1e-10)
         assert block.jacobian is not None
         np.testing.assert_allclose(block.jacobian, anew.jacobian, rtol=1e-9, atol=1e-10)
+
+
+@pytest.mark.parametrize("name", ["x", "geometry", "no zeros"])
+def test_the_same_pieces_under_other_zeros_and_weights(name: str) -> None:
+    """As `Problem.blocks` and `linearise` have it with σ = 2 and zeros 0.1 higher, to rounding.
+
+    Nothing is simulated for it; a log without zeros has none to move.
+    """
+    p, z = case(name)
+    plans = p.plans(z)
+    found = linearise(p, z, dict.fromkeys(p.outputs, 1.0), plans=plans, keep=1)
+    elsewhere = found.point.copy()
+    if p.zeros:
+        elsewhere[[p.zero_position(k, c) for k in (0, 1) for c in p.outputs]] += 0.1
+    wanted = list(p.blocks(elsewhere, derivatives=False, plans=plans))
+    shifted = found.with_zeros_of(elsewhere)
+    for block, anew in zip(shifted.blocks(derivatives=False), wanted, strict=True):
+        np.testing.assert_allclose(block.residual, anew.residual, atol=1e-10)
+    doubled = shifted.weighted(dict.fromkeys(p.outputs, 2.0))
+    np.testing.assert_allclose(doubled.point, found.point, atol=1e-10)
+    assert 4.0 * doubled.cost == pytest.approx(found.cost, rel=1e-10)
 
 
 @pytest.mark.parametrize("name", ["x", "geometry", "drive"])

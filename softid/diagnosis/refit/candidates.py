@@ -149,12 +149,13 @@ class WhitenedObjective(Objective):
         """Cost ½Σ(W r/σ)² and its normal equations at ``z``."""
         if self.whitener is None:
             return super().__call__(z)
-        self.evaluations += 1
+        found = self._at(z, columns=True).with_zeros_of(z)
         size = self.problem.size
         cost, n = 0.0, 0
         gradient, matrix = np.zeros(size), np.zeros((size, size))
+        blocks = found.blocks(derivatives=True) if found.kept else None
         with np.errstate(all="ignore"):
-            for block in self.problem.blocks(z, derivatives=True, plans=self.plans):
+            for block in blocks or self.problem.blocks(z, derivatives=True, plans=self.plans):
                 assert block.jacobian is not None
                 segment = self.problem.segments[block.segment]
                 used = segment.samples_of(segment.used[block.channel])
@@ -168,7 +169,12 @@ class WhitenedObjective(Objective):
                 n += r.size
         if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
             return Normal(z, np.inf, np.zeros(size), np.eye(size), n)
-        return self._with_prior(Normal(z, cost, gradient, matrix, n))
+        whitened = replace(found, cost=cost, gradient=gradient, matrix=matrix, n=n)
+        return self._with_prior(whitened)
+
+    def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
+        """As for white noise; what is whitened goes straight."""
+        return super().bend(z, step, normal) if self.whitener is None else None
 
 
 def prior_about(
@@ -290,6 +296,7 @@ def advance(
     objective.prior = candidate.prior
     point = candidate.minimum.point
     objective.plans = limited_plans(candidate.problem, point, substeps)
+    objective.begin_with(candidate.minimum.normal)
     lower, upper = candidate.problem.bounds()
     found = minimise(
         objective,

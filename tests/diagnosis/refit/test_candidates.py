@@ -23,7 +23,7 @@ from softid.diagnosis.refit.candidates import (
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.refit.whitening import Whitener
-from softid.effects import effect_of
+from softid.effects import ExtendedModel, effect_of
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.models.division import NODES_PER_STEP, SMOOTH_NODES
@@ -130,6 +130,37 @@ def test_a_step_ends_at_the_optimum() -> None:
     assert np.all(np.abs(found.minimum.point - truth)[:3] < 4.0 * errors[:3])
     assert found.squares == pytest.approx(996.0, rel=4.0 * np.sqrt(2.0 / 996.0))
     assert found.minimum.offset < 0.05
+
+
+@pytest.mark.parametrize(
+    "whitener", [None, Whitener({(0, "angle"): np.array([0.7])}, {(0, "angle"): 0.01})]
+)
+def test_what_goes_on_is_not_simulated_again(
+    monkeypatch: pytest.MonkeyPatch, whitener: Whitener | None
+) -> None:
+    """Invariant: a run of one evaluation from where another ended costs the same, at once.
+
+    Where white noise ends a noise model begins with the same columns, and over other logs nothing
+    is known.
+    """
+    problem, scale = base_problem()
+    extended = extend(problem, (Bow(),), scale)
+    begun = standing(extended, extended.unknowns({**TRUTH, "bow_c": 0.1}))
+    known = advance(begun, SIGMA, 3)
+    anew = WhitenedObjective(extended, SIGMA, whitener)
+    anew.plans = limited_plans(extended, known.minimum.point, FINE)
+    wanted = anew(known.minimum.point).cost
+    elsewhere = Problem(extended.model, extended.parameters, extended.logs)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("simulated")
+
+    monkeypatch.setattr(ExtendedModel, "response", refuse)
+    again = advance(replace(known, whitener=whitener), SIGMA, 1)
+    assert again.squares == pytest.approx(2.0 * wanted, rel=1e-9)
+    assert advance(again, SIGMA, 1).squares == pytest.approx(again.squares, rel=1e-9)
+    with pytest.raises(AssertionError, match="simulated"):
+        advance(replace(again, problem=elsewhere), SIGMA, 1)
 
 
 def test_the_prior_goes_with_the_residual() -> None:
