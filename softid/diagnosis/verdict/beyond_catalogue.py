@@ -13,7 +13,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.assessment import held_out_share
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
-from softid.diagnosis.verdict.replacements import refitted_with
+from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
 from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE
 from softid.effects import belongs_to
 from softid.effects.base import Effect
@@ -91,8 +91,9 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
         return None
     left = noise / variance * known.squares
     near = left + (1.0 - NEARLY) * (known.squares - left)
-    found = in_parallel(lambda law: refitted_with(known, (), (law(),), base, near=near), BEYOND_ONE)
-    enough = [one for one in found if _share(known, one, left) > TAKES]
+    standing = standing_of(known, base)
+    found = in_parallel(lambda law: refitted_with(standing, (), (law(),), near=near), BEYOND_ONE)
+    enough = [one for one in found if one is not None and _share(known, one, left) > TAKES]
     ranked = rank([known, *enough], base.sigma) if enough else []
     alike = [row.plain for row in ranked if row.bic < ranked[0].bic + INDISTINCT]
     carried = [one for one in alike if one is not known and _held(base, one, noise) > CARRIES]

@@ -7,25 +7,16 @@ in the place of all.
 
 from __future__ import annotations
 
-from collections import ChainMap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 from softid.diagnosis.base.base_fit import BaseFit
-from softid.diagnosis.refit.candidates import Candidate, advance, begun
-from softid.diagnosis.refit.extension import (
-    acting_order,
-    extend_in_order,
-    named_values,
-    start_unknowns,
-)
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
-from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis.search.multistart import driven
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
+from softid.diagnosis.verdict.refitted_laws import NEAR, refitted_with, standing_of
 from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
     PressureDrift,
@@ -38,21 +29,11 @@ from softid.diagnosis.verdict.unlisted_laws import (
     BentReading,
     SecondCreep,
 )
-from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
+from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit
 from softid.diagnosis.verdict.unlisted_readings import UnevenReading
 from softid.effects import effect_of
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
-
-FIRST, REFITTING = 8, 40
-"""Evaluations from where a cause stood: of all that is put in its place, and to the optimum of what
-has come near by then."""
-
-NEAR = 2.0
-"""It has where it leaves less than so many times what the causes leave."""
-
-CURVED = (InputLimit, ReliefLeak)
-"""Laws of the input that bend the static curve."""
 
 
 @dataclass(frozen=True)
@@ -131,17 +112,19 @@ def with_replacements(
     if not asked:
         return list(links)
 
-    def refitted(replacement: Replacement, laws: Sequence[Effect]) -> Candidate:
+    standing = standing_of(final, base)
+
+    def refitted(replacement: Replacement, laws: Sequence[Effect]) -> Candidate | None:
         out = {effect.key for effect in named if replacement.takes(effect)}
         kept = [effect for effect in final.acting if effect.key not in out]
-        return refitted_with(final, kept, laws, base, near=NEAR * final.squares)
+        return refitted_with(standing, kept, laws, near=NEAR * final.squares)
 
     others = in_parallel(lambda pair: refitted(*pair), asked)
-    ranked = rank([final, *others], base.sigma)
+    ranked = rank([final, *(other for other in others if other is not None)], base.sigma)
     bic = {id(row.plain): row.bic for row in ranked}
     found, best = list(links), ranked[0].bic + INDISTINCT
     for (row, laws), other in zip(asked, others, strict=True):
-        if bic[id(other)] < min(best, bic[id(final)] + row.behind):
+        if other is not None and bic[id(other)] < min(best, bic[id(final)] + row.behind):
             found = [_with_rivals(link, row, laws, other) for link in found]
     return found
 
@@ -174,54 +157,3 @@ def _with_rivals(link: Link, row: Replacement, laws: Sequence[Effect], model: Ca
     names = tuple(law.name for law in laws)
     rivals = tuple(dict.fromkeys((*link.rivals, *names)))
     return replace(link, rivals=rivals, replaced=(*link.replaced, (names[-1], model)))
-
-
-def refitted_with(
-    known: Candidate,
-    kept: Sequence[Effect],
-    laws: Sequence[Effect],
-    base: BaseFit,
-    *,
-    near: float,
-) -> Candidate:
-    """The base with effects of a model that stands, and others from the best of their starts.
-
-    One of `CURVED` in the place of all also begins at start values of the base for what arrives
-    behind it: what stood for it has bent the curve of the base.
-
-    Parameters
-    ----------
-    known
-        That model.
-    kept
-        Those of its effects that stay.
-    laws
-        What is added.
-    base
-        The base fit.
-    near
-        What leaves a larger sum of squares after the first evaluations is left there.
-    """
-    effects = (*kept, *laws)
-    problem = extend_in_order(base.candidate.problem, acting_order(kept, laws), base.scale)
-    places = (known,) if kept else (known, base.candidate)
-    starts = [
-        start_unknowns(problem, place.problem, place.minimum.point, values)
-        for place in places
-        for values in _start_values(laws, base)
-    ]
-    if not kept and isinstance(laws[0], CURVED):
-        starts += [
-            start_unknowns(problem, place.problem, place.minimum.point, named_values(laws[0], own))
-            for own in laws[0].starts(base.scale)
-            for place in driven(base.candidate, laws[0], own, base.scale)
-        ]
-    z = min(starts, key=lambda start: squares_at(problem, start, base.sigma))
-    found = advance(begun(known, effects, problem, z), base.sigma, FIRST)
-    return found if found.squares > near else advance(found, base.sigma, REFITTING)
-
-
-def _start_values(laws: Sequence[Effect], base: BaseFit) -> list[dict[str, float]]:
-    """Every start of one law with every start of the others."""
-    of_each = ([named_values(law, start) for start in law.starts(base.scale)] for law in laws)
-    return [dict(ChainMap(*starts)) for starts in product(*of_each)]

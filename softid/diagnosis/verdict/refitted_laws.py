@@ -1,0 +1,126 @@
+"""A model that stands, refitted with laws in the place of some of its effects."""
+
+from __future__ import annotations
+
+from collections import ChainMap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, begun
+from softid.diagnosis.refit.extension import (
+    acting_order,
+    extend_in_order,
+    named_values,
+    start_unknowns,
+)
+from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
+from softid.diagnosis.search.effect_starts import squares_at
+from softid.diagnosis.search.multistart import driven
+from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, ReliefLeak
+from softid.effects.base import Effect
+
+FIRST, REFITTING = 8, 40
+"""Evaluations from where a cause stood: of all that is put in its place, over averages, and to the
+optimum of what has come near by then, over averages and from there over all samples."""
+
+NEAR = 2.0
+"""It has where it leaves less than so many times what the causes leave."""
+
+CURVED = (InputLimit, ReliefLeak)
+"""Laws of the input that bend the static curve."""
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """A model that stands, also over averages, where it takes a fraction to see who comes near.
+
+    Attributes
+    ----------
+    model
+        The model.
+    base
+        The base fit.
+    rough, rough_base
+        Model and base over averages, or over all samples where averages do not do.
+    rough_sigma
+        Output channel → scale that a residual of averages is divided by.
+    """
+
+    model: Candidate
+    base: BaseFit
+    rough: Candidate
+    rough_base: Candidate
+    rough_sigma: Mapping[str, float]
+
+
+def standing_of(model: Candidate, base: BaseFit) -> Standing:
+    """A model with what is seen of it over averages.
+
+    Parameters
+    ----------
+    model
+        The base with effects, or without.
+    base
+        The base fit.
+    """
+    rough_base, sigma = rough_copy(base.candidate, base.scale, base.sigma)
+    rough = over_samples_of(model, rough_base, base.scale)
+    rough = advance(rough, sigma, 1, substeps=COARSE)
+    return Standing(model, base, rough, rough_base, sigma)
+
+
+def refitted_with(
+    standing: Standing, kept: Sequence[Effect], laws: Sequence[Effect], *, near: float
+) -> Candidate | None:
+    """The base with effects of a model that stands, and others from the best of their starts.
+
+    One of `CURVED` in the place of all also begins at start values of the base for what arrives
+    behind it: what stood for it has bent the curve of the base.
+
+    Parameters
+    ----------
+    standing
+        That model.
+    kept
+        Those of its effects that stay.
+    laws
+        What is added.
+    near
+        What would leave a larger sum of squares after the first evaluations is given up.
+
+    Returns
+    -------
+    Candidate or None
+        Over all samples; None for what was given up. A misfit counts as much in a sum of squares
+        over averages as in one over all samples, and noise counts less.
+    """
+    base, known, rough_base = standing.base, standing.rough, standing.rough_base
+    sigma, effects = standing.rough_sigma, (*kept, *laws)
+    problem = extend_in_order(rough_base.problem, acting_order(kept, laws), base.scale)
+    places = (known,) if kept else (known, rough_base)
+    starts = [
+        start_unknowns(problem, place.problem, place.minimum.point, values)
+        for place in places
+        for values in _start_values(laws, base)
+    ]
+    if not kept and isinstance(laws[0], CURVED):
+        starts += [
+            start_unknowns(problem, place.problem, place.minimum.point, named_values(laws[0], own))
+            for own in laws[0].starts(base.scale)
+            for place in driven(rough_base, laws[0], own, base.scale)
+        ]
+    z = min(starts, key=lambda start: squares_at(problem, start, sigma))
+    found = advance(begun(known, effects, problem, z), sigma, FIRST, substeps=COARSE)
+    if not found.squares - known.squares <= near - standing.model.squares:
+        return None
+    found = advance(found, sigma, REFITTING, substeps=COARSE)
+    whole = over_samples_of(found, base.candidate, base.scale)
+    return advance(whole, base.sigma, REFITTING)
+
+
+def _start_values(laws: Sequence[Effect], base: BaseFit) -> list[dict[str, float]]:
+    """Every start of one law with every start of the others."""
+    of_each = ([named_values(law, start) for start in law.starts(base.scale)] for law in laws)
+    return [dict(ChainMap(*starts)) for starts in product(*of_each)]
