@@ -13,7 +13,7 @@ import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.phrases import percent
-from softid.diagnosis.residual.input_course import moved_by_course
+from softid.diagnosis.residual.input_course import moved_by_courses
 from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
@@ -57,7 +57,8 @@ def coarse_sampling_issues(final: Candidate, *, open_jumps: int = 0) -> tuple[Is
         How many jumps have open moments already.
     """
     problem = final.problem
-    moved = np.concatenate(moved_by_course(final, 0, without_jumps=open_jumps > 0))
+    (parts,) = moved_by_courses(final, (0,), without_jumps=open_jumps > 0)
+    moved = np.concatenate(parts)
     power = float(np.mean(moved**2))
     left = mean_square(residual_context(final))
     share = power / left if left > 0.0 else 0.0

@@ -7,6 +7,8 @@ simulation tells what that does to the first output. A held input has no such in
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -14,6 +16,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.residual.motion import simulated
 from softid.intersample import HELD
+from softid.parallel import in_parallel
 from softid.segment import Segment, with_added
 
 Array = npt.NDArray[np.float64]
@@ -33,27 +36,38 @@ SEED = 0
 """Of what it did meanwhile, which nobody knows."""
 
 
-def moved_by_course(model: Candidate, draw: int, *, without_jumps: bool) -> list[Array]:
-    """What one draw of another course does to the first output at the samples of each segment.
+def moved_by_courses(
+    model: Candidate, draws: Sequence[int], *, without_jumps: bool
+) -> list[list[Array]]:
+    """What draws of another course do to the first output, each at the samples of each segment.
 
     Parameters
     ----------
     model
         The model where it stands.
-    draw
-        Number of the draw.
+    draws
+        Numbers of the draws.
     without_jumps
         Whether a jump from one sample to the next stays as it is drawn.
     """
-    problem, moved = model.problem, []
-    for k, segment in enumerate(problem.segments):
-        if problem.logs[problem.owner[k]].reading in HELD:
-            moved.append(np.zeros(segment.samples_of(segment.time_s).size))
-            continue
-        rng = np.random.default_rng((SEED, k, draw))
-        course = _another_course(segment, rng, without_jumps=without_jumps)
-        moved.append(simulated(model, k, course) - simulated(model, k, segment))
-    return moved
+    problem = model.problem
+    still = [
+        None if problem.logs[problem.owner[k]].reading in HELD else simulated(model, k, segment)
+        for k, segment in enumerate(problem.segments)
+    ]
+
+    def moved(draw: int) -> list[Array]:
+        found = []
+        for k, (segment, before) in enumerate(zip(problem.segments, still, strict=True)):
+            if before is None:
+                found.append(np.zeros(segment.samples_of(segment.time_s).size))
+                continue
+            rng = np.random.default_rng((SEED, k, draw))
+            course = _another_course(segment, rng, without_jumps=without_jumps)
+            found.append(simulated(model, k, course) - before)
+        return found
+
+    return in_parallel(moved, draws)
 
 
 def _another_course(segment: Segment, rng: np.random.Generator, *, without_jumps: bool) -> Segment:

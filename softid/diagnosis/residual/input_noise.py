@@ -9,19 +9,21 @@ where it was quick beside them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, prior_sd
-from softid.diagnosis.residual.input_course import moved_by_course
+from softid.diagnosis.residual.input_course import moved_by_courses
 from softid.diagnosis.residual.motion import mean_square, residual_context, simulated
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.projection import basis_of, rows_of
 from softid.identification.input_denoising import without_input_noise
 from softid.log import Log
+from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
 
@@ -34,6 +36,10 @@ well it makes less, and every draw is a simulation."""
 
 SEED = 0
 """Of those draws, the same in every log."""
+
+_LEFT: WeakKeyDictionary[Log, tuple[float, Array]] = WeakKeyDictionary()
+"""Log → standard deviation of its noise and what `_left_of` found: all models are asked the same,
+and to average a long log takes longer than to simulate it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,9 +156,10 @@ def _unknown(
     """Draws of the noise's and of the course's part, each of shape (D, m) or (1, 1)."""
     noise = course = np.zeros((1, 1))
     if any(sds.get(log.name, 0.0) > 0.0 for log in model.problem.logs):
-        noise = np.array([_draw(model, sds, seed) for seed in range(DRAWS)])
-    if np.mean((first := _course(model, 0)) ** 2) > LEAST_COURSE * variance:
-        course = np.array([first, *(_course(model, draw) for draw in range(1, DRAWS))])
+        noise = _of_noise(model, sds)
+    first = _of_courses(model, (0,))
+    if np.mean(first**2) > LEAST_COURSE * variance:
+        course = np.vstack((first, _of_courses(model, range(1, DRAWS))))
     return (noise, course) if noise.any() or course.any() else None
 
 
@@ -182,33 +189,47 @@ def takes_input_noise_at_most(
     return driven is not None and left - behind <= driven.variance
 
 
-def _course(model: Candidate, draw: int) -> Array:
-    """Change of the first output at its used samples with another course, shape (m,)."""
+def _of_courses(model: Candidate, draws: Sequence[int]) -> Array:
+    """Changes of the first output at its used samples with other courses, shape (D, m)."""
     problem, first = model.problem, model.problem.outputs[0]
-    moved = moved_by_course(model, draw, without_jumps=True)
-    pairs = zip(problem.segments, moved, strict=True)
-    return np.concatenate([move[s.samples_of(s.used[first])] for s, move in pairs])
+    used = np.concatenate([s.samples_of(s.used[first]) for s in problem.segments])
+    moved = moved_by_courses(model, draws, without_jumps=True)
+    return np.array([np.concatenate(parts)[used] for parts in moved])
 
 
-def _draw(model: Candidate, sds: Mapping[str, float], seed: int) -> Array:
-    """Change of the first output at its used samples with one draw of the noise, shape (m,)."""
-    problem = model.problem
-    first, moves = problem.outputs[0], []
-    shifts = [_left(log, sds.get(log.name, 0.0), seed) for log in problem.logs]
-    for k, segment in enumerate(problem.segments):
-        shift = np.interp(segment.time_s, *shifts[problem.owner[k]])
-        moved = replace(segment, input=segment.input + shift)
-        change = simulated(model, k, moved) - simulated(model, k, segment)
-        moves.append(change[segment.samples_of(segment.used[first])])
-    return np.concatenate(moves)
+def _of_noise(model: Candidate, sds: Mapping[str, float]) -> Array:
+    """Changes of the first output at its used samples with draws of the noise, shape (D, m)."""
+    problem, first = model.problem, model.problem.outputs[0]
+    shifts = [_left_of(log.as_recorded, sds.get(log.name, 0.0)) for log in problem.logs]
+    still = [simulated(model, k, segment) for k, segment in enumerate(problem.segments)]
+
+    def moved(draw: int) -> Array:
+        moves = []
+        for k, (segment, before) in enumerate(zip(problem.segments, still, strict=True)):
+            log = problem.owner[k]
+            recorded_s = problem.logs[log].as_recorded.time_s
+            shift = np.interp(segment.time_s, recorded_s, shifts[log][draw])
+            change = simulated(model, k, replace(segment, input=segment.input + shift)) - before
+            moves.append(change[segment.samples_of(segment.used[first])])
+        return np.concatenate(moves)
+
+    return np.array(in_parallel(moved, range(DRAWS)))
 
 
-def _left(log: Log, sd: float, seed: int) -> tuple[Array, Array]:
-    """When, and what is left of a draw of the noise behind the averaging, each of shape (n,)."""
-    whole = log.as_recorded
-    channel = whole.channels[whole.input]
-    noise = sd * np.random.default_rng((SEED, seed)).standard_normal(len(whole))
-    channels = {**whole.channels, whole.input: replace(channel, values=channel.values + noise)}
-    noisy = replace(whole, channels=channels)
-    left = without_input_noise(noisy).channels[whole.input].values - channel.values
-    return whole.time_s, left
+def _left_of(log: Log, sd: float) -> Array:
+    """What is left of draws of a log's noise behind the averaging, shape (D, n)."""
+    known = _LEFT.get(log)
+    if known is None or known[0] != sd:
+        left = in_parallel(lambda draw: _left(log, sd, draw), range(DRAWS))
+        _LEFT[log] = known = (sd, np.array(left))
+    return known[1]
+
+
+def _left(log: Log, sd: float, draw: int) -> Array:
+    """What is left of one draw, shape (n,)."""
+    channel = log.channels[log.input]
+    noise = sd * np.random.default_rng((SEED, draw)).standard_normal(len(log))
+    channels = {**log.channels, log.input: replace(channel, values=channel.values + noise)}
+    noisy = without_input_noise(replace(log, channels=channels))
+    left: Array = noisy.channels[log.input].values - channel.values
+    return left

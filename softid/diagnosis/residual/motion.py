@@ -28,14 +28,14 @@ def residual_context(candidate: Candidate) -> list[ResidualContext]:
     """Residual of the first output and the motion around it, for every segment."""
     problem, z = candidate.problem, candidate.minimum.point
     first = problem.outputs[0]
-    blocks = {b.segment: b for b in problem.blocks(z, derivatives=False) if b.channel == first}
     found = []
     for k, segment in enumerate(problem.segments):
         response = problem.response(z, k)
-        x = response.outputs[first] if response.x is None else response.x
+        y, used = response.outputs[first], segment.used[first]
+        x = y if response.x is None else response.x
         v = np.gradient(x, segment.time_s) if response.v is None else response.v
-        residual = np.full(segment.time_s.size, np.nan)
-        residual[segment.used[first]] = blocks[k].residual
+        zero = z[problem.zero_position(problem.owner[k], first)] if problem.zeros else 0.0
+        residual = np.where(used, segment.outputs[first] - y - zero, np.nan)
         rows = (segment.time_s, x, v, segment.input, residual)
         found.append(ResidualContext(*(segment.samples_of(row) for row in rows)))
     return found
