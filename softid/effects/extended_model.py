@@ -282,16 +282,16 @@ class ExtendedModel(Model):
         base = theta[: self._split[0]]
         law = self.model.motion_law(base)
         u, bends_in_s = segment.input, np.inf
-        for effect, eta in self._on_input(theta):
+        on_input = self._on_input(theta)
+        for effect, eta in on_input:
             u = effect.apply(eta, segment.since_s, u, self.scale)
             bends_in_s = min(bends_in_s, effect.bends_in_s(eta))
         counts = np.ones(max(u.size - 1, 0), np.intp)
-        if law is not None:
-            for values in (segment.input, u):
+        for values in (segment.input, u) if on_input else (u,):
+            if law is not None:
                 found = divide(law, segment.time_s, values, implicit_only=True)
                 counts = np.maximum(counts, found.counts)
-        else:
-            for values in (segment.input, u):
+            else:
                 own = self.model.plan(base, replace(segment, input=values))
                 counts = counts if own is None else np.maximum(counts, own.counts)
         wanted = np.ceil(np.diff(segment.time_s) * self._rate(theta) / MAX_PHASE_PER_STEP)
