@@ -369,13 +369,14 @@ class Problem:
         for k, segment in enumerate(self.segments):
             if only is not None and k != only:
                 continue
+            moves = derivatives and bool(self.free or self._states[k])  # else zeros alone are free
             with np.errstate(all="ignore"):
                 response = self.model.response(
                     theta,
                     segment,
                     self.outputs,
                     start=self.start(z, k),
-                    derivatives=derivatives,
+                    derivatives=moves,
                     relative=self.has_equilibrium,
                     plan=plans[k] if plans is not None else None,
                 )
@@ -385,12 +386,14 @@ class Problem:
                 used_rows = slice(None) if used.all() else used
                 residual = (segment.outputs[name] - response.outputs[name] - zero)[used_rows]
                 jacobian = None
-                if chain is not None and response.by_parameter is not None:
+                if chain is not None and (response.by_parameter is not None or not moves):
                     jacobian = np.zeros((residual.size, self.size))
-                    jacobian[:, : len(self.free)] = response.by_parameter[name][used_rows] @ chain
                     if self.zeros:
                         jacobian[:, self.zero_position(self.owner[k], name)] = 1.0
                     states = self._states[k]
+                    if response.by_parameter is not None:
+                        by = response.by_parameter[name][used_rows]
+                        jacobian[:, : len(self.free)] = by @ chain
                     if states and response.by_state is not None:
                         by_state = response.by_state[name][used_rows, : len(states)]
                         jacobian[:, states] = by_state

@@ -65,6 +65,25 @@ def check_jacobian(problem: Problem) -> None:
         assert np.abs(jacobian[:, k] - slope).max() <= 1e-6 * scale + 1e-9, k
 
 
+def test_zeros_alone_ask_for_no_derivatives(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With all parameters held and every log at rest the Jacobian is one for a log's own zero."""
+    problem = arc(Muscle().parameters().with_fixed(TRUTH), log("a"), log("b"))
+    asked = []
+    respond = Muscle.response
+
+    def response(*given: object, derivatives: bool, **named: object) -> object:
+        asked.append(derivatives)
+        return respond(*given, derivatives=derivatives, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Muscle, "response", response)
+    check_jacobian(problem)
+    assert problem.size == 4
+    assert not any(asked)
+    moving = arc(Muscle().parameters().with_fixed(TRUTH), log("a", moving=True))
+    check_jacobian(moving)
+    assert any(asked)
+
+
 def test_layout_counts_every_unknown() -> None:
     """7 parameters, a zero per log and output, two states per segment that is not at rest."""
     problem = arc(None, log("a"), log("b", moving=True), log("c", stall=True))

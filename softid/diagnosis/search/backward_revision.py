@@ -22,6 +22,7 @@ from softid.diagnosis.search.rounds import variance_of
 from softid.diagnosis.search.screening import Signature, screen
 from softid.effects.base import Effect
 from softid.effects.scale import Scale
+from softid.parallel import in_parallel
 
 WITHOUT_ROUND = 25
 """Evaluations that bring a chain without one of its links to its optimum."""
@@ -177,10 +178,10 @@ def _in_its_place(
     for signature in screen(placed, rivals, scale, sigma):
         best.setdefault(signature.effect.name, signature)
     variance = variance_of(now)
-    return [
-        candidate_from(placed, signature, scale, sigma, variance)
-        for signature in list(best.values())[:PROMISING]
-    ]
+    return in_parallel(
+        lambda signature: candidate_from(placed, signature, scale, sigma, variance),
+        list(best.values())[:PROMISING],
+    )
 
 
 def refit_without(
