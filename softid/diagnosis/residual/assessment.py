@@ -215,12 +215,7 @@ def _largest_excess(floor: NoiseFloor, deviations: float = EXCESS_SDS) -> float:
 
 
 def _floor_of(parts: Sequence[ResidualContext], scale: Scale) -> NoiseFloor:
-    return noise_floor(
-        [p.residual for p in parts],
-        [p.u for p in parts],
-        [p.time_s for p in parts],
-        scale.motion_s,
-    )
+    return noise_floor(parts, scale.motion_s)
 
 
 def _larger(floor: NoiseFloor, rounding: NoiseFloor | None) -> NoiseFloor:

@@ -36,8 +36,11 @@ def residual_context(candidate: Candidate) -> list[ResidualContext]:
         v = np.gradient(x, segment.time_s) if response.v is None else response.v
         zero = z[problem.zero_position(problem.owner[k], first)] if problem.zeros else 0.0
         residual = np.where(used, segment.outputs[first] - y - zero, np.nan)
-        rows = (segment.time_s, x, v, segment.input, residual)
-        found.append(ResidualContext(*(segment.samples_of(row) for row in rows)))
+        t, x, v, u, residual = (
+            segment.samples_of(row) for row in (segment.time_s, x, v, segment.input, residual)
+        )
+        at_rest = problem.at_rest[k] or problem.stuck[k]
+        found.append(ResidualContext(t, x, v, u, residual, at_rest))
     return found
 
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.residual.structure import ResidualContext
 from softid.excitation import SECOND_DIFFERENCE
 from softid.uncertainty.autoregression import contiguous_runs, fit_ar
 from softid.uncertainty.noise import effective_n
@@ -82,9 +83,7 @@ class NoiseFloor:
         return self.from_rest or self.from_rounding
 
 
-def noise_floor(
-    residuals: Sequence[Array], inputs: Sequence[Array], times: Sequence[Array], motion_s: float
-) -> NoiseFloor:
+def noise_floor(parts: Sequence[ResidualContext], motion_s: float) -> NoiseFloor:
     """Estimate the noise from the residuals of all segments.
 
     Rests tell its colour. What its fastest part has more elsewhere, where the reading is larger or
@@ -92,21 +91,19 @@ def noise_floor(
 
     Parameters
     ----------
-    residuals
-        Residual of each segment, NaN where not used, shape (n,) each.
-    inputs, times
-        Input and times, shape (n,) each.
+    parts
+        Residuals with their input.
     motion_s
         Time constant of the motion.
     """
     rests = [
-        _without_events(residual[span], time_s[span])
-        for residual, u, time_s in zip(residuals, inputs, times, strict=True)
-        for span in rest_spans(u, time_s, motion_s)
-        if np.isfinite(residual[span]).any()
+        _without_events(part.residual[span], part.time_s[span])
+        for part in parts
+        for span in rest_spans(part, motion_s)
+        if np.isfinite(part.residual[span]).any()
     ]
     rests = [rest for rest in rests if np.isfinite(rest).sum() >= FEWEST_SAMPLES]
-    everywhere = fastest_part([run for r in residuals for run in contiguous_runs(r)])
+    everywhere = fastest_part([run for part in parts for run in contiguous_runs(part.residual)])
     if rests:
         runs = [run for rest in rests for run in contiguous_runs(rest)]
         lengths = [run.size for run in runs]
@@ -159,20 +156,23 @@ def _without_events(rest: Array, time_s: Array) -> Array:
     return quiet - float(np.nanmean(quiet))
 
 
-def rest_spans(u: Array, time_s: Array, motion_s: float) -> tuple[slice, ...]:
+def rest_spans(part: ResidualContext, motion_s: float) -> tuple[slice, ...]:
     """Samples at which the input has been still for so long that the motion has died out.
+
+    Where the motion begins at rest there is none to die out before the input first moves.
 
     Parameters
     ----------
-    u, time_s
-        Input and times, shape (n,).
+    part
+        A residual with its input.
     motion_s
         Time constant of the motion.
     """
+    u, time_s = part.u, part.time_s
     tolerance = STILL * float(np.ptp(u))
     edges = np.searchsorted(time_s, np.arange(time_s[0], time_s[-1] + LOOK_S, LOOK_S))
     found: list[slice] = []
-    begin, level = 0, float(u[0])
+    begin, level, dies_out_s = 0, float(u[0]), 0.0 if part.begins_at_rest else SETTLED * motion_s
     for first, stop in pairwise(edges.tolist()):
         piece = u[first:stop]
         if (
@@ -181,16 +181,17 @@ def rest_spans(u: Array, time_s: Array, motion_s: float) -> tuple[slice, ...]:
             and abs(np.median(piece) - level) <= tolerance
         ):
             continue
-        found += _settled(time_s, begin, int(first), motion_s)
+        found += _settled(time_s, begin, int(first), dies_out_s)
         begin, level = int(stop), float(np.median(piece)) if piece.size else level
-    return (*found, *_settled(time_s, begin, u.size, motion_s))
+        dies_out_s = SETTLED * motion_s
+    return (*found, *_settled(time_s, begin, u.size, dies_out_s))
 
 
-def _settled(time_s: Array, begin: int, stop: int, motion_s: float) -> list[slice]:
-    """The part of a still stretch in which the motion has died out, if it is long enough."""
+def _settled(time_s: Array, begin: int, stop: int, after_s: float) -> list[slice]:
+    """A still stretch without its first seconds, if it is long enough."""
     if stop <= begin:
         return []
-    first = int(np.searchsorted(time_s, time_s[begin] + SETTLED * motion_s))
+    first = int(np.searchsorted(time_s, time_s[begin] + after_s))
     if first >= stop or time_s[stop - 1] - time_s[first] < REST_S:
         return []
     return [slice(first, stop)]

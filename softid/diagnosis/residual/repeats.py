@@ -67,10 +67,11 @@ def resting_runs(
     """
     found = []
     for k, part in enumerate(parts):
-        for span in rest_spans(part.u, part.time_s, motion_s):
+        for span in rest_spans(part, motion_s):
             times = part.time_s[span]
             length_s = float(times[-1] - times[0])
-            if length_s + SETTLED * motion_s >= LEAST_REST_S and length_s >= block_s:
+            died_out_s = SETTLED * motion_s if span.start > 0 else 0.0
+            if length_s + died_out_s >= LEAST_REST_S and length_s >= block_s:
                 count = min(int(length_s / block_s), MOST_BLOCKS)
                 found.append(Run(k, np.linspace(times[0], times[-1], count + 1)))
     return tuple(found)

@@ -58,6 +58,8 @@ class ResidualContext:
         Time, position, velocity and input at the samples, each of shape (n,).
     residual
         Measured minus simulated, shape (n,); NaN where a sample is not used.
+    begins_at_rest
+        Whether the motion begins at rest.
     """
 
     time_s: Array
@@ -65,6 +67,7 @@ class ResidualContext:
     v: Array
     u: Array
     residual: Array
+    begins_at_rest: bool = False
 
 
 @dataclass(frozen=True)

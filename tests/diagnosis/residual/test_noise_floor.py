@@ -7,6 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from softid.diagnosis.residual.noise_floor import NoiseFloor, _without_events, noise_floor
+from softid.diagnosis.residual.structure import ResidualContext
 
 Array = npt.NDArray[np.float64]
 
@@ -31,11 +32,19 @@ def with_rests() -> tuple[Array, Array]:
     return time_s, np.where(moving, 50.0 * np.sin(time_s), 0.0)
 
 
+def floor_of(
+    residual: Array, u: Array, time_s: Array, *, motion_s: float = MOTION_S, at_rest: bool = False
+) -> NoiseFloor:
+    still = np.zeros(time_s.size)
+    part = ResidualContext(time_s, still, still, u, residual, at_rest)
+    return noise_floor([part], motion_s)
+
+
 def at_rest(seed: int, phi: float) -> NoiseFloor:
     """The floor of noise on which, while the input moves, a large misfit stands."""
     time_s, u = with_rests()
     residual = coloured(np.random.default_rng(seed), time_s.size, phi) + u
-    return noise_floor([residual], [u], [time_s], MOTION_S)
+    return floor_of(residual, u, time_s)
 
 
 @pytest.mark.parametrize("phi", [0.0, 0.8, 0.95])
@@ -64,11 +73,11 @@ def test_a_rest_of_sixteen_seconds_tells_noise_of_one_second() -> None:
     beyond = 0
     for seed in range(60):
         noise = coloured(np.random.default_rng(seed), time_s.size, 0.98)
-        floor = noise_floor([noise], [u], [time_s], MOTION_S)
+        floor = floor_of(noise, u, time_s)
         assert floor.from_rest
         beyond += np.mean(noise**2) > floor.variance * (1.15 + 3.0 * floor.relative_sd)
     assert beyond <= 3
-    short = noise_floor([noise[250:]], [u[250:]], [time_s[250:]], MOTION_S)
+    short = floor_of(noise[250:], u[250:], time_s[250:])
     assert not short.from_rest
 
 
@@ -77,8 +86,8 @@ def test_a_push_during_a_rest_is_no_noise() -> None:
     time_s, u = with_rests()
     push = np.where((time_s > 12.0) & (time_s < 13.6), 60.0, 0.0)
     residual = coloured(np.random.default_rng(3), time_s.size, 0.95)
-    quiet = noise_floor([residual], [u], [time_s], MOTION_S)
-    pushed = noise_floor([residual + push], [u], [time_s], MOTION_S)
+    quiet = floor_of(residual, u, time_s)
+    pushed = floor_of(residual + push, u, time_s)
     assert pushed.from_rest
     assert pushed.variance == pytest.approx(quiet.variance, rel=3.0 * quiet.relative_sd)
 
@@ -101,7 +110,7 @@ def test_a_rest_is_long_and_settled(still_s: float, from_rest: bool) -> None:
     u = np.where(time_s < 40.0, 50.0 * np.sin(time_s), 0.0)
     u = np.where(time_s >= 40.0 + still_s, 50.0 * np.sin(time_s), u)
     residual = np.random.default_rng(0).standard_normal(time_s.size)
-    assert noise_floor([residual], [u], [time_s], MOTION_S).from_rest is from_rest
+    assert floor_of(residual, u, time_s).from_rest is from_rest
 
 
 def test_the_zero_of_a_rest_does_not_count() -> None:
@@ -109,8 +118,8 @@ def test_the_zero_of_a_rest_does_not_count() -> None:
     time_s, u = with_rests()
     noise = np.random.default_rng(1).standard_normal(time_s.size)
     level = np.where(time_s < 50.0, 100.0, -30.0)
-    moved = noise_floor([noise + level], [u], [time_s], MOTION_S)
-    plain = noise_floor([noise], [u], [time_s], MOTION_S)
+    moved = floor_of(noise + level, u, time_s)
+    plain = floor_of(noise, u, time_s)
     assert moved.variance == pytest.approx(plain.variance, rel=1e-6)
 
 
@@ -124,7 +133,7 @@ def test_without_a_rest_the_fastest_part_tells_it() -> None:
     off = []
     for seed in SEEDS:
         residual = 2.0 * np.random.default_rng(seed).standard_normal(time_s.size)
-        floor = noise_floor([residual + u], [u], [time_s], MOTION_S)
+        floor = floor_of(residual + u, u, time_s)
         assert not floor.from_rest
         off.append((floor.variance / 4.0 - 1.0) / floor.relative_sd)
     assert 0.4 < np.sqrt(np.mean(np.square(off))) < 1.6
@@ -138,7 +147,7 @@ def test_gaps_are_not_differences() -> None:
     residual = 0.1 * np.random.default_rng(0).standard_normal(time_s.size)
     residual[::7] = np.nan
     residual += np.where(np.cumsum(np.isnan(residual)) % 2 == 0, 0.0, 50.0)
-    floor = noise_floor([residual], [u], [time_s], MOTION_S)
+    floor = floor_of(residual, u, time_s)
     assert floor.variance == pytest.approx(0.01, rel=0.2)
 
 
@@ -156,7 +165,7 @@ def test_noise_that_grows_with_the_reading(rested: bool) -> None:
     size = 0.1 + np.abs(u) / 50.0
     for seed in SEEDS:
         noise = size * np.random.default_rng(seed).standard_normal(time_s.size)
-        floor = noise_floor([noise], [u], [time_s], MOTION_S)
+        floor = floor_of(noise, u, time_s)
         assert floor.from_rest == rested
         assert floor.variance == pytest.approx(float(np.mean(noise**2)), rel=0.2 if rested else 0.1)
 
@@ -166,7 +175,7 @@ def test_white_noise_is_told_fairly() -> None:
     time_s = PERIOD_S * np.arange(200_000)
     u = 50.0 * np.sin(time_s)
     noise = np.random.default_rng(6).standard_normal(time_s.size)
-    floor = noise_floor([noise], [u], [time_s], MOTION_S)
+    floor = floor_of(noise, u, time_s)
     assert floor.variance == pytest.approx(float(np.mean(noise**2)), rel=0.015)
 
 
@@ -174,13 +183,13 @@ def test_a_rest_without_a_measured_sample_tells_nothing() -> None:
     """Of two rests one is lost: the other one tells the noise; with both lost its fastest part."""
     time_s, u = with_rests()
     residual = coloured(np.random.default_rng(3), time_s.size, 0.8)
-    whole = noise_floor([residual], [u], [time_s], MOTION_S)
+    whole = floor_of(residual, u, time_s)
     residual[time_s >= 60.0] = np.nan
-    one = noise_floor([residual], [u], [time_s], MOTION_S)
+    one = floor_of(residual, u, time_s)
     assert one.from_rest
     assert one.relative_sd == pytest.approx(2.0**0.5 * whole.relative_sd, rel=0.2)
     residual[time_s < 40.0] = np.nan
-    assert not noise_floor([residual], [u], [time_s], MOTION_S).from_rest
+    assert not floor_of(residual, u, time_s).from_rest
 
 
 def test_what_lies_on_both_sides_of_a_gap_is_not_joined() -> None:
@@ -191,3 +200,19 @@ def test_what_lies_on_both_sides_of_a_gap_is_not_joined() -> None:
     rest = _without_events(residual, time_s)
     assert rest.size == residual.size
     assert np.array_equal(np.isnan(rest), np.isnan(residual))
+
+
+@pytest.mark.parametrize(
+    ("begins_at_rest", "begin", "from_rest"),
+    [(True, 0, True), (False, 0, False), (True, 250, False)],
+)
+def test_a_motion_that_begins_at_rest_need_not_die_out(
+    begins_at_rest: bool, begin: int, from_rest: bool
+) -> None:
+    """However slow it is: a time constant of 100 s leaves nothing of a rest of 40 s, unless it is
+    the first and nothing has moved before. By hand, one that begins 5 s after a move is no such."""
+    time_s, u = with_rests()
+    noise = np.random.default_rng(3).standard_normal(time_s.size)
+    u = np.where(np.arange(time_s.size) < begin, 50.0, u)
+    floor = floor_of(noise, u, time_s, motion_s=100.0, at_rest=begins_at_rest)
+    assert floor.from_rest is from_rest
