@@ -153,9 +153,9 @@ class WhitenedObjective(Objective):
         size = self.problem.size
         cost, n = 0.0, 0
         gradient, matrix = np.zeros(size), np.zeros((size, size))
-        blocks = found.blocks(derivatives=True) if found.kept else None
         with np.errstate(all="ignore"):
-            for block in blocks or self.problem.blocks(z, derivatives=True, plans=self.plans):
+            kept = found.blocks(derivatives=True) if found.kept else None
+            for block in kept or self.problem.blocks(z, derivatives=True, plans=self.plans):
                 assert block.jacobian is not None
                 segment = self.problem.segments[block.segment]
                 used = segment.samples_of(segment.used[block.channel])

@@ -19,6 +19,7 @@ from softid.diagnosis.verdict.equivalence import (
     REPLACED,
     RESONANCES,
     THINNING,
+    TWO_LATE,
     EquivalenceClass,
     splitting_experiment,
     why_unsplit,
@@ -151,6 +152,8 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     if _is_presliding(alternative):
         return PRESLIDING
     tied = set(alternative.effects)
+    if tied.issuperset(TWO_LATE.effects) and not _are_alike(alternative):
+        return TWO_LATE
     for known in (OWN_DAMPING, LOWER_END, HELD_INPUT, THINNING):
         if tied.issuperset(known.effects):
             return known

@@ -173,6 +173,13 @@ LOWER_END = EquivalenceClass(
 )
 """The reading does not move at the lower end of its range."""
 
+TWO_LATE = EquivalenceClass(
+    ("a resonance of the supply line that does not ring", "a lag and a delay of the pneumatics"),
+    ("line_resonance", "pneumatic_lag", "delay"),
+    "A lag and a delay together explain these logs as well as a resonance that does not ring",
+    "steps at a sampling period far below the delay",
+)
+
 BEYOND = EquivalenceClass(
     ("causes of the catalogue", "a law in no catalogue"),
     (

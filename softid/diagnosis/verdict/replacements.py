@@ -87,6 +87,7 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(
         ("sensor_clipping.both",), ((effect_of("sensor_clipping"), effect_of("dead_zone")),)
     ),
+    Replacement(("line_resonance",), ((effect_of("pneumatic_lag"), effect_of("delay")),)),
 )
 """Causes, and what is put in their place."""
 

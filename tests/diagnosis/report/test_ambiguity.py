@@ -17,6 +17,7 @@ from softid.diagnosis.verdict.equivalence import (
     OWN_DAMPING,
     PRESLIDING,
     THINNING,
+    TWO_LATE,
     EquivalenceClass,
 )
 from softid.diagnosis_results import Alternative, Remainder, Verdict
@@ -44,6 +45,16 @@ def test_one_law_under_two_names_is_tied_however_far_apart(linear: bool) -> None
     assert why_tied(apart, linear=linear).startswith(PRESLIDING.why)
     assert law_that_ties(tie("coulomb_friction", "hysteresis"), linear=linear) is None
     assert law_that_ties(tie("hysteresis", "creep", behind=FAR), linear=linear) is None
+
+
+@pytest.mark.parametrize("linear", [True, False])
+def test_two_that_only_together_explain_as_much_are_told_so(linear: bool) -> None:
+    """A lag or a delay alone is behind the resonance; where each is near it, either may do."""
+    together = tie(*TWO_LATE.effects, behind=FAR)
+    assert law_that_ties(together, linear=linear) is TWO_LATE
+    asked = what_next(Verdict.AMBIGUOUS, alternatives=[together], remainder=NOISE, linear=linear)
+    assert asked == f"record {TWO_LATE.splits}"
+    assert law_that_ties(tie(*TWO_LATE.effects, behind=1.0), linear=False) is None
 
 
 @pytest.mark.parametrize("known", LINEAR_FILTERS, ids=lambda known: known.effects[0])
