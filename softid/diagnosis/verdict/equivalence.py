@@ -179,6 +179,7 @@ TWO_LATE = EquivalenceClass(
     "A lag and a delay together explain these logs as well as a resonance that does not ring",
     "steps at a sampling period far below the delay",
 )
+"""What is late twice."""
 
 BEYOND = EquivalenceClass(
     ("causes of the catalogue", "a law in no catalogue"),
