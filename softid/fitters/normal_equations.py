@@ -109,7 +109,8 @@ class Linearised(Normal):
 
     def weighted(self, sigma: Mapping[str, float]) -> Linearised:
         """What `linearise` would find at the point, without a prior; nothing is simulated."""
-        return _summed_at_best_zeros(self.problem, self.point, self.pieces, sigma, self.plans)
+        with np.errstate(all="ignore"):
+            return _summed_at_best_zeros(self.problem, self.point, self.pieces, sigma, self.plans)
 
     def with_zeros_of(self, z: Array) -> Linearised:
         """The same pieces at ``z``, which differs in its sensor zeros only; nothing is summed."""

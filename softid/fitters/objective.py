@@ -88,7 +88,7 @@ class Objective:
         self.plans: list[Division | None] | None = None
         self.prior: Prior | None = None
         self._last: Linearised | None = None
-        self._asked = np.empty(0)
+        self._asked = np.empty(0)  # where the last was asked for, before its zeros moved
         self._weighted: dict[str, float] = {}
         self._planned: tuple[Array, list[Division | None]] | None = None
 
@@ -161,9 +161,8 @@ class Objective:
             Its normal equations, under whatever weights and prior.
         """
         if isinstance(known, Linearised) and known.problem is self.problem:
-            with np.errstate(all="ignore"):
-                self._last, self._weighted = known.weighted(self.sigma), dict(self.sigma)
-            self._asked = known.point
+            self._last, self._asked = known.weighted(self.sigma), known.point
+            self._weighted = dict(self.sigma)
 
     def adopt(self, other: Objective) -> None:
         """Go on from another one's last evaluation, of the same problem."""

@@ -388,12 +388,12 @@ class Problem:
                 jacobian = None
                 if chain is not None and (response.by_parameter is not None or not moves):
                     jacobian = np.zeros((residual.size, self.size))
-                    if self.zeros:
-                        jacobian[:, self.zero_position(self.owner[k], name)] = 1.0
-                    states = self._states[k]
                     if response.by_parameter is not None:
                         by = response.by_parameter[name][used_rows]
                         jacobian[:, : len(self.free)] = by @ chain
+                    if self.zeros:
+                        jacobian[:, self.zero_position(self.owner[k], name)] = 1.0
+                    states = self._states[k]
                     if states and response.by_state is not None:
                         by_state = response.by_state[name][used_rows, : len(states)]
                         jacobian[:, states] = by_state

@@ -288,17 +288,11 @@ def _power(values: Array) -> Array:
 
 
 def _beside(power: Array, places: npt.NDArray[np.intp]) -> Array:
-    """Median power of the bins around each place."""
-    width = 2 * NEIGHBOURS + 1
-    whole = (places > NEIGHBOURS) & (places + NEIGHBOURS < power.size)
-    found = np.empty(places.size)
-    if whole.any():
-        around = np.lib.stride_tricks.sliding_window_view(power, width)
-        found[whole] = np.median(around[places[whole] - NEIGHBOURS], axis=1)
-    for place in np.flatnonzero(~whole).tolist():
-        k = int(places[place])
-        found[place] = np.median(power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1])
-    return np.maximum(found, np.finfo(float).tiny)
+    """Median power of the bins around each place, the mean's left out."""
+    known = np.pad(power[1:], (1 + NEIGHBOURS, NEIGHBOURS), constant_values=np.nan)
+    around = np.lib.stride_tricks.sliding_window_view(known, 2 * NEIGHBOURS + 1)[places]
+    found: Array = np.maximum(np.nanmedian(around, axis=1), np.finfo(float).tiny)
+    return found
 
 
 def _harmonics_of(driven: Array) -> BoolArray:

@@ -33,10 +33,15 @@ def with_rests() -> tuple[Array, Array]:
 
 
 def floor_of(
-    residual: Array, u: Array, time_s: Array, *, motion_s: float = MOTION_S, at_rest: bool = False
+    residual: Array,
+    u: Array,
+    time_s: Array,
+    *,
+    motion_s: float = MOTION_S,
+    begins_at_rest: bool = False,
 ) -> NoiseFloor:
     still = np.zeros(time_s.size)
-    part = ResidualContext(time_s, still, still, u, residual, at_rest)
+    part = ResidualContext(time_s, still, still, u, residual, begins_at_rest)
     return noise_floor([part], motion_s)
 
 
@@ -214,5 +219,5 @@ def test_a_motion_that_begins_at_rest_need_not_die_out(
     time_s, u = with_rests()
     noise = np.random.default_rng(3).standard_normal(time_s.size)
     u = np.where(np.arange(time_s.size) < begin, 50.0, u)
-    floor = floor_of(noise, u, time_s, motion_s=100.0, at_rest=begins_at_rest)
+    floor = floor_of(noise, u, time_s, motion_s=100.0, begins_at_rest=begins_at_rest)
     assert floor.from_rest is from_rest
