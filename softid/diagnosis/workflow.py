@@ -71,7 +71,7 @@ from softid.identification.stalls import across_stalls
 from softid.identification.unit_slips import unit_slips
 from softid.log import Log
 from softid.models.base import Model
-from softid.parallel import matrices_on_one_thread
+from softid.parallel import in_step, is_copy, matrices_on_one_thread
 from softid.parameters import ParameterSet
 from softid.results import FitResult
 
@@ -89,6 +89,7 @@ HOLLOW = 3
 
 
 @matrices_on_one_thread()
+@in_step()
 def diagnose(
     logs: Log | Sequence[Log],
     *,
@@ -356,7 +357,7 @@ def _rising(progress: Progress | None) -> Progress:
     def report(message: str, fraction: float) -> None:
         nonlocal most
         most = max(most, fraction)
-        if progress is not None:
+        if progress is not None and not is_copy():
             progress(message, most)
 
     return report

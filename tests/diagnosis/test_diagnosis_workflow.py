@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log
 
-from softid import parallel
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.workflow import _rising
@@ -16,6 +15,7 @@ from softid.diagnosis_results import Verdict
 from softid.errors import IdentificationError, UsageError
 from softid.log import Log, LogSet
 from softid.models import Oscillator
+from softid.parallel import sharing
 
 RATE = 0.01
 """rad/s: 0.2 rad over the log of 20 s, under noise of 0.01."""
@@ -242,7 +242,7 @@ def test_copies_of_the_process_find_what_it_finds_alone(monkeypatch: pytest.Monk
     log = drifting()
     found = []
     for cores in (1, 3):
-        monkeypatch.setattr(parallel, "_cores", lambda cores=cores: cores)
+        monkeypatch.setattr(sharing, "_cores", lambda cores=cores: cores)
         found.append(diagnose(log, model="oscillator", effects=(*TWO, "creep", "sensor_lag")))
     alone, together = found
     assert alone.evidence

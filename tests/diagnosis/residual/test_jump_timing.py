@@ -11,7 +11,6 @@ import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 import softid
-from softid import parallel
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.residual import jump_timing
@@ -20,6 +19,7 @@ from softid.diagnosis.residual.jump_timing import part_of_jumps, untimed_jumps
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log, LogSet
 from softid.models.oscillator import Oscillator
+from softid.parallel import sharing
 
 Array = npt.NDArray[np.float64]
 
@@ -259,7 +259,7 @@ def test_jumps_that_share_a_simulation_are_told_apart(
         return simulate(*args, **options)
 
     monkeypatch.setattr(Oscillator, "response", counted)
-    monkeypatch.setattr(parallel, "_cores", lambda: 1)  # what copies of the process count is lost
+    monkeypatch.setattr(sharing, "_cores", lambda: 1)  # what copies of the process count is lost
     shared = part_of_jumps(model, 0, noise=0.0)
     assert (len(count) < 2 * jumps) is fewer
     monkeypatch.setattr(jump_timing, "TOGETHER", jumps)

@@ -17,8 +17,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import softid
-from softid import parallel
-from softid.parallel import MAX_WORKERS, in_parallel
+from softid.parallel import in_parallel, in_step, is_copy, sharing
 
 HAS_FORK = sys.platform == "linux"
 WAYS = [False, pytest.param(True, marks=pytest.mark.skipif(not HAS_FORK, reason="no fork here"))]
@@ -41,8 +40,8 @@ def share(monkeypatch: pytest.MonkeyPatch) -> Share:
     """Sets how many cores there are, and whether the process may be forked."""
 
     def set_up(cores: int, *, forked: bool) -> None:
-        monkeypatch.setattr(parallel, "_cores", lambda: cores)
-        monkeypatch.setattr(parallel, "_can_fork", lambda: forked)
+        monkeypatch.setattr(sharing, "_cores", lambda: cores)
+        monkeypatch.setattr(sharing, "_can_fork", lambda: forked)
 
     return set_up
 
@@ -82,7 +81,7 @@ def test_as_many_work_as_there_are_cores_up_to_the_limit(
         return place()
 
     found = set(in_parallel(work, range(12)))
-    assert len(found) == min(cores, MAX_WORKERS)
+    assert len(found) == min(cores, sharing.MAX_WORKERS)
     assert len({process for process, _ in found}) == (len(found) if forked else 1)
 
 
@@ -185,35 +184,114 @@ def test_a_fit_takes_one_thread(verb: Callable[..., object]) -> None:
 
 
 INTERRUPTED = """
-import signal
-import time
-from softid import parallel
+import os, signal, sys, time
+from softid.parallel import sharing
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background ignores it
-parallel._cores = lambda: 3
+sharing._cores = lambda: 3
 def work(item):
-    print("begun", flush=True)
+    os.write({begun}, b"b")
     time.sleep(30)
-parallel.in_parallel(work, range(3))
+{how}
 """
 
 
 @pytest.mark.skipif(not HAS_FORK, reason="no fork here")
-def test_an_interrupt_ends_all_of_them_with_one_word() -> None:
+@pytest.mark.parametrize(
+    "how",
+    [
+        "sharing.in_parallel(work, range(3))",
+        "with sharing.in_step(): sharing.in_parallel(work, range(3))",
+    ],
+)
+def test_an_interrupt_ends_all_of_them_with_one_word(how: str) -> None:
     """As Ctrl-C reaches a whole group; none of the copies prints a traceback or goes on."""
+    told, begun = os.pipe()
     process = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED],
-        stdout=subprocess.PIPE,
+        [sys.executable, "-c", INTERRUPTED.format(begun=begun, how=how)],
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        pass_fds=[begun],
     )
-    assert process.stdout is not None
+    os.close(begun)
     for _ in range(3):
-        process.stdout.readline()
+        assert os.read(told, 1)
     began = time.monotonic()
     os.killpg(process.pid, signal.SIGINT)
     _, errors = process.communicate(timeout=20)
     assert time.monotonic() - began < 10
     assert errors.count("KeyboardInterrupt") == 1
-    with pytest.raises(ProcessLookupError):
-        os.killpg(process.pid, 0)
+    assert not os.read(told, 1)  # nobody is left who could write
+    os.close(told)
+
+
+@pytest.mark.skipif(not HAS_FORK, reason="no fork here")
+def test_copies_in_step_share_one_task_after_the_other(share: Share) -> None:
+    """What was found first goes into what is shared next; all know everything."""
+    share(3, forked=True)
+    with in_step():
+        first = in_parallel(slow_square, range(6))
+        second = in_parallel(lambda k: (slow_square(first[k][0]), first), range(6))
+    assert [number for number, _ in first] == [0, 1, 4, 9, 16, 25]
+    assert [number for (number, _), _ in second] == [0, 1, 16, 81, 256, 625]
+    members = {process for _, process in first}
+    assert len(members) == 3
+    assert members == {process for (_, process), _ in second}
+    assert all(known is first for _, known in second)
+
+
+def slow_square(number: int) -> tuple[int, int]:
+    time.sleep(0.02)
+    return number**2, os.getpid()
+
+
+@pytest.mark.skipif(not HAS_FORK, reason="no fork here")
+def test_a_copy_says_nothing_and_ends_with_the_block(
+    share: Share, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """One line is printed for each that is printed, and no process is left when an error is."""
+    share(3, forked=True)
+    seen: list[tuple[tuple[int, int], bool]] = []
+
+    @in_step()
+    def work() -> None:
+        sys.stdout.write("once")
+        os.write(2, b"once")
+        seen.extend(in_parallel(lambda k: (slow_square(k), is_copy()), range(6)))
+        raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        work()
+    assert capfd.readouterr() == ("once", "once")
+    assert {copy for (_, process), copy in seen if process != os.getpid()} == {True}
+    assert {copy for (_, process), copy in seen if process == os.getpid()} == {False}
+    for process in {process for (_, process), copy in seen if copy}:
+        with pytest.raises(ProcessLookupError):
+            os.kill(process, 0)
+
+
+@pytest.mark.skipif(not HAS_FORK, reason="no fork here")
+def test_an_error_is_caught_by_all_of_them(share: Share) -> None:
+    """A program may go on after it: so do its copies."""
+    share(2, forked=True)
+    with in_step():
+        try:
+            in_parallel(lambda k: 1 // (slow_square(k)[0] - 4), range(4))
+        except ZeroDivisionError:
+            found = in_parallel(slow_square, range(6))
+    assert [number for number, _ in found] == [0, 1, 4, 9, 16, 25]
+    assert len({process for _, process in found}) == 2
+
+
+@pytest.mark.parametrize("forked", WAYS)
+@pytest.mark.parametrize("cores", [1, 2])
+def test_a_block_in_another_or_on_one_core_changes_nothing(
+    share: Share, cores: int, *, forked: bool
+) -> None:
+    """Nor where the system cannot fork."""
+    share(cores, forked=forked)
+    with in_step(), in_step():
+        found = in_parallel(slow_square, range(6))
+        alone = in_parallel(slow_square, range(6), workers=1)
+    assert len({process for _, process in found}) == (2 if forked and cores == 2 else 1)
+    assert {process for _, process in alone} == {os.getpid()}

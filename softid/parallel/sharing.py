@@ -1,0 +1,169 @@
+"""Tasks that are shared out among the processor's cores.
+
+Compiled kernels release Python's lock, but what lies between their calls does not, so threads of
+short kernels wait for one another. Where the system can fork, copies of the process work beside it;
+they know all that it knows, so nothing is sent to them, and what they send back names what it knew
+already instead of copying it. Elsewhere threads do the work. Meanwhile a matrix product or a
+factorisation takes one thread: those of small matrices in several processes at once wait for one
+another for longer than the work takes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+from softid.parallel.matrix_threads import matrices_on_one_thread
+from softid.parallel.team import MOST_TASKS, Team
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+MAX_WORKERS = 4
+"""Workers at most. The tasks of a diagnosis are a few dozen of a few milliseconds each, and what is
+not shared out is done by all."""
+
+
+class _Here(threading.local):
+    """Of the thread at hand.
+
+    Attributes
+    ----------
+    has_part
+        Whether it works on a part already, so that it shares nothing out itself.
+    team
+        Copies that go on in step with it.
+    """
+
+    has_part: bool = False
+    team: Team | None = None
+
+
+_here = _Here()
+
+
+def in_parallel(
+    work: Callable[[Item], Result], items: Iterable[Item], *, workers: int | None = None
+) -> list[Result]:
+    """Results of ``work`` for every item, in order.
+
+    What ``work`` changes beside its result may be lost. An error reaches the caller.
+
+    Parameters
+    ----------
+    work
+        What to do, which may be a closure.
+    items
+        What to do it with.
+    workers
+        How many work; by default as many as there are cores, up to `MAX_WORKERS`, and all that
+        go on `in_step`.
+
+    Examples
+    --------
+    >>> in_parallel(lambda number: number**2, range(4))
+    [0, 1, 4, 9]
+    """
+    tasks = list(items)
+    workers = min(workers or _usual_workers(), len(tasks))
+    if _here.has_part:
+        return [work(task) for task in tasks]
+    with matrices_on_one_thread():
+        return _shared_out(work, tasks, workers)
+
+
+@contextlib.contextmanager
+def in_step() -> Iterator[None]:
+    """Have copies of the process go on beside it inside the ``with`` block or decorated function.
+
+    They do all that it does, and what `in_parallel` shares out in there is divided among them at
+    next to no cost. What is done must follow from the memory alone, and not from the clock, say.
+    Copies print nothing, see `is_copy`, and end where the block does. Where the system cannot fork
+    nothing changes.
+
+    Examples
+    --------
+    >>> with in_step():
+    ...     squares = in_parallel(lambda number: number**2, range(4))
+    ...     roots = in_parallel(lambda number: number**0.5, squares)
+    >>> roots
+    [0.0, 1.0, 2.0, 3.0]
+    """
+    if _here.has_part or _here.team is not None or _usual_workers() < 2 or not _can_fork():
+        yield
+        return
+    _here.team = team = Team(_usual_workers())
+    try:
+        yield
+    finally:
+        _here.team = None
+        team.end()
+
+
+def is_copy() -> bool:
+    """Whether this process is a copy that goes on in step, which should tell nobody anything.
+
+    Examples
+    --------
+    >>> is_copy()
+    False
+    """
+    return _here.team is not None and _here.team.is_copy
+
+
+def _shared_out(
+    work: Callable[[Item], Result], tasks: Sequence[Item], workers: int
+) -> list[Result]:
+    if workers < 2:
+        return [work(task) for task in tasks]
+    if _can_fork() and len(tasks) <= MOST_TASKS:
+        _here.has_part = True  # copies begin with what this thread has
+        try:
+            return _in_processes(work, tasks, workers)
+        finally:
+            _here.has_part = False
+    with ThreadPoolExecutor(workers, initializer=_take_part) as pool:
+        return list(pool.map(work, tasks))
+
+
+def _in_processes(
+    work: Callable[[Item], Result], tasks: Sequence[Item], workers: int
+) -> list[Result]:
+    """Copies of the process and the process itself take tasks as long as there are any."""
+    team = _here.team
+    if team is not None and (team.is_copy or len(team) > 1):
+        done = team.share(work, tasks)
+    else:
+        team = Team(workers)
+        try:
+            done = team.share(work, tasks, is_last=True)
+        finally:
+            team.end()
+    # what a copy could not do or send is done here, and fails here if it must
+    return [done[k] if k in done else work(task) for k, task in enumerate(tasks)]
+
+
+def _take_part() -> None:
+    _here.has_part = True
+
+
+def _usual_workers() -> int:
+    return min(MAX_WORKERS, _cores())
+
+
+def _cores() -> int:
+    """Cores that this process may use, which a container or a cluster limits."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _can_fork() -> bool:
+    """Whether copies of this process can work: on Linux, unless it is one of a pool itself."""
+    return sys.platform == "linux" and not multiprocessing.current_process().daemon

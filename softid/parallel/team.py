@@ -1,0 +1,187 @@
+"""A process and copies of it that go on in step.
+
+Each does all of the work, and a part of what is shared out. To make a copy takes milliseconds, and
+every page of memory that either writes to afterwards is copied first, so a copy that lives on pays
+for that only once. Nobody tells it what to do: from the same memory it comes to the same places by
+itself, and only results are exchanged. Whether all mean the same is asked each time; a copy that
+has gone astray is given up, and the first process does alone what is missing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import os
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from multiprocessing.connection import Connection, Pipe
+from typing import Any, TypeVar
+
+from softid.parallel.known_objects import KnownObjects, NotKnownError
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+NUMBER_BYTES = 2
+"""A task is claimed by its number in so many bytes."""
+
+NO_MORE = (1 << 8 * NUMBER_BYTES) - 1
+"""In place of a number: nothing is left to claim."""
+
+MOST_TASKS = 20_000
+"""Tasks at most whose numbers fit into a pipe, which holds 64 KiB."""
+
+
+class Team:
+    """A process and its copies; who makes one returns from it once in each member.
+
+    Parameters
+    ----------
+    size
+        Members. There are fewer where the system has no room for another process.
+
+    Attributes
+    ----------
+    is_copy
+        Whether this member is one of the copies.
+    """
+
+    is_copy: bool = False
+
+    def __init__(self, size: int) -> None:
+        self._copies: dict[int, Connection] = {}
+        self._first: Connection | None = None
+        self._numbers, self._filling = os.pipe()
+        with contextlib.suppress(OSError):
+            for _ in range(size - 1):
+                own, theirs = Pipe()
+                process = _fork()
+                if process == 0:
+                    self._begin_as_copy(theirs, (own, *self._copies.values()))
+                    break
+                theirs.close()
+                self._copies[process] = own
+
+    def __len__(self) -> int:
+        """Members that the first one knows of; 1 when all copies are lost."""
+        return 1 + len(self._copies)
+
+    def share(
+        self, work: Callable[[Item], Result], tasks: Sequence[Item], *, is_last: bool = False
+    ) -> dict[int, Result]:
+        """Do a part of the tasks, and learn what the others have done.
+
+        Parameters
+        ----------
+        work, tasks
+            The same in every member; at most `MOST_TASKS`.
+        is_last
+            Whether nothing else is shared, so that copies need not know the results.
+
+        Returns
+        -------
+        dict
+            Results by the number of their task, without those that failed.
+        """
+        if not self.is_copy:
+            self._offer(len(tasks))
+        known = KnownObjects(work, tasks)
+        done: dict[int, Result] = {}
+        for k in self._claimed():
+            with contextlib.suppress(Exception):  # who misses the result does it, and fails there
+                done[k] = work(tasks[k])
+        for data in self._exchanged(_packed(done, known), is_last=is_last):
+            done |= self._unpacked(data, known)
+        return done
+
+    def end(self) -> None:
+        """End the copies; in one of them this never returns."""
+        if self.is_copy:
+            os._exit(0)
+        self._give_up()
+        os.close(self._numbers)
+        os.close(self._filling)
+
+    def _begin_as_copy(self, first: Connection, inherited: Sequence[Connection]) -> None:
+        for connection in inherited:
+            connection.close()
+        os.close(self._filling)  # or nobody would see that the first process has ended
+        self.is_copy, self._first, self._copies = True, first, {}
+        gc.freeze()  # a collection would write to, and so copy, all memory that is shared
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends its copies
+        _say_nothing()
+
+    def _offer(self, count: int) -> None:
+        """Numbers of the tasks, each of which one member reads, and for each member the last."""
+        numbers = (*range(count), *(NO_MORE for _ in range(len(self))))
+        os.write(self._filling, b"".join(k.to_bytes(NUMBER_BYTES, "big") for k in numbers))
+
+    def _claimed(self) -> Iterator[int]:
+        while number := os.read(self._numbers, NUMBER_BYTES):
+            k = int.from_bytes(number, "big")
+            if k == NO_MORE:
+                return
+            yield k
+        self._go_astray()
+
+    def _exchanged(self, own: bytes, *, is_last: bool) -> list[bytes]:
+        """What the others have done; the first member hands on what it receives."""
+        received: dict[int, bytes] = {}
+        try:
+            if self._first is not None:
+                self._first.send_bytes(own)
+                return [] if is_last else list(self._first.recv())
+            for process, connection in self._copies.items():
+                received[process] = connection.recv_bytes()
+            for process, connection in () if is_last else self._copies.items():
+                others = (data for other, data in received.items() if other != process)
+                connection.send([own, *others])
+        except (EOFError, OSError):
+            self._go_astray()
+        return list(received.values())
+
+    def _unpacked(self, data: bytes, known: KnownObjects) -> Mapping[int, Any]:
+        try:
+            return dict(known.unpacked(data))
+        except NotKnownError:
+            self._go_astray()
+            return {}
+
+    def _go_astray(self) -> None:
+        """Go on without copies, one of which has ended or means something else."""
+        if self.is_copy:
+            os._exit(1)
+        self._give_up()
+
+    def _give_up(self) -> None:
+        for process, connection in self._copies.items():
+            connection.close()
+            os.kill(process, signal.SIGKILL)
+            with contextlib.suppress(ChildProcessError):  # a program may have waited for it
+                os.waitpid(process, 0)
+        self._copies = {}
+
+
+def _packed(done: Mapping[int, object], known: KnownObjects) -> bytes:
+    """Results to send; none where one of them cannot be sent, so that the others do them, too."""
+    try:
+        return known.packed(done)
+    except Exception:  # noqa: BLE001 (whatever a result of any kind raises when it is pickled)
+        return known.packed({})
+
+
+def _fork() -> int:
+    with warnings.catch_warnings():
+        # Python warns of threads that hold locks, which no task takes
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return os.fork()
+
+
+def _say_nothing() -> None:
+    """The first process says everything already."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        os.dup2(nowhere, stream)
+    sys.stdout = sys.stderr = os.fdopen(nowhere, "w")

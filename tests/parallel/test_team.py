@@ -1,0 +1,87 @@
+"""Copies that are lost on the way: what they leave undone is done all the same."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+
+import pytest
+
+from softid.parallel.team import Team
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="no fork here")
+
+SIZE = 3
+
+
+def in_team(script: Callable[[Team], list[int]]) -> list[int]:
+    """What the first member finds."""
+    team = Team(SIZE)
+    try:
+        return script(team)
+    finally:
+        team.end()
+
+
+def slow(k: int) -> int:
+    time.sleep(0.02)
+    return k
+
+
+def test_a_copy_that_is_killed_ends_the_team() -> None:
+    """The first process keeps what it has done and is told of nothing else."""
+
+    def script(team: Team) -> list[int]:
+        if team.is_copy:
+            os.kill(os.getpid(), signal.SIGKILL)
+        done = team.share(slow, range(6))
+        return [*done, len(team)]
+
+    assert in_team(script)[-1] == 1
+
+
+def test_a_copy_that_means_something_else_is_given_up() -> None:
+    """As many tasks, but with another number in them: its results belong to none of ours."""
+
+    def script(team: Team) -> list[int]:
+        own = 100 if team.is_copy else 0
+        done = team.share(slow, [own + k for k in range(6)])
+        assert all(number == k for k, number in done.items())
+        return [len(team)]
+
+    assert in_team(script) == [1]
+
+
+def test_a_copy_that_shares_nothing_more_is_given_up() -> None:
+    """It has come to the end of its work; nobody waits for it."""
+
+    def script(team: Team) -> list[int]:
+        if team.is_copy:
+            return []
+        done = team.share(slow, range(6))
+        return [*sorted(done), len(team)]
+
+    *done, members = in_team(script)
+    assert members == 1
+    assert done == list(range(6))
+
+
+def test_a_copy_ends_when_the_first_process_does() -> None:
+    """Killed without a chance to end them, it leaves nobody behind."""
+    told, telling = os.pipe()
+    first = os.fork()
+    if first == 0:
+        team = Team(SIZE)
+        team.share(lambda k: os.write(telling, b"."), range(1))
+        if not team.is_copy:
+            os.kill(os.getpid(), signal.SIGKILL)
+        team.share(slow, range(6))
+        os._exit(1)
+    os.close(telling)
+    os.waitpid(first, 0)
+    assert os.read(told, 1) == b"."
+    assert not os.read(told, 1)  # all who could write have ended
+    os.close(told)
