@@ -26,6 +26,7 @@ from softid.fitters.objective import (
 from softid.fitters.problem import Problem
 from softid.fitters.rivals import best_rival
 from softid.fitters.scouting import cost_of, scouts, searched
+from softid.parallel import in_parallel
 from softid.results import FitStatus
 
 Array = npt.NDArray[np.float64]
@@ -203,7 +204,7 @@ def _basin(
     at its end: before it is followed there, rivals are asked. Where several channels are fitted,
     their weights have to settle first.
     """
-    polished = [_polished(objective, row, DRAFT_EVALUATIONS) for row in contenders]
+    polished = _all_polished(objective, contenders, DRAFT_EVALUATIONS)
     creeping = [row for row in polished if row[0].offset > TOLERANCE]
     best, start = min(polished, key=cost_of)
     objective.set_prior(start, best)
@@ -212,10 +213,27 @@ def _basin(
         if rival is not None:
             return *rival, True
     if creeping:
-        polished += [_polished(objective, row, POLISH_EVALUATIONS) for row in creeping]
+        polished += _all_polished(objective, creeping, POLISH_EVALUATIONS)
         best, start = min(polished, key=cost_of)
         objective.set_prior(start, best)
     return best, start, False
+
+
+def _all_polished(
+    objective: Objective, rows: Sequence[tuple[Minimum, Array]], evaluations: int
+) -> list[tuple[Minimum, Array]]:
+    """Contenders nearer to their optima, side by side."""
+
+    def polished(row: tuple[Minimum, Array]) -> tuple[tuple[Minimum, Array], int]:
+        alone = Objective(objective.problem, objective.sigma)
+        alone.begin_with(row[0].normal)
+        return _polished(alone, row, evaluations), alone.evaluations
+
+    found = in_parallel(polished, rows, small=True)
+    objective.evaluations += sum(taken for _, taken in found)
+    rows = [row for row, _ in found]
+    objective.begin_with(min(rows, key=cost_of)[0].normal)
+    return rows
 
 
 def _polished(

@@ -11,6 +11,7 @@ the optimum rings nor what it leaves behind swings.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -119,8 +120,9 @@ def best_rival(
     found = search(best.point)
     values = problem.values(found.point)
     point, cost = best.point, BETTER * found.cost
-    for other in problem.model.alternatives(values):
-        ended = search.solve(problem.unknowns(other.values_dict()), SCOUT_EVALUATIONS)
+    starts = [other.values_dict() for other in problem.model.alternatives(values)]
+    for ended, taken in in_parallel(partial(_scouted, problem, sigma), starts, small=True):
+        search.evaluations += taken
         if ended.normal.cost < cost:
             point, cost = ended.point, ended.normal.cost
     if not thorough:
@@ -139,6 +141,14 @@ def best_rival(
         ended = search.solve(problem.unknowns(part.values(rival)), SCOUT_EVALUATIONS)
         point = ended.point if ended.normal.cost < cost else point
     return point, search.evaluations + there.evaluations + used
+
+
+def _scouted(
+    problem: Problem, sigma: Mapping[str, float], start: Mapping[str, float]
+) -> tuple[Minimum, int]:
+    """The end of a short run, and its evaluations."""
+    search = Objective(problem, sigma)
+    return search.solve(problem.unknowns(start), SCOUT_EVALUATIONS), search.evaluations
 
 
 def _ringing_rival(

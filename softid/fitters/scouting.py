@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +13,7 @@ from softid.fitters.noise_level import at_noise_level
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
 from softid.fitters.thinned import Lead, leads, led, rough_problem
+from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def scouts(
     limit: int,
     rough: Problem | None = None,
 ) -> list[tuple[Minimum, Array]]:
-    """Short runs from every start, best first; the compiled kernels release the lock.
+    """Short runs from every start, best first.
 
     Where there is a rough problem they lead through it, and go on over all samples from there.
 
@@ -98,11 +98,7 @@ def scouts(
         found = own.solve(lead.point, limit, damping=lead.damping)
         return found, lead.start, own
 
-    if len(begins) == 1:
-        rows = [run(begins[0])]
-    else:
-        with ThreadPoolExecutor(max_workers=SCOUTS) as pool:
-            rows = list(pool.map(run, begins))
+    rows = in_parallel(run, begins, small=True)
     objective.evaluations += sum(own.evaluations for _, _, own in rows)
     rows = sorted((row for row in rows if np.isfinite(row[0].normal.cost)), key=cost_of)
     if rows:

@@ -17,13 +17,14 @@ import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from softid.parallel.matrix_threads import matrices_on_one_thread
 from softid.parallel.team import MOST_TASKS, Team
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Other = TypeVar("Other")
 
 MAX_WORKERS = 4
 """Workers at most. The tasks of a diagnosis are a few dozen of a few milliseconds each, and what is
@@ -49,7 +50,11 @@ _here = _Here()
 
 
 def in_parallel(
-    work: Callable[[Item], Result], items: Iterable[Item], *, workers: int | None = None
+    work: Callable[[Item], Result],
+    items: Iterable[Item],
+    *,
+    workers: int | None = None,
+    small: bool = False,
 ) -> list[Result]:
     """Results of ``work`` for every item, in order.
 
@@ -64,6 +69,9 @@ def in_parallel(
     workers
         How many work; by default as many as there are cores, up to `MAX_WORKERS`, and all that
         go on `in_step`.
+    small
+        Whether copies are not worth making for it: those that go on `in_step` take part, and where
+        there are none threads do.
 
     Examples
     --------
@@ -75,7 +83,25 @@ def in_parallel(
     if _here.has_part:
         return [work(task) for task in tasks]
     with matrices_on_one_thread():
-        return _shared_out(work, tasks, workers)
+        return _shared_out(work, tasks, workers, small=small)
+
+
+def both(first: Callable[[], Result], second: Callable[[], Other]) -> tuple[Result, Other]:
+    """Results of two small pieces of work, done at the same time.
+
+    Parameters
+    ----------
+    first, second
+        What to do, each on its own: what it changes beside its result may be lost.
+
+    Examples
+    --------
+    >>> both(lambda: 1, lambda: "one")
+    (1, 'one')
+    """
+    works: tuple[Callable[[], Any], ...] = (first, second)
+    one, other = in_parallel(lambda work: work(), works, small=True)
+    return one, other
 
 
 @contextlib.contextmanager
@@ -118,14 +144,15 @@ def is_copy() -> bool:
 
 
 def _shared_out(
-    work: Callable[[Item], Result], tasks: Sequence[Item], workers: int
+    work: Callable[[Item], Result], tasks: Sequence[Item], workers: int, *, small: bool
 ) -> list[Result]:
     if workers < 2:
         return [work(task) for task in tasks]
-    if _can_fork() and len(tasks) <= MOST_TASKS:
+    team = _here.team if _here.team is not None and not _here.team.is_alone else None
+    if _can_fork() and len(tasks) <= MOST_TASKS and not (small and team is None):
         _here.has_part = True  # copies begin with what this thread has
         try:
-            return _in_processes(work, tasks, workers)
+            return _in_processes(work, tasks, team, workers)
         finally:
             _here.has_part = False
     with ThreadPoolExecutor(workers, initializer=_take_part) as pool:
@@ -133,11 +160,10 @@ def _shared_out(
 
 
 def _in_processes(
-    work: Callable[[Item], Result], tasks: Sequence[Item], workers: int
+    work: Callable[[Item], Result], tasks: Sequence[Item], team: Team | None, workers: int
 ) -> list[Result]:
     """Copies of the process and the process itself take tasks as long as there are any."""
-    team = _here.team
-    if team is not None and (team.is_copy or len(team) > 1):
+    if team is not None:
         done = team.share(work, tasks)
     else:
         team = Team(workers)

@@ -64,9 +64,10 @@ class Team:
                 theirs.close()
                 self._copies[process] = own
 
-    def __len__(self) -> int:
-        """Members that the first one knows of; 1 when all copies are lost."""
-        return 1 + len(self._copies)
+    @property
+    def is_alone(self) -> bool:
+        """Whether the first process has lost its copies."""
+        return not (self.is_copy or self._copies)
 
     def share(
         self, work: Callable[[Item], Result], tasks: Sequence[Item], *, is_last: bool = False
@@ -115,7 +116,7 @@ class Team:
 
     def _offer(self, count: int) -> None:
         """Numbers of the tasks, each of which one member reads, and for each member the last."""
-        numbers = (*range(count), *(NO_MORE for _ in range(len(self))))
+        numbers = (*range(count), *(NO_MORE for _ in range(1 + len(self._copies))))
         os.write(self._filling, b"".join(k.to_bytes(NUMBER_BYTES, "big") for k in numbers))
 
     def _claimed(self) -> Iterator[int]:
