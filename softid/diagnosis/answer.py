@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -38,11 +39,12 @@ from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import asks_for_the_others, verdict_of
 from softid.diagnosis.verdict.profile_intervals import with_intervals
-from softid.diagnosis_results import Cause, Diagnosis, Remainder
+from softid.diagnosis_results import Cause, Diagnosis, Remainder, Variation
 from softid.errors import Issue
 from softid.identification.assembly import OptimisedProblem, assemble
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.workflow import Identification
+from softid.parallel import both
 from softid.results import FitResult
 
 Array = npt.NDArray[np.float64]
@@ -66,21 +68,16 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     rng = np.random.default_rng(seed)
     least_sd = moved_parameters(chain.final, base.input_sds, remainder.noise_power)
     extends = bool(chain.links) or base.instead_of is not None
-    asked_for = base.asked_for.identified
-    before = assemble(
-        asked_for.found,
-        asked_for.logs,
-        asked_for.hold_out,
-        choice=asked_for.choice,
-        seed=seed,
-        least_sd={} if extends else least_sd,
+    before, after = both(
+        partial(_fit_of_base, base, seed, {} if extends else least_sd),
+        partial(_fit_of, chain.final, base.identified, seed, least_sd) if extends else _no_fit,
     )
-    after = _fit_of(chain.final, base.identified, seed, least_sd) if extends else None
-    models = prefix_models(chain, base.candidate, base.scale, base.sigma)
-    errors = [held_out.first_errors(model) for model in models]
+    errors, varied = both(
+        partial(_errors_by_link, chain, base), partial(_variations, chain, base, remainder)
+    )
     causes = causes_of(chain, errors, after, base.scale, rng)
     causes = _with_errors_without(causes, chain, base, errors[-1], rng)
-    causes = _with_variations(causes, chain, base, remainder)
+    causes = tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
     causes = with_doubts(causes, chain, after, remainder, base)
     sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
     is_named = consistent_names(chain.links, causes, sure, chain.final.squares)
@@ -158,15 +155,35 @@ def _with_errors_without(
     return tuple(found)
 
 
-def _with_variations(
-    causes: Sequence[Cause], chain: Chain, base: BaseFit, remainder: Remainder
-) -> tuple[Cause, ...]:
-    """The causes with how their sizes vary throughout the logs."""
-    if not causes:
+def _errors_by_link(chain: Chain, base: BaseFit) -> list[Array]:
+    """What is missed of the held-out samples without a cause, with the first one, and so on."""
+    models = prefix_models(chain, base.candidate, base.scale, base.sigma)
+    return [base.held_out.first_errors(model) for model in models]
+
+
+def _variations(chain: Chain, base: BaseFit, remainder: Remainder) -> Sequence[Variation | None]:
+    """How the sizes of the causes vary throughout the logs."""
+    if not chain.links:
         return ()
     added = [link.added for link in chain.links]
-    varied = variations(chain.final, added, base.sigma, with_open_jumps=remainder.open_jumps > 0)
-    return tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
+    return variations(chain.final, added, base.sigma, with_open_jumps=remainder.open_jumps > 0)
+
+
+def _fit_of_base(base: BaseFit, seed: int, least_sd: Mapping[str, float]) -> FitResult:
+    """The base that was asked for as a fit with errors and scores."""
+    asked_for = base.asked_for.identified
+    return assemble(
+        asked_for.found,
+        asked_for.logs,
+        asked_for.hold_out,
+        choice=asked_for.choice,
+        seed=seed,
+        least_sd=least_sd,
+    )
+
+
+def _no_fit() -> None:
+    """In place of an extended model where nothing extends the base."""
 
 
 def _fit_of(

@@ -71,7 +71,7 @@ from softid.identification.stalls import across_stalls
 from softid.identification.unit_slips import unit_slips
 from softid.log import Log
 from softid.models.base import Model
-from softid.parallel import in_step, is_copy, matrices_on_one_thread
+from softid.parallel import both, in_step, is_copy, matrices_on_one_thread
 from softid.parameters import ParameterSet
 from softid.results import FitResult
 
@@ -180,13 +180,18 @@ def diagnose(
     unit = recorded.input_unit if base.candidate.problem.model.is_linear else None
     answer = with_open_places(with_shared_scale(answer, linear_in=unit))
     answer = with_unnamed_misfit(with_varying_sizes(answer))
+    has_spring = base.candidate.has_spring
+    sets, motions = both(
+        lambda: permanent_set_issues(whole, base.scale.motion_s) if has_spring else (),
+        lambda: motion_shown_issues(base, answer),
+    )
     issues = (
         *negligible_issues(base),
         *plainer_model_issues(chosen, base),
         *restriction_issues(effects),
         *averaging_issues(count),
-        *(permanent_set_issues(whole, base.scale.motion_s) if base.candidate.has_spring else ()),
-        *motion_shown_issues(base, answer),
+        *sets,
+        *motions,
         *jump_issues(answer.remainder, base.candidate.problem),
         *input_noise_issues(answer.remainder, base.candidate.problem, request.input_sds),
         *joint_cause_issues(answer),
