@@ -7,13 +7,14 @@ Run from the root of the project::
 One worker and two take turns, so that neighbours on the machine slow both alike; the median over
 the rounds is printed, beside the machine's own ceiling: two workers that only count. Everything is
 shared out as softid does it, by `softid.parallel.in_parallel`; what a worker costs to begin with is
-part of it.
+part of it. A whole diagnosis has as many cores.
 """
 # ruff: noqa: T201 (a script that prints its result)
 
 from __future__ import annotations
 
 import argparse
+import os
 import time
 from collections.abc import Callable
 
@@ -26,12 +27,14 @@ from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
 from softid.models.muscle import Muscle
 from softid.parallel import in_parallel
+from softid.synthesis import hidden_pair
 
 COUNTS = 3_000_000
 JOBS = 6
 SAMPLES = 10_000
 EVALUATIONS = 20
 DRAWS = 200
+SEED = 3
 
 Share = Callable[[int], object]
 """Does something with so many workers."""
@@ -90,6 +93,21 @@ def evaluations_of_candidates() -> Share:
     return by_jobs(run)
 
 
+def whole_diagnosis() -> Share:
+    """On as many cores; what nothing can share out is a part of it."""
+    train, hold_out = hidden_pair(["creep"], seed=SEED).logs
+
+    def diagnosed(workers: int) -> None:
+        cores = os.sched_getaffinity(0)
+        os.sched_setaffinity(0, sorted(cores)[:workers])
+        try:
+            softid.diagnose(train, hold_out=[hold_out], model="muscle")
+        finally:
+            os.sched_setaffinity(0, cores)
+
+    return diagnosed
+
+
 def tell(what: str, share: Share, rounds: int) -> None:
     """Print the median throughput of two workers over that of one, beside the machine's ceiling.
 
@@ -131,6 +149,7 @@ def main() -> None:
         ("starts of one fit", starts_of_a_fit()),
         ("refits of a bootstrap", refits_of_a_bootstrap()),
         ("candidates of a diagnosis", evaluations_of_candidates()),
+        ("a whole diagnosis", whole_diagnosis()),
     ):
         tell(what, share, rounds)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import astuple, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,11 +13,12 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.workflow import _rising
-from softid.diagnosis_results import Verdict
+from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import IdentificationError, UsageError
 from softid.log import Log, LogSet
 from softid.models import Oscillator
 from softid.parallel import sharing
+from softid.parallel.team import Team
 
 RATE = 0.01
 """rad/s: 0.2 rad over the log of 20 s, under noise of 0.01."""
@@ -238,9 +241,21 @@ def test_progress_never_falls() -> None:
 
 
 def test_copies_of_the_process_find_what_it_finds_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """To the last digit, in the order of the causes too: who works on what is chance."""
+    """To the last digit, in the order of the causes too: who works on what is chance.
+
+    They go on in step from the beginning to the end, and none is lost on the way.
+    """
     log = drifting()
-    found = []
+    found: list[Diagnosis] = []
+    teams: set[object] = set()
+    lost, share = Team._go_astray, Team.share
+
+    def sharing_by(team: Team, *args: Any, **options: Any) -> Any:
+        teams.add(team)
+        return share(team, *args, **options)
+
+    monkeypatch.setattr(Team, "share", sharing_by)
+    monkeypatch.setattr(Team, "_go_astray", lambda team: (teams.add(None), lost(team)))
     for cores in (1, 3):
         monkeypatch.setattr(sharing, "_cores", lambda cores=cores: cores)
         found.append(diagnose(log, model="oscillator", effects=(*TWO, "creep", "sensor_lag")))
@@ -248,3 +263,4 @@ def test_copies_of_the_process_find_what_it_finds_alone(monkeypatch: pytest.Monk
     assert alone.evidence
     assert [astuple(e) for e in alone.evidence] == [astuple(e) for e in together.evidence]
     assert alone.summary == together.summary
+    assert len(teams) == (1 if sys.platform == "linux" else 0)
