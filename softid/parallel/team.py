@@ -14,6 +14,7 @@ import gc
 import os
 import signal
 import sys
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from multiprocessing.connection import Connection, Pipe
@@ -29,6 +30,13 @@ NUMBER_BYTES = 2
 
 NO_MORE = (1 << 8 * NUMBER_BYTES) - 1
 """In place of a number: nothing is left to claim."""
+
+PATIENCE = 20.0
+"""The first process waits for a copy so many times as long as its own part took. A copy that takes
+longer hangs: where the program has other threads, one may have held a lock when it was copied."""
+
+LEAST_PATIENCE_S = 300.0
+"""And as long at least; a judgement, as on a busy machine a copy may not have a core."""
 
 MOST_TASKS = 20_000
 """Tasks at most whose numbers fit into a pipe, which holds 64 KiB."""
@@ -88,12 +96,15 @@ class Team:
         """
         if not self.is_copy:
             self._offer(len(tasks))
+        began = time.monotonic()
         known = KnownObjects(work, tasks)
         done: dict[int, Result] = {}
         for k in self._claimed():
             with contextlib.suppress(Exception):  # who misses the result does it, and fails there
                 done[k] = work(tasks[k])
-        for data in self._exchanged(_packed(done, known), is_last=is_last):
+        own = _packed(done, known)
+        patience_s = max(LEAST_PATIENCE_S, PATIENCE * (time.monotonic() - began))
+        for data in self._exchanged(own, patience_s, is_last=is_last):
             done |= self._unpacked(data, known)
         return done
 
@@ -106,10 +117,10 @@ class Team:
         os.close(self._filling)
 
     def _begin_as_copy(self, first: Connection, inherited: Sequence[Connection]) -> None:
-        for connection in inherited:
-            connection.close()
-        os.close(self._filling)  # or nobody would see that the first process has ended
         self.is_copy, self._first, self._copies = True, first, {}
+        for connection in inherited:  # or nobody would see that the first process has ended
+            connection.close()
+        os.close(self._filling)
         gc.freeze()  # a collection would write to, and so copy, all memory that is shared
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends its copies
         _say_nothing()
@@ -127,7 +138,7 @@ class Team:
             yield k
         self._go_astray()
 
-    def _exchanged(self, own: bytes, *, is_last: bool) -> list[bytes]:
+    def _exchanged(self, own: bytes, patience_s: float, *, is_last: bool) -> list[bytes]:
         """What the others have done; the first member hands on what it receives."""
         received: dict[int, bytes] = {}
         try:
@@ -135,6 +146,8 @@ class Team:
                 self._first.send_bytes(own)
                 return [] if is_last else list(self._first.recv())
             for process, connection in self._copies.items():
+                if not connection.poll(patience_s):
+                    raise TimeoutError
                 received[process] = connection.recv_bytes()
             for process, connection in () if is_last else self._copies.items():
                 others = (data for other, data in received.items() if other != process)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import pytest
 
+from softid.parallel import team
 from softid.parallel.team import Team
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="no fork here")
@@ -19,11 +20,11 @@ SIZE = 3
 
 def in_team(script: Callable[[Team], list[int]]) -> list[int]:
     """What the first member finds."""
-    team = Team(SIZE)
+    members = Team(SIZE)
     try:
-        return script(team)
+        return script(members)
     finally:
-        team.end()
+        members.end()
 
 
 def slow(k: int) -> int:
@@ -34,11 +35,11 @@ def slow(k: int) -> int:
 def test_a_copy_that_is_killed_ends_the_team() -> None:
     """The first process keeps what it has done and is told of nothing else."""
 
-    def script(team: Team) -> list[int]:
-        if team.is_copy:
+    def script(members: Team) -> list[int]:
+        if members.is_copy:
             os.kill(os.getpid(), signal.SIGKILL)
-        done = team.share(slow, range(6))
-        return [*done, team.is_alone]
+        done = members.share(slow, range(6))
+        return [*done, members.is_alone]
 
     assert in_team(script)[-1]
 
@@ -46,11 +47,11 @@ def test_a_copy_that_is_killed_ends_the_team() -> None:
 def test_a_copy_that_means_something_else_is_given_up() -> None:
     """As many tasks, but with another number in them: its results belong to none of ours."""
 
-    def script(team: Team) -> list[int]:
-        own = 100 if team.is_copy else 0
-        done = team.share(slow, [own + k for k in range(6)])
+    def script(members: Team) -> list[int]:
+        own = 100 if members.is_copy else 0
+        done = members.share(slow, [own + k for k in range(6)])
         assert all(number == k for k, number in done.items())
-        return [team.is_alone]
+        return [members.is_alone]
 
     assert in_team(script) == [True]
 
@@ -58,15 +59,32 @@ def test_a_copy_that_means_something_else_is_given_up() -> None:
 def test_a_copy_that_shares_nothing_more_is_given_up() -> None:
     """It has come to the end of its work; nobody waits for it."""
 
-    def script(team: Team) -> list[int]:
-        if team.is_copy:
+    def script(members: Team) -> list[int]:
+        if members.is_copy:
             return []
-        done = team.share(slow, range(6))
-        return [*sorted(done), team.is_alone]
+        done = members.share(slow, range(6))
+        return [*sorted(done), members.is_alone]
 
     *done, is_alone = in_team(script)
     assert is_alone
     assert done == list(range(6))
+
+
+def test_a_copy_that_hangs_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As one does that waits for a lock which a thread held that is not there."""
+    monkeypatch.setattr(team, "LEAST_PATIENCE_S", 0.5)
+
+    def script(members: Team) -> list[int]:
+        if members.is_copy:
+            time.sleep(60.0)
+        done = members.share(slow, range(6))
+        return [*sorted(done), members.is_alone]
+
+    began = time.monotonic()
+    *done, is_alone = in_team(script)
+    assert is_alone
+    assert done == list(range(6))
+    assert time.monotonic() - began < 30.0
 
 
 def test_a_copy_ends_when_the_first_process_does() -> None:
@@ -74,11 +92,11 @@ def test_a_copy_ends_when_the_first_process_does() -> None:
     told, telling = os.pipe()
     first = os.fork()
     if first == 0:
-        team = Team(SIZE)
-        team.share(lambda k: os.write(telling, b"."), range(1))
-        if not team.is_copy:
+        members = Team(SIZE)
+        members.share(lambda k: os.write(telling, b"."), range(1))
+        if not members.is_copy:
             os.kill(os.getpid(), signal.SIGKILL)
-        team.share(slow, range(6))
+        members.share(slow, range(6))
         os._exit(1)
     os.close(telling)
     os.waitpid(first, 0)
