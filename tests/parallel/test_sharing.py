@@ -17,7 +17,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import softid
-from softid.parallel import in_parallel, in_step, is_copy, sharing
+from softid.parallel import both, in_parallel, in_step, is_copy, sharing
 
 HAS_FORK = sys.platform == "linux"
 WAYS = [False, pytest.param(True, marks=pytest.mark.skipif(not HAS_FORK, reason="no fork here"))]
@@ -295,3 +295,17 @@ def test_a_block_in_another_or_on_one_core_changes_nothing(
         alone = in_parallel(slow_square, range(6), workers=1)
     assert len({process for _, process in found}) == (2 if forked and cores == 2 else 1)
     assert {process for _, process in alone} == {os.getpid()}
+
+
+@pytest.mark.skipif(not HAS_FORK, reason="no fork here")
+def test_small_work_is_not_worth_copies_unless_they_are_there(share: Share) -> None:
+    """Threads of this process do it, or those that go on in step."""
+    share(2, forked=True)
+    alone = in_parallel(slow_square, range(6), small=True)
+    with in_step():
+        together = in_parallel(slow_square, range(6), small=True)
+        (_, first), (_, second) = both(lambda: slow_square(1), lambda: slow_square(2))
+    assert {process for _, process in alone} == {os.getpid()}
+    assert len({process for _, process in together}) == 2
+    assert {first, second} <= {process for _, process in together}
+    assert [number for number, _ in alone] == [number for number, _ in together]
