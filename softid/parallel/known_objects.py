@@ -25,7 +25,7 @@ PLAIN = (type(None), bool, int, float, complex, str, bytes, range, np.generic, t
 """What is sent as it is, or by its name."""
 
 FEW_NUMBERS = 64
-"""Arrays of up to so many numbers count in the digest: parameters, not signals."""
+"""Numbers of an array that count in the digest: all of parameters, some of a signal."""
 
 DIGEST_BYTES = 8
 """Length of the digest: two that differ are taken for the same once in 10¹⁹."""
@@ -58,8 +58,9 @@ class KnownObjects:
             else:
                 self._numbers[id(thing)] = len(self._objects)
                 self._objects.append(thing)
-                met.append(_label(thing))
-                waiting.extend(_parts(thing))
+                parts = tuple(_parts(thing))
+                met.append((_label(thing), len(parts)))
+                waiting.extend(parts)
         self._digest = blake2b(repr(met).encode(), digest_size=DIGEST_BYTES).digest()
 
     def packed(self, results: object) -> bytes:
@@ -115,7 +116,10 @@ class _Unpickler(pickle.Unpickler):
 def _label(thing: object) -> object:
     """What is compared of something beside its parts."""
     if isinstance(thing, np.ndarray):
-        return thing.tobytes() if thing.size <= FEW_NUMBERS else thing.shape
+        some = thing.flat[:: max(1, thing.size // FEW_NUMBERS)]
+        return thing.dtype.str, thing.shape, b"" if thing.dtype.hasobject else some.tobytes()
+    if isinstance(thing, FunctionType):
+        return thing.__qualname__, thing.__code__.co_firstlineno
     return getattr(thing, "__qualname__", type(thing).__qualname__)
 
 
@@ -124,14 +128,14 @@ def _parts(thing: object) -> Iterable[object]:
     if isinstance(thing, np.ndarray):
         return ()
     if isinstance(thing, FunctionType):
-        return _enclosed(thing)
+        return (thing.__defaults__, thing.__kwdefaults__, *_enclosed(thing))
     if isinstance(thing, partial):
         return (thing.func, thing.args, thing.keywords)
     if isinstance(thing, MethodType):
         return (thing.__func__, thing.__self__)
     if isinstance(thing, Mapping):
         return (*thing.keys(), *thing.values())
-    if isinstance(thing, tuple | list):
+    if isinstance(thing, tuple | list | set | frozenset):
         return thing
     if is_dataclass(thing):
         return [getattr(thing, name, None) for name in thing.__dataclass_fields__]

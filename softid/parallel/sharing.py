@@ -58,7 +58,8 @@ def in_parallel(
 ) -> list[Result]:
     """Results of ``work`` for every item, in order.
 
-    What ``work`` changes beside its result may be lost. An error reaches the caller.
+    What ``work`` changes beside its result may be lost, so it must not return what it was given and
+    has changed. An error reaches the caller.
 
     Parameters
     ----------
@@ -110,8 +111,8 @@ def in_step() -> Iterator[None]:
 
     They do all that it does, and what `in_parallel` shares out in there is divided among them at
     next to no cost. What is done must follow from the memory alone, and not from the clock, say.
-    Copies print nothing, see `is_copy`, and end where the block does. Where the system cannot fork
-    nothing changes.
+    Copies print nothing, see `is_copy`, but would write files as well; they end where the block
+    does. Where the system cannot fork nothing changes.
 
     Examples
     --------
@@ -164,15 +165,21 @@ def _in_processes(
 ) -> list[Result]:
     """Copies of the process and the process itself take tasks as long as there are any."""
     if team is not None:
-        done = team.share(work, tasks)
+        done, failed = team.share(work, tasks)
     else:
         team = Team(workers)
         try:
-            done = team.share(work, tasks, is_last=True)
+            done, failed = team.share(work, tasks, is_last=True)
         finally:
             team.end()
-    # what a copy could not do or send is done here, and fails here if it must
-    return [done[k] if k in done else work(task) for k, task in enumerate(tasks)]
+
+    def result(k: int) -> Result:
+        """What a copy could not do or send is done here, and fails here if it must."""
+        if k in failed:
+            raise failed[k]
+        return done[k] if k in done else work(tasks[k])
+
+    return [result(k) for k in range(len(tasks))]
 
 
 def _take_part() -> None:

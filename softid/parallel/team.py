@@ -14,10 +14,11 @@ import gc
 import os
 import signal
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from multiprocessing.connection import Connection, Pipe
+from multiprocessing.connection import Connection, Pipe, wait
 from typing import Any, TypeVar
 
 from softid.parallel.known_objects import KnownObjects, NotKnownError
@@ -37,6 +38,9 @@ longer hangs: where the program has other threads, one may have held a lock when
 
 LEAST_PATIENCE_S = 300.0
 """And as long at least; a judgement, as on a busy machine a copy may not have a core."""
+
+LOOKS_UP_S = 1.0
+"""How often a copy that waits looks whether the first process is still there."""
 
 MOST_TASKS = 20_000
 """Tasks at most whose numbers fit into a pipe, which holds 64 KiB."""
@@ -61,16 +65,25 @@ class Team:
     def __init__(self, size: int) -> None:
         self._copies: dict[int, Connection] = {}
         self._first: Connection | None = None
-        self._numbers, self._filling = os.pipe()
-        with contextlib.suppress(OSError):
-            for _ in range(size - 1):
-                own, theirs = Pipe()
-                process = _fork()
-                if process == 0:
-                    self._begin_as_copy(theirs, (own, *self._copies.values()))
-                    break
-                theirs.close()
-                self._copies[process] = own
+        self._process = os.getpid()
+        self._pipe: tuple[int, int] | None = None
+        try:
+            with contextlib.suppress(OSError), _uninterrupted():
+                self._pipe = os.pipe()
+                self._make_copies(size - 1)
+        except BaseException:
+            self.end()
+            raise
+
+    def _make_copies(self, count: int) -> None:
+        for _ in range(count):
+            own, theirs = Pipe()
+            process = _fork()
+            if process == 0:
+                self._begin_as_copy(theirs, (own, *self._copies.values()))
+                return
+            theirs.close()
+            self._copies[process] = own
 
     @property
     def is_alone(self) -> bool:
@@ -79,7 +92,7 @@ class Team:
 
     def share(
         self, work: Callable[[Item], Result], tasks: Sequence[Item], *, is_last: bool = False
-    ) -> dict[int, Result]:
+    ) -> tuple[dict[int, Result], dict[int, Exception]]:
         """Do a part of the tasks, and learn what the others have done.
 
         Parameters
@@ -91,39 +104,66 @@ class Team:
 
         Returns
         -------
-        dict
-            Results by the number of their task, without those that failed.
+        results, failures
+            By the number of their task; what another member failed in or kept is in neither.
         """
-        if not self.is_copy:
-            self._offer(len(tasks))
-        began = time.monotonic()
-        known = KnownObjects(work, tasks)
-        done: dict[int, Result] = {}
-        for k in self._claimed():
-            with contextlib.suppress(Exception):  # who misses the result does it, and fails there
-                done[k] = work(tasks[k])
-        own = _packed(done, known)
-        patience_s = max(LEAST_PATIENCE_S, PATIENCE * (time.monotonic() - began))
-        for data in self._exchanged(own, patience_s, is_last=is_last):
-            done |= self._unpacked(data, known)
-        return done
+        if self.is_alone:
+            return {}, {}
+        try:
+            return self._shared(work, tasks, is_last=is_last)
+        except BaseException:  # an interrupt, say, which the others know nothing of
+            self._go_astray()
+            raise
 
     def end(self) -> None:
         """End the copies; in one of them this never returns."""
         if self.is_copy:
             os._exit(0)
         self._give_up()
-        os.close(self._numbers)
-        os.close(self._filling)
+        for end in self._pipe or ():
+            os.close(end)
+        self._pipe = None
+
+    def _shared(
+        self, work: Callable[[Item], Result], tasks: Sequence[Item], *, is_last: bool
+    ) -> tuple[dict[int, Result], dict[int, Exception]]:
+        began = time.monotonic()
+        known = KnownObjects(work, tasks)
+        if not self.is_copy:
+            self._offer(len(tasks))
+        done: dict[int, Result] = {}
+        failed: dict[int, Exception] = {}
+        for k in self._claimed():
+            try:
+                done[k] = work(tasks[k])
+            except Exception as error:  # noqa: BLE001 (the caller raises it in its turn)
+                failed[k] = error
+        own = _packed(done, known)
+        patience_s = max(LEAST_PATIENCE_S, PATIENCE * (time.monotonic() - began))
+        for data in self._exchanged(own, patience_s, is_last=is_last):
+            done |= self._unpacked(data, known)
+        return done, failed
 
     def _begin_as_copy(self, first: Connection, inherited: Sequence[Connection]) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends its copies
         self.is_copy, self._first, self._copies = True, first, {}
         for connection in inherited:  # or nobody would see that the first process has ended
             connection.close()
         os.close(self._filling)
         gc.freeze()  # a collection would write to, and so copy, all memory that is shared
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends its copies
         _say_nothing()
+
+    @property
+    def _numbers(self) -> int:
+        """Where numbers of tasks are read."""
+        assert self._pipe is not None
+        return self._pipe[0]
+
+    @property
+    def _filling(self) -> int:
+        """Where they are written."""
+        assert self._pipe is not None
+        return self._pipe[1]
 
     def _offer(self, count: int) -> None:
         """Numbers of the tasks, each of which one member reads, and for each member the last."""
@@ -131,12 +171,21 @@ class Team:
         os.write(self._filling, b"".join(k.to_bytes(NUMBER_BYTES, "big") for k in numbers))
 
     def _claimed(self) -> Iterator[int]:
-        while number := os.read(self._numbers, NUMBER_BYTES):
-            k = int.from_bytes(number, "big")
+        while True:
+            self._await(self._numbers)
+            number = os.read(self._numbers, NUMBER_BYTES)
+            k = int.from_bytes(number, "big") if number else NO_MORE
             if k == NO_MORE:
                 return
             yield k
-        self._go_astray()
+
+    def _await(self, end: int | Connection) -> None:
+        """Wait until a pipe can be read; a copy only as long as there is a first process."""
+        while self.is_copy:
+            if os.getppid() != self._process:
+                self._go_astray()
+            if wait([end], LOOKS_UP_S):
+                return
 
     def _exchanged(self, own: bytes, patience_s: float, *, is_last: bool) -> list[bytes]:
         """What the others have done; the first member hands on what it receives."""
@@ -144,6 +193,8 @@ class Team:
         try:
             if self._first is not None:
                 self._first.send_bytes(own)
+                if not is_last:
+                    self._await(self._first)
                 return [] if is_last else list(self._first.recv())
             for process, connection in self._copies.items():
                 if not connection.poll(patience_s):
@@ -172,9 +223,10 @@ class Team:
     def _give_up(self) -> None:
         for process, connection in self._copies.items():
             connection.close()
-            os.kill(process, signal.SIGKILL)
-            with contextlib.suppress(ChildProcessError):  # a program may have waited for it
-                os.waitpid(process, 0)
+            with contextlib.suppress(ChildProcessError, ProcessLookupError):
+                if os.waitpid(process, os.WNOHANG) == (0, 0):  # else a program has waited for it
+                    os.kill(process, signal.SIGKILL)
+                    os.waitpid(process, 0)
         self._copies = {}
 
 
@@ -193,8 +245,30 @@ def _fork() -> int:
         return os.fork()
 
 
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Keep an interrupt until the block ends: a copy does not know at once that it is one."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    process, noted = os.getpid(), []
+    before = signal.signal(signal.SIGINT, lambda number, _: noted.append(number))
+    try:
+        yield
+    finally:
+        if os.getpid() == process:
+            signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+            if noted:
+                signal.raise_signal(signal.SIGINT)
+
+
+_unwritten: list[object] = []
+"""Streams of the first process, which would write what they hold when nobody knew them any more."""
+
+
 def _say_nothing() -> None:
-    """The first process says everything already."""
+    """The first process says everything already, also what waits to be written."""
+    _unwritten.extend((sys.stdout, sys.stderr))
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(nowhere, stream)

@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -309,3 +310,35 @@ def test_small_work_is_not_worth_copies_unless_they_are_there(share: Share) -> N
     assert len({process for _, process in together}) == 2
     assert {first, second} <= {process for _, process in together}
     assert [number for number, _ in alone] == [number for number, _ in together]
+
+
+@pytest.mark.parametrize("forked", WAYS)
+def test_an_error_is_that_of_the_first_try(share: Share, *, forked: bool) -> None:
+    """What fails once and would not again is not made good in silence."""
+    share(2, forked=forked)
+    met: list[int] = []
+
+    def once(item: int) -> int:
+        time.sleep(0.02)
+        if item == 0 and not met:
+            met.append(item)
+            raise InterruptedError
+        return item
+
+    with pytest.raises(InterruptedError):
+        in_parallel(once, range(2), workers=1)
+    met.clear()
+    with pytest.raises(InterruptedError):
+        in_parallel(once, range(6))
+
+
+@pytest.mark.skipif(not HAS_FORK, reason="no fork here")
+def test_what_was_printed_before_is_not_printed_again(share: Share, tmp_path: Path) -> None:
+    """A stream that holds text back has a copy in every process."""
+    share(3, forked=True)
+    out = sys.stdout
+    with (tmp_path / "told.txt").open("w") as sys.stdout:
+        sys.stdout.write("once")
+        in_parallel(slow_square, range(6))
+    sys.stdout = out
+    assert (tmp_path / "told.txt").read_text() == "once"

@@ -38,7 +38,7 @@ def test_a_copy_that_is_killed_ends_the_team() -> None:
     def script(members: Team) -> list[int]:
         if members.is_copy:
             os.kill(os.getpid(), signal.SIGKILL)
-        done = members.share(slow, range(6))
+        done, _ = members.share(slow, range(6))
         return [*done, members.is_alone]
 
     assert in_team(script)[-1]
@@ -49,7 +49,7 @@ def test_a_copy_that_means_something_else_is_given_up() -> None:
 
     def script(members: Team) -> list[int]:
         own = 100 if members.is_copy else 0
-        done = members.share(slow, [own + k for k in range(6)])
+        done, _ = members.share(slow, [own + k for k in range(6)])
         assert all(number == k for k, number in done.items())
         return [members.is_alone]
 
@@ -62,7 +62,7 @@ def test_a_copy_that_shares_nothing_more_is_given_up() -> None:
     def script(members: Team) -> list[int]:
         if members.is_copy:
             return []
-        done = members.share(slow, range(6))
+        done, _ = members.share(slow, range(6))
         return [*sorted(done), members.is_alone]
 
     *done, is_alone = in_team(script)
@@ -77,7 +77,7 @@ def test_a_copy_that_hangs_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     def script(members: Team) -> list[int]:
         if members.is_copy:
             time.sleep(60.0)
-        done = members.share(slow, range(6))
+        done, _ = members.share(slow, range(6))
         return [*sorted(done), members.is_alone]
 
     began = time.monotonic()
@@ -85,6 +85,25 @@ def test_a_copy_that_hangs_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert is_alone
     assert done == list(range(6))
     assert time.monotonic() - began < 30.0
+
+
+def test_copies_do_not_work_for_a_process_that_has_ended() -> None:
+    """Killed while many tasks are left, which the copies could go on with."""
+    told, telling = os.pipe()
+    first = os.fork()
+    if first == 0:
+        Team(SIZE).share(lambda _: (os.write(telling, b"."), time.sleep(0.1)), range(100))
+        os._exit(1)
+    os.close(telling)
+    for _ in range(SIZE):
+        assert os.read(told, 1) == b"."
+    os.kill(first, signal.SIGKILL)
+    os.waitpid(first, 0)
+    done = 0
+    while os.read(told, 1):  # until all who could write have ended
+        done += 1
+    os.close(told)
+    assert done < 20
 
 
 def test_a_copy_ends_when_the_first_process_does() -> None:
