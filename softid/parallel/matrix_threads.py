@@ -19,6 +19,7 @@ def matrices_on_one_thread() -> Iterator[None]:
 
     Examples
     --------
+    >>> import numpy as np
     >>> with matrices_on_one_thread():
     ...     float(np.ones(2) @ np.ones(2))
     2.0
