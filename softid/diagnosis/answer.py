@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -69,11 +68,11 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     least_sd = moved_parameters(chain.final, base.input_sds, remainder.noise_power)
     extends = bool(chain.links) or base.instead_of is not None
     before, after = both(
-        partial(_fit_of_base, base, seed, {} if extends else least_sd),
-        partial(_fit_of, chain.final, base.identified, seed, least_sd) if extends else _no_fit,
+        lambda: _fit_of_base(base, seed, {} if extends else least_sd),
+        lambda: _fit_of(chain.final, base.identified, seed, least_sd) if extends else None,
     )
     errors, varied = both(
-        partial(_errors_by_link, chain, base), partial(_variations, chain, base, remainder)
+        lambda: _errors_by_link(chain, base), lambda: _variations(chain, base, remainder)
     )
     causes = causes_of(chain, errors, after, base.scale, rng)
     causes = _with_errors_without(causes, chain, base, errors[-1], rng)
@@ -180,10 +179,6 @@ def _fit_of_base(base: BaseFit, seed: int, least_sd: Mapping[str, float]) -> Fit
         seed=seed,
         least_sd=least_sd,
     )
-
-
-def _no_fit() -> None:
-    """In place of an extended model where nothing extends the base."""
 
 
 def _fit_of(

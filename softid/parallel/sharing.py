@@ -80,9 +80,9 @@ def in_parallel(
     [0, 1, 4, 9]
     """
     tasks = list(items)
-    workers = min(workers or _usual_workers(), len(tasks))
     if _here.has_part:
         return [work(task) for task in tasks]
+    workers = min(workers or _usual_workers(), len(tasks))
     with matrices_on_one_thread():
         return _shared_out(work, tasks, workers, small=small)
 

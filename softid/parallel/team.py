@@ -171,6 +171,7 @@ class Team:
         os.write(self._filling, b"".join(k.to_bytes(NUMBER_BYTES, "big") for k in numbers))
 
     def _claimed(self) -> Iterator[int]:
+        """Numbers of tasks that no other member does."""
         while True:
             self._await(self._numbers)
             number = os.read(self._numbers, NUMBER_BYTES)

@@ -149,9 +149,10 @@ def main() -> None:
         ("starts of one fit", starts_of_a_fit()),
         ("refits of a bootstrap", refits_of_a_bootstrap()),
         ("candidates of a diagnosis", evaluations_of_candidates()),
-        ("a whole diagnosis", whole_diagnosis()),
     ):
         tell(what, share, rounds)
+    if hasattr(os, "sched_setaffinity"):
+        tell("a whole diagnosis", whole_diagnosis(), rounds)
 
 
 if __name__ == "__main__":
