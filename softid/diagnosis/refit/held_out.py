@@ -32,7 +32,7 @@ well."""
 FIRST_SHARE = 0.1
 """Nothing is held out of the first tenth, from which initial states are found."""
 
-GOLDEN_RATIO = 0.618
+GOLDEN_FRACTION = 0.618
 """Each fifth of the log has its block elsewhere, so that the blocks do not fall on the same part of
 every cycle."""
 
@@ -97,9 +97,11 @@ class HeldOut(ABC):
         return _joined(self.errors(candidate), candidate)
 
     def rms(self, candidate: Candidate) -> float:
-        """Root mean square of the first output's residual over what can judge; NaN for nothing."""
-        joined = _joined(self.judging(candidate), candidate)
-        return float(np.sqrt(np.mean(joined**2))) if joined.size else float("nan")
+        """Root mean square of the first output's residual over what can judge.
+
+        NaN where nothing can; infinite where the candidate runs away there.
+        """
+        return float(np.sqrt(mean_power([_joined(self.judging(candidate), candidate)])))
 
     def runs(self, candidate: Candidate) -> list[Array]:
         """Residuals of the first output over what can judge, by log and segment."""
@@ -302,6 +304,22 @@ def _is_within(limits: tuple[float, float], u: Array) -> BoolArray:
     return inside
 
 
+def mean_power(runs: Sequence[Array]) -> float:
+    """Mean square of runs of a residual; NaN for nothing, infinite where they are not finite.
+
+    Parameters
+    ----------
+    runs
+        The runs.
+    """
+    joined = np.concatenate(runs) if runs else np.empty(0)
+    if not joined.size:
+        return float("nan")
+    with np.errstate(over="ignore", invalid="ignore"):
+        power = float(np.mean(joined**2))
+    return power if np.isfinite(power) else np.inf
+
+
 def _joined(errors: Sequence[HeldOutErrors], candidate: Candidate) -> Array:
     """Residuals of the first output."""
     first = candidate.problem.outputs[0]
@@ -349,7 +367,7 @@ def _blocks(log: Log) -> BoolArray:
     length = max(int(BLOCK_SHARE * n), 1)
     stratum = (1.0 - FIRST_SHARE) / BLOCKS
     for k in range(BLOCKS):
-        place = (0.5 + k * GOLDEN_RATIO) % 1.0
+        place = (0.5 + k * GOLDEN_FRACTION) % 1.0
         first = int((FIRST_SHARE + k * stratum + place * (stratum - BLOCK_SHARE)) * n)
         held[first : first + length] = True
     for segment in log.segments()[1:]:  # the state in which it begins is found from its beginning

@@ -184,15 +184,20 @@ def noise_variance(base: Candidate, scale: Scale) -> float:
 def held_out_share(before: float, after: float, noise: float) -> float:
     """Share of the held-out misfit above the noise that goes; 1 when only noise is left.
 
+    It is 1, too, where nothing is held out, and 0 for a model that runs away there.
+
     Parameters
     ----------
     before, after
-        Root mean square error of the first and the last model on what was held out.
+        Root mean square error of the first and the last model on what was held out; NaN for
+        nothing, infinite for a model that runs away.
     noise
         Mean square error there that a true model would have.
     """
     left, whole = after**2 - noise, before**2 - noise
-    if not np.isfinite(left) or left <= FAINT * noise:
+    if np.isinf(after):
+        return 0.0
+    if np.isnan(left) or left <= FAINT * noise:
         return 1.0
     return float(np.clip(1.0 - left / whole, 0.0, 1.0)) if whole > 0.0 else 0.0
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, prior_sd
-from softid.diagnosis.refit.held_out import HeldOut, fitted_range
+from softid.diagnosis.refit.held_out import HeldOut, fitted_range, mean_power
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share
 from softid.diagnosis.residual.input_noise import input_noise
@@ -63,7 +63,9 @@ def with_held_out(
         Output channel → scale that its residual is divided by.
     """
     runs = held_out.runs(after)
-    power = float(np.mean(np.concatenate(runs) ** 2)) if runs else float("nan")
+    power = mean_power(runs)
+    if np.isinf(power):
+        return replace(remainder, held_out_share=0.0, misses_held_out=True)
     noise, unsure = remainder.noise_power, 0.0
     if power > noise:  # what more is asked for costs an evaluation of all logs
         noise = max(noise + _of_input(after, held_out, remainder), fastest_part(runs).variance)

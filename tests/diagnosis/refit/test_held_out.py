@@ -9,8 +9,10 @@ import numpy.typing as npt
 import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import (
     HeldOutBlocks,
+    HeldOutErrors,
     HeldOutLogs,
     hold_out_blocks,
 )
@@ -205,6 +207,24 @@ def test_nothing_held_out_has_no_error() -> None:
     problem = linear_problem([log])
     nothing = HeldOutBlocks((log,), (np.zeros(len(log), bool),))
     assert np.isnan(nothing.rms(standing(problem, problem.unknowns(TRUTH))))
+
+
+class RunningAway(HeldOutLogs):
+    """Logs on which every model diverges."""
+
+    def judging(self, candidate: Candidate) -> list[HeldOutErrors]:
+        """The errors, of which the last are not finite."""
+        rows = super().judging(candidate)
+        for row in rows:
+            row.residual[-9:] = np.nan
+        return rows
+
+
+def test_what_runs_away_on_what_is_held_out_is_worse_than_all_else() -> None:
+    """An infinite error rather than none, which nothing would be worse than."""
+    problem = linear_problem([linear_log()])
+    model = standing(problem, problem.unknowns(TRUTH))
+    assert RunningAway((linear_log(),)).rms(model) == np.inf
 
 
 @pytest.mark.parametrize("reading", ["held", "zoh"])

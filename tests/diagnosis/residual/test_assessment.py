@@ -24,6 +24,12 @@ def test_share_of_the_held_out_misfit(before: float, after: float, share: float)
     assert held_out_share(before, after, 1.0) == pytest.approx(share)
 
 
+def test_a_model_that_runs_away_explains_nothing_of_what_is_held_out() -> None:
+    """Where nothing is held out all is explained; a simulation that diverges explains nothing."""
+    assert held_out_share(3.0, float("nan"), 1.0) == 1.0
+    assert held_out_share(3.0, float("inf"), 1.0) == 0.0
+
+
 def bent(added: float) -> tuple[Candidate, Candidate]:
     """Bases at the truth: one whose log is the truth with noise, one with a sine on it."""
     samples = 4000

@@ -148,6 +148,23 @@ def test_blocks_between_fitted_samples_ask_little_of_the_parameters() -> None:
     assert not told_of(LEFT, model, held).misses_held_out
 
 
+class RunningAway(HeldOutLogs):
+    """Logs on which every model diverges."""
+
+    def runs(self, candidate: Candidate) -> list[np.ndarray]:
+        """The residuals, of which the last is beyond all numbers."""
+        runs = super().runs(candidate)
+        runs[-1][-1] = 1e200
+        return runs
+
+
+def test_what_runs_away_on_what_is_held_out_misses_it() -> None:
+    """A share of nothing, rather than of all."""
+    told = with_held_out(LEFT, 1.0, fitted(seed=3), RunningAway((fast_log(noise=NOISE),)), SIGMA)
+    assert told.misses_held_out
+    assert told.held_out_share == 0.0
+
+
 class Unsure(HeldOutLogs):
     """Logs that ask for what the fitted ones hardly know."""
 
