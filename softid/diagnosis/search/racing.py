@@ -33,6 +33,7 @@ from softid.diagnosis.search.rounds import (
     run_in_reach,
     run_round,
     run_rounds,
+    those_in_reach,
     variance_of,
 )
 from softid.diagnosis.search.screening import Signature, screen
@@ -229,15 +230,16 @@ def _second_round(
         lambda one: in_better_order(one, sigma),
         [one for one in first if other_order(one.acting) != one.acting],
     )
-    from_afar, second = run_rounds([(far_off, FAR_ROUND), (field, SECOND_ROUND)], sigma, COARSE)
-    left_behind: list[Candidate] = []
+    afar, near = run_rounds([(far_off, SECOND_ROUND), (field, SECOND_ROUND)], sigma, COARSE)
+    _, left_behind = those_in_reach(far_off, afar, near)
+    second = [*afar, *near]
     for _ in range(EXTRA_ROUNDS):
         moving = [c for c in second if _is_moving(c) and c not in left_behind]
         resting = [c for c in second if c not in moving]
         again, out_of_reach = run_in_reach(moving, resting, sigma, SECOND_ROUND, COARSE)
         second = resting + again + out_of_reach
         left_behind += out_of_reach
-    return [*by_squares(second), *from_afar]
+    return by_squares(second)
 
 
 def _contenders(

@@ -107,10 +107,25 @@ def run_in_reach(
         As in `advance`.
     """
     after = run_round(running, sigma, evaluations, substeps)
+    return those_in_reach(running, after, others)
+
+
+def those_in_reach(
+    before: Sequence[Candidate], after: Sequence[Candidate], others: Sequence[Candidate]
+) -> tuple[list[Candidate], list[Candidate]]:
+    """Candidates that may still catch up with the leader, and those that cannot.
+
+    Parameters
+    ----------
+    before, after
+        Candidates before a round and after it.
+    others
+        Those that did not run, but may lead, or have the same effects.
+    """
     leader = min((c.squares for c in (*after, *others)), default=0.0)
     in_reach, out_of_reach = list[Candidate](), list[Candidate]()
-    for before, candidate in zip(running, after, strict=True):
-        gained = gain(before.squares, candidate)
+    for began, candidate in zip(before, after, strict=True):
+        gained = gain(began.squares, candidate)
         may_catch_up = can_catch_up(candidate, leader, gained=gained)
         may_catch_up = may_catch_up and not is_outdone(candidate, after, gained=gained)
         (in_reach if may_catch_up else out_of_reach).append(candidate)
