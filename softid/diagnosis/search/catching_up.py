@@ -23,6 +23,10 @@ STANDS_STILL = 0.1
 """One that gained less in the round than this share of what its quadratic model still predicts goes
 nowhere: a bound, or a curve of the cost that no parabola is like, holds it."""
 
+SAME_PLACE = 2.0
+"""Two with the same effects stand at one optimum when they are less than so many standard errors
+apart, root mean square over the unknowns: each may be one away from it where it counts as there."""
+
 SMALLEST_GAIN = 4.0
 """When nobody has lowered n ln(S) by this much after two rounds, the race is over."""
 
@@ -39,6 +43,38 @@ def best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
     for candidate in by_squares(candidates):
         best.setdefault(candidate.keys, candidate)
     return list(best.values())
+
+
+def one_of_each_place(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Of those that stand at one optimum the best, the least sum of squares first."""
+    kept: list[Candidate] = []
+    for candidate in by_squares(candidates):
+        if not any(is_where(candidate, better) for better in kept):
+            kept.append(candidate)
+    return kept
+
+
+def is_where(candidate: Candidate, other: Candidate) -> bool:
+    """Whether a candidate stands where another one does, by the curvature there.
+
+    It would only follow to the same optimum. The same effects in another order are another model.
+
+    Parameters
+    ----------
+    candidate
+        Where it stands.
+    other
+        The other one.
+    """
+    mine, problem = candidate.problem, other.problem
+    if candidate.keys != other.keys or mine.free != problem.free or mine.size != problem.size:
+        return False
+    if [effect.key for effect in candidate.acting] != [effect.key for effect in other.acting]:
+        return False
+    variance = other.squares / max(problem.n_samples - problem.size, 1)
+    step = candidate.minimum.point - other.minimum.point
+    apart = float(step @ other.minimum.normal.matrix @ step)
+    return apart <= SAME_PLACE**2 * problem.size * variance
 
 
 def gain(squares: float, candidate: Candidate) -> float:

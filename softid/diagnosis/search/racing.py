@@ -13,6 +13,7 @@ from softid.diagnosis.search.catching_up import (
     best_of_each,
     by_squares,
     gain,
+    one_of_each_place,
 )
 from softid.diagnosis.search.effect_starts import (
     candidate_from,
@@ -232,14 +233,24 @@ def _second_round(
     )
     afar, near = run_rounds([(far_off, SECOND_ROUND), (field, SECOND_ROUND)], sigma, COARSE)
     _, left_behind = those_in_reach(far_off, afar, near)
-    second = [*afar, *near]
+    return by_squares(_led_on([*afar, *near], left_behind, [], sigma))
+
+
+def _led_on(
+    candidates: Sequence[Candidate],
+    left_behind: Sequence[Candidate],
+    others: Sequence[Candidate],
+    sigma: Mapping[str, float],
+) -> list[Candidate]:
+    """Candidates after further rounds of those that are unconverged and may catch up."""
+    found, behind = list(candidates), list(left_behind)
     for _ in range(EXTRA_ROUNDS):
-        moving = [c for c in second if _is_moving(c) and c not in left_behind]
-        resting = [c for c in second if c not in moving]
-        again, out_of_reach = run_in_reach(moving, resting, sigma, SECOND_ROUND, COARSE)
-        second = resting + again + out_of_reach
-        left_behind += out_of_reach
-    return by_squares(second)
+        moving = [c for c in found if _is_moving(c) and c not in behind]
+        resting = [c for c in found if c not in moving]
+        again, out_of_reach = run_in_reach(moving, [*resting, *others], sigma, SECOND_ROUND, COARSE)
+        found = resting + again + out_of_reach
+        behind += out_of_reach
+    return found
 
 
 def _contenders(
@@ -253,10 +264,12 @@ def _contenders(
     misfit = max(fitted.squares - leader, 0.0)
     limit = leader + CLEAR_LEAD * misfit
     kept = _last_survivors(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
-    others = [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
-    swaps = [form for candidate in kept for form in exchanged(candidate)]
-    swaps, others = run_rounds([(swaps, FAR_ROUND), (others, SECOND_ROUND)], sigma, COARSE)
-    return [*kept, *(form for form in [*others, *swaps] if form.squares <= limit)]
+    forms = [form for candidate in kept for form in exchanged(candidate)]
+    forms += [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
+    moved = run_round(forms, sigma, SECOND_ROUND, COARSE)
+    _, left_behind = those_in_reach(forms, moved, kept)
+    forms = _led_on(moved, left_behind, kept, sigma)
+    return one_of_each_place([*kept, *(form for form in forms if form.squares <= limit)])
 
 
 def _last_survivors(

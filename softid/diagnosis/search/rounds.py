@@ -6,7 +6,12 @@ from collections.abc import Mapping, Sequence
 from itertools import islice
 
 from softid.diagnosis.refit.candidates import Candidate, advance, let_go
-from softid.diagnosis.search.catching_up import can_catch_up, gain, is_outdone
+from softid.diagnosis.search.catching_up import (
+    can_catch_up,
+    gain,
+    is_outdone,
+    one_of_each_place,
+)
 from softid.parallel import in_parallel
 
 RACING_TOLERANCE = 0.2
@@ -120,14 +125,16 @@ def those_in_reach(
     before, after
         Candidates before a round and after it.
     others
-        Those that did not run, but may lead, or have the same effects.
+        Those that did not run, but may lead, or stand where one of these does.
     """
-    leader = min((c.squares for c in (*after, *others)), default=0.0)
+    all_there = [*after, *others]
+    leader = min((c.squares for c in all_there), default=0.0)
+    places = one_of_each_place(all_there)
     in_reach, out_of_reach = list[Candidate](), list[Candidate]()
     for began, candidate in zip(before, after, strict=True):
         gained = gain(began.squares, candidate)
-        may_catch_up = can_catch_up(candidate, leader, gained=gained)
-        may_catch_up = may_catch_up and not is_outdone(candidate, after, gained=gained)
+        may_catch_up = candidate in places and can_catch_up(candidate, leader, gained=gained)
+        may_catch_up = may_catch_up and not is_outdone(candidate, all_there, gained=gained)
         (in_reach if may_catch_up else out_of_reach).append(candidate)
     return in_reach, out_of_reach
 

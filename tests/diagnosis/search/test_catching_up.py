@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from handmade_rounds import candidate
+from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
 
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.catching_up import (
     best_of_each,
     by_squares,
     can_catch_up,
     gain,
     is_outdone,
+    is_where,
+    one_of_each_place,
 )
+from softid.diagnosis.search.forward_selection import converged
 
 
 def test_the_gain_by_hand() -> None:
@@ -86,3 +93,26 @@ def test_of_one_law_only_the_best_place_counts(
     row = candidate((key,), squares, offset=offset)
     best = candidate(("creep",), 1.0)
     assert is_outdone(row, [row, best], gained=gained) is outdone
+
+
+def moved(place: Candidate, k: int, standard_errors: float) -> Candidate:
+    """A candidate so many of its standard errors, the others held, away along one unknown."""
+    problem, normal = place.problem, place.minimum.normal
+    variance = place.squares / (problem.n_samples - problem.size)
+    z = place.minimum.point.copy()
+    z[k] += standard_errors * np.sqrt(variance / normal.matrix[k, k])
+    cost = normal.cost + 0.5 * standard_errors**2 * variance
+    return replace(
+        place, minimum=replace(place.minimum, point=z, normal=replace(normal, cost=cost))
+    )
+
+
+def test_two_within_their_errors_stand_at_one_place() -> None:
+    """Closed form: along one unknown of P, two root mean square errors are 2 √P of its own."""
+    problem = linear_problem([linear_log(noise=0.01)])
+    place = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
+    limit = 2.0 * np.sqrt(problem.size)
+    near, far = moved(place, 0, 0.99 * limit), moved(place, 0, 1.01 * limit)
+    assert is_where(near, place)
+    assert not is_where(far, place)
+    assert one_of_each_place([far, near, place]) == [place, far]
