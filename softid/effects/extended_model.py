@@ -15,7 +15,7 @@ from softid.effects.motion import rest, simulate_motion
 from softid.effects.scale import Scale
 from softid.effects.stage_input import arriving_input
 from softid.kernels.step_counts import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
-from softid.models.base import Model, Response
+from softid.models.base import Model, MotionTerm, Response
 from softid.models.division import Division, divide, divided
 from softid.models.second_order import Law
 from softid.parameters import ParameterSet
@@ -327,6 +327,10 @@ class ExtendedModel(Model):
     def motion_law(self, theta: Array) -> Law | None:
         """That of the model without its effects."""
         return self.model.motion_law(theta[: self._split[0]])
+
+    def motion_term(self, theta: Array) -> MotionTerm | None:
+        """That of the model without its effects."""
+        return self.model.motion_term(theta[: self._split[0]])
 
     def alternatives(self, values: Mapping[str, float]) -> tuple[ParameterSet, ...]:
         """Those of the model without its effects, which keep their values."""

@@ -62,6 +62,8 @@ class MotionTerm:
         Address of what differentiates it by θ; see `softid.kernels.equation.Equation`.
     equilibrium
         Position at rest under an input; NaN when there is none.
+    elastic
+        Force by which the spring pulls back from a position.
     drift_at
         Which of θ is a drift rate that the sensor adds to every output; None for none.
     """
@@ -70,6 +72,7 @@ class MotionTerm:
     parameters: Array
     slopes_address: int
     equilibrium: Callable[[float], float]
+    elastic: Callable[[float], float]
     drift_at: int | None = None
 
     def with_drift(self, found: Response, theta: Array, time_s: Array) -> Response:

@@ -260,6 +260,7 @@ class Equilibrium(Actuator, Model):
             pack(theta, body),
             slopes_address(),
             lambda pressure_kpa: float(rest_angle(pressure_kpa, theta, body)),
+            lambda angle: float(torque_parts(angle, 0.0, 0.0, theta, body)[3]),
             N_DYNAMIC,
         )
 

@@ -186,7 +186,7 @@ def _changes(reference: Candidate, scale: Scale) -> list[_Change]:
 def _own_scale(reference: Candidate, scale: Scale) -> Scale:
     """Sizes with the reference's own force: a law may be known up to a factor of all forces."""
     problem = reference.problem
-    law = problem.model.motion_law(problem.theta(reference.minimum.point))
+    theta = problem.theta(reference.minimum.point)
     u = np.concatenate([segment.input for segment in problem.segments])
-    force = elastic_force(law, u, scale.x_span)
+    force = elastic_force(problem.model, theta, u, (scale.x_low, scale.x_high))
     return replace(scale, force=force) if np.isfinite(force) else scale

@@ -71,10 +71,9 @@ def _with_own_force(candidate: Candidate, model: ExtendedModel) -> Scale:
         return model.scale
     problem = candidate.problem
     theta = problem.theta(candidate.minimum.point)
-    law = model.model.motion_law(theta[: len(model.model.parameters())])
     u = np.concatenate([segment.input for segment in problem.segments])
-    force = elastic_force(law, u, model.scale.x_span)
-    if law is None or not GROWN * model.scale.force < force < np.inf:
+    force = elastic_force(model, theta, u, (model.scale.x_low, model.scale.x_high))
+    if not GROWN * model.scale.force < force < np.inf:
         return model.scale
     return replace(model.scale, force=force)
 

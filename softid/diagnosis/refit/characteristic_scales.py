@@ -12,6 +12,7 @@ from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 
 if TYPE_CHECKING:
+    from softid.models.base import Model
     from softid.models.second_order import Law
 
 Array = npt.NDArray[np.float64]
@@ -27,6 +28,12 @@ FASTEST = 0.05
 
 FAST_QUANTILE = 0.99
 """The largest speed is what is exceeded for a hundredth of the time only."""
+
+SMALLEST_SPAN = 1e-12
+"""What does not move at all has a span that can be divided by."""
+
+SPAN_PLACES = 9
+"""Positions between which the elastic force of a law that is not affine has its span."""
 
 
 def scale_of(problem: Problem, unknowns: Array) -> Scale:
@@ -47,7 +54,7 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
     v = np.concatenate([path[1] for path in paths])
     first = problem.outputs[0]
     y_low, y_high = range_without_zeros(problem, unknowns)
-    x_span = max(float(np.ptp(x)), 1e-12)
+    x_span = max(float(np.ptp(x)), SMALLEST_SPAN)
     units = {name: problem.logs[0].channels[name].unit for name in (first, problem.logs[0].input)}
     return Scale(
         u_low=float(u.min()),
@@ -55,7 +62,7 @@ def scale_of(problem: Problem, unknowns: Array) -> Scale:
         x_low=float(x.min()),
         x_high=float(x.min()) + x_span,
         v_max=max(float(np.quantile(np.abs(v), FAST_QUANTILE)), 1e-9 * x_span),
-        force=elastic_force(law, u, x_span),
+        force=elastic_force(problem.model, theta, u, (float(x.min()), float(x.max()))),
         y_low=y_low,
         y_high=y_high,
         period_s=float(np.median(np.concatenate([np.diff(s.time_s) for s in problem.segments]))),
@@ -111,23 +118,30 @@ def _path(problem: Problem, unknowns: Array, k: int) -> tuple[Array, Array]:
     return response.x, response.v
 
 
-def elastic_force(law: Law | None, u: Array, x_span: float) -> float:
+def elastic_force(model: Model, theta: Array, u: Array, places: tuple[float, float]) -> float:
     """Typical span of the elastic force; that of the drive where there is no spring.
 
     Parameters
     ----------
-    law
-        The law of motion; None has a force of 1.
+    model
+        The model, without effects; one without a motion has a force of 1.
+    theta
+        Its parameters.
     u
         Inputs.
-    x_span
-        Span of the position.
+    places
+        Smallest and largest position.
     """
-    if law is None:
+    law, term = model.motion_law(theta), model.motion_term(theta)
+    low, high = places
+    if law is not None:
+        _, stiffness, drive = law.coefficients(u)
+        elastic = float(np.median(stiffness)) * max(high - low, SMALLEST_SPAN)
+        return elastic if elastic > 0.0 else max(float(np.ptp(drive)), SMALLEST_SPAN)
+    if term is None:
         return 1.0
-    _, stiffness, drive = law.coefficients(u)
-    elastic = float(np.median(stiffness)) * x_span
-    return elastic if elastic > 0.0 else max(float(np.ptp(drive)), 1e-12)
+    elastic = float(np.ptp([term.elastic(x) for x in np.linspace(low, high, SPAN_PLACES)]))
+    return elastic if 0.0 < elastic < np.inf else 1.0
 
 
 def _slowness(law: Law | None, u: Array, problem: Problem) -> float:

@@ -15,6 +15,7 @@ from softid.diagnosis.refit.characteristic_scales import (
     scale_of,
 )
 from softid.fitters.problem import Problem
+from softid.kernels.bending_body import elastic_torque
 from softid.log import Log
 from softid.models import Equilibrium, Muscle, Oscillator
 
@@ -180,3 +181,13 @@ def test_the_fastest_place_of_the_range() -> None:
     for mass, wanted in ((0.4, 0.2), (4.5, 0.3)):
         z = problem.unknowns({**TRUTH, "M": mass})
         assert fastest_time(problem, z) == pytest.approx(wanted)
+
+
+def test_the_force_of_a_bending_actuator_is_its_own() -> None:
+    """Closed form s·(K(high) − K(low)), K rising with the angle, whatever the actuator's size."""
+    model = Equilibrium()
+    problem = Problem(model, model.parameters(), [linear_log()])
+    values = model.parameters().values_dict()
+    scale = scale_of(problem, problem.unknowns(values))
+    torques = [elastic_torque(x, model.compiled_body) for x in (scale.x_low, scale.x_high)]
+    assert scale.force == pytest.approx(values["stiffness"] * (torques[1] - torques[0]))
