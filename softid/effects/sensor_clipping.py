@@ -133,7 +133,7 @@ def _upper(scale: Scale, depth: float, source: str) -> Parameter:
         scale.y_unit,
         scale.y_high - DEEPEST * scale.y_span,
         scale.y_high + BEYOND * scale.y_span,
-        meaning="largest possible reading minus the sensor zero of the log",
+        meaning="largest possible reading, less the sensor zero of the log",
         source=source,
     )
 
@@ -145,6 +145,6 @@ def _lower(scale: Scale, depth: float, source: str) -> Parameter:
         scale.y_unit,
         scale.y_low - BEYOND * scale.y_span,
         scale.y_low + DEEPEST * scale.y_span,
-        meaning="smallest possible reading minus the sensor zero of the log",
+        meaning="smallest possible reading, less the sensor zero of the log",
         source=source,
     )
