@@ -1,7 +1,6 @@
 """The architecture: imports point downward, run in no circle, and side effects have their places.
 
-The layers are those of the README's section on architecture. A new module must be given its layer
-here first.
+The layers are those of softid/README.md. A new module must be given its layer here first.
 """
 
 from __future__ import annotations
@@ -35,10 +34,10 @@ LAYERS: tuple[tuple[str, ...], ...] = (
         "records",
         "plots",
     ),
-    ("simulation", "uncertainty", "report"),
+    ("simulation", "uncertainty"),
     ("fitters",),
     ("identification", "validation", "synthesis"),
-    ("diagnosis", "discrimination"),
+    ("diagnosis",),
 )
 """Modules and packages of softid, lowest first; above them come the public face and softid_cli."""
 
@@ -72,7 +71,6 @@ WORKFLOWS = (
     "identification",
     "validation",
     "diagnosis",
-    "discrimination",
 )
 
 LONGEST_FILE = 400
@@ -161,7 +159,7 @@ def layer_of(name: str) -> int:
         if part in layer:
             return depth
     raise AssertionError(
-        f"{name} has no layer: add {part!r} to LAYERS in tests/test_layers.py and to the README"
+        f"{name} has no layer: add {part!r} to LAYERS in tests/test_layers.py and softid/README.md"
     )
 
 

@@ -20,8 +20,9 @@ DEMO_LOG = Path("data") / "demo_step.csv"
 def demo(out: Path | None, force: bool, as_json: bool, quiet: bool) -> None:
     """Fit a bundled synthetic log and print what `softid fit` prints.
 
-    Pressure steps on a bending muscle, with the noise, the valve lag and the sensor zero of a real
-    rig. The true parameters are in the manifest beside the log.
+    The log is simulated, not measured: pressure steps, a sine and a ramp on a bending muscle, with
+    noise, valve lag, lost samples and a sensor zero as on a real rig. The true parameters are in
+    manifest.json, in the folder above the log's.
     """
     from softid.synthesis import bundled_datasets
 

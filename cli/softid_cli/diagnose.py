@@ -69,7 +69,7 @@ def _names(ctx: click.Context, param: click.Parameter, text: str | None) -> tupl
     metavar="FILE",
     help="Take base model, roles and start values from a params.json.",
 )
-@hold_out_option("Logs that judge and are not fitted")
+@hold_out_option("Logs that test the causes and are not fitted")
 @click.option(
     "--effects",
     callback=_names,
@@ -86,7 +86,7 @@ def _names(ctx: click.Context, param: click.Parameter, text: str | None) -> tupl
 @quiet_option
 @takes(DiagnoseRequest)
 def diagnose(request: DiagnoseRequest) -> None:
-    """Say what a simulation of LOGs gets wrong, name the cause, and measure what mending it gains.
+    """Name what a model of LOGs gets wrong, and measure what a correction gains.
 
     Prints a paragraph and a table of causes. Writes diagnosis.json, params.json of the base model,
     extended_params.json of the model with the causes, and plots to softid-out/LOG-diagnosis, or to

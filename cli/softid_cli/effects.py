@@ -85,7 +85,7 @@ def print_list(chosen: Sequence[Effect]) -> None:
         rows = [(e.key, e.title, e.shown_by) for e in chosen if e.stage == stage]
         print_rows([("effect", "left"), ("what it is", "left"), ("is shown by", "left")], rows)
         click.echo()
-    click.echo("`softid effects NAME` tells law, meaning, parameters, signature and remedy.")
+    click.echo("`softid effects NAME` shows law, meaning, parameters, signature and remedy.")
 
 
 def print_description(effect: Effect, variants: list[str]) -> None:

@@ -55,9 +55,12 @@ class FitRequest(Request):
 @click.command(cls=GreedyCommand, greedy=("--hold-out",))
 @logs_argument
 @model_option("Model; without it softid chooses and says why.")
-@hold_out_option("Logs to score but not to fit")
+@hold_out_option("Logs that are scored but not fitted")
 @click.option(
-    "--fix", multiple=True, metavar="NAME=VALUE", help="Hold a parameter; may be repeated."
+    "--fix",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Fix a parameter at a value; may be repeated.",
 )
 @click.option(
     "--bound",
@@ -78,7 +81,8 @@ class FitRequest(Request):
     "--profile",
     multiple=True,
     metavar="NAME",
-    help="Interval of a parameter by refitting all others along it; may be repeated.",
+    help="Profile-likelihood interval of a parameter: it is stepped and all others are refitted; "
+    "may be repeated.",
 )
 @out_options
 @no_plots_option("params.json")

@@ -55,7 +55,7 @@ def inspect(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """Say what is in LOGS: sampling, faults, excitation, and what they can identify."""
+    """Report what is in LOGS: sampling, faults, excitation, and what they can identify."""
     from softid.quality import inspect as inspect_log
     from softid.records import dump_json
 

@@ -20,11 +20,14 @@ from softid_cli.console import (
 )
 
 COMMANDS: dict[str, tuple[str, str]] = {
-    "inspect": ("softid_cli.inspect", "Say what is in a log and what can be identified from it."),
+    "inspect": (
+        "softid_cli.inspect",
+        "Report what is in a log and what can be identified from it.",
+    ),
     "fit": ("softid_cli.fit", "Identify a model from logs: parameters with errors, plots."),
     "diagnose": (
         "softid_cli.diagnose",
-        "Say what a simulation gets wrong, name the cause, measure the gain.",
+        "Name the cause of a model's misfit and measure the gain.",
     ),
     "validate": (
         "softid_cli.validate",
@@ -32,12 +35,15 @@ COMMANDS: dict[str, tuple[str, str]] = {
     ),
     "simulate": ("softid_cli.simulate", "Predict the response to a log's pressure, as CSV."),
     "synthesize": ("softid_cli.synthesize", "Make logs whose true parameters are known."),
-    "models": ("softid_cli.models", "List the models: equation, parameters, what shows them."),
+    "models": (
+        "softid_cli.models",
+        "List the models: equation, parameters, what identifies them.",
+    ),
     "effects": (
         "softid_cli.effects",
         "List the physical effects: law, meaning, signature, remedy.",
     ),
-    "demo": ("softid_cli.demo", "Fit a bundled log, to see what comes out."),
+    "demo": ("softid_cli.demo", "Fit a bundled synthetic log, to see what comes out."),
     "warmup": ("softid_cli.warmup", "Compile all kernels ahead of the first fit."),
 }
 """Command → module that holds the click command of that name, and its line in the help."""
@@ -92,8 +98,8 @@ def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None
 def softid(debug: bool) -> None:
     """Identify models of soft pneumatic actuators from measured logs.
 
-    Results go to stdout, messages and progress to stderr. Exit codes: 0 done, 1 the verdict is
-    negative, 2 wrong usage, 3 bad input or output, 4 the identification failed.
+    Results go to stdout, messages and progress to stderr. Exit codes: 0 done, 1 a check failed,
+    2 wrong usage, 3 bad input or output, 4 the identification failed.
     """
     if not debug and not sys.warnoptions:
         warnings.simplefilter("ignore")  # numerical remarks of libraries are not for users

@@ -38,7 +38,7 @@ def models(name: str | None, as_json: bool, quiet: bool) -> None:
     elif name is None:
         rows = [(key, model.title, model.equation) for key, model in MODELS.items()]
         print_rows([("model", "left"), ("what it describes", "left"), ("equation", "left")], rows)
-        click.echo("\n`softid models NAME` tells parameters, units and what identifies them.")
+        click.echo("\n`softid models NAME` shows parameters, units and what identifies them.")
     else:
         print_description(in_own_units(MODELS[name]()))
 
@@ -89,6 +89,8 @@ def print_description(model: Model) -> None:
     print_text(f"  source: {model.source}")
     print_text(f"  input: {', '.join(model.inputs) or 'any channel'}")
     print_text(f"  output: {', '.join(model.outputs) or 'any channel'}")
+    if model.note:
+        print_text(f"  note: {model.note}")
     click.echo()
     parameters = list(model.parameters().values())
     rows = [

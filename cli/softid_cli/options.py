@@ -98,7 +98,7 @@ def hold_out_option(logs: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
         multiple=True,
         type=FILE,
         metavar="LOG...",
-        help=f"{logs}: all up to the next option.",
+        help=f"{logs}. Takes every file up to the next option, so name the logs to fit first.",
     )
 
 
@@ -119,10 +119,10 @@ def log_options(command: Callable[P, R]) -> Callable[P, R]:
         "--output",
         multiple=True,
         metavar="CH",
-        help="Channel to explain, such as angle; may be repeated.",
+        help="Output channel, such as angle; may be repeated.",
     )(command)
     command = click.option(
-        "--input", metavar="CH", help="Channel that drives, such as pressure_command."
+        "--input", metavar="CH", help="Input channel, such as pressure_command."
     )(command)
     return channel_option(command)
 

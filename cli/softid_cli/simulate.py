@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     type=FILE,
     required=True,
     metavar="LOG",
-    help="Log whose input drives the model; time and pressure are enough.",
+    help="Log file whose input channel drives the model; it needs only time and the input. (In "
+    "other commands --input names a channel.)",
 )
 @click.option("--out", type=FILE, metavar="FILE.csv", help="Write there instead of to stdout.")
 @click.option("--force", is_flag=True, help="Replace the file if it is there already.")

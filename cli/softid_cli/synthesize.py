@@ -94,25 +94,41 @@ def _given(options: Mapping[str, Any]) -> dict[str, Any]:
 
 @click.command()
 @click.argument("recipes", nargs=-1, type=FILE, metavar="[RECIPE]...")
-@click.option("--seed", type=click.IntRange(min=0), metavar="N", help="Use this seed in each.")
+@click.option("--seed", type=click.IntRange(min=0), metavar="N", help="Random seed for every log.")
 @click.option(
     "--hide",
     metavar="NAME[,NAME...]",
-    help="Make a log and its hold-out of a random actuator in which these effects are hidden; "
-    "none hides nothing.",
+    help="Make a log and a hold-out of a random actuator with these effects hidden in them, or "
+    "with none if NAME is none. An unknown name prints the list of all.",
 )
-@click.option("--size", type=float, metavar="S", help="Magnitude of the effects; 1 is moderate.")
+@click.option("--size", type=float, metavar="S", help="Size of the effects; 1 is moderate.")
 @click.option(
     "--protocol",
     metavar="NAME",
-    help="rich (default), levels, lever, triangles, multisine, paper, sine, step or slow.",
+    help="Excitation: rich (default; staircase, sine, chirp, hold), paper (steps, one sine), "
+    "levels (random held levels), lever (random ramps), triangles (three triangle speeds), "
+    "multisine (25 tones, hold), sine (0.5 Hz only), step (one single step) or slow (one slow "
+    "triangle).",
 )
-@model_option("muscle (default), oscillator or equilibrium.")
-@click.option("--noise", type=float, metavar="SHARE", help="Output noise over its range; 0.005.")
-@click.option("--coloured", type=float, metavar="SHARE", help="Coloured part of its variance; 0.")
-@click.option("--rate", type=float, metavar="HZ", help="Sampling rate; 100.")
-@click.option("--rest", type=float, metavar="S", help="Seconds of rest added at the end.")
-@click.option("--unit", type=click.Choice(["mm", "deg"]), help="Unit of the output; mm.")
+@model_option("Model of the actuator: muscle (default), oscillator or equilibrium.")
+@click.option(
+    "--noise",
+    type=float,
+    metavar="SHARE",
+    help="Standard deviation of the output noise, as a fraction of the output range (default "
+    "0.005).",
+)
+@click.option(
+    "--coloured",
+    type=float,
+    metavar="SHARE",
+    help="Fraction of the noise variance that is coloured (default 0).",
+)
+@click.option("--rate", type=float, metavar="HZ", help="Sampling rate in Hz (default 100).")
+@click.option(
+    "--rest", type=float, metavar="S", help="Seconds of rest added at the end (default 0)."
+)
+@click.option("--unit", type=click.Choice(["mm", "deg"]), help="Unit of the output (default mm).")
 @click.option(
     "--check",
     is_flag=True,
@@ -124,14 +140,15 @@ def _given(options: Mapping[str, Any]) -> dict[str, Any]:
 @quiet_option
 @takes(SynthesizeRequest)
 def synthesize(request: SynthesizeRequest) -> None:
-    """Make a synthetic log, its truth known, from each RECIPE (TOML).
+    """Make a synthetic log with known true parameters from each RECIPE (TOML).
 
     Without recipes all bundled logs are made again, byte for byte. DIR gets the folders recipes and
     data and a manifest.json with truth, noise, seed and fingerprint of every log. Without --out
     that is softid-out/synthetic.
 
     With --hide, DIR gets train.csv, hold_out.csv and truth.json instead; without --out that is
-    softid-out/hidden. A name that is unknown gets the list of all.
+    softid-out/hidden. The options --size, --protocol, --model, --noise, --coloured, --rate, --rest
+    and --unit need --hide.
     """
     request.require_consistency()
     if request.hide is not None:

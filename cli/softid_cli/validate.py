@@ -34,7 +34,7 @@ CHECKED = ("truth", "estimate", "95 % interval", "off")
     "--threshold",
     type=float,
     metavar="PERCENT",
-    help="The bar: exit with 1 if any fit is below it.",
+    help="Lowest acceptable fit %; exit with code 1 if any fit is below it.",
 )
 @channel_option
 @out_options

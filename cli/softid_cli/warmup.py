@@ -32,12 +32,11 @@ SEED = 0
 @click.command()
 @quiet_option
 def warmup(quiet: bool) -> None:
-    """Compile all kernels now and say where they are kept.
+    """Compile all kernels now and print the folder that keeps them.
 
-    Fits small made-up logs with every model that has kernels and simulates every effect. What is
-    compiled already is only loaded. Worth a line in the recipe of a container image. Where
-    there are two processors, a second process compiles what effects in the motion and the
-    equilibrium model need.
+    Without it they are compiled on first use. Kernels that are compiled already are only loaded.
+    Useful as a step in building a container image. With two processors or more, a second process
+    compiles part of them.
     """
     from softid.kernels import cache_folder
 

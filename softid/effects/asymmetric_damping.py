@@ -40,12 +40,12 @@ class AsymmetricDamping(StateEffect):
     title: ClassVar[str] = "Damping that differs by direction"
     law: ClassVar[str] = "N (1 + eps tanh(v/v0)) in place of N"
     meaning: ClassVar[str] = (
-        "Moving one way is damped more than moving the other way, so that rise and return take "
+        "Motion in one direction is damped more than in the other, so rise and return take "
         "different times."
     )
     signature: ClassVar[str] = (
-        "The residual has the same sign after steps up and after steps down, and dies out when "
-        "the motion does."
+        "The residual has the same sign after steps up and after steps down, and vanishes when "
+        "the motion ends."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "valve_flow", "quadratic_damping")
     remedy: ClassVar[str] = "exhaust through a valve as wide as the one that fills"
@@ -65,7 +65,7 @@ class AsymmetricDamping(StateEffect):
                     "1",
                     -LARGEST,
                     LARGEST,
-                    meaning="share by which a rising motion is damped more",
+                    meaning="relative excess of damping while the output rises",
                     source=self.source,
                 ),
                 Parameter(
@@ -75,7 +75,7 @@ class AsymmetricDamping(StateEffect):
                     SHARPEST_BEND * scale.v_max,
                     SMOOTHEST * scale.v_max,
                     "log",
-                    meaning="speed at which the difference has come up",
+                    meaning="speed scale of the smoothed sign: at v = v0 the excess is 76 % of eps",
                     source=self.source,
                 ),
             )

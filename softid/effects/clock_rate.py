@@ -36,14 +36,14 @@ class ClockRate(OutputEffect):
     """
 
     name: ClassVar[str] = "clock_rate"
-    title: ClassVar[str] = "Rate of the sensor's clock"
+    title: ClassVar[str] = "Clock-rate error between input and output"
     law: ClassVar[str] = "recorded y(t) = y((1 + rate) t)"
     meaning: ClassVar[str] = (
-        "Input and output are stamped by two clocks that do not run at the same rate, so the "
-        "output comes ever earlier or ever later."
+        "Input and output are time-stamped by two clocks that run at different rates, so the "
+        "output is recorded earlier and earlier, or later and later."
     )
     signature: ClassVar[str] = (
-        "The residual is in proportion to the speed of the motion times the time since the start."
+        "The residual is proportional to the speed of the motion times the time since the start."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("delay", "sensor_lag", "ageing")
     remedy: ClassVar[str] = "stamp all channels with one clock, or mark the start and end in both"
@@ -63,7 +63,8 @@ class ClockRate(OutputEffect):
                     "1",
                     -LARGEST,
                     LARGEST,
-                    meaning="relative rate of the output's clock",
+                    meaning="relative rate error: what is stamped t was measured at (1 + rate) t "
+                    "of the input's clock",
                     source=self.source,
                 ),
             )

@@ -53,16 +53,16 @@ class Contact(StateEffect):
     title: ClassVar[str] = "Contact with an obstacle"
     law: ClassVar[str] = "+ kw max(x - xw, 0), corner rounded over 1 % of the range or less"
     meaning: ClassVar[str] = (
-        "Beyond a certain position the actuator presses against something, or against itself, and "
-        "needs more force to go on."
+        "Beyond a certain position the actuator presses against an obstacle or against itself, and "
+        "needs more force to move further."
     )
     signature: ClassVar[str] = (
-        "The residual vanishes below one position; above it, it grows with the distance, at rest "
-        "and in motion alike."
+        "The residual vanishes below one position; beyond it, it grows with the distance, both at "
+        "rest and in motion."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_clipping", "stiffening", "static_curve")
-    remedy: ClassVar[str] = "clear the workspace, or keep below the position of contact"
-    shown_by: ClassVar[str] = "steps to high pressure, with the place looked at"
+    remedy: ClassVar[str] = "clear the workspace, or stay below the position of contact"
+    shown_by: ClassVar[str] = "steps to high pressure while you watch for the contact"
     source: ClassVar[str] = "Johnson, Contact Mechanics, 4.3 (elastic foundation)"
     readings: ClassVar[tuple[str, ...]] = ("xw",)
     amplitude: ClassVar[str] = "kw"
@@ -80,7 +80,7 @@ class Contact(StateEffect):
                     LEAST_AMPLITUDE * stiffness,
                     STIFFEST * stiffness,
                     "log",
-                    meaning="stiffness of what is touched",
+                    meaning="stiffness of the obstacle",
                     source=self.source,
                 ),
                 Parameter(

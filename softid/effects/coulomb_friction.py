@@ -71,11 +71,11 @@ class CoulombFriction(StateEffect):
     title: ClassVar[str] = "Dry friction"
     law: ClassVar[str] = "+ Fc tanh(v/vs)"
     meaning: ClassVar[str] = (
-        "Surfaces that rub hold the motion back with a force of constant size, and let the "
-        "actuator stick when it turns round."
+        "Surfaces that rub hold the motion back with a force of constant size, so the actuator "
+        "sticks when the motion reverses."
     )
     signature: ClassVar[str] = (
-        "The residual keeps one size with the sign of the motion, however slow the motion is, and "
+        "The residual has the sign of the velocity and the same size however slow the motion is; "
         "the output has flat stretches at the turning points."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("hysteresis", "quadratic_damping", "dead_zone")
@@ -97,7 +97,7 @@ class CoulombFriction(StateEffect):
                     LEAST_AMPLITUDE * scale.force,
                     LARGEST * scale.force,
                     "log",
-                    meaning="force of dry friction",
+                    meaning="friction force at high speed",
                     source=self.source,
                 ),
                 Parameter(
@@ -107,7 +107,8 @@ class CoulombFriction(StateEffect):
                     scale.v_max / SHARPEST,
                     SMOOTHEST * scale.v_max,
                     "log",
-                    meaning="speed at which the friction has come up",
+                    meaning="speed scale of the smoothed sign: at v = vs friction reaches 76 % of "
+                    "Fc",
                     source=self.source,
                 ),
             )
@@ -148,7 +149,7 @@ class StribeckFriction(CoulombFriction):
     law: ClassVar[str] = "+ Fc tanh(v/vs) (1 + beta exp(-(v/vb)^2))"
     meaning: ClassVar[str] = (
         "Surfaces that rub hold the motion back, and more so just before and after they stick, so "
-        "that slow motion may go in jerks."
+        "slow motion may be jerky."
     )
     signature: ClassVar[str] = (
         "As for dry friction, and in slow motion the residual is larger than in fast motion."
@@ -166,7 +167,7 @@ class StribeckFriction(CoulombFriction):
                     EXCESS[0],
                     EXCESS[2],
                     "log",
-                    meaning="share by which friction is larger at low speed",
+                    meaning="excess of friction at low speed, as a fraction of Fc",
                     source=self.source,
                 ),
                 Parameter(
@@ -176,7 +177,7 @@ class StribeckFriction(CoulombFriction):
                     SHARPEST_BEND * scale.v_max,
                     scale.v_max,
                     "log",
-                    meaning="speed at which the excess has gone",
+                    meaning="Stribeck speed, at which the excess has fallen to 1/e",
                     source=self.source,
                 ),
             )

@@ -1,4 +1,4 @@
-"""Creep: part of the material goes on giving way after the motion has settled."""
+"""Creep: part of the material keeps yielding after the motion has settled."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ class Creep(StateEffect):
         "on for seconds or minutes, because part of its elastic force relaxes."
     )
     signature: ClassVar[str] = (
-        "The residual decays exponentially after every change of level, in proportion to the "
-        "change, with the same time at every level and in both directions."
+        "The residual decays exponentially after every change of level. Its size is proportional "
+        "to the change, and its time constant is the same at every level and in both directions."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_warmup", "hysteresis", "sensor_drift")
     remedy: ClassVar[str] = "precondition the actuator, or use a less viscoelastic elastomer"
@@ -82,7 +82,7 @@ class Creep(StateEffect):
                     LEAST_AMPLITUDE * stiffness,
                     STIFFEST * stiffness,
                     "log",
-                    meaning="stiffness that relaxes",
+                    meaning="part of the stiffness that relaxes",
                     source=self.source,
                 ),
                 Parameter(
@@ -92,7 +92,7 @@ class Creep(StateEffect):
                     shortest,
                     longest,
                     "log",
-                    meaning="time in which it relaxes",
+                    meaning="relaxation time",
                     source=self.source,
                 ),
             )
@@ -129,12 +129,12 @@ class SeriesCreep(OutputEffect):
     law: ClassVar[str] = "y = x + c z,  tau z' + z = x"
     meaning: ClassVar[str] = (
         "After a change the reading settles quickly to most of its new value and then creeps on "
-        "for seconds or minutes by a share of the change that is the same at every pressure, "
-        "because the body, or a strain sensor on it, goes on giving way."
+        "for seconds or minutes, by a fraction of the change that is the same at every pressure, "
+        "because the body, or a strain sensor on it, keeps yielding."
     )
     signature: ClassVar[str] = (
-        "The residual grows exponentially after every change of level, in proportion to the change "
-        "of the deflection, with the same time and share at every level and in both directions."
+        "After every change of level the residual approaches, exponentially, a fixed fraction of "
+        "the change of deflection, with one time constant at every level and in both directions."
     )
     neighbours: ClassVar[tuple[str, ...]] = Creep.neighbours
     remedy: ClassVar[str] = (
@@ -157,10 +157,10 @@ class SeriesCreep(OutputEffect):
             "1",
             *SERIES_SHARES,
             "log",
-            meaning="share of a change by which the reading creeps on",
+            meaning="fraction of a change by which the reading creeps on",
             source=self.source,
         )
-        return ParameterSet((share, replace(tau, meaning="time in which it creeps on")))
+        return ParameterSet((share, replace(tau, meaning="time constant of the creep")))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Times from a thirtieth to a third of the log."""

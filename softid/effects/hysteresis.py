@@ -1,4 +1,4 @@
-"""Hysteresis: the way up and the way down differ, however slowly they are gone."""
+"""Hysteresis: the way up and the way down differ, however slow the motion is."""
 
 from __future__ import annotations
 
@@ -51,12 +51,12 @@ class Hysteresis(StateEffect):
     title: ClassVar[str] = "Hysteresis of the material"
     law: ClassVar[str] = "+ alpha z,  z' = (v - |v| z)/zs"
     meaning: ClassVar[str] = (
-        "The way up and the way down run along different curves, however slowly they are gone, "
-        "because the material or its fibres rub inside."
+        "The way up and the way down follow different curves however slow the motion is, because "
+        "of friction inside the material or between its fibres."
     )
     signature: ClassVar[str] = (
-        "The residual makes a loop over the position whose area does not shrink at low speed, and "
-        "small back-and-forth motions make small loops inside it."
+        "The residual plotted over the position is a loop whose area does not shrink at low speed; "
+        "small back-and-forth motions give small loops inside it."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("coulomb_friction", "creep", "pneumatic_lag")
     remedy: ClassVar[str] = "approach every position from the same side, or invert the loop"

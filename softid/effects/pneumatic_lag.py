@@ -1,4 +1,4 @@
-"""Pneumatic lag: the actuator fills and vents in a time of its own."""
+"""Pneumatic lag: the pressure in the actuator follows the recorded one with a delay."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class PneumaticLag(InputEffect):
         "flow through a tube or a valve to fill and vent it."
     )
     signature: ClassVar[str] = (
-        "The residual is a pulse after every change of the input that dies out in the same time at "
-        "every level."
+        "After every change of the input the residual has a pulse, which decays in the same time "
+        "at every level."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("delay", "sensor_lag", "valve_flow", "line_resonance")
     remedy: ClassVar[str] = (
@@ -94,17 +94,17 @@ class SeparatePneumaticLag(PneumaticLag):
     title: ClassVar[str] = "Lag of the pneumatics that differs by direction"
     law: ClassVar[str] = "tau pa' + pa = p while filling, ratio tau pa' + pa = p while venting"
     meaning: ClassVar[str] = (
-        "The actuator fills in another time than it vents, because the air takes different ways, "
-        "different pressure differences drive it, or a small supply sags while it fills."
+        "Filling and venting take different times, because the air takes different paths, is "
+        "driven by different pressure differences, or a small supply sags during filling."
     )
     signature: ClassVar[str] = (
-        "The residual is a pulse after every change of the input that dies out in one time on the "
+        "After every change of the input the residual has a pulse, which decays in one time on the "
         "way up and in another on the way down."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("valve_flow", "asymmetric_damping", "delay")
     remedy: ClassVar[str] = (
         "record the pressure inside the actuator and at the supply, use a larger reservoir, or "
-        "vent through another way than the filling one"
+        "vent through a separate path"
     )
     shown_by: ClassVar[str] = "steps up and down between the same levels"
     plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)
@@ -159,12 +159,12 @@ class LevelPneumaticLag(PneumaticLag):
         "tau ratio^((pa - pm)/(ph - pl)) pa' + pa = p, pl lowest, ph highest, pm middle of p"
     )
     meaning: ClassVar[str] = (
-        "The actuator fills and vents in another time when it is full than when it is empty, "
-        "because its chamber and its tube swell, or because what fills it is compressed."
+        "The actuator fills and vents at a rate that depends on its pressure, because its chamber "
+        "and tube swell, or because the air in it is compressed."
     )
     signature: ClassVar[str] = (
-        "The residual is a pulse after every change of the input that dies out in one time at low "
-        "pressures and in another at high ones, upward and downward alike."
+        "After every change of the input the residual has a pulse, which decays in one time at low "
+        "pressures and in another at high ones, both upward and downward."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("valve_flow", "delay", "sensor_lag")
     shown_by: ClassVar[str] = "steps of one size, up and down, at several levels"

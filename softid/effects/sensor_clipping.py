@@ -41,16 +41,18 @@ class SensorClipping(OutputEffect):
     title: ClassVar[str] = "Clipping of the sensor at its upper limit"
     law: ClassVar[str] = "recorded y = min(y, upper) + sensor zero of the log"
     meaning: ClassVar[str] = (
-        "The motion goes on, but the reading stops at the end of the sensor's range: at the limit "
-        "plus the sensor zero of the log."
+        "The motion continues, but the reading stops at the end of the sensor's range: at the "
+        "limit plus the sensor zero of the log."
     )
     signature: ClassVar[str] = (
-        "The reading has flat ends at one exact value, and the residual is there the part of the "
-        "motion that is cut off."
+        "The reading is flat at one exact value at its extremes, where the residual is the part of "
+        "the motion that is cut off."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("contact", "static_curve", "stiffening")
-    remedy: ClassVar[str] = "use a sensor or a gain with a larger range, or mount it another way"
-    shown_by: ClassVar[str] = "levels that pass the end of the sensor's range and come back"
+    remedy: ClassVar[str] = (
+        "use a sensor with a larger range, a smaller gain, or mount it differently"
+    )
+    shown_by: ClassVar[str] = "levels that exceed the end of the sensor's range and return"
     source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.2"
     amplitude: ClassVar[str | None] = None
     mutes: ClassVar[bool] = True
@@ -131,7 +133,7 @@ def _upper(scale: Scale, depth: float, source: str) -> Parameter:
         scale.y_unit,
         scale.y_high - DEEPEST * scale.y_span,
         scale.y_high + BEYOND * scale.y_span,
-        meaning="largest value that can be read, less the sensor zero of the log",
+        meaning="largest possible reading, less the sensor zero of the log",
         source=source,
     )
 
@@ -143,6 +145,6 @@ def _lower(scale: Scale, depth: float, source: str) -> Parameter:
         scale.y_unit,
         scale.y_low - BEYOND * scale.y_span,
         scale.y_low + DEEPEST * scale.y_span,
-        meaning="smallest value that can be read, less the sensor zero of the log",
+        meaning="smallest possible reading, less the sensor zero of the log",
         source=source,
     )

@@ -33,17 +33,17 @@ class SensorGainDrift(OutputEffect):
     title: ClassVar[str] = "Drift of the sensor's gain"
     law: ClassVar[str] = "recorded y = y (1 + g t)"
     meaning: ClassVar[str] = (
-        "The sensor answers to the same motion with a reading that slowly grows or shrinks, as "
-        "when its temperature or its supply changes."
+        "For the same motion the reading slowly grows or shrinks, for example because the "
+        "sensor's temperature or supply voltage changes."
     )
     signature: ClassVar[str] = (
-        "The residual grows in proportion to time and to the output, in motion as at rest, and "
-        "the time constants stay what they were."
+        "The residual grows in proportion to time and to the output, in motion and at rest; the "
+        "time constants do not change."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("ageing", "sensor_drift", "softening")
     remedy: ClassVar[str] = (
-        "calibrate the sensor before and after the log, and that of the pressure, whose gain may "
-        "drift instead; or feed them steadily"
+        "calibrate the sensor before and after the log, and the pressure sensor too, whose gain "
+        "may drift instead; or stabilise their supply"
     )
     shown_by: ClassVar[str] = "the same fast steps at the beginning and at the end of a long log"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
@@ -62,7 +62,7 @@ class SensorGainDrift(OutputEffect):
                     "1/s",
                     -MOST_LOST / scale.duration_s,
                     MOST_LOST / scale.duration_s,
-                    meaning="relative change of the gain in a second",
+                    meaning="relative change of the gain per second",
                     source=self.source,
                 ),
             )

@@ -54,17 +54,16 @@ class StaticCurve(StateEffect):
     """
 
     name: ClassVar[str] = "static_curve"
-    title: ClassVar[str] = "Another static curve"
+    title: ClassVar[str] = "Correction of the static curve"
     law: ClassVar[str] = (
         "x - s(u) in place of x in the spring; s a cubic spline through 6 knots, the first 0"
     )
     meaning: ClassVar[str] = (
-        "The positions at which the actuator settles follow a curve of another shape than the one "
-        "the model can draw."
+        "The settled positions follow a curve whose shape the model cannot reproduce."
     )
     signature: ClassVar[str] = (
-        "The residual at rest depends on the level alone, is the same on the way up and on the way "
-        "down, and stays as long as the level is held."
+        "The residual at rest depends only on the level: it is the same on the way up and on the "
+        "way down, and stays as long as the level is held."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("stiffening", "contact", "dead_zone")
     draws: ClassVar[tuple[str, ...]] = ("stiffening",)

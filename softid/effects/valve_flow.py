@@ -50,14 +50,17 @@ class ValveFlow(InputEffect):
 
     name: ClassVar[str] = "valve_flow"
     title: ClassVar[str] = "Flow through a valve"
-    law: ClassVar[str] = "pa' = C pu psi(pd/pu),  C = 1/tau"
+    law: ClassVar[str] = (
+        "pa' = C pu psi(pd/pu),  C = 1/tau;  pu, pd absolute pressure upstream and downstream (for "
+        "a pressure input, recorded + 101.325 kPa), psi the flow function of ISO 6358"
+    )
     meaning: ClassVar[str] = (
-        "A narrow valve lets only so much air pass, so large steps fill at a constant rate and the "
-        "times of filling and venting depend on the level."
+        "A narrow valve limits the flow of air, so after a large step the pressure changes at a "
+        "constant rate at first, and the times of filling and venting depend on the level."
     )
     signature: ClassVar[str] = (
-        "The residual after a step grows with the step and lasts longer for larger steps; a lag of "
-        "one time constant leaves a rest that differs from level to level."
+        "The residual after a step is larger and lasts longer for larger steps; what a lag with "
+        "one time constant leaves differs from level to level."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "delay")
     remedy: ClassVar[str] = (
@@ -80,7 +83,8 @@ class ValveFlow(InputEffect):
                     shortest,
                     longest,
                     "log",
-                    meaning="time in which a choked flow raises the pressure by the upstream one",
+                    meaning="time in which choked flow would raise the actuator's pressure by the "
+                    "upstream pressure",
                     source=self.source,
                 ),
                 Parameter(
@@ -89,7 +93,8 @@ class ValveFlow(InputEffect):
                     "1",
                     CRITICAL[0],
                     CRITICAL[2],
-                    meaning="ratio of the pressures below which the flow is choked",
+                    meaning="critical pressure ratio, downstream over upstream, below which the "
+                    "flow is choked",
                     source=self.source,
                 ),
             )

@@ -126,6 +126,8 @@ class Model(ABC):
         same thing twice.
     identified_by
         Parameter name → the excitation that shows it, one sentence.
+    note
+        What a reader of the parameters must know beside their units; empty for nothing.
     sticks
         Whether it may rest off its equilibrium, held by dry friction.
     is_linear
@@ -149,6 +151,7 @@ class Model(ABC):
     outputs: ClassVar[tuple[str, ...]] = ()
     own_zero: ClassVar[bool] = False
     identified_by: ClassVar[Mapping[str, str]] = {}
+    note: ClassVar[str] = ""
     sticks: ClassVar[bool] = False
     is_linear: ClassVar[bool] = False
     inertia_parameter: ClassVar[str | None] = None

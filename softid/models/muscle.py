@@ -69,6 +69,10 @@ class Muscle(Model):
         "M x'' + (a2 exp(b2 p) + c2) x' + (a1 exp(b1 p) + c1) x = exp(b1 p),  p in bar"
     )
     source: ClassVar[str] = "Ru et al. 2019, doi 10.1007/s11432-018-9709-x, Eq 4 to 7"
+    note: ClassVar[str] = (
+        "M, a1, c1, a2 and c2 are relative to the right-hand side exp(b1 p), which has no factor, "
+        "so they are not in SI units"
+    )
     states: ClassVar[tuple[str, ...]] = ("x", "v")
     inputs: ClassVar[tuple[str, ...]] = ("pressure", "pressure_command")
     outputs: ClassVar[tuple[str, ...]] = ("angle", "contraction", "length", "distance", "position")
@@ -137,7 +141,7 @@ class Muscle(Model):
             _positive("M", 1e-3, f"s²/{x}", "inertia", "Eq 4"),
             _positive("a1", 1e-2, f"1/{x}", "inverse of the largest contraction", "Eq 5"),
             _positive("b1", 2.0, "1/bar", "steepness of the static curve", "Eq 5", 1e-3, 300.0),
-            _positive("c1", 1.0, f"1/{x}", "stiffness left without pressure", "Eq 5"),
+            _positive("c1", 1.0, f"1/{x}", "pressure-independent part of the stiffness", "Eq 5"),
             _positive("a2", 1e-4, f"s/{x}", "damping that changes with pressure", "Eq 6"),
             Parameter(
                 "b2",
@@ -148,7 +152,7 @@ class Muscle(Model):
                 meaning="how fast damping changes with pressure",
                 source=f"{_RU}, Eq 6",
             ),
-            _positive("c2", 1e-1, f"s/{x}", "damping without pressure", "Eq 6"),
+            _positive("c2", 1e-1, f"s/{x}", "pressure-independent part of the damping", "Eq 6"),
         )
         dropped: set[str] = set()
         if self.order != "second":

@@ -1,4 +1,4 @@
-"""Rate of the sensor's clock."""
+"""Clock-rate error between input and output."""
 
 from __future__ import annotations
 

@@ -366,7 +366,7 @@ def test_descriptions_are_a_list_and_their_bounds_are_told() -> None:
         )
     )
     text = told(replace(diagnosis(Verdict.UNKNOWN), causes=(), descriptive=tried))
-    assert "stiffening with deformation, another static curve and " in text
+    assert "stiffening with deformation, correction of the static curve and " in text
     assert " take away 60 %" in text
     assert "The k3 of stiffening with deformation ends at its bound" in text
     assert text.count("at its bound") == 1
