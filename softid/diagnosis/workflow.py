@@ -17,6 +17,7 @@ from softid.diagnosis.base.base_fit import (
     Request,
     require_driven,
     require_enough,
+    require_moving,
 )
 from softid.diagnosis.base.intersample_selection import (
     is_measured,
@@ -123,7 +124,7 @@ def diagnose(
     effects
         Keys of the effects to consider; empty for the whole catalogue.
     seed
-        Seed of restarts and of the bootstrap.
+        Seed of restarts, of the shifts that say what chance would make, and of the bootstrap.
     progress
         Called with a sentence and the fraction done.
 
@@ -155,6 +156,7 @@ def diagnose(
         usual = reading_unless_held(recorded)
         recordings = recordings.each(lambda log: log.with_intersample(usual))
     require_enough(recordings.logs, recordings.hold_out)
+    require_moving(recordings.logs, recordings.hold_out)
     require_driven(recorded)
     request = Request(
         model,

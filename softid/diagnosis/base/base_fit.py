@@ -63,8 +63,7 @@ def require_enough(logs: LogSet, hold_out: Sequence[Log] = ()) -> None:
     Raises
     ------
     IdentificationError
-        All outputs of either together have fewer than `FEWEST_SAMPLES`, or the input of what is
-        held out does not move.
+        All outputs of either together have fewer than `FEWEST_SAMPLES`.
     """
     if _usable(logs) < FEWEST_SAMPLES:
         raise IdentificationError(
@@ -80,6 +79,23 @@ def require_enough(logs: LogSet, hold_out: Sequence[Log] = ()) -> None:
             value=_usable(hold_out),
             remedy=f"hold out {FEWEST_SAMPLES} or more, or none: then blocks of the logs judge",
         )
+
+
+def require_moving(logs: LogSet, hold_out: Sequence[Log]) -> None:
+    """Refuse to judge by logs at rest, which say nothing of what acts on a motion.
+
+    Parameters
+    ----------
+    logs
+        Logs to explain.
+    hold_out
+        Logs that judge.
+
+    Raises
+    ------
+    IdentificationError
+        The input of none that is held out moves.
+    """
     moves = max((_move(log) for log in hold_out), default=np.inf)
     if moves < LEAST_MOVE * max(_move(log) for log in logs):
         raise IdentificationError(
@@ -123,8 +139,9 @@ def _is_driven(log: Log) -> bool:
 
 
 def _move(log: Log) -> float:
-    """Range of a log's input."""
-    return max((float(np.ptp(segment.input)) for segment in log.segments()), default=0.0)
+    """Range of a log's input, over all its segments: one may hold a single level each."""
+    inputs = [segment.input for segment in log.segments()]
+    return float(np.ptp(np.concatenate(inputs))) if inputs else 0.0
 
 
 def _usable(logs: Iterable[Log]) -> int:

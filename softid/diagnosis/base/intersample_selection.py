@@ -184,15 +184,15 @@ def _delayed(
     scale: Scale,
     sigma: Mapping[str, float],
     name: str = "delay",
-    tau: float = 0.0,
+    delay_s: float = 0.0,
 ) -> Candidate:
     """The model refitted with a delay or a lag, from half a sampling interval on at least."""
     known, effect = candidate.problem, effect_of(name)
     problem = extend(known, (effect,), scale)
-    values = named_values(effect, {"tau": max(tau, 0.5 * known.logs[0].period_s)})
+    values = named_values(effect, {"tau": max(delay_s, 0.5 * known.logs[0].period_s)})
     z = start_unknowns(problem, known, candidate.minimum.point, values)
     late = begun(candidate, (*candidate.effects, effect), problem, z)
-    return advance(late, sigma, REFITTING_FROM_AFAR if tau > 0.0 else REFITTING)
+    return advance(late, sigma, REFITTING_FROM_AFAR if delay_s > 0.0 else REFITTING)
 
 
 def _delay_of_second_order(candidate: Candidate) -> float:
@@ -238,9 +238,9 @@ def intersample_after_all_causes(
 
 
 def _independent_share(candidate: Candidate) -> float:
-    """1/(1 + 2 Σ ρ²): so much the variance of a mean square grows with the autocorrelation.
+    """Share of the samples of the first output that count as independent for a mean square.
 
-    Of L estimates of a ρ that is none, chance makes L/n.
+    It is 1/(1 + 2 Σ ρ²). White noise adds L/n to a sum of ρ̂² over L lags, which is subtracted.
     """
     (residuals, *_) = residuals_by_channel(candidate.problem, candidate.minimum.point)
     lags = min(MOST_LAGS, max(residual.size for residual in residuals) // 4)

@@ -44,8 +44,8 @@ def exchanged(candidate: Candidate) -> list[Candidate]:
     places = []
     if usual.inertia_s > lag_s:
         places.append({lag: slowness * usual.inertia_s, inertia: LIGHTER * usual.mass})
-    slow_s, fast_s = usual.poles_s
-    if slow_s > lag_s:
+    if usual.poles_s is not None and usual.poles_s[0] > lag_s:
+        slow_s, fast_s = usual.poles_s
         share = (lag_s + fast_s) / usual.damping_s
         place = {name: share * values[name] for name in problem.model.damping_parameters}
         inertia_left = lag_s * fast_s * usual.stiffness

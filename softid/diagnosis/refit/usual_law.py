@@ -42,13 +42,17 @@ class UsualLaw(NamedTuple):
         return float(np.sqrt(self.mass / self.stiffness))
 
     @property
-    def poles_s(self) -> tuple[float, float]:
-        """T₁ ≥ T₂ with N/K = T₁ + T₂ and M/K = T₁T₂; both zero where the law swings."""
+    def poles_s(self) -> tuple[float, float] | None:
+        """Times T₁ ≥ T₂ of the two poles, N/K = T₁ + T₂ and M/K = T₁T₂.
+
+        A damping ratio ζ between `LEAST_DAMPING_RATIO` and 1 has two equal ones, N/2K, whose
+        product is ζ²M/K. None where the law swings or has no spring.
+        """
         if self.stiffness <= 0.0:
-            return 0.0, 0.0
+            return None
         ratio = self.damping / (2.0 * np.sqrt(self.mass * self.stiffness))
         if ratio < LEAST_DAMPING_RATIO:
-            return 0.0, 0.0
+            return None
         apart = np.sqrt(max(1.0 - ratio**-2, 0.0))
         return 0.5 * self.damping_s * (1.0 + apart), 0.5 * self.damping_s * (1.0 - apart)
 

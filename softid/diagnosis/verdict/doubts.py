@@ -83,7 +83,7 @@ def is_within_samples(descriptions: Sequence[Cause], left: Remainder) -> bool:
 
 
 def is_within_a_sample(cause: Cause, effect: Effect, scale: Scale) -> bool:
-    """Whether a cause whose size is a time is over before a sampling interval has hardly begun.
+    """Whether a cause whose size is a time is over when a sampling interval has hardly begun.
 
     Parameters
     ----------

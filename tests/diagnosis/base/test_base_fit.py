@@ -21,6 +21,7 @@ from softid.diagnosis.base.base_fit import (
     _whole_values,
     require_driven,
     require_enough,
+    require_moving,
 )
 from softid.diagnosis.refit.held_out import HeldOutBlocks, HeldOutLogs
 from softid.errors import IdentificationError, UsageError
@@ -85,10 +86,19 @@ def test_what_is_held_out_must_move(share: float, judges: bool) -> None:
     other = driven(50.0 + 0.5 * reach * np.sin(np.arange(1000) / 5.0))
     still = driven(np.full(1000, 50.0), name="still")
     if judges:
-        require_enough(LogSet((MOVING,)), [still, other])
+        require_moving(LogSet((MOVING,)), [still, other])
         return
     with pytest.raises(IdentificationError, match="does not move"):
-        require_enough(LogSet((MOVING,)), [still, other])
+        require_moving(LogSet((MOVING,)), [still, other])
+
+
+def test_a_log_of_one_level_a_segment_moves() -> None:
+    """Stalls of the clock between the levels part it into segments, none of which moves."""
+    time_s = np.concatenate([20.0 * k + np.arange(250) / RATE_HZ for k in range(4)])
+    levels = np.repeat([0.0, 30.0, 60.0, 90.0], 250)
+    stepped = Log.from_arrays(time_s, {"pressure": levels, "angle": levels / 100.0}, name="levels")
+    assert len(list(stepped.segments())) == 4
+    require_moving(LogSet((MOVING,)), [stepped])
 
 
 def test_recordings_stay_the_same_object_where_nothing_changes() -> None:
