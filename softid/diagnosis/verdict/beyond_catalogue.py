@@ -19,8 +19,9 @@ from softid.effects import belongs_to
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
 
-NEARLY, TAKES = 0.5, 0.9
-"""Such a law takes away so much of the misfit above the noise: soon, and in the end."""
+NEARLY, HOPEFUL, TAKES = 0.5, 0.8, 0.9
+"""Such a law takes away so much of the misfit above the noise: soon, at its optimum over averages,
+and in the end."""
 
 CARRIES = 0.8
 """And so much of it on what is held out."""
@@ -90,9 +91,11 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     if not variance > noise:
         return None
     left = noise / variance * known.squares
-    near = left + (1.0 - NEARLY) * (known.squares - left)
+    near, hopeful = (left + (1.0 - share) * (known.squares - left) for share in (NEARLY, HOPEFUL))
     standing = standing_of(known, base)
-    found = in_parallel(lambda law: refitted_with(standing, (), (law(),), near=near), BEYOND_ONE)
+    found = in_parallel(
+        lambda law: refitted_with(standing, (), (law(),), near=near, enough=hopeful), BEYOND_ONE
+    )
     enough = [one for one in found if one is not None and _share(known, one, left) > TAKES]
     ranked = rank([known, *enough], base.sigma) if enough else []
     alike = [row.plain for row in ranked if row.bic < ranked[0].bic + INDISTINCT]

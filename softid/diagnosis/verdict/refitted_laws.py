@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
+import numpy as np
+
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, begun
 from softid.diagnosis.refit.extension import (
@@ -72,7 +74,12 @@ def standing_of(model: Candidate, base: BaseFit) -> Standing:
 
 
 def refitted_with(
-    standing: Standing, kept: Sequence[Effect], laws: Sequence[Effect], *, near: float
+    standing: Standing,
+    kept: Sequence[Effect],
+    laws: Sequence[Effect],
+    *,
+    near: float,
+    enough: float = np.inf,
 ) -> Candidate | None:
     """The base with effects of a model that stands, and others from the best of their starts.
 
@@ -89,6 +96,8 @@ def refitted_with(
         What is added.
     near
         What would leave a larger sum of squares after the first evaluations is given up.
+    enough
+        So is what would leave a larger one at its optimum over averages.
 
     Returns
     -------
@@ -116,6 +125,8 @@ def refitted_with(
     if not found.squares - known.squares <= near - standing.model.squares:
         return None
     found = advance(found, sigma, REFITTING, substeps=COARSE)
+    if found.squares - known.squares > enough - standing.model.squares:
+        return None
     whole = over_samples_of(found, base.candidate, base.scale)
     return advance(whole, base.sigma, REFITTING)
 
