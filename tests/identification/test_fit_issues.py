@@ -1,0 +1,36 @@
+"""What is said of a fit beyond its numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from handmade import fit_result, statistics, step_log
+
+from softid.errors import IdentificationError
+from softid.identification.issues import require_explained
+from softid.log import LogSet
+from softid.results import FitResult
+
+
+def of_two_outputs(explained: float, other: float) -> FitResult:
+    """An angle that moves by 0.1 rad rms and a contraction by 10 mm, with their R²."""
+    rows = []
+    for channel, spread, r2 in (("angle", 0.1, explained), ("contraction", 10.0, other)):
+        nrmse = float(np.sqrt(1.0 - r2))
+        row = statistics("step_1", in_sample=True)
+        rows.append(replace(row, channel=channel, n=10_000, rmse=spread * nrmse, nrmse=nrmse))
+    return replace(fit_result(), outputs=("angle", "contraction"), statistics=tuple(rows))
+
+
+@pytest.mark.parametrize("r2", [(0.9, 0.0), (0.0, 0.9)])
+def test_an_output_is_explained_in_its_own_unit(r2: tuple[float, float]) -> None:
+    """One output of two is explained: whether its numbers are small or large does not matter."""
+    require_explained(of_two_outputs(*r2), LogSet((step_log(),)), ())
+
+
+def test_no_output_is_explained() -> None:
+    """Both below the 2 % that count."""
+    with pytest.raises(IdentificationError, match="explains nothing of angle, contraction"):
+        require_explained(of_two_outputs(0.01, 0.0), LogSet((step_log(),)), ())
