@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -24,6 +24,9 @@ its variance. A judgement of what is worth a look at the residual."""
 LEAST_R2, CHANCE = 0.02, 3.0
 """Less than a fiftieth of an output's variance, a fit of 1 %, or than three times what so many
 unknowns take away from noise, is nothing."""
+
+SERIOUS_FIRST: tuple[Severity, ...] = ("error", "warning", "info")
+"""In which order issues are told."""
 
 
 def require_explained(found: FitResult, logs: LogSet, signs: Sequence[Issue]) -> None:
@@ -109,7 +112,23 @@ def issues_of(
     held: Sequence[Log],
     statistics: Sequence[FitStatistics],
 ) -> list[Issue]:
-    """Everything worth saying about a fit, most serious first."""
+    """Everything worth saying about a fit, subject by subject.
+
+    Parameters
+    ----------
+    estimates
+        Of all parameters.
+    errors
+        What is known of their errors and of the noise.
+    unseen
+        Parameters dropped on the way because the logs cannot see them → the reason.
+    ranges
+        Channel → smallest and largest value in the fitted logs.
+    held
+        Logs held out.
+    statistics
+        Scores of every log and output.
+    """
     found: list[Issue] = []
     for log in held:
         issue = extrapolation(log, log.input, ranges)
@@ -135,6 +154,17 @@ def issues_of(
         if not noise.white
     ]
     return found
+
+
+def most_serious_first(issues: Iterable[Issue]) -> tuple[Issue, ...]:
+    """Errors before warnings before remarks, each in the order in which they came.
+
+    Parameters
+    ----------
+    issues
+        In any order.
+    """
+    return tuple(sorted(issues, key=lambda issue: SERIOUS_FIRST.index(issue.severity)))
 
 
 def estimate_issue(e: ParameterEstimate) -> Issue | None:

@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from handmade import fit_result, statistics, step_log
+from linear_motion import linear_log
 
-from softid.errors import IdentificationError
-from softid.identification.issues import require_explained
+from softid.errors import IdentificationError, Issue, Severity
+from softid.identification import fit
+from softid.identification.issues import most_serious_first, require_explained
 from softid.log import LogSet
 from softid.results import FitResult
 
@@ -34,3 +36,30 @@ def test_no_output_is_explained() -> None:
     """Both below the 2 % that count."""
     with pytest.raises(IdentificationError, match="explains nothing of angle, contraction"):
         require_explained(of_two_outputs(0.01, 0.0), LogSet((step_log(),)), ())
+
+
+def test_the_most_serious_comes_first() -> None:
+    """By definition; equals stay in the order in which they came."""
+
+    def issue(code: str, severity: Severity) -> Issue:
+        return Issue(code, severity, f"{code} was seen")
+
+    came = [issue("a", "info"), issue("b", "warning"), issue("c", "error"), issue("d", "warning")]
+    assert [told.code for told in most_serious_first(came)] == ["c", "b", "d", "a"]
+
+
+def test_a_fit_tells_what_a_reader_noticed_in_its_place() -> None:
+    """A remark on a log, and a held-out log that goes too far: the warning comes before it."""
+    remark = Issue("noticed", "info", "a remark")
+    log, far = linear_log(noise=0.01), linear_log(noise=0.01, seed=1)
+    pressure = far.channels["pressure"]
+    channels = {**far.channels, "pressure": replace(pressure, values=2.0 * pressure.values)}
+    found = fit(
+        replace(log, issues=(remark,)),
+        model="oscillator",
+        hold_out=replace(far, name="far", channels=channels),
+    )
+    severities = [issue.severity for issue in found.issues]
+    assert remark in found.issues
+    assert "extrapolation" in {issue.code for issue in found.issues}
+    assert severities == sorted(severities, key=["error", "warning", "info"].index)
