@@ -118,6 +118,8 @@ class Minimum:
         `attainable_offset` at the end.
     damping
         Damping at the end, with which another run would go on; None before the first run.
+    used_up
+        Whether the limit of evaluations ended it.
     """
 
     point: Array
@@ -125,6 +127,7 @@ class Minimum:
     evaluations: int
     offset: float
     damping: float | None = None
+    used_up: bool = False
 
 
 def minimise(
@@ -210,7 +213,8 @@ def minimise(
             break
         else:
             damping, growth = damping * growth, growth * 2.0
-    return Minimum(z, now, used, offset_within(now, lower, upper, reach), damping)
+    offset = offset_within(now, lower, upper, reach)
+    return Minimum(z, now, used, offset, damping, used_up=used >= evaluations)
 
 
 def offset_within(normal: Normal, lower: Array, upper: Array, reach: Array) -> float:

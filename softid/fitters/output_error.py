@@ -334,8 +334,10 @@ def _judge(objective: Objective, best: Minimum, start: Array, *, stable: bool) -
         status = FitStatus.CONVERGED
     elif np.allclose(z[told], np.clip(start, lower, upper)[told], rtol=2e-3, atol=1e-12):
         status = FitStatus.NOT_MOVED
+    elif not stable:
+        status = FitStatus.STILL_IMPROVING
     else:
-        status = FitStatus.NOT_OPTIMAL if stable else FitStatus.MAX_EVALUATIONS
+        status = FitStatus.MAX_EVALUATIONS if best.used_up else FitStatus.NOT_OPTIMAL
     return Optimum(
         z,
         normal.cost - (objective.prior.cost(z) if objective.prior else 0.0),
