@@ -139,7 +139,7 @@ def identify(request: FitRequest) -> None:
                 where=", ".join(map(str, request.logs)),
                 remedy="fix or bound a parameter, choose a simpler --model, or add a log",
             )
-        profiles = profiled(result, fitted, request.profile, seed=request.seed, progress=report)
+        profiles = profiled(result, fitted, request.profile, progress=report)
     _deliver(request, result, profiles, fitted[0])
 
 

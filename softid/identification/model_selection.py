@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
-from softid.fitters.output_error import Optimum, output_error
+from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
 from softid.fitters.rest import REST_MIN_SAMPLES, REST_WINDOW_S
 from softid.identification.preparation import adapted_model, require_channels
@@ -89,7 +89,6 @@ class _Draft:
 def choose_model(
     logs: LogSet,
     *,
-    rng: np.random.Generator,
     inverted: bool = False,
     preferred: Sequence[Model] = (),
     moving: bool = False,
@@ -104,8 +103,6 @@ def choose_model(
     ----------
     logs
         Logs to be fitted.
-    rng
-        Draws the restarts.
     inverted
         Whether the output falls as the input rises.
     preferred
@@ -139,7 +136,7 @@ def choose_model(
         return ModelChoice(
             simplest, f"{simplest.label}: too few samples to compare models by held-out blocks"
         )
-    return _best(candidates, refused, logs, rng)
+    return _best(candidates, refused, logs)
 
 
 def _candidates(
@@ -163,9 +160,7 @@ def _candidates(
     return usable, refused
 
 
-def _best(
-    candidates: Sequence[Model], refused: Sequence[str], logs: LogSet, rng: np.random.Generator
-) -> ModelChoice:
+def _best(candidates: Sequence[Model], refused: Sequence[str], logs: LogSet) -> ModelChoice:
     drafts: list[_Draft] = []
     untold = list(refused)
     best: _Draft | None = None
@@ -175,7 +170,7 @@ def _best(
             untold.append(f"what {best.model.label} leaves over is white, so {names} cannot gain")
             break
         try:
-            draft = _draft(model, logs, rng)
+            draft = _draft(model, logs)
         except IdentificationError as error:
             untold.append(f"{model.label} was not tried: {error.what}")
             continue
@@ -202,12 +197,12 @@ def _terms(model: Model) -> int:
     return len(model.parameters().free)
 
 
-def _draft(model: Model, logs: LogSet, rng: np.random.Generator) -> _Draft:
+def _draft(model: Model, logs: LogSet) -> _Draft:
     """Fit to all samples roughly, then refit from there without every fourth block in turn."""
     problem = Problem(model, model.parameters(), logs.logs)
     guesses = model.guess(problem.plain_segments, logs.outputs[0])
     starts = [g.values_dict() for g in guesses] or [model.parameters().values_dict()]
-    optimum = output_error(problem, starts, rng=rng, rounds=0)
+    optimum = draft_fit(problem, starts)
     if not np.isfinite(optimum.cost):
         raise IdentificationError(optimum.status.value, remedy="choose another --model")
     values = dict(

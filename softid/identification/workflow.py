@@ -221,9 +221,7 @@ def identify(
     if model is None:
         report("choosing the model", 0.0)
         inverted = falls_with_input(log_set, rng=rng)
-        choice = choose_model(
-            log_set, rng=rng, inverted=inverted, preferred=preferred, moving=moving
-        )
+        choice = choose_model(log_set, inverted=inverted, preferred=preferred, moving=moving)
         adapted, starts = choice.model, choice.starts or None
         constraints = ParameterConstraints.of(adapted.parameters(), None)
     else:

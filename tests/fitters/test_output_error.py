@@ -14,7 +14,7 @@ from scipy.optimize import least_squares
 import softid.fitters.output_error as fitter
 from softid.fitters import scouting
 from softid.fitters.objective import Objective
-from softid.fitters.output_error import Optimum, output_error, refit_nuisance
+from softid.fitters.output_error import Optimum, draft_fit, output_error, refit_nuisance
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.base import Model
@@ -72,7 +72,10 @@ def fitted(
 ) -> tuple[Optimum, dict[str, float], Problem]:
     model = model or Muscle()
     problem = Problem(model, parameters or model.parameters(), logs)
-    found = output_error(problem, starts, rng=np.random.default_rng(0), rounds=rounds)
+    if rounds:
+        found = output_error(problem, starts, rng=np.random.default_rng(0), rounds=rounds)
+    else:
+        found = draft_fit(problem, starts)
     values = dict(zip(model.parameters().names, problem.theta(found.unknowns), strict=True))
     return found, values, problem
 
