@@ -56,7 +56,7 @@ def bootstrap_parameters(
         Of the draws; each has a generator of its own, so the number of workers changes nothing.
     workers
         Processes that share the refits, or threads where the system cannot fork; by default as
-        many as there are cores.
+        many as there are cores, four at most.
 
     Returns
     -------
