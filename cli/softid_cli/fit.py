@@ -96,7 +96,7 @@ def fit(request: FitRequest) -> None:
 
 
 def identify(request: FitRequest) -> None:
-    """Load, fit, print and write.
+    """Load, fit, write, then print.
 
     Raises
     ------
