@@ -68,7 +68,7 @@ class InertiaDraws:
     Attributes
     ----------
     sequential
-        The paper's protocol in three stages.
+        The paper's protocol in three stages; M as its extremes give it, negative or not.
     simultaneous
         Output error of all seven parameters on both logs at once.
     unit
@@ -131,7 +131,7 @@ def inertia_draws(
         noisy = [_with_noise(log, noise_output, noise_kpa, rng) for log in (steps, sine)]
         by_stages = sequential(noisy[0], noisy[1])
         at_once, reached = _simultaneous(noisy)
-        return by_stages.values["M"], at_once, reached
+        return by_stages.inertia.mass, at_once, reached
 
     generators = np.random.default_rng(seed).spawn(draws)
     rows = in_parallel(one, generators, workers=workers)

@@ -275,6 +275,18 @@ def test_the_three_stages_run_from_logs():
     assert found.issues == (*found.static.issues, *found.inertia.issues, *found.damping.issues)
 
 
+def test_a_negative_inertia_is_set_to_zero_and_told():
+    """A static curve 0.1 % off turns the sign of M: values, damping and issues go with M = 0."""
+    off = levels_from_arrays(LEVELS_KPA, _static(LEVELS_KPA, a1=0.999 * 0.01))
+    log = _log(_sine(1000, 8.0))
+    found = dynamics(off, log, window_s=0.015)
+    assert found.inertia.mass < 0.0
+    assert found.values["M"] == 0.0
+    assert found.damping.a2 == damping_surface(log, off, 0.0, window_s=0.015).a2
+    (told,) = [i for i in found.issues if i.code == "inertia-set-to-zero"]
+    assert f"M = {found.inertia.mass:.3g} s²/mm" in told.message
+
+
 def test_constant_damping_is_the_alternative():
     """N = c2 fitted to N(p) between 0.052 and 0.072 lies between; a2 and b2 are zero."""
     static = levels_from_arrays(LEVELS_KPA, _static(LEVELS_KPA))
