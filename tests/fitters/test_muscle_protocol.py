@@ -172,7 +172,9 @@ def test_levels_that_still_move_are_reported():
 
 
 def test_levels_that_cannot_be_fitted():
-    """Two levels, falling x, shapes that differ, a NaN, a log that never settles."""
+    """No level, two levels, falling x, shapes that differ, a NaN, a log that never settles."""
+    with pytest.raises(IdentificationError, match="0 different levels for 3 parameters"):
+        levels_from_arrays([], [])
     with pytest.raises(IdentificationError, match="2 different levels for 3 parameters"):
         levels_from_arrays([0.0, 100.0, 100.0], [1.0, 2.0, 2.0])
     with pytest.raises(IdentificationError, match="does not rise"):
