@@ -57,7 +57,8 @@ class ModelChoice:
     reason
         Why, in a sentence.
     held_out_rmse
-        Label of a candidate → rms error on the held-out blocks, canonical unit of the output.
+        Label of a candidate → rms error of the first output on the held-out blocks, in its
+        canonical unit.
     starts
         Start values for the fit of the model: parameter name → value.
     plainer
@@ -73,7 +74,10 @@ class ModelChoice:
 
 @dataclass(frozen=True, eq=False)
 class _Draft:
-    """A model fitted roughly, and its errors on the blocks left out of refits, one per segment."""
+    """A model fitted roughly, and its errors on the blocks left out of refits.
+
+    They are those of the first output, one array per segment.
+    """
 
     model: Model
     values: Mapping[str, float]
@@ -96,7 +100,8 @@ def choose_model(
     """Fit every model that takes these channels and keep the one that predicts best.
 
     Every log is cut into 48 blocks. Three times, every fourth block is left out, the draft of a
-    model is refitted to the others, and its error on those left out is taken. A model with more
+    model is refitted to the others, and its error on those left out is taken: that of the first
+    output, for errors in radians and in millimetres cannot be compared. A model with more
     parameters must lower that error by 5 %, and is not even tried when what is left over is white.
 
     Parameters
@@ -228,7 +233,7 @@ def left_out(log: Log, shift: int) -> BoolArray:
 def _score(
     errors: Sequence[Array], held: Sequence[BoolArray], whole: Problem, draft: Optimum
 ) -> None:
-    """Refit without the samples held out and enter measured minus simulated there."""
+    """Refit without the samples held out and enter measured − simulated of the first output."""
     training = Problem(
         whole.model,
         whole.parameters,
@@ -240,6 +245,8 @@ def _score(
     objective.set_prior(draft.unknowns, objective.solve(draft.unknowns, 1))
     found = objective.solve(draft.unknowns, SCOUT_EVALUATIONS)
     for block in whole.blocks(found.point, derivatives=False):
+        if block.channel != whole.outputs[0]:
+            continue
         used = whole.segments[block.segment].used[block.channel]
         fitted = training.segments[block.segment].used[block.channel]
         errors[block.segment][used & ~fitted] = block.residual[~fitted[used]]
