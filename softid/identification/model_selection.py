@@ -62,7 +62,8 @@ class ModelChoice:
     starts
         Start values for the fit of the model: parameter name → value.
     plainer
-        Models with fewer parameters that predicted worse.
+        Models with fewer parameters that predicted worse, or that predicted better than a preferred
+        one by less than 5 %.
     """
 
     model: Model
