@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.levenberg_marquardt import Normal
+from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.normal_equations import Linearised
 from softid.fitters.problem import Problem
 
@@ -60,7 +60,7 @@ def squared_autocorrelation(residuals: Sequence[Array], lags: int) -> float:
 
 
 def residuals_by_channel(
-    problem: Problem, z: Array, known: Normal | None = None
+    problem: Problem, z: Array, known: NormalEquations | None = None
 ) -> list[list[Array]]:
     """Residuals of every segment less their means, channel by channel.
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
-from softid.fitters.levenberg_marquardt import Normal
+from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
@@ -195,7 +195,7 @@ def explains_better(own: Explained, other: LogSet, by: float = BETTER_BY) -> boo
     return bool(np.isfinite(found.cost)) and _misfit(changed, found) < wanted
 
 
-def _promised(there: Normal) -> float:
+def _promised(there: NormalEquations) -> float:
     """n·ln(mean square) of one channel, lowered by `TRUSTED` times what one step promises."""
     step = np.linalg.lstsq(there.matrix, there.gradient, rcond=None)[0]
     cost = max(there.cost - TRUSTED * 0.5 * float(step @ there.gradient), 0.0)
