@@ -22,6 +22,7 @@ class FitStatus(Enum):
     CONVERGED = "the optimum was reached"
     NOT_MOVED = "the optimiser stopped without leaving its start although the gradient is not zero"
     NOT_OPTIMAL = "the optimiser stopped short of the optimum"
+    STILL_IMPROVING = "restarts kept finding a better optimum"
     MAX_EVALUATIONS = "the limit of evaluations was reached before the optimum"
     NON_FINITE = "the model gave no finite response at any start"
 

@@ -14,7 +14,7 @@ from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.forward_selection import converged
 from softid.effects.base import OutputEffect
 from softid.effects.scale import Scale
-from softid.fitters.levenberg_marquardt import Minimum, Normal
+from softid.fitters.levenberg_marquardt import Minimum, NormalEquations
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models import Oscillator
@@ -89,7 +89,7 @@ def standing(problem: Problem, z: Array, sigma: Mapping[str, float] = SIGMA) -> 
         for block in problem.blocks(z, derivatives=False)
     )
     size = problem.size
-    normal = Normal(z, cost, np.zeros(size), np.eye(size), problem.n_samples)
+    normal = NormalEquations(z, cost, np.zeros(size), np.eye(size), problem.n_samples)
     prior = TemperedPrior(z.copy(), np.zeros(size), 1.0)
     return Candidate((), problem, Minimum(z, normal, 0, 0.0), prior)
 

@@ -100,7 +100,7 @@ def fit(request: FitRequest) -> None:
 
 
 def identify(request: FitRequest) -> None:
-    """Load, fit, print and write.
+    """Load, fit, write, then print.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def identify(request: FitRequest) -> None:
                 where=", ".join(map(str, request.logs)),
                 remedy="fix or bound a parameter, choose a simpler --model, or add a log",
             )
-        profiles = profiled(result, fitted, request.profile, seed=request.seed, progress=report)
+        profiles = profiled(result, fitted, request.profile, progress=report)
     _deliver(request, result, profiles, fitted[0])
 
 

@@ -10,12 +10,11 @@ import click
 
 from softid_cli.console import progress
 from softid_cli.options import FILE, json_option, load_logs, log_options, quiet_option
-from softid_cli.tables import WIDTH, folded, table_of, terminal_width
+from softid_cli.tables import WIDTH, folded, issue_lines, table_of, terminal_width
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from softid.errors import Issue
     from softid.excitation import Stretch
     from softid.quality import ChannelReport, Gap, Inspection
 
@@ -90,7 +89,7 @@ def render(inspection: Inspection, *, width: int = WIDTH) -> str:
         *_channel_table(inspection.channels, width),
         "",
         "Findings" if inspection.issues else "Findings: none",
-        *_issue_lines(inspection.issues, width),
+        *issue_lines(inspection.issues, width),
         "",
         f"Excitation of {inspection.input}",
         *_excitation(inspection),
@@ -187,15 +186,6 @@ def _channel_row(c: ChannelReport) -> tuple[str, ...]:
         noise = f"< {c.noise_below * c.display_factor:.2g}"
     column = "" if c.column is None or c.column == c.name else c.column
     return (c.name, c.role, column, reach, step, noise)
-
-
-def _issue_lines(issues: Iterable[Issue], width: int) -> list[str]:
-    lines = []
-    for issue in issues:
-        lines.append(folded(f"{issue.severity}: {issue.message}", width))
-        if issue.remedy:
-            lines.append(folded(f"  → {issue.remedy}", width))
-    return lines
 
 
 def _excitation(inspection: Inspection) -> list[str | Table]:

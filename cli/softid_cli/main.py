@@ -108,6 +108,9 @@ def softid(debug: bool) -> None:
 def run(arguments: Sequence[str]) -> int:
     """Run the command line and return its exit code; nothing is raised.
 
+    Beside the codes that the help names there are 70, a fault of softid itself, 130, interrupted,
+    and 141, when the reader of a pipe went away.
+
     Parameters
     ----------
     arguments

@@ -107,10 +107,20 @@ def chosen_model(
     from softid.models import MODELS
 
     if geometry is not None:
-        given = described(geometry, name or GEOMETRY_MODEL) | given
-
+        name = name or GEOMETRY_MODEL
+        given = described(geometry, name) | given
     if name is None:
         name = _only_owner(given)
+    _require_options(name, given)
+    options: dict[str, object] = dict(given)
+    model: Model = MODELS[name](**options)
+    return model
+
+
+def _require_options(name: str, given: Mapping[str, object]) -> None:
+    """Refuse a model that does not exist, and options that it lacks or that are not chosen."""
+    from softid.models import MODELS
+
     if name not in MODELS:
         raise UsageError(
             "there is no such model",
@@ -134,9 +144,6 @@ def chosen_model(
                 where=_FLAGS.get(option, f"--option {option}"),
                 remedy=f"its options are {', '.join(sorted(known))}",
             )
-    options: dict[str, object] = dict(given)
-    model: Model = MODELS[name](**options)
-    return model
 
 
 def _only_owner(given: Mapping[str, object]) -> str:

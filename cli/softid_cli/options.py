@@ -59,7 +59,8 @@ FILE = FilePath(path_type=Path, readable=False)
 class GreedyCommand(click.Command):
     """A command some of whose options take all values up to the next option.
 
-    ``--hold-out a.csv b.csv`` then means what the shell's ``--hold-out held/*.csv`` needs.
+    ``--hold-out a.csv b.csv``, or ``--hold-out=a.csv b.csv``, then means what the shell's
+    ``--hold-out held/*.csv`` needs.
     """
 
     def __init__(self, *args: Any, greedy: tuple[str, ...] = (), **attributes: Any) -> None:
@@ -79,7 +80,8 @@ class GreedyCommand(click.Command):
                 if all(following.startswith("-") for following in args[position + 1 :][:1]):
                     raise click.BadOptionUsage(arg, f"{arg} needs at least one value", ctx)
             elif arg.startswith("-"):
-                option = None
+                name, equals, _ = arg.partition("=")
+                option = name if equals and name in self._greedy else None
                 spread.append(arg)
             else:
                 spread += [option, arg] if option else [arg]

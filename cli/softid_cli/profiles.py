@@ -20,7 +20,6 @@ def profiled(
     logs: Sequence[Log],
     names: Sequence[str],
     *,
-    seed: int,
     progress: ProgressCallback | None,
 ) -> dict[str, ProfileResult]:
     """Profile the named parameters of a finished fit.
@@ -47,7 +46,7 @@ def profiled(
     for k, name in enumerate(dict.fromkeys(names)):
         if progress is not None:
             progress(f"refitting along {name}", k / len(names))
-        found[name] = profile_parameter(result, logs, name, seed=seed)
+        found[name] = profile_parameter(result, logs, name)
     return found
 
 

@@ -81,11 +81,18 @@ def print_issues(issues: Sequence[Issue]) -> None:
     """Print each issue with its remedy below."""
     if issues:
         _print("")
-    width = terminal_width()
+    for line in issue_lines(issues, terminal_width()):
+        click.echo(line)
+
+
+def issue_lines(issues: Iterable[Issue], width: int) -> list[str]:
+    """Each issue folded to a width, and its remedy below."""
+    lines = []
     for issue in issues:
-        click.echo(folded(f"{issue.severity}: {issue.message}", width, indent="  "))
+        lines.append(folded(f"{issue.severity}: {issue.message}", width, indent="  "))
         if issue.remedy:
-            click.echo(folded(f"  → {issue.remedy}", width))
+            lines.append(folded(f"  → {issue.remedy}", width))
+    return lines
 
 
 def print_rows(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) -> None:

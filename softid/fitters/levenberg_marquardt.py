@@ -77,7 +77,7 @@ or very long."""
 
 
 @dataclass(frozen=True, eq=False)
-class Normal:
+class NormalEquations:
     """Cost and normal equations at one point.
 
     Attributes
@@ -118,17 +118,20 @@ class Minimum:
         `attainable_offset` at the end.
     damping
         Damping at the end, with which another run would go on; None before the first run.
+    used_up
+        Whether the limit of evaluations ended it.
     """
 
     point: Array
-    normal: Normal
+    normal: NormalEquations
     evaluations: int
     offset: float
     damping: float | None = None
+    used_up: bool = False
 
 
 def minimise(
-    evaluate: Callable[[Array], Normal],
+    evaluate: Callable[[Array], NormalEquations],
     start: Array,
     lower: Array,
     upper: Array,
@@ -136,7 +139,7 @@ def minimise(
     *,
     evaluations: int,
     tolerance: float,
-    bend: Callable[[Array, Array, Normal], Array | None] | None = None,
+    bend: Callable[[Array, Array, NormalEquations], Array | None] | None = None,
     damping: float | None = None,
 ) -> Minimum:
     """Minimise ½‖r(z)‖² within bounds.
@@ -210,10 +213,11 @@ def minimise(
             break
         else:
             damping, growth = damping * growth, growth * 2.0
-    return Minimum(z, now, used, offset_within(now, lower, upper, reach), damping)
+    offset = offset_within(now, lower, upper, reach)
+    return Minimum(z, now, used, offset, damping, used_up=used >= evaluations)
 
 
-def offset_within(normal: Normal, lower: Array, upper: Array, reach: Array) -> float:
+def offset_within(normal: NormalEquations, lower: Array, upper: Array, reach: Array) -> float:
     """`attainable_offset` over what may move between bounds; infinite where nothing is finite."""
     if not np.isfinite(normal.cost):
         return float("inf")
@@ -235,7 +239,7 @@ def movable(z: Array, gradient: Array, lower: Array, upper: Array) -> npt.NDArra
 
 
 def attainable_offset(
-    normal: Normal, moving: npt.NDArray[np.bool_], reach: Array, *, floor: float = 0.0
+    normal: NormalEquations, moving: npt.NDArray[np.bool_], reach: Array, *, floor: float = 0.0
 ) -> float:
     """How far the estimate is from the optimum, in its own standard errors.
 
@@ -279,7 +283,7 @@ class _Progress:
         self._next = STALL_EVALUATIONS
         self._cost = np.inf
 
-    def stalls(self, used: int, now: Normal, offset: float) -> bool:
+    def stalls(self, used: int, now: NormalEquations, offset: float) -> bool:
         """Whether the optimum is near and the last evaluations have hardly brought it nearer."""
         if used < self._next:
             return False
@@ -289,7 +293,9 @@ class _Progress:
         return slow and offset <= STALL_OFFSET
 
 
-def _step(normal: Normal, moving: npt.NDArray[np.bool_], scale: Array, damping: float) -> Array:
+def _step(
+    normal: NormalEquations, moving: npt.NDArray[np.bool_], scale: Array, damping: float
+) -> Array:
     d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
     matrix = _among(normal.matrix, moving) / d / d[:, None]
     matrix.flat[:: d.size + 1] += damping
@@ -300,7 +306,7 @@ def _step(normal: Normal, moving: npt.NDArray[np.bool_], scale: Array, damping: 
 
 
 def _damping_for(
-    normal: Normal,
+    normal: NormalEquations,
     moving: npt.NDArray[np.bool_],
     scale: Array,
     damping: float,

@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.levenberg_marquardt import Normal
+from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]
@@ -83,7 +83,7 @@ class PiecewiseProblem(Problem):
                 z[states[0]] = (segment.outputs[name][here][0] - zero - rest) / slope
         return z
 
-    def with_best_states(self, at: Normal) -> Array:
+    def with_best_states(self, at: NormalEquations) -> Array:
         """Unknowns with all zeros and initial states at their optimum for the same parameters.
 
         Both stand linearly in a linear motion, so that one solve finds them, however far they are;

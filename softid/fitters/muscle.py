@@ -46,7 +46,8 @@ class SequentialFit:
     Attributes
     ----------
     values
-        M, a1, b1, c1, a2, b2, c2; p in bar.
+        M, a1, b1, c1, a2, b2, c2; p in bar. M is zero where the extremes give less, since the
+        damping belongs to that.
     zero
         Sensor zero from the levels, or None.
     unit
@@ -54,7 +55,7 @@ class SequentialFit:
     static, inertia, damping
         The three stages.
     issues
-        The issues of all stages.
+        The issues of all stages, and that M was set to zero.
     """
 
     values: dict[str, float]
@@ -151,9 +152,9 @@ def sequential(
 ) -> SequentialFit:
     """Run the paper's three stages: `levels` → `extremes` → `damping_surface`.
 
-    Each stage takes the one before as exact, and no stage knows the error of the next; see the
-    weaknesses of the three. Where the extremes give a negative M, the damping stage goes on
-    with M = 0 and says so.
+    Each stage takes the one before as exact, and no stage knows the error of the one before; see
+    the weaknesses of the three. Where the extremes give a negative M, the damping stage goes on
+    with M = 0, which is then what `SequentialFit.values` holds, and an issue says so.
 
     Parameters
     ----------
@@ -183,16 +184,17 @@ def dynamics(
 ) -> SequentialFit:
     """The last two stages on a static curve that is already there, as from `levels_from_arrays`."""
     inertia = extremes(sine_log, static, output=output, geometry=geometry, window_s=window_s)
+    mass = max(inertia.mass, 0.0)
     surface = damping_surface(
         sine_log,
         static,
-        max(inertia.mass, 0.0),
+        mass,
         damping=damping,
         output=output,
         geometry=geometry,
         window_s=window_s,
     )
-    values = {"M": inertia.mass, "a1": static.a1, "b1": static.b1, "c1": static.c1}
+    values = {"M": mass, "a1": static.a1, "b1": static.b1, "c1": static.c1}
     values |= {"a2": surface.a2, "b2": surface.b2, "c2": surface.c2}
     return SequentialFit(
         values=values,
@@ -201,5 +203,17 @@ def dynamics(
         static=static,
         inertia=inertia,
         damping=surface,
-        issues=(*static.issues, *inertia.issues, *surface.issues),
+        issues=(*static.issues, *inertia.issues, *_clipped(inertia), *surface.issues),
     )
+
+
+def _clipped(inertia: ExtremesFit) -> tuple[Issue, ...]:
+    """That the last stage went on without inertia, where it did."""
+    if inertia.mass >= 0.0:
+        return ()
+    message = (
+        f"M = {inertia.mass:.3g} s²/{inertia.unit} from the extremes is no inertia: the damping is "
+        "fitted with M = 0"
+    )
+    remedy = "fit all logs together by output error, which keeps M positive"
+    return (Issue("inertia-set-to-zero", "warning", message, remedy),)

@@ -7,19 +7,18 @@ import numpy.typing as npt
 
 from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.problem import Problem
-from softid.fitters.rivals import residuals_by_channel, squared_autocorrelation
+from softid.fitters.residual_whiteness import (
+    LAGS,
+    WHITE_SDS,
+    largest_sum,
+    residuals_by_channel,
+    squared_autocorrelation,
+)
 
 Array = npt.NDArray[np.float64]
 
-LAGS = 20
-"""Autocorrelations that are tested together. More lags see a slower memory, but every one adds 2 to
-the variance of χ², in which a memory of a few samples drowns; a judgement."""
-
 FEWEST = 10 * LAGS
 """Residuals per channel from which their autocorrelation says anything."""
-
-SIGNIFICANT = 4.0
-"""Standard deviations of the χ² statistic up to which a residual counts as white."""
 
 DETERMINED = 0.1
 """Largest standard error of a parameter, as a share of its plausible move."""
@@ -67,5 +66,4 @@ def _white(residuals: list[Array]) -> bool:
     n = sum(r.size for r in residuals)
     if n < FEWEST or not any(r.any() for r in residuals):
         return False
-    most = LAGS + SIGNIFICANT * float(np.sqrt(2.0 * LAGS))
-    return n * squared_autocorrelation(residuals, LAGS) <= most
+    return n * squared_autocorrelation(residuals, LAGS) <= largest_sum(WHITE_SDS)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.fitters.levenberg_marquardt import Normal
+from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.problem import Block, Problem
 from softid.models.division import Division
 from softid.models.products import Products
@@ -68,7 +68,7 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Linearised(Normal):
+class Linearised(NormalEquations):
     """Normal equations with the pieces that they were summed from.
 
     Attributes

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from softid.fitters.levenberg_marquardt import (
     BEND_STEP,
     Minimum,
-    Normal,
+    NormalEquations,
     minimise,
     next_point,
     offset_within,
@@ -92,11 +92,11 @@ class Objective:
         self._weighted: dict[str, float] = {}
         self._planned: tuple[Array, list[Division | None]] | None = None
 
-    def __call__(self, z: Array) -> Normal:
+    def __call__(self, z: Array) -> NormalEquations:
         """Cost ½Σ(r/σ)² and its normal equations at ``z`` with every zero moved to its optimum."""
         return self._with_prior(self._at(z))
 
-    def _with_prior(self, found: Normal) -> Normal:
+    def _with_prior(self, found: NormalEquations) -> NormalEquations:
         if self.prior is None or not np.isfinite(found.cost):
             return found
         return replace(
@@ -144,7 +144,7 @@ class Objective:
             return found
         self.plans = None if normal.plans is None else list(normal.plans)
         limits = *self.problem.bounds(), self.problem.reach()
-        kept: Normal | None = None
+        kept: NormalEquations | None = None
         if found.offset > LAST_STEP:
             kept = self._with_prior(self._at(next_point(found, *limits), columns=True))
         if kept is None or not kept.cost <= found.normal.cost:
@@ -152,7 +152,7 @@ class Objective:
         self.plans = None
         return replace(found, point=kept.point, normal=kept, offset=offset_within(kept, *limits))
 
-    def begin_with(self, known: Normal) -> None:
+    def begin_with(self, known: NormalEquations) -> None:
         """Go on from where an earlier run ended, if that was one of the same problem.
 
         Parameters
@@ -184,7 +184,7 @@ class Objective:
         weight[len(self.problem.free) :] = 0.0
         self.prior = Prior(centre, weight)
 
-    def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
+    def bend(self, z: Array, step: Array, normal: NormalEquations) -> Array | None:
         """Jᵀ∂²ŷ/∂v² along ``step``, or None where a Jacobian that no kernel sums was not kept."""
         if not isinstance(normal, Linearised) or not (normal.kept or normal.affine):
             return None

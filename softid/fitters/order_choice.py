@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from softid.errors import IdentificationError, InputError
+from softid.errors import IdentificationError, InputError, UsageError
 from softid.models.polynomial import Domain, powers
 
 Array = npt.NDArray[np.float64]
@@ -68,12 +68,20 @@ def choose_order(
 
     Raises
     ------
+    UsageError
+        There is no order to try.
+    InputError
+        Pressure and output differ in shape.
     IdentificationError
         There are too few levels to leave any out.
     """
     pressure, y = pressure_pairs(pressure_kpa, output)
     used = np.isfinite(pressure) & np.isfinite(y)
     tried = tuple(orders)
+    if not tried:
+        raise UsageError(
+            "there is no order to try", where="orders", remedy="give one at least, such as 4"
+        )
     errors = [held_out_errors(pressure[used], y[used], order) for order in tried]
     means = np.array([float(e.mean()) if e.size else np.inf for e in errors])
     if not np.isfinite(means).any():
@@ -88,18 +96,24 @@ def choose_order(
     within = [k for k in range(len(tried)) if means[k] <= means[best] + spread]
     chosen = min(within, key=lambda k: tried[k])
     rmse = np.sqrt(means)
-    reason = f"order {tried[chosen]} errs by {rmse[chosen]:.3g} on levels left out"
-    if chosen == best:
-        reason += ", less than any other order"
-    else:
-        reason += f"; {rmse[best]:.3g} at order {tried[best]} is not clearly better"
     return OrderChoice(
         tried[chosen],
         tried,
         tuple(rmse.tolist()),
         left_out,
-        reason,
+        _reason(tried, rmse, best, chosen),
     )
+
+
+def _reason(tried: Sequence[int], rmse: Array, best: int, chosen: int) -> str:
+    told = f"order {tried[chosen]} errs by {rmse[chosen]:.3g} on levels left out"
+    if chosen != best:
+        return f"{told}; {rmse[best]:.3g} at order {tried[best]} is not clearly better"
+    others = np.delete(rmse, best)
+    if not others.size:
+        return told
+    by = "less" if rmse[best] < others.min() else "no more"
+    return f"{told}, {by} than any other order"
 
 
 def held_out_errors(pressure_kpa: Array, output: Array, order: int) -> Array:
@@ -120,6 +134,8 @@ def held_out_errors(pressure_kpa: Array, output: Array, order: int) -> Array:
     """
     block = level_blocks(pressure_kpa)
     inner = np.unique(block)[1:-1]
+    if not inner.size:
+        return np.empty(0)
     u = Domain.over(pressure_kpa).scaled(pressure_kpa)
     errors = np.full(inner.size, np.inf)
     for k, held in enumerate(inner):
@@ -136,6 +152,8 @@ def level_blocks(pressure_kpa: Array) -> npt.NDArray[np.intp]:
 
     Each level of a staircase is a block; a sweep without gaps is cut into eight equal ranges.
     """
+    if not pressure_kpa.size:
+        return np.empty(0, np.intp)
     ordered = np.sort(pressure_kpa)
     span = float(ordered[-1] - ordered[0])
     apart = np.diff(ordered) > LEVEL_GAP_SHARE * span

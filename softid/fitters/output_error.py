@@ -137,8 +137,7 @@ def output_error(
     rng
         Draws the perturbed restarts.
     rounds
-        How often at most a better optimum is looked for; 0 makes a draft: one contender, few
-        evaluations, no search for a better one.
+        How often at most a better optimum is looked for, at least once.
     thorough
         As in `best_rival`.
     far
@@ -154,33 +153,48 @@ def output_error(
     report = progress or (lambda message, fraction: None)
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
     report("searching from several starts", 0.1)
-    scouted, alone = searched(objective, starts, alone_if_white=rounds > 0, far=far)
+    scouted, alone = searched(objective, starts, alone_if_white=True, far=far)
     if not scouted:
         return _nothing(objective, [problem.unknowns(start) for start in starts[:1]])
     report("refining the best starts", 0.3)
-    limit = POLISH_EVALUATIONS if rounds else DRAFT_EVALUATIONS
     is_rival = False
     if alone:
         best, start = scouted[0]  # the data hold every parameter, and need no prior
-    elif rounds:
-        best, start, is_rival = _basin(objective, scouted[:2], thorough=thorough)
     else:
-        best, start = _polished(objective, scouted[0], limit)
-    best = objective.solve(best.point, limit)
+        best, start, is_rival = _basin(objective, scouted[:2], thorough=thorough)
+    best = objective.solve(best.point, POLISH_EVALUATIONS)
     best = _reweighted(objective, best)
     report("looking for a better optimum", 0.6)
-    stable = alone or rounds == 0
-    if not stable:
+    stable = alone
+    if not alone:
         best, stable = _challenge(objective, best, start, rng, rounds)
-    if rounds and not alone and not is_rival:
+    if not alone and not is_rival:
         rival = _rival(objective, best, thorough=thorough)
         if rival is not None:
             best, stable = _challenge(objective, *rival, rng, rounds)
             start = rival[1]
     report("checking the optimum", 0.9)
-    if rounds:
-        best = objective.with_columns(_released(objective, best))
+    best = objective.with_columns(_released(objective, best))
     return _judge(objective, best, start, stable=stable)
+
+
+def draft_fit(
+    problem: Problem, starts: Sequence[Mapping[str, float]], *, far: bool = True
+) -> Optimum:
+    """Fit a problem roughly: one contender, few evaluations, no search for a better optimum.
+
+    Parameters
+    ----------
+    problem, starts, far
+        As in `output_error`.
+    """
+    objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
+    scouted, _ = searched(objective, starts, alone_if_white=False, far=far)
+    if not scouted:
+        return _nothing(objective, [problem.unknowns(start) for start in starts[:1]])
+    best, start = _polished(objective, scouted[0], DRAFT_EVALUATIONS)
+    best = objective.solve(best.point, DRAFT_EVALUATIONS)
+    return _judge(objective, _reweighted(objective, best), start, stable=True)
 
 
 def refit_nuisance(problem: Problem) -> Optimum:
@@ -280,7 +294,7 @@ def _challenge(
     away has no gradient left by which it could return.
     """
     n_free = len(objective.problem.free)
-    if n_free == 0 or rounds == 0:
+    if n_free == 0:
         return best, True
     reach = objective.problem.reach()[:n_free]
     for _ in range(rounds):
@@ -334,8 +348,10 @@ def _judge(objective: Objective, best: Minimum, start: Array, *, stable: bool) -
         status = FitStatus.CONVERGED
     elif np.allclose(z[told], np.clip(start, lower, upper)[told], rtol=2e-3, atol=1e-12):
         status = FitStatus.NOT_MOVED
+    elif not stable:
+        status = FitStatus.STILL_IMPROVING
     else:
-        status = FitStatus.NOT_OPTIMAL if stable else FitStatus.MAX_EVALUATIONS
+        status = FitStatus.MAX_EVALUATIONS if best.used_up else FitStatus.NOT_OPTIMAL
     return Optimum(
         z,
         normal.cost - (objective.prior.cost(z) if objective.prior else 0.0),

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from softid.channels import read_only
 from softid.errors import UsageError
 from softid.fitters.muscle import sequential
-from softid.fitters.output_error import output_error
+from softid.fitters.output_error import draft_fit
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.muscle import Muscle
@@ -68,7 +68,7 @@ class InertiaDraws:
     Attributes
     ----------
     sequential
-        The paper's protocol in three stages.
+        The paper's protocol in three stages; M as its extremes give it, negative or not.
     simultaneous
         Output error of all seven parameters on both logs at once.
     unit
@@ -130,8 +130,8 @@ def inertia_draws(
     def one(rng: np.random.Generator) -> tuple[float, float, bool]:
         noisy = [_with_noise(log, noise_output, noise_kpa, rng) for log in (steps, sine)]
         by_stages = sequential(noisy[0], noisy[1])
-        at_once, reached = _simultaneous(noisy, rng)
-        return by_stages.values["M"], at_once, reached
+        at_once, reached = _simultaneous(noisy)
+        return by_stages.inertia.mass, at_once, reached
 
     generators = np.random.default_rng(seed).spawn(draws)
     rows = in_parallel(one, generators, workers=workers)
@@ -154,7 +154,7 @@ def _with_noise(log: Log, noise_output: float, noise_kpa: float, rng: np.random.
     return Log.from_arrays(log.time_s, channels, outputs=(output,), name=log.name)
 
 
-def _simultaneous(logs: list[Log], rng: np.random.Generator) -> tuple[float, bool]:
+def _simultaneous(logs: list[Log]) -> tuple[float, bool]:
     """M by output error on all logs at once, and whether the optimum was reached.
 
     The starts are those of every fit, from the data. The stages' own result is no safe start: they
@@ -165,6 +165,6 @@ def _simultaneous(logs: list[Log], rng: np.random.Generator) -> tuple[float, boo
     starts = [
         guess.values_dict() for guess in model.guess(problem.plain_segments, problem.outputs[0])
     ]
-    found = output_error(problem, starts, rng=rng, rounds=0)
+    found = draft_fit(problem, starts)
     mass = problem.theta(found.unknowns)[problem.parameters.names.index("M")]
     return float(mass), found.status.success

@@ -17,11 +17,17 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.fitters.beginnings import informative_beginning, led_from_beginnings
-from softid.fitters.levenberg_marquardt import Minimum, Normal
+from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.multiple_shooting import PiecewiseProblem
-from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
+from softid.fitters.residual_whiteness import (
+    LAGS,
+    STRUCTURE_SDS,
+    largest_sum,
+    residuals_by_channel,
+    squared_autocorrelation,
+)
 from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
@@ -54,17 +60,10 @@ a scout over every longer cut, and over the whole."""
 SORTING_EVALUATIONS = 20
 """Evaluations over the shortest pieces by which the starts are put in order."""
 
-MAX_LAG = 20
-"""Lags of the whiteness statistic, and a residual of no more samples is not looked at. More lags
-see a slower memory, but every one adds 2 to the variance of χ²."""
-
 LEAST_COLOUR = 0.05
 """Sum of the squared autocorrelations over the first lags from which a residual has structure: an
-autocorrelation of 0.22 at one lag, or half of it at four."""
-
-SIGNIFICANT = 6.0
-"""Standard deviations of χ² beyond which a residual has structure, below 1200 samples. Between the
-4 up to which `noise_level` calls it white and these, no ringing rival is looked for."""
+autocorrelation of 0.22 at one lag, or half of it at four. From 1200 samples on it is more than
+what `STRUCTURE_SDS` ask for."""
 
 LEAST_SWING = 0.2
 """Rise of a residual's autocorrelation after a fall from which it swings: so it does when a tenth
@@ -263,32 +262,12 @@ def has_structure(problem: Problem, z: Array) -> bool:
     """
     for residuals in residuals_by_channel(problem, z):
         n = sum(r.size for r in residuals)
-        if n <= MAX_LAG:
+        if n <= LAGS:
             continue
-        limit = max(LEAST_COLOUR, (MAX_LAG + SIGNIFICANT * np.sqrt(2.0 * MAX_LAG)) / n)
-        if squared_autocorrelation(residuals, MAX_LAG) > limit:
+        limit = max(LEAST_COLOUR, largest_sum(STRUCTURE_SDS) / n)
+        if squared_autocorrelation(residuals, LAGS) > limit:
             return True
     return False
-
-
-def squared_autocorrelation(residuals: Sequence[Array], lags: int) -> float:
-    """Σ ρ² over the first lags of residuals less their means; 0 where they are nothing.
-
-    Box and Pierce (J. Am. Stat. Assoc. 65, 1970): n times the sum is χ² with as many degrees of
-    freedom as lags when the residual is white.
-
-    Parameters
-    ----------
-    residuals
-        Of every segment, shape (n,) each.
-    lags
-        How many.
-    """
-    power = sum(float(r @ r) for r in residuals)
-    if power <= 0.0:
-        return 0.0
-    products = (sum(float(r[k:] @ r[:-k]) for r in residuals) for k in range(1, lags + 1))
-    return sum((product / power) ** 2 for product in products)
 
 
 def _rings(problem: Problem, z: Array) -> bool:
@@ -322,7 +301,7 @@ def swings(problem: Problem, z: Array) -> bool:
     """
     blocks = list(problem.blocks(z, derivatives=False))
     for name in problem.outputs:
-        of_channel = [b for b in blocks if b.channel == name and b.residual.size > MAX_LAG]
+        of_channel = [b for b in blocks if b.channel == name and b.residual.size > LAGS]
         residuals = [b.residual - b.residual.mean() for b in of_channel]
         segments = (problem.segments[b.segment] for b in of_channel)
         reaches = [_own_lags(segment.input[segment.used[name]]) for segment in segments]
@@ -371,27 +350,3 @@ def _rises_at(series: Sequence[Array], lags: int, least: float) -> int | None:
     correlation = np.fft.irfft(spectrum, size)[: lags + 1] / power
     risen = correlation - np.minimum.accumulate(correlation) >= least
     return int(np.argmax(risen)) if risen.any() else None
-
-
-def residuals_by_channel(
-    problem: Problem, z: Array, known: Normal | None = None
-) -> list[list[Array]]:
-    """Residuals of every segment less their means, channel by channel.
-
-    Parameters
-    ----------
-    problem
-        What was fitted.
-    z
-        Unknowns, shape (U,).
-    known
-        Normal equations there, which may hold the residuals already.
-    """
-    if isinstance(known, Linearised) and known.kept:
-        blocks = known.blocks(derivatives=False)
-    else:
-        blocks = list(problem.blocks(z, derivatives=False))
-    return [
-        [b.residual - b.residual.mean() for b in blocks if b.channel == name and b.residual.size]
-        for name in problem.outputs
-    ]

@@ -136,7 +136,8 @@ def levels_from_arrays(
     """
     pressure, x = _checked(pressure_kpa, contraction)
     names = ("a1", "b1", "c1", "zero") if zero else ("a1", "b1", "c1")
-    distinct = len(distinct_levels(pressure.tolist(), SAME_LEVEL * float(np.ptp(pressure))))
+    span = float(np.ptp(pressure)) if pressure.size else 0.0
+    distinct = len(distinct_levels(pressure.tolist(), SAME_LEVEL * span))
     if distinct < len(names):
         raise IdentificationError(
             f"there are {distinct} different levels for {len(names)} parameters",

@@ -13,7 +13,7 @@ from softid.errors import IdentificationError, Issue
 from softid.fitters.output_error import Optimum, refit_nuisance
 from softid.fitters.problem import Problem
 from softid.identification.estimates import nuisances_of, parameter_estimates, scores
-from softid.identification.issues import fitted_range, issues_of
+from softid.identification.issues import fitted_range, issues_of, most_serious_first
 from softid.identification.model_selection import ModelChoice
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.parameter_covariance import errors_of, free_covariance
@@ -123,7 +123,7 @@ def assemble(
         fitted_range=ranges,
         simulations=(*simulations, *held_simulations),
         evaluations=optimum.evaluations,
-        issues=tuple(issues),
+        issues=most_serious_first(issues),
         choice=choice.reason if choice else None,
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in (*logs, *held)},
         options={"seed": float(seed), "intersample": logs.logs[0].intersample},

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
-from softid.fitters.levenberg_marquardt import Normal
+from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
-from softid.fitters.output_error import Optimum, output_error
+from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
 from softid.identification.log_beginning import beginning
 from softid.intersample import HELD, Intersample, jumps, knots
@@ -191,12 +191,11 @@ def explains_better(own: Explained, other: LogSet, by: float = BETTER_BY) -> boo
         if np.isfinite(there.cost) and _promised(there) > wanted:
             return False
     values = problem.values(own.unknowns)
-    rng = np.random.default_rng(0)
-    draft = output_error(changed, [values], rng=rng, rounds=0, far=False)
-    return bool(np.isfinite(draft.cost)) and _misfit(changed, draft) < wanted
+    found = draft_fit(changed, [values], far=False)
+    return bool(np.isfinite(found.cost)) and _misfit(changed, found) < wanted
 
 
-def _promised(there: Normal) -> float:
+def _promised(there: NormalEquations) -> float:
     """n·ln(mean square) of one channel, lowered by `TRUSTED` times what one step promises."""
     step = np.linalg.lstsq(there.matrix, there.gradient, rcond=None)[0]
     cost = max(there.cost - TRUSTED * 0.5 * float(step @ there.gradient), 0.0)

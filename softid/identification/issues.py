@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -22,12 +22,18 @@ POOR_FIT_PERCENT = 70.0
 its variance. A judgement of what is worth a look at the residual."""
 
 LEAST_R2, CHANCE = 0.02, 3.0
-"""Less than a fiftieth of the outputs' variance, a fit of 1 %, or than three times what so many
+"""Less than a fiftieth of an output's variance, a fit of 1 %, or than three times what so many
 unknowns take away from noise, is nothing."""
+
+SERIOUS_FIRST: tuple[Severity, ...] = ("error", "warning", "info")
+"""In which order issues are told."""
 
 
 def require_explained(found: FitResult, logs: LogSet, signs: Sequence[Issue]) -> None:
-    """Refuse a fit that explains no more of the outputs than a constant would.
+    """Refuse a fit that explains no more of any output than a constant would.
+
+    An output is explained by R² = 1 − Σ(y − ŷ)²/Σ(y − ȳ)² over all its fitted samples. Outputs are
+    judged one by one: squares of radians and of millimetres have no sum.
 
     Parameters
     ----------
@@ -41,13 +47,11 @@ def require_explained(found: FitResult, logs: LogSet, signs: Sequence[Issue]) ->
     Raises
     ------
     IdentificationError
-        R² over all fitted samples is below `LEAST_R2` or what its unknowns reach by chance.
+        R² of every output is below `LEAST_R2` or what the unknowns reach by chance.
     """
     rows = [row for row in found.statistics if row.in_sample and row.nrmse > 0.0]
-    left = sum(row.n * row.rmse**2 for row in rows)
-    whole = sum(row.n * (row.rmse / row.nrmse) ** 2 for row in rows if np.isfinite(row.nrmse))
-    by_chance = len(found.free) / max(sum(row.n for row in rows), 1)
-    if not rows or whole == 0.0 or 1.0 - left / whole >= max(LEAST_R2, CHANCE * by_chance):
+    of_outputs = [[row for row in rows if row.channel == name] for name in found.outputs]
+    if not rows or any(_is_explained(own, len(found.free)) for own in of_outputs if own):
         return
     raise IdentificationError(
         f"the {found.model.name} model explains nothing of {', '.join(found.outputs)}",
@@ -56,6 +60,14 @@ def require_explained(found: FitResult, logs: LogSet, signs: Sequence[Issue]) ->
         remedy="; ".join(issue.message for issue in signs)
         or "look at the channels with `softid inspect`, and at the bounds, if you set any",
     )
+
+
+def _is_explained(rows: Sequence[FitStatistics], unknowns: int) -> bool:
+    """Whether R² of one output, a row per log, is more than nothing."""
+    left = sum(row.n * row.rmse**2 for row in rows)
+    whole = sum(row.n * (row.rmse / row.nrmse) ** 2 for row in rows)
+    by_chance = unknowns / sum(row.n for row in rows)
+    return whole == 0.0 or 1.0 - left / whole >= max(LEAST_R2, CHANCE * by_chance)
 
 
 def fitted_range(logs: LogSet) -> dict[str, tuple[float, float]]:
@@ -100,7 +112,23 @@ def issues_of(
     held: Sequence[Log],
     statistics: Sequence[FitStatistics],
 ) -> list[Issue]:
-    """Everything worth saying about a fit, most serious first."""
+    """Everything worth saying about a fit, subject by subject.
+
+    Parameters
+    ----------
+    estimates
+        Of all parameters.
+    errors
+        What is known of their errors and of the noise.
+    unseen
+        Parameters dropped on the way because the logs cannot see them → the reason.
+    ranges
+        Channel → smallest and largest value in the fitted logs.
+    held
+        Logs held out.
+    statistics
+        Scores of every log and output.
+    """
     found: list[Issue] = []
     for log in held:
         issue = extrapolation(log, log.input, ranges)
@@ -126,6 +154,17 @@ def issues_of(
         if not noise.white
     ]
     return found
+
+
+def most_serious_first(issues: Iterable[Issue]) -> tuple[Issue, ...]:
+    """Errors before warnings before remarks, each in the order in which they came.
+
+    Parameters
+    ----------
+    issues
+        In any order.
+    """
+    return tuple(sorted(issues, key=lambda issue: SERIOUS_FIRST.index(issue.severity)))
 
 
 def estimate_issue(e: ParameterEstimate) -> Issue | None:

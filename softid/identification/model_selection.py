@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from softid.errors import IdentificationError, UsageError
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
-from softid.fitters.output_error import Optimum, output_error
+from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
 from softid.fitters.rest import REST_MIN_SAMPLES, REST_WINDOW_S
 from softid.identification.preparation import adapted_model, require_channels
@@ -57,11 +57,13 @@ class ModelChoice:
     reason
         Why, in a sentence.
     held_out_rmse
-        Label of a candidate → rms error on the held-out blocks, canonical unit of the output.
+        Label of a candidate → rms error of the first output on the held-out blocks, in its
+        canonical unit.
     starts
         Start values for the fit of the model: parameter name → value.
     plainer
-        Models with fewer parameters that predicted worse.
+        Models with fewer parameters that predicted worse, or that predicted better than a preferred
+        one by less than 5 %.
     """
 
     model: Model
@@ -73,7 +75,10 @@ class ModelChoice:
 
 @dataclass(frozen=True, eq=False)
 class _Draft:
-    """A model fitted roughly, and its errors on the blocks left out of refits, one per segment."""
+    """A model fitted roughly, and its errors on the blocks left out of refits.
+
+    They are those of the first output, one array per segment.
+    """
 
     model: Model
     values: Mapping[str, float]
@@ -89,7 +94,6 @@ class _Draft:
 def choose_model(
     logs: LogSet,
     *,
-    rng: np.random.Generator,
     inverted: bool = False,
     preferred: Sequence[Model] = (),
     moving: bool = False,
@@ -97,15 +101,14 @@ def choose_model(
     """Fit every model that takes these channels and keep the one that predicts best.
 
     Every log is cut into 48 blocks. Three times, every fourth block is left out, the draft of a
-    model is refitted to the others, and its error on those left out is taken. A model with more
+    model is refitted to the others, and its error on those left out is taken: that of the first
+    output, for errors in radians and in millimetres cannot be compared. A model with more
     parameters must lower that error by 5 %, and is not even tried when what is left over is white.
 
     Parameters
     ----------
     logs
         Logs to be fitted.
-    rng
-        Draws the restarts.
     inverted
         Whether the output falls as the input rises.
     preferred
@@ -139,7 +142,7 @@ def choose_model(
         return ModelChoice(
             simplest, f"{simplest.label}: too few samples to compare models by held-out blocks"
         )
-    return _best(candidates, refused, logs, rng)
+    return _best(candidates, refused, logs)
 
 
 def _candidates(
@@ -163,9 +166,7 @@ def _candidates(
     return usable, refused
 
 
-def _best(
-    candidates: Sequence[Model], refused: Sequence[str], logs: LogSet, rng: np.random.Generator
-) -> ModelChoice:
+def _best(candidates: Sequence[Model], refused: Sequence[str], logs: LogSet) -> ModelChoice:
     drafts: list[_Draft] = []
     untold = list(refused)
     best: _Draft | None = None
@@ -175,7 +176,7 @@ def _best(
             untold.append(f"what {best.model.label} leaves over is white, so {names} cannot gain")
             break
         try:
-            draft = _draft(model, logs, rng)
+            draft = _draft(model, logs)
         except IdentificationError as error:
             untold.append(f"{model.label} was not tried: {error.what}")
             continue
@@ -202,12 +203,12 @@ def _terms(model: Model) -> int:
     return len(model.parameters().free)
 
 
-def _draft(model: Model, logs: LogSet, rng: np.random.Generator) -> _Draft:
+def _draft(model: Model, logs: LogSet) -> _Draft:
     """Fit to all samples roughly, then refit from there without every fourth block in turn."""
     problem = Problem(model, model.parameters(), logs.logs)
     guesses = model.guess(problem.plain_segments, logs.outputs[0])
     starts = [g.values_dict() for g in guesses] or [model.parameters().values_dict()]
-    optimum = output_error(problem, starts, rng=rng, rounds=0)
+    optimum = draft_fit(problem, starts)
     if not np.isfinite(optimum.cost):
         raise IdentificationError(optimum.status.value, remedy="choose another --model")
     values = dict(
@@ -233,7 +234,7 @@ def left_out(log: Log, shift: int) -> BoolArray:
 def _score(
     errors: Sequence[Array], held: Sequence[BoolArray], whole: Problem, draft: Optimum
 ) -> None:
-    """Refit without the samples held out and enter measured minus simulated there."""
+    """Refit without the samples held out and enter measured − simulated of the first output."""
     training = Problem(
         whole.model,
         whole.parameters,
@@ -245,6 +246,8 @@ def _score(
     objective.set_prior(draft.unknowns, objective.solve(draft.unknowns, 1))
     found = objective.solve(draft.unknowns, SCOUT_EVALUATIONS)
     for block in whole.blocks(found.point, derivatives=False):
+        if block.channel != whole.outputs[0]:
+            continue
         used = whole.segments[block.segment].used[block.channel]
         fitted = training.segments[block.segment].used[block.channel]
         errors[block.segment][used & ~fitted] = block.residual[~fitted[used]]

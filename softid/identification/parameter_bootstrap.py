@@ -56,7 +56,7 @@ def bootstrap_parameters(
         Of the draws; each has a generator of its own, so the number of workers changes nothing.
     workers
         Processes that share the refits, or threads where the system cannot fork; by default as
-        many as there are cores.
+        many as there are cores, four at most.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def bootstrap_parameters(
         raise UsageError(
             "an interval needs more bootstrap draws", value=draws, remedy="take 200 or more"
         )
-    problem, optimum = refitted(result, logs, rng=np.random.default_rng(seed))
+    problem, optimum = refitted(result, logs)
     if not problem.free:
         raise UsageError("no parameter was free in this fit", remedy="fit one at least")
     response, residuals = _response_and_residuals(problem, optimum.unknowns)

@@ -26,9 +26,7 @@ before, and every point of the profile takes two."""
 
 
 @matrices_on_one_thread()
-def profile_parameter(
-    result: FitResult, logs: Log | Sequence[Log], name: str, *, seed: int = 0
-) -> ProfileResult:
+def profile_parameter(result: FitResult, logs: Log | Sequence[Log], name: str) -> ProfileResult:
     """Refit all other parameters along one of them and find where the cost rises to 95 %.
 
     Unlike the interval from the covariance, the profile follows a valley that bends, and says so
@@ -42,8 +40,6 @@ def profile_parameter(
         The logs that were fitted, in any order.
     name
         A parameter that was free.
-    seed
-        Seed of the restarts.
 
     Returns
     -------
@@ -57,7 +53,7 @@ def profile_parameter(
     IdentificationError
         The parameter does not change the response at all.
     """
-    problem, optimum = refitted(result, logs, rng=np.random.default_rng(seed))
+    problem, optimum = refitted(result, logs)
     parameters = problem.parameters
     if name not in parameters.free:
         raise UsageError(

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.fitters.output_error import Optimum, output_error
+from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
 from softid.identification.new_log_reading import InputReading, prepared
 from softid.identification.preparation import as_log_set
@@ -16,9 +16,7 @@ from softid.parameters import ParameterSet
 from softid.results import FitResult
 
 
-def refitted(
-    result: FitResult, logs: Log | Sequence[Log], *, rng: np.random.Generator
-) -> tuple[Problem, Optimum]:
+def refitted(result: FitResult, logs: Log | Sequence[Log]) -> tuple[Problem, Optimum]:
     """The problem of a finished fit, and its optimum.
 
     Parameters
@@ -27,8 +25,6 @@ def refitted(
         A successful fit.
     logs
         The logs that were fitted, in any order; they are prepared and read as they were then.
-    rng
-        Of the restarts.
 
     Raises
     ------
@@ -42,7 +38,7 @@ def refitted(
     read = [log.with_intersample(reading.intersample) for log in read]
     model = model_of(result.model)
     problem = Problem(model, _as_fitted(model.parameters(), result), read)
-    return problem, output_error(problem, [result.values], rng=rng, rounds=0, far=False)
+    return problem, draft_fit(problem, [result.values], far=False)
 
 
 def _as_fitted(declared: ParameterSet, result: FitResult) -> ParameterSet:

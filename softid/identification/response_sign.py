@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from softid.errors import Issue
 from softid.fitters.objective import Objective
-from softid.fitters.output_error import output_error
+from softid.fitters.output_error import draft_fit, output_error
 from softid.fitters.problem import Problem
 from softid.identification.log_beginning import beginning
 from softid.identification.preparation import units_of
@@ -63,7 +63,7 @@ def falls_with_input(logs: LogSet, *, rng: np.random.Generator) -> bool:
     logs
         What is to be fitted.
     rng
-        Draws for the drafts.
+        Draws the restarts where drafts do not decide.
 
     Examples
     --------
@@ -88,9 +88,9 @@ def falls_with_input(logs: LogSet, *, rng: np.random.Generator) -> bool:
         part = LogSet(tuple(beginning(log, ENOUGH) for log in first))
         if _cost_of_start(falling, part) > NO_RIVAL * _cost_of_start(rising, part):
             return False
-    costs = [_cost(model, first, rng, rounds=0) for model in (rising, falling)]
+    costs = [_draft_cost(model, first) for model in (rising, falling)]
     if min(costs) > CLEARLY_LESS * max(costs):
-        costs = [_cost(model, first, rng, rounds=1) for model in (rising, falling)]
+        costs = [_fit_cost(model, first, rng) for model in (rising, falling)]
     share = 1.0 if found < 0.0 else CLEARLY_LESS
     return costs[1] <= share * costs[0]
 
@@ -176,10 +176,18 @@ def _cost_of_start(model: Model, logs: LogSet) -> float:
     return objective(problem.unknowns(starts[0].values_dict())).cost
 
 
-def _cost(model: Model, logs: LogSet, rng: np.random.Generator, *, rounds: int) -> float:
-    """Sum of squares that a fit of the model leaves over, or a draft of one without any rounds."""
+def _draft_cost(model: Model, logs: LogSet) -> float:
+    """Sum of squares that a draft of a fit leaves over."""
+    return draft_fit(*_task(model, logs)).cost
+
+
+def _fit_cost(model: Model, logs: LogSet, rng: np.random.Generator) -> float:
+    """Sum of squares that a fit of the model leaves over."""
+    return output_error(*_task(model, logs), rng=rng, rounds=1, thorough=False).cost
+
+
+def _task(model: Model, logs: LogSet) -> tuple[Problem, Sequence[dict[str, float]]]:
+    """What is to be fitted, and where to start."""
     problem = Problem(model, model.parameters(), logs.logs)
-    starts: Sequence[dict[str, float]] = [
-        guess.values_dict() for guess in model.guess(problem.plain_segments, logs.outputs[0])
-    ] or [model.parameters().values_dict()]
-    return output_error(problem, starts, rng=rng, rounds=rounds, thorough=False).cost
+    guesses = model.guess(problem.plain_segments, logs.outputs[0]) or (model.parameters(),)
+    return problem, [guess.values_dict() for guess in guesses]

@@ -22,7 +22,7 @@ from softid.identification.intersample_choice import (
     is_smooth,
     with_bends_told,
 )
-from softid.identification.issues import fitted_range, require_explained
+from softid.identification.issues import fitted_range, most_serious_first, require_explained
 from softid.identification.model_reduction import simpler_model
 from softid.identification.model_selection import ModelChoice, choose_model
 from softid.identification.new_log_reading import read_as_fitted
@@ -97,7 +97,8 @@ def fit(
     Returns
     -------
     FitResult
-        Its ``success`` is False when the optimum was not reached.
+        Its ``success`` is False when the optimum was not reached; its issues come most serious
+        first.
 
     Raises
     ------
@@ -136,7 +137,8 @@ def fit(
     )
     signs = opposed(identified.logs, identified.hold_out)
     require_explained(found, identified.logs, signs)
-    return replace(found, issues=(*signs, *_slips(identified, found), *found.issues))
+    told = (*signs, *_slips(identified, found), *found.issues)
+    return replace(found, issues=most_serious_first(told))
 
 
 def _slips(identified: Identification, found: FitResult) -> tuple[Issue, ...]:
@@ -219,9 +221,7 @@ def identify(
     if model is None:
         report("choosing the model", 0.0)
         inverted = falls_with_input(log_set, rng=rng)
-        choice = choose_model(
-            log_set, rng=rng, inverted=inverted, preferred=preferred, moving=moving
-        )
+        choice = choose_model(log_set, inverted=inverted, preferred=preferred, moving=moving)
         adapted, starts = choice.model, choice.starts or None
         constraints = ParameterConstraints.of(adapted.parameters(), None)
     else:

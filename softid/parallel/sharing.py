@@ -68,8 +68,8 @@ def in_parallel(
     items
         What to do it with.
     workers
-        How many work; by default as many as there are cores, up to `MAX_WORKERS`, and all that
-        go on `in_step`.
+        How many work; by default as many as there are cores, up to `MAX_WORKERS`. Where copies go
+        on `in_step` all of them do, whatever number above one is asked for.
     small
         Whether copies are not worth making for it: those that go on `in_step` take part, and where
         there are none threads do.

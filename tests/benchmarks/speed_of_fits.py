@@ -29,7 +29,7 @@ import rivals
 from work import NAMES, START, TRUTH, log_of
 
 import softid
-from softid.fitters.output_error import output_error
+from softid.fitters.output_error import draft_fit, output_error
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.muscle import Muscle
@@ -58,7 +58,7 @@ def softid_start(log: Log) -> np.ndarray:
     model = Muscle()
     problem = Problem(model, model.parameters(), [log])
     start = dict(zip(NAMES, START.tolist(), strict=True))
-    found = output_error(problem, [start], rng=np.random.default_rng(0), rounds=0)
+    found = draft_fit(problem, [start])
     return problem.theta(found.unknowns)
 
 

@@ -58,6 +58,13 @@ def test_the_options_reach_the_library(softid: Cli, desk: Desk) -> None:
     assert not (Path("softid-out") / "a" / "fit.png").exists()
 
 
+def test_a_greedy_option_takes_its_first_value_behind_a_sign_too(softid: Cli, desk: Desk) -> None:
+    """``--hold-out=c.csv d.csv`` holds out both: a log that is to judge the fit is never fitted."""
+    softid("fit", "a.csv", "--hold-out=c.csv", "d.csv", "--seed=3", "b.csv")
+    assert desk.asked["logs"] == ["a", "b"]
+    assert [log.name for log in desk.asked["hold_out"]] == ["c", "d"]
+
+
 def test_without_options_the_library_chooses(softid: Cli, desk: Desk) -> None:
     """`softid fit LOG` leaves model and parameters open and asks for the reader's own roles."""
     softid("fit", "a.csv")
@@ -180,6 +187,7 @@ def test_no_plot_of_an_earlier_model_stays(
         (["a.csv", "--model", "muscle", "--option", "x_unit=parsec"], "follows from the logs"),
         ([""], "the name of a file is empty"),
         (["a.csv", "--hold-out", ""], "the name of a file is empty"),
+        (["a.csv", "--hold-out=", "b.csv"], "the name of a file is empty"),
         (["a.csv", "--out", ""], "the name of a file is empty"),
         (["a.csv", "--fix", "M=1"], "name the model with --model"),
         (["a.csv", "--model", "muscle", "--fix", "M"], "--fix NAME=VALUE"),

@@ -59,6 +59,14 @@ def test_another_model_takes_no_geometry_file(softid: Cli, desk: Desk, geometry:
     assert "the muscle model takes no geometry file" in told.err
 
 
+def test_an_option_of_another_model_is_named_alone(softid: Cli, desk: Desk, geometry: Path) -> None:
+    """What the file says was not typed, so the error does not name it."""
+    told = softid("fit", "a.csv", "--geometry", geometry, "--damping", "constant")
+    assert told.code == 2
+    assert "--damping: the equilibrium model has no such option" in told.err
+    assert "rib_m" not in told.err.split("its options are")[0]
+
+
 def test_a_wrong_file_is_one_sentence(softid: Cli, desk: Desk, geometry: Path) -> None:
     geometry.write_text(FILE.replace('"20 mm"', "20"), encoding="utf-8")
     told = softid("fit", "a.csv", "--geometry", geometry)

@@ -52,6 +52,14 @@ def test_sections_in_order() -> None:
     )
 
 
+def test_findings_are_folded_as_the_issues_of_a_fit() -> None:
+    """One way to print an issue: the rest of its sentence stands below its first word."""
+    found = inspect(faulty_log())
+    told = render(replace(found, issues=(Issue("x", "warning", "word " * 30, None),)))
+    first = told.index("warning: word")
+    assert told[first:].splitlines()[1].startswith("  word")
+
+
 def drawn_steps(period_s: float, hold_s: float) -> Log:
     """Steps between 0 and 60 kPa with a little noise, the last hold twice as long."""
     rng = np.random.default_rng(0)

@@ -10,7 +10,7 @@ import pytest
 
 from softid.fitters.levenberg_marquardt import (
     Minimum,
-    Normal,
+    NormalEquations,
     attainable_offset,
     minimise,
     movable,
@@ -20,9 +20,9 @@ Array = npt.NDArray[np.float64]
 FAR = np.inf
 
 
-def normal(z: Array, residual: Array, jacobian: Array) -> Normal:
+def normal(z: Array, residual: Array, jacobian: Array) -> NormalEquations:
     """r = measured − simulated, J = ∂simulated/∂z."""
-    return Normal(
+    return NormalEquations(
         z,
         0.5 * float(residual @ residual),
         jacobian.T @ residual,
@@ -31,12 +31,12 @@ def normal(z: Array, residual: Array, jacobian: Array) -> Normal:
     )
 
 
-def linear(matrix: Array, target: Array) -> Callable[[Array], Normal]:
+def linear(matrix: Array, target: Array) -> Callable[[Array], NormalEquations]:
     return lambda z: normal(z, target - matrix @ z, matrix)
 
 
 def solved(
-    evaluate: Callable[[Array], Normal],
+    evaluate: Callable[[Array], NormalEquations],
     start: Array,
     *,
     lower: Array | float = -FAR,
@@ -62,7 +62,7 @@ def line(rng_seed: int = 0) -> tuple[Array, Array]:
     return matrix, matrix @ np.array([1.0, -2.0, 0.5]) + 0.1 * rng.standard_normal(40)
 
 
-def rosenbrock(z: Array) -> Normal:
+def rosenbrock(z: Array) -> NormalEquations:
     """½[(1 − x)² + 100 (y − x²)²], minimum 0 at (1, 1)."""
     x, y = z
     return normal(z, np.array([1 - x, -10 * (y - x**2)]), np.array([[1.0, 0.0], [-20 * x, 10.0]]))
@@ -108,7 +108,7 @@ def test_a_start_outside_is_clipped() -> None:
     """The first evaluation is already inside."""
     seen = []
 
-    def watched(z: Array) -> Normal:
+    def watched(z: Array) -> NormalEquations:
         seen.append(z.copy())
         return rosenbrock(z)
 
@@ -131,9 +131,9 @@ def test_bounds_without_width_hold_the_value() -> None:
 def test_a_trial_that_is_not_finite_is_rejected() -> None:
     """ln z with target ln 0.1 from z = 3: the full step leaves the domain; the end is 0.1."""
 
-    def log_fit(z: Array) -> Normal:
+    def log_fit(z: Array) -> NormalEquations:
         if z[0] <= 0.0:
-            return Normal(z, np.inf, np.zeros(1), np.eye(1), 1)
+            return NormalEquations(z, np.inf, np.zeros(1), np.eye(1), 1)
         return normal(z, np.array([np.log(0.1) - np.log(z[0])]), np.array([[1 / z[0]]]))
 
     found = solved(log_fit, np.array([3.0]))
@@ -142,7 +142,7 @@ def test_a_trial_that_is_not_finite_is_rejected() -> None:
 
 def test_nowhere_finite() -> None:
     """A start that is not finite ends at once, and says that it did not arrive."""
-    found = solved(lambda z: Normal(z, np.inf, np.zeros(2), np.eye(2), 5), np.zeros(2))
+    found = solved(lambda z: NormalEquations(z, np.inf, np.zeros(2), np.eye(2), 5), np.zeros(2))
     assert found.evaluations == 1
     assert found.offset == np.inf
 

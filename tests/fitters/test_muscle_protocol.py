@@ -172,7 +172,9 @@ def test_levels_that_still_move_are_reported():
 
 
 def test_levels_that_cannot_be_fitted():
-    """Two levels, falling x, shapes that differ, a NaN, a log that never settles."""
+    """No level, two levels, falling x, shapes that differ, a NaN, a log that never settles."""
+    with pytest.raises(IdentificationError, match="0 different levels for 3 parameters"):
+        levels_from_arrays([], [])
     with pytest.raises(IdentificationError, match="2 different levels for 3 parameters"):
         levels_from_arrays([0.0, 100.0, 100.0], [1.0, 2.0, 2.0])
     with pytest.raises(IdentificationError, match="does not rise"):
@@ -273,6 +275,18 @@ def test_the_three_stages_run_from_logs():
     assert list(found.values.values()) == pytest.approx(list(TRUTH.values()), rel=2e-2)
     assert found.unit == "mm"
     assert found.issues == (*found.static.issues, *found.inertia.issues, *found.damping.issues)
+
+
+def test_a_negative_inertia_is_set_to_zero_and_told():
+    """A static curve 0.1 % off turns the sign of M: values, damping and issues go with M = 0."""
+    off = levels_from_arrays(LEVELS_KPA, _static(LEVELS_KPA, a1=0.999 * 0.01))
+    log = _log(_sine(1000, 8.0))
+    found = dynamics(off, log, window_s=0.015)
+    assert found.inertia.mass < 0.0
+    assert found.values["M"] == 0.0
+    assert found.damping.a2 == damping_surface(log, off, 0.0, window_s=0.015).a2
+    (told,) = [i for i in found.issues if i.code == "inertia-set-to-zero"]
+    assert f"M = {found.inertia.mass:.3g} s²/mm" in told.message
 
 
 def test_constant_damping_is_the_alternative():

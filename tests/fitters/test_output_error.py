@@ -14,7 +14,7 @@ from scipy.optimize import least_squares
 import softid.fitters.output_error as fitter
 from softid.fitters import scouting
 from softid.fitters.objective import Objective
-from softid.fitters.output_error import Optimum, output_error, refit_nuisance
+from softid.fitters.output_error import Optimum, draft_fit, output_error, refit_nuisance
 from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.models.base import Model
@@ -72,7 +72,10 @@ def fitted(
 ) -> tuple[Optimum, dict[str, float], Problem]:
     model = model or Muscle()
     problem = Problem(model, parameters or model.parameters(), logs)
-    found = output_error(problem, starts, rng=np.random.default_rng(0), rounds=rounds)
+    if rounds:
+        found = output_error(problem, starts, rng=np.random.default_rng(0), rounds=rounds)
+    else:
+        found = draft_fit(problem, starts)
     values = dict(zip(model.parameters().names, problem.theta(found.unknowns), strict=True))
     return found, values, problem
 
@@ -125,6 +128,16 @@ def test_an_optimiser_that_stops_at_once_is_not_success(monkeypatch: pytest.Monk
     assert found.offset > 1.0
     monkeypatch.setattr(fitter, "DRAFT_EVALUATIONS", 4)
     found, _, _ = fitted(noisy(), rounds=0)
+    assert found.status is FitStatus.MAX_EVALUATIONS
+
+
+def test_restarts_that_go_on_improving_are_told_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Any rival counts as better: the optimum is reached, but not known to be the best one."""
+    monkeypatch.setattr(scouting, "at_noise_level", lambda *_: False)
+    monkeypatch.setattr(fitter, "BETTER", -1.0)
+    found, _, _ = fitted(noisy())
+    assert found.offset <= fitter.OFFSET_TOLERANCE
+    assert found.status is FitStatus.STILL_IMPROVING
     assert not found.status.success
 
 

@@ -232,18 +232,36 @@ def test_requests_that_cannot_be_met():
         quartic(np.tile([1.0, 2, 3, 4], 3), np.arange(12.0))
     with pytest.raises(IdentificationError, match="too few pressure levels"):
         choose_order([1.0, 1.0, 2.0], [0.0, 0.1, 1.0], orders=(3,))
-
-
-def test_of_three_levels_one_is_left_out() -> None:
-    """It has no spread, so the order that misses it least is chosen."""
-    choice = choose_order([0.0, 1.0, 2.0], [0.0, 1.0, 2.0], orders=(1,))
-    assert (choice.order, choice.blocks) == (1, 1)
     with pytest.raises(UsageError, match="no such branch"):
         quartic(LEVELS_KPA, LEVELS_KPA, branch="sideways")
     with pytest.raises(InputError, match="differ in shape"):
         quartic(LEVELS_KPA, LEVELS_KPA[:3])
     with pytest.raises(InputError, match="3 chamber labels for 8 samples"):
         quartics(LEVELS_KPA, LEVELS_KPA, chambers=["a"] * 3)
+    with pytest.raises(UsageError, match="no order to try"):
+        choose_order(LEVELS_KPA, LEVELS_KPA, orders=())
+
+
+@pytest.mark.parametrize("output", [[], [np.nan] * 3])
+def test_nothing_to_choose_an_order_from(output: list[float]) -> None:
+    """No sample, or none that counts, is too few levels."""
+    with pytest.raises(IdentificationError, match="too few pressure levels"):
+        choose_order([0.0, 1.0, 2.0][: len(output)], output)
+
+
+def test_the_reason_compares_only_with_orders_that_were_tried() -> None:
+    """One order is less than no other, and a tie is no less."""
+    line = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [0.0, 1.2, 1.8, 3.1, 4.0, 5.0]
+    alone, tied = choose_order(*line, orders=(1,)), choose_order(*line, orders=(1, 1))
+    assert alone.reason.endswith("on levels left out")
+    assert tied.reason.endswith("on levels left out, no more than any other order")
+    assert choose_order(*line, orders=(0, 1)).reason.endswith(", less than any other order")
+
+
+def test_of_three_levels_one_is_left_out() -> None:
+    """It has no spread, so the order that misses it least is chosen."""
+    choice = choose_order([0.0, 1.0, 2.0], [0.0, 1.0, 2.0], orders=(1,))
+    assert (choice.order, choice.blocks) == (1, 1)
 
 
 def test_missing_samples_are_left_out_and_an_exact_fit_is_said_to_be_unchecked():

@@ -14,7 +14,7 @@ from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks, HeldOutLogs,
 from softid.effects.scale import Scale
 from softid.errors import IdentificationError, UsageError
 from softid.excitation import second_difference_noise, segment_excitation
-from softid.fitters.levenberg_marquardt import Minimum, Normal
+from softid.fitters.levenberg_marquardt import Minimum, NormalEquations
 from softid.fitters.problem import Problem
 from softid.identification.preparation import named_model
 from softid.identification.workflow import Identification, identify
@@ -340,7 +340,7 @@ def _candidate(identified: Identification, asked: Model | str | None) -> Candida
     if problem is not identified.found.problem:
         z = problem.unknowns(_whole_values(identified, problem))
     size = problem.size
-    empty = Normal(z, optimum.cost, np.zeros(size), np.eye(size), problem.n_samples)
+    empty = NormalEquations(z, optimum.cost, np.zeros(size), np.eye(size), problem.n_samples)
     variance = 2.0 * optimum.cost / max(problem.n_samples - size, 1)
     prior = prior_about(problem, z, problem.free, variance)
     candidate = Candidate((), problem, Minimum(z, empty, 0, 0.0), prior)

@@ -20,7 +20,7 @@ from softid.diagnosis.refit.extension import extend, named_values, start_unknown
 from softid.effects import ExtendedModel, effect_of, own_values
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
-from softid.fitters.rivals import residuals_by_channel, squared_autocorrelation
+from softid.fitters.residual_whiteness import residuals_by_channel, squared_autocorrelation
 from softid.identification.intersample_choice import (
     BETTER_BY,
     COMMAND,

@@ -13,7 +13,7 @@ from softid.diagnosis.refit.state_sizes import reach_of
 from softid.diagnosis.refit.whitening import Whitener
 from softid.effects import ExtendedModel, divided
 from softid.effects.base import Effect
-from softid.fitters.levenberg_marquardt import Minimum, Normal, minimise
+from softid.fitters.levenberg_marquardt import Minimum, NormalEquations, minimise
 from softid.fitters.objective import Objective, Prior
 from softid.fitters.problem import Problem
 from softid.segment import Segment
@@ -145,7 +145,7 @@ class WhitenedObjective(Objective):
         super().__init__(problem, sigma)
         self.whitener = whitener
 
-    def __call__(self, z: Array) -> Normal:
+    def __call__(self, z: Array) -> NormalEquations:
         """Cost ½Σ(W r/σ)² and its normal equations at ``z``."""
         if self.whitener is None:
             return super().__call__(z)
@@ -168,11 +168,11 @@ class WhitenedObjective(Objective):
                 matrix += jacobian.T @ jacobian
                 n += r.size
         if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
-            return Normal(z, np.inf, np.zeros(size), np.eye(size), n)
+            return NormalEquations(z, np.inf, np.zeros(size), np.eye(size), n)
         whitened = replace(found, cost=cost, gradient=gradient, matrix=matrix, n=n)
         return self._with_prior(whitened)
 
-    def bend(self, z: Array, step: Array, normal: Normal) -> Array | None:
+    def bend(self, z: Array, step: Array, normal: NormalEquations) -> Array | None:
         """As for white noise; what is whitened goes straight."""
         return super().bend(z, step, normal) if self.whitener is None else None
 

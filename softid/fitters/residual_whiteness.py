@@ -1,0 +1,83 @@
+"""Whiteness of residuals: what is left when a model explains all but noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.fitters.levenberg_marquardt import NormalEquations
+from softid.fitters.normal_equations import Linearised
+from softid.fitters.problem import Problem
+
+Array = npt.NDArray[np.float64]
+
+LAGS = 20
+"""Autocorrelations that are tested together, and a residual of no more samples is not looked at.
+More lags see a slower memory, but every one adds 2 to the variance of χ², in which a memory of a
+few samples drowns; a judgement."""
+
+WHITE_SDS = 4.0
+"""Standard deviations of the χ² statistic up to which a residual counts as white."""
+
+STRUCTURE_SDS = 6.0
+"""The same beyond which it has structure. Between the two a fit is not settled by its residual, and
+no ringing rival is looked for."""
+
+
+def largest_sum(sds: float) -> float:
+    """The sum of `LAGS` squared autocorrelations times n that white noise exceeds by chance only.
+
+    Of χ² with `LAGS` degrees of freedom: the mean and some standard deviations √(2·`LAGS`) above.
+
+    Parameters
+    ----------
+    sds
+        How many: `WHITE_SDS` or `STRUCTURE_SDS`.
+    """
+    return LAGS + sds * float(np.sqrt(2.0 * LAGS))
+
+
+def squared_autocorrelation(residuals: Sequence[Array], lags: int) -> float:
+    """Σ ρ² over the first lags of residuals less their means; 0 where they are nothing.
+
+    Box and Pierce (J. Am. Stat. Assoc. 65, 1970): n times the sum is χ² with as many degrees of
+    freedom as lags when the residual is white.
+
+    Parameters
+    ----------
+    residuals
+        Of every segment, shape (n,) each.
+    lags
+        How many.
+    """
+    power = sum(float(r @ r) for r in residuals)
+    if power <= 0.0:
+        return 0.0
+    products = (sum(float(r[k:] @ r[:-k]) for r in residuals) for k in range(1, lags + 1))
+    return sum((product / power) ** 2 for product in products)
+
+
+def residuals_by_channel(
+    problem: Problem, z: Array, known: NormalEquations | None = None
+) -> list[list[Array]]:
+    """Residuals of every segment less their means, channel by channel.
+
+    Parameters
+    ----------
+    problem
+        What was fitted.
+    z
+        Unknowns, shape (U,).
+    known
+        Normal equations there, which may hold the residuals already.
+    """
+    if isinstance(known, Linearised) and known.kept:
+        blocks = known.blocks(derivatives=False)
+    else:
+        blocks = list(problem.blocks(z, derivatives=False))
+    return [
+        [b.residual - b.residual.mean() for b in blocks if b.channel == name and b.residual.size]
+        for name in problem.outputs
+    ]

@@ -1,0 +1,65 @@
+"""What is said of a fit beyond its numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from handmade import fit_result, statistics, step_log
+from linear_motion import linear_log
+
+from softid.errors import IdentificationError, Issue, Severity
+from softid.identification import fit
+from softid.identification.issues import most_serious_first, require_explained
+from softid.log import LogSet
+from softid.results import FitResult
+
+
+def of_two_outputs(explained: float, other: float) -> FitResult:
+    """An angle that moves by 0.1 rad rms and a contraction by 10 mm, with their R²."""
+    rows = []
+    for channel, spread, r2 in (("angle", 0.1, explained), ("contraction", 10.0, other)):
+        nrmse = float(np.sqrt(1.0 - r2))
+        row = statistics("step_1", in_sample=True)
+        rows.append(replace(row, channel=channel, n=10_000, rmse=spread * nrmse, nrmse=nrmse))
+    return replace(fit_result(), outputs=("angle", "contraction"), statistics=tuple(rows))
+
+
+@pytest.mark.parametrize("r2", [(0.9, 0.0), (0.0, 0.9)])
+def test_an_output_is_explained_in_its_own_unit(r2: tuple[float, float]) -> None:
+    """One output of two is explained: whether its numbers are small or large does not matter."""
+    require_explained(of_two_outputs(*r2), LogSet((step_log(),)), ())
+
+
+def test_no_output_is_explained() -> None:
+    """Both below the 2 % that count."""
+    with pytest.raises(IdentificationError, match="explains nothing of angle, contraction"):
+        require_explained(of_two_outputs(0.01, 0.0), LogSet((step_log(),)), ())
+
+
+def test_the_most_serious_comes_first() -> None:
+    """By definition; equals stay in the order in which they came."""
+
+    def issue(code: str, severity: Severity) -> Issue:
+        return Issue(code, severity, f"{code} was seen")
+
+    came = [issue("a", "info"), issue("b", "warning"), issue("c", "error"), issue("d", "warning")]
+    assert [told.code for told in most_serious_first(came)] == ["c", "b", "d", "a"]
+
+
+def test_a_fit_tells_what_a_reader_noticed_in_its_place() -> None:
+    """A remark on a log, and a held-out log that goes too far: the warning comes before it."""
+    remark = Issue("noticed", "info", "a remark")
+    log, far = linear_log(noise=0.01), linear_log(noise=0.01, seed=1)
+    pressure = far.channels["pressure"]
+    channels = {**far.channels, "pressure": replace(pressure, values=2.0 * pressure.values)}
+    found = fit(
+        replace(log, issues=(remark,)),
+        model="oscillator",
+        hold_out=replace(far, name="far", channels=channels),
+    )
+    severities = [issue.severity for issue in found.issues]
+    assert remark in found.issues
+    assert "extrapolation" in {issue.code for issue in found.issues}
+    assert severities == sorted(severities, key=["error", "warning", "info"].index)
