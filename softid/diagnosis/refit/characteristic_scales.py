@@ -132,7 +132,7 @@ def elastic_force(law: Law | None, u: Array, x_span: float) -> float:
 
 def _slowness(law: Law | None, u: Array, problem: Problem) -> float:
     """Typical time constant of the motion, or how late the output comes where a law has none."""
-    period_s = float(np.median(np.diff(problem.segments[0].time_s)))
+    period_s = min(float(np.median(np.diff(s.time_s))) for s in problem.segments)
     late_s = 0.0
     if law is not None:
         damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))
