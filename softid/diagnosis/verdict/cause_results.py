@@ -189,7 +189,10 @@ def alternatives_of(
 
 
 def evidence_of(chain: Chain) -> tuple[Evidence, ...]:
-    """Every candidate of every round.
+    """Every candidate of every round, with its share of the sum of squares for white noise.
+
+    That of one which raced is what a refit took away; the whitened squares, by which its BIC goes,
+    are no shares of what the promises of the others are.
 
     Parameters
     ----------
@@ -200,7 +203,7 @@ def evidence_of(chain: Chain) -> tuple[Evidence, ...]:
     found = []
     for number, link in enumerate(rounds, start=1):
         ranked = {link.added_by(row).key: row for row in link.extending}
-        whole = max(link.before.candidate.squares, 1e-300)
+        whole = max(link.squares_before, 1e-300)
         for signature in link.signatures:
             key = signature.effect.key
             row = ranked.get(key)
@@ -209,9 +212,9 @@ def evidence_of(chain: Chain) -> tuple[Evidence, ...]:
                     round=number,
                     effect=key,
                     delta_bic=link.before.bic - row.bic if row is not None else None,
-                    drop_share=1.0 - row.candidate.squares / whole
+                    drop_share=1.0 - row.plain.squares / whole
                     if row is not None
-                    else signature.drop / max(link.squares_before, 1e-300),
+                    else signature.drop / whole,
                 )
             )
     return tuple(found)
