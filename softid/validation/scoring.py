@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,7 +19,7 @@ from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
 from softid.records import SavedModel
-from softid.results import FitResult, Validation
+from softid.results import FitResult, FitStatistics, Validation
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +58,8 @@ def validate(
     logs
         Logs to score on.
     threshold_percent
-        The bar: ``passed`` is False when any channel of any log fits less.
+        The bar: ``passed`` is False when any channel of any log fits less. One that was measured as
+        constant has no fit and is left out; with no other the bar is not passed.
 
     Returns
     -------
@@ -92,13 +94,13 @@ def validate(
         for log, simulation, known in zip(log_set, simulations, in_sample, strict=True)
         for row in scores((log,), (simulation,), in_sample=known)
     )
-    bar = threshold_percent
+    judged, unjudged = _judged(statistics, threshold_percent)
     return Validation(
         model=scored.model.spec(),
         input=scored.input,
         outputs=scored.outputs,
-        threshold_percent=bar,
-        passed=bar is None or all(row.fit_percent >= bar for row in statistics),
+        threshold_percent=threshold_percent,
+        passed=judged,
         statistics=statistics,
         nuisances=nuisances,
         simulations=simulations,
@@ -106,6 +108,7 @@ def validate(
             *scored.issues,
             *unit_slips(scored.model, scored.values, log_set.logs),
             *_issues(log_set.logs, scored, in_sample),
+            *unjudged,
         ),
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in log_set},
         fitted_range=scored.ranges,
@@ -139,6 +142,28 @@ def _from_file(saved: SavedModel) -> _Scored:
         saved.issues,
         InputReading(saved.intersample, saved.input_noise),
     )
+
+
+def _judged(
+    statistics: Sequence[FitStatistics], bar: float | None
+) -> tuple[bool, tuple[Issue, ...]]:
+    """Whether all that has a fit reaches the bar, and something does; and what has none."""
+    if bar is None:
+        return True, ()
+    known = [row.fit_percent for row in statistics if math.isfinite(row.fit_percent)]
+    issues = tuple(
+        Issue(
+            "fit-undefined",
+            "info" if known else "warning",
+            f"{row.log}: {row.channel} was measured as constant, so its fit in per cent is not "
+            f"defined and is not held against the bar; its error is "
+            f"{row.rmse * row.display_factor:.3g} {row.display_unit}",
+            "hold its error against the noise, or score a log in which the output moves",
+        )
+        for row in statistics
+        if not math.isfinite(row.fit_percent)
+    )
+    return bool(known) and min(known) >= bar, issues
 
 
 def _issues(logs: Sequence[Log], scored: _Scored, in_sample: Sequence[bool]) -> list[Issue]:
