@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from softid.effects import model_of
 from softid.errors import Issue, UsageError
+from softid.fingerprint import data_fingerprint
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.issues import extrapolation
@@ -19,7 +20,7 @@ from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
 from softid.records import SavedModel
-from softid.results import FitResult, FitStatistics, Validation
+from softid.results import FitResult, FitStatistics, Simulation, Validation
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +33,18 @@ class _Scored:
     outputs: tuple[str, ...]
     ranges: Mapping[str, tuple[float, float]]
     fingerprints: Mapping[str, str | None]
+    data_fingerprints: Mapping[str, str | None]
     fitted_logs: tuple[str, ...]
     issues: tuple[Issue, ...]
     reading: InputReading
+
+    def was_fitted(self, log: Log, simulation: Simulation) -> bool:
+        """Whether a log was fitted, by the fingerprint of its file or of its samples."""
+        of_file = {self.fingerprints.get(name) for name in self.fitted_logs} - {None, ""}
+        of_data = {self.data_fingerprints.get(name) for name in self.fitted_logs} - {None}
+        return bool(log.source and log.source.sha256 in of_file) or (
+            data_fingerprint(simulation.time_s, simulation.measured) in of_data
+        )
 
 
 @matrices_on_one_thread()
@@ -85,10 +95,10 @@ def validate(
     read = read_as_fitted(given.logs, scored.reading.intersample, scored.model, scored.values)
     log_set = LogSet(tuple(as_remembered(log, scored.model, scored.values) for log in read))
     nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)
-    seen = {
-        sha: name for name, sha in scored.fingerprints.items() if sha and name in scored.fitted_logs
-    }
-    in_sample = [bool(log.source and log.source.sha256 in seen) for log in log_set]
+    in_sample = [
+        scored.was_fitted(log, simulation)
+        for log, simulation in zip(log_set, simulations, strict=True)
+    ]
     statistics = tuple(
         row
         for log, simulation, known in zip(log_set, simulations, in_sample, strict=True)
@@ -124,6 +134,7 @@ def _from_fit(result: FitResult) -> _Scored:
         result.outputs,
         result.fitted_range,
         dict(result.fingerprints),
+        {s.log: data_fingerprint(s.time_s, s.measured) for s in result.simulations},
         fitted,
         (),
         InputReading.of(result.options),
@@ -138,6 +149,7 @@ def _from_file(saved: SavedModel) -> _Scored:
         saved.outputs,
         saved.fitted_range,
         saved.fingerprints,
+        saved.data_fingerprints,
         saved.fitted_logs,
         saved.issues,
         InputReading(saved.intersample, saved.input_noise),

@@ -57,6 +57,35 @@ def test_a_fitted_log_is_known_by_its_bytes(fitted: FitResult) -> None:
     assert "in-sample" in {issue.code for issue in result.issues}
 
 
+def test_a_fitted_log_is_known_by_its_samples(tmp_path: Path) -> None:
+    """Given as arrays, under whatever name, and from a record; its second half and other noise are
+    other data. A record of before has no such fingerprint and loads as it did."""
+    log = linear_log(noise=0.01)
+    first = log.between(0.0, 10.0)
+    model = fit(first, model="oscillator")
+    save_fit(model, tmp_path / "params.json")
+    saved = load_params(tmp_path / "params.json")
+    for known in (model, saved):
+        for other, expected in (
+            (first, True),
+            (replace(first, name="another"), True),
+            (log.between(10.0, 20.0), False),
+            (linear_log(noise=0.01, seed=1).between(0.0, 10.0), False),
+        ):
+            found = validate(known, other)
+            assert [row.in_sample for row in found.statistics] == [expected]
+            assert ("in-sample" in {issue.code for issue in found.issues}) == expected
+    (row,) = validate(replace(saved, data_fingerprints={}), first).statistics
+    assert not row.in_sample
+
+
+def test_a_fitted_file_is_known_when_given_as_arrays(fitted: FitResult) -> None:
+    """And a log that was held out is none of them."""
+    for name, expected in (("muscle_steps", True), ("muscle_sine_025", False)):
+        log = replace(load(DATA / f"{name}.csv"), source=None, name="arrays")
+        assert [row.in_sample for row in validate(fitted, log).statistics] == [expected]
+
+
 def test_the_bar(fitted: FitResult) -> None:
     log = load(DATA / "muscle_sine_025.csv")
     assert validate(fitted, log, threshold_percent=95.0).passed
