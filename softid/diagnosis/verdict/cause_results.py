@@ -32,7 +32,7 @@ def causes_of(
     errors: Sequence[Array],
     after: FitResult | None,
     scale: Scale,
-    rng: np.random.Generator,
+    lengths: Sequence[int] = (),
 ) -> tuple[Cause, ...]:
     """The links in words and numbers.
 
@@ -46,8 +46,8 @@ def causes_of(
         The fit with all causes, whose parameters are told.
     scale
         Sizes of the logs and of the base model.
-    rng
-        Draws the bootstrap.
+    lengths
+        Of the runs of held-out samples that follow each other in time; without any, all are one.
     """
     found: list[Cause] = []
     for link, (before_rows, after_rows) in zip(chain.links, pairwise(errors), strict=True):
@@ -68,7 +68,7 @@ def causes_of(
                 delta_bic=link.delta_bic,
                 holdout_rmse_before=_rms(before_rows),
                 holdout_rmse_after=_rms(after_rows),
-                gain_ci95=gain_interval(before_rows, after_rows, rng),
+                gain_ci95=gain_interval(before_rows, after_rows, lengths),
             )
         )
     return tuple(found)
@@ -94,15 +94,17 @@ def told_as(effect: Effect, parameters: Sequence[ParameterEstimate]) -> Effect:
     return effect
 
 
-def whole_gain_of(errors: Sequence[Array], rng: np.random.Generator) -> tuple[float, float] | None:
+def whole_gain_of(
+    errors: Sequence[Array], lengths: Sequence[int] = ()
+) -> tuple[float, float] | None:
     """95 % interval of what all causes together gain; None without a cause or with few samples.
 
     Parameters
     ----------
-    errors, rng
+    errors, lengths
         As in `causes_of`.
     """
-    return gain_interval(errors[0], errors[-1], rng) if len(errors) > 1 else None
+    return gain_interval(errors[0], errors[-1], lengths) if len(errors) > 1 else None
 
 
 def _rms(values: Array) -> float:

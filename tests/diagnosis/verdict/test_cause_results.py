@@ -86,7 +86,7 @@ def test_every_cause_names_those_before_it() -> None:
         for before, after in pairwise(rows)
     )
     chain = Chain(links, None, candidate(keys))
-    found = causes_of(chain, [np.ones(5)] * 4, None, scale_of("muscle"), np.random.default_rng(0))
+    found = causes_of(chain, [np.ones(5)] * 4, None, scale_of("muscle"))
     assert [cause.added_to for cause in found] == [(), keys[:1], keys[:2]]
     assert [cause.round for cause in found] == [1, 2, 3]
 
