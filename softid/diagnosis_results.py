@@ -324,7 +324,8 @@ class Evidence:
     delta_bic
         Fall of the BIC against what was to be extended; None when it was out of the race before.
     drop_share
-        Share of the sum of squares that it explains.
+        Share of the sum of squares that it explains, for white noise: after a refit, or as its
+        signature promises where it was out of the race before.
     """
 
     round: int

@@ -19,7 +19,7 @@ SOURCES = {"softid": ROOT / "softid", "softid_cli": ROOT / "cli" / "softid_cli"}
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "units", "kernels", "parallel"),
-    ("channels", "chi_square", "intersample"),
+    ("channels", "chi_square", "fingerprint", "intersample"),
     ("segment",),
     ("log", "parameters", "results"),
     ("diagnosis_results",),

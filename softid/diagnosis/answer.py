@@ -35,6 +35,7 @@ from softid.diagnosis.verdict.cause_results import (
 from softid.diagnosis.verdict.chain_consistency import consistent_names
 from softid.diagnosis.verdict.doubts import with_doubts
 from softid.diagnosis.verdict.gain_interval import gain_interval
+from softid.diagnosis.verdict.held_out_runs import held_out_lengths
 from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import asks_for_the_others, verdict_of
 from softid.diagnosis.verdict.profile_intervals import with_intervals
@@ -59,12 +60,12 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     found
         What a search found.
     seed
-        Of the bootstrap.
+        Seed of the fits, which their records keep.
     """
     chain, held_out = found.chain, base.held_out
     line = line_in(residual_context(chain.final))
     remainder = with_line(found.remainder, line, base.scale.motion_s)
-    rng = np.random.default_rng(seed)
+    lengths = held_out_lengths(held_out, chain.final)
     least_sd = moved_parameters(chain.final, base.input_sds, remainder.noise_power)
     extends = bool(chain.links) or base.instead_of is not None
     before, after = both(
@@ -74,8 +75,8 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     errors, varied = both(
         lambda: _errors_by_link(chain, base), lambda: _variations(chain, base, remainder)
     )
-    causes = causes_of(chain, errors, after, base.scale, rng)
-    causes = _with_errors_without(causes, chain, base, errors[-1], rng)
+    causes = causes_of(chain, errors, after, base.scale, lengths)
+    causes = _with_errors_without(causes, chain, base, errors[-1], lengths)
     causes = tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
     causes = with_doubts(causes, chain, after, remainder, base)
     sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
@@ -111,7 +112,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
             *refusal_issues(chain, held_out),
             *held_out_change_issues(chain.final, remainder, held_out, base.scale, is_sure=is_sure),
         ),
-        gain_ci95=whole_gain_of(errors, rng),
+        gain_ci95=whole_gain_of(errors, lengths),
     )
     answer = with_tied_values(answer, named, len(chain.final.effects))
     answer = with_other_forms(answer, named, chain.final, base)
@@ -137,7 +138,7 @@ def _issues_of_rest(
 
 
 def _with_errors_without(
-    causes: Sequence[Cause], chain: Chain, base: BaseFit, whole: Array, rng: np.random.Generator
+    causes: Sequence[Cause], chain: Chain, base: BaseFit, whole: Array, lengths: Sequence[int]
 ) -> tuple[Cause, ...]:
     """The causes; those that may gain nothing in their place with the error of leaving them out.
 
@@ -147,7 +148,7 @@ def _with_errors_without(
     for position, cause in enumerate(causes):
         if len(causes) > 1 and asks_for_the_others(cause, chain.links[position].added):
             model = refit_without(chain, position, base.candidate, base.scale, base.sigma)
-            gained = gain_interval(base.held_out.first_errors(model), whole, rng)
+            gained = gain_interval(base.held_out.first_errors(model), whole, lengths)
             if gained is None or gained[0] > 0.0:
                 cause = replace(cause, holdout_rmse_without=base.held_out.rms(model))
         found.append(cause)

@@ -157,7 +157,7 @@ def diagnosis_document(
         "input": fitted.input,
         "outputs": list(fitted.outputs),
         "channels": channel_entries(fitted.input, fitted.simulations, fitted.statistics),
-        "data": data_entries(fitted.fingerprints, fitted.statistics),
+        "data": data_entries(fitted.fingerprints, fitted.statistics, fitted.simulations),
         "versions": versions(),
         "seed": seed_entry(fitted),
         "issues": to_jsonable(diagnosis.issues),

@@ -8,6 +8,7 @@ from importlib import metadata
 from pathlib import Path
 
 from softid.errors import IdentificationError
+from softid.fingerprint import data_fingerprint
 from softid.records.plain import (
     Plain,
     content_sha256,
@@ -84,7 +85,7 @@ def fit_document(result: FitResult) -> dict[str, Plain]:
         "statistics": to_jsonable(result.statistics),
         "noise": to_jsonable(result.noise),
         "fitted_range": to_jsonable(result.fitted_range),
-        "data": data_entries(result.fingerprints, result.statistics),
+        "data": data_entries(result.fingerprints, result.statistics, result.simulations),
         "fit": {
             "status": to_jsonable(result.status),
             "message": result.message,
@@ -175,12 +176,23 @@ def channel_entries(
 
 
 def data_entries(
-    fingerprints: Mapping[str, str], statistics: tuple[FitStatistics, ...]
+    fingerprints: Mapping[str, str],
+    statistics: tuple[FitStatistics, ...],
+    simulations: tuple[Simulation, ...],
 ) -> list[Plain]:
-    """One entry per log: name, fingerprint (null for arrays) and whether it was fitted."""
+    """One entry per log: name, fingerprints of file and samples, and whether it was fitted.
+
+    That of the file is null for arrays, that of the samples where they are not kept.
+    """
     fitted = {row.log: row.in_sample for row in statistics}
+    data = {s.log: data_fingerprint(s.time_s, s.measured) for s in simulations if s.measured}
     return [
-        {"log": log, "sha256": sha256 or None, "in_sample": fitted.get(log, True)}
+        {
+            "log": log,
+            "sha256": sha256 or None,
+            "data_sha256": data.get(log),
+            "in_sample": fitted.get(log, True),
+        }
         for log, sha256 in fingerprints.items()
     ]
 

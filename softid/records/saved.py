@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import typing
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -55,6 +55,8 @@ class SavedModel:
         What the fit took the input to do between its samples; None for straight.
     input_noise
         ``"averaged"`` where the fit, as that of a diagnosis, averaged the noise of its input.
+    data_fingerprints
+        Log name → sha256 of its times and measured samples, where the record has it.
     """
 
     path: str
@@ -72,6 +74,7 @@ class SavedModel:
     issues: tuple[Issue, ...] = ()
     intersample: str | None = None
     input_noise: str | None = None
+    data_fingerprints: Mapping[str, str | None] = field(default_factory=dict)
 
     def build_model(self) -> Model:
         """The model with its options, ready for `softid.simulate`."""
@@ -143,6 +146,7 @@ def load_params(path: Path | str) -> SavedModel:
         nuisances={entry["log"]: _nuisance(entry) for entry in document["nuisances"]},
         fitted_range={k: (float(a), float(b)) for k, (a, b) in document["fitted_range"].items()},
         fingerprints={entry["log"]: entry["sha256"] for entry in data},
+        data_fingerprints={entry["log"]: entry.get("data_sha256") for entry in data},
         fitted_logs=tuple(entry["log"] for entry in data if entry["in_sample"]),
         issues=_edits(document, spec, values, where=where),
         intersample=document["options"].get("intersample"),

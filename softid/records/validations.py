@@ -67,7 +67,9 @@ def validation_document(validation: Validation, *, params: Path | None = None) -
         "passed": validation.passed,
         "statistics": to_jsonable(validation.statistics),
         "nuisances": to_jsonable(validation.nuisances),
-        "data": data_entries(validation.fingerprints, validation.statistics),
+        "data": data_entries(
+            validation.fingerprints, validation.statistics, validation.simulations
+        ),
         "versions": versions(),
         "issues": to_jsonable(validation.issues),
     }

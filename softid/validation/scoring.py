@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from softid.effects import model_of
 from softid.errors import Issue, UsageError
+from softid.fingerprint import data_fingerprint
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
 from softid.identification.issues import extrapolation
@@ -18,7 +20,7 @@ from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
 from softid.records import SavedModel
-from softid.results import FitResult, Validation
+from softid.results import FitResult, FitStatistics, Simulation, Validation
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +33,18 @@ class _Scored:
     outputs: tuple[str, ...]
     ranges: Mapping[str, tuple[float, float]]
     fingerprints: Mapping[str, str | None]
+    data_fingerprints: Mapping[str, str | None]
     fitted_logs: tuple[str, ...]
     issues: tuple[Issue, ...]
     reading: InputReading
+
+    def was_fitted(self, log: Log, simulation: Simulation) -> bool:
+        """Whether a log was fitted, by the fingerprint of its file or of its samples."""
+        of_file = {self.fingerprints.get(name) for name in self.fitted_logs} - {None, ""}
+        of_data = {self.data_fingerprints.get(name) for name in self.fitted_logs} - {None}
+        return bool(log.source and log.source.sha256 in of_file) or (
+            data_fingerprint(simulation.time_s, simulation.measured) in of_data
+        )
 
 
 @matrices_on_one_thread()
@@ -57,7 +68,8 @@ def validate(
     logs
         Logs to score on.
     threshold_percent
-        The bar: ``passed`` is False when any channel of any log fits less.
+        The bar: ``passed`` is False when any channel of any log fits less. One that was measured as
+        constant has no fit and is left out; with no other the bar is not passed.
 
     Returns
     -------
@@ -83,22 +95,22 @@ def validate(
     read = read_as_fitted(given.logs, scored.reading.intersample, scored.model, scored.values)
     log_set = LogSet(tuple(as_remembered(log, scored.model, scored.values) for log in read))
     nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)
-    seen = {
-        sha: name for name, sha in scored.fingerprints.items() if sha and name in scored.fitted_logs
-    }
-    in_sample = [bool(log.source and log.source.sha256 in seen) for log in log_set]
+    in_sample = [
+        scored.was_fitted(log, simulation)
+        for log, simulation in zip(log_set, simulations, strict=True)
+    ]
     statistics = tuple(
         row
         for log, simulation, known in zip(log_set, simulations, in_sample, strict=True)
         for row in scores((log,), (simulation,), in_sample=known)
     )
-    bar = threshold_percent
+    judged, unjudged = _judged(statistics, threshold_percent)
     return Validation(
         model=scored.model.spec(),
         input=scored.input,
         outputs=scored.outputs,
-        threshold_percent=bar,
-        passed=bar is None or all(row.fit_percent >= bar for row in statistics),
+        threshold_percent=threshold_percent,
+        passed=judged,
         statistics=statistics,
         nuisances=nuisances,
         simulations=simulations,
@@ -106,6 +118,7 @@ def validate(
             *scored.issues,
             *unit_slips(scored.model, scored.values, log_set.logs),
             *_issues(log_set.logs, scored, in_sample),
+            *unjudged,
         ),
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in log_set},
         fitted_range=scored.ranges,
@@ -121,6 +134,7 @@ def _from_fit(result: FitResult) -> _Scored:
         result.outputs,
         result.fitted_range,
         dict(result.fingerprints),
+        {s.log: data_fingerprint(s.time_s, s.measured) for s in result.simulations},
         fitted,
         (),
         InputReading.of(result.options),
@@ -135,10 +149,33 @@ def _from_file(saved: SavedModel) -> _Scored:
         saved.outputs,
         saved.fitted_range,
         saved.fingerprints,
+        saved.data_fingerprints,
         saved.fitted_logs,
         saved.issues,
         InputReading(saved.intersample, saved.input_noise),
     )
+
+
+def _judged(
+    statistics: Sequence[FitStatistics], bar: float | None
+) -> tuple[bool, tuple[Issue, ...]]:
+    """Whether all that has a fit reaches the bar, and something does; and what has none."""
+    if bar is None:
+        return True, ()
+    known = [row.fit_percent for row in statistics if math.isfinite(row.fit_percent)]
+    issues = tuple(
+        Issue(
+            "fit-undefined",
+            "info" if known else "warning",
+            f"{row.log}: {row.channel} was measured as constant, so its fit in per cent is not "
+            f"defined and is not held against the bar; its error is "
+            f"{row.rmse * row.display_factor:.3g} {row.display_unit}",
+            "hold its error against the noise, or score a log in which the output moves",
+        )
+        for row in statistics
+        if not math.isfinite(row.fit_percent)
+    )
+    return bool(known) and min(known) >= bar, issues
 
 
 def _issues(logs: Sequence[Log], scored: _Scored, in_sample: Sequence[bool]) -> list[Issue]:

@@ -13,6 +13,7 @@ from handmade import MUSCLE_VALUES, failed_fit, fit_result, step_log, validation
 from jsonschema import Draft202012Validator
 
 from softid.errors import IdentificationError, InputError, OutputError
+from softid.fingerprint import data_fingerprint
 from softid.records import load_params, save_fit, save_validation
 from softid.records.reading import load_schema
 from softid.simulation import simulate
@@ -45,7 +46,13 @@ def test_the_file_is_valid_by_its_schema(saved: Path) -> None:
     assert document["fit"]["bic"] is None  # was infinite
     assert document["noise"][0]["effective_n"] is None  # was NaN
     assert document["seed"] == 7
-    assert document["data"][1] == {"log": "step_2", "sha256": None, "in_sample": False}
+    samples = fit_result().simulations[1]
+    assert document["data"][1] == {
+        "log": "step_2",
+        "sha256": None,
+        "data_sha256": data_fingerprint(samples.time_s, samples.measured),
+        "in_sample": False,
+    }
     assert document["versions"]["numpy"] == np.__version__
 
 

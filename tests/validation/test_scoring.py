@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from linear_motion import linear_log
 
 from softid.diagnosis import diagnose
 from softid.errors import UsageError
 from softid.identification import fit
+from softid.log import Log
 from softid.readers import load
 from softid.records import load_params, save_fit
 from softid.results import FitResult
@@ -54,6 +57,35 @@ def test_a_fitted_log_is_known_by_its_bytes(fitted: FitResult) -> None:
     assert "in-sample" in {issue.code for issue in result.issues}
 
 
+def test_a_fitted_log_is_known_by_its_samples(tmp_path: Path) -> None:
+    """Given as arrays, under whatever name, and from a record; its second half and other noise are
+    other data. A record of before has no such fingerprint and loads as it did."""
+    log = linear_log(noise=0.01)
+    first = log.between(0.0, 10.0)
+    model = fit(first, model="oscillator")
+    save_fit(model, tmp_path / "params.json")
+    saved = load_params(tmp_path / "params.json")
+    for known in (model, saved):
+        for other, expected in (
+            (first, True),
+            (replace(first, name="another"), True),
+            (log.between(10.0, 20.0), False),
+            (linear_log(noise=0.01, seed=1).between(0.0, 10.0), False),
+        ):
+            found = validate(known, other)
+            assert [row.in_sample for row in found.statistics] == [expected]
+            assert ("in-sample" in {issue.code for issue in found.issues}) == expected
+    (row,) = validate(replace(saved, data_fingerprints={}), first).statistics
+    assert not row.in_sample
+
+
+def test_a_fitted_file_is_known_when_given_as_arrays(fitted: FitResult) -> None:
+    """And a log that was held out is none of them."""
+    for name, expected in (("muscle_steps", True), ("muscle_sine_025", False)):
+        log = replace(load(DATA / f"{name}.csv"), source=None, name="arrays")
+        assert [row.in_sample for row in validate(fitted, log).statistics] == [expected]
+
+
 def test_the_bar(fitted: FitResult) -> None:
     log = load(DATA / "muscle_sine_025.csv")
     assert validate(fitted, log, threshold_percent=95.0).passed
@@ -80,3 +112,24 @@ def test_a_model_of_a_diagnosis_takes_the_input_as_it_was_fitted(tmp_path: Path)
         assert validate(model, log).statistics[0].rmse == pytest.approx(told, rel=1e-6)
     noisy = replace(saved, input_noise=None)
     assert validate(noisy, log).statistics[0].rmse > 1.3 * told
+
+
+def test_a_log_that_never_moves_is_not_held_against_the_bar() -> None:
+    """Closed form: at rest an exact model misses nothing, and a fit of 0/0 is none. With nothing
+    else the bar is not reached; beside a log that moves, that one decides."""
+    moving = linear_log(noise=0.01)
+    time_s = np.arange(500) / 50.0
+    still = {"pressure": np.zeros(500), "angle": np.zeros(500)}
+    rest = Log.from_arrays(time_s, still, name="rest")
+    model = fit(moving, model="oscillator")
+    other = linear_log(noise=0.01, seed=1)
+    both = validate(model, [rest, other], threshold_percent=50.0)
+    assert both.passed
+    (told,) = (issue for issue in both.issues if issue.code == "fit-undefined")
+    assert "rest: angle was measured as constant" in told.message
+    assert told.severity == "info"
+    assert not validate(model, [rest, other], threshold_percent=99.99).passed
+    alone = validate(model, rest, threshold_percent=50.0)
+    assert not alone.passed
+    assert [i.severity for i in alone.issues if i.code == "fit-undefined"] == ["warning"]
+    assert "fit-undefined" not in {issue.code for issue in validate(model, rest).issues}

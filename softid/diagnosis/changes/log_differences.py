@@ -30,12 +30,14 @@ TAKES = 0.9
 ALIKE = 0.97
 """Kinds that take away so much of what the best does are told beside it."""
 
-LARGEST = 0.55
-"""A change by a larger share is no small difference of one rig, and a change at the bound of a
-probe is none."""
+LARGEST_SHARE = 0.55
+"""A change by a larger share is no small difference of one rig."""
 
 ZERO = "zero"
 """Kind of a difference that every log has anyway."""
+
+DELAY = "delay"
+"""Kind of the one whose size is in seconds."""
 
 
 @dataclass(frozen=True)
@@ -100,9 +102,9 @@ def log_differences(
     fitted = in_parallel(lambda change: [change.on(log) for log in logs], changes)
     falls = [
         (before - own - sum(left for left, _ in rows)) / misfit
-        if all(abs(size) <= LARGEST for _, size in rows)
+        if all(size is not None and change.is_small(size) for _, size in rows)
         else -np.inf
-        for rows in fitted
+        for change, rows in zip(changes, fitted, strict=True)
     ]
     ranked = np.argsort(falls[1:])[::-1] + 1
     if zero_counts and falls[0] > ALIKE * falls[ranked[0]]:
@@ -113,7 +115,7 @@ def log_differences(
     alike = [k for k in ranked.tolist() if falls[k] > ALIKE * most]
     outside = [k for k in alike if changes[k].kind not in reference.problem.free]
     alike = outside or alike  # what has a name of its own comes before a parameter
-    sizes = tuple(size for _, size in fitted[alike[0]])
+    sizes = tuple(size for _, size in fitted[alike[0]] if size is not None)
     return LogDifferences(tuple(changes[k].kind for k in alike), sizes, min(falls[alike[0]], 1.0))
 
 
@@ -139,7 +141,7 @@ class _Change:
     Attributes
     ----------
     kind
-        As in `LogDifferences`.
+        As in `LogDifferences`; not its name where it is that of a probe.
     name
         The parameter; empty where only the zero differs.
     problem
@@ -153,8 +155,16 @@ class _Change:
     problem: Problem
     values: Mapping[str, float]
 
-    def on(self, log: Log) -> tuple[float, float]:
-        """What is left of a log, and the change: of a parameter of the model as a share of it."""
+    def is_small(self, size: float) -> bool:
+        """Whether a change may be that of one rig; its bounds alone limit one in seconds."""
+        return self.kind == DELAY or abs(size) <= LARGEST_SHARE
+
+    def on(self, log: Log) -> tuple[float, float | None]:
+        """What is left of a log, and the change: of a parameter of the model as a share of it.
+
+        No change is known at a bound, nor of a parameter of the model that was 0, which has no
+        share; the sizes of a probe are about 0 and stand for themselves.
+        """
         others = {name: value for name, value in self.values.items() if name != self.name}
         declared = self.problem.parameters.with_values(self.values).with_fixed(others)
         problem = Problem(self.problem.model, declared, (log,))
@@ -162,8 +172,12 @@ class _Change:
         left = squares_of(problem, z)
         if not self.name:
             return left, 0.0
-        value, known = problem.values(z)[self.name], self.values[self.name]
-        return left, float(value / known - 1.0 if known else value)
+        if problem.at_bound(z)[problem.free.index(self.name)]:
+            return left, None
+        value, known = float(problem.values(z)[self.name]), self.values[self.name]
+        if self.kind != self.name:  # that of a probe
+            return left, value
+        return left, value / known - 1.0 if known else None
 
 
 def _changes(reference: Candidate, scale: Scale) -> list[_Change]:

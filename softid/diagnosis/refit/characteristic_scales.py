@@ -146,7 +146,7 @@ def elastic_force(model: Model, theta: Array, u: Array, places: tuple[float, flo
 
 def _slowness(law: Law | None, u: Array, problem: Problem) -> float:
     """Typical time constant of the motion, or how late the output comes where a law has none."""
-    period_s = float(np.median(np.diff(problem.segments[0].time_s)))
+    period_s = min(float(np.median(np.diff(s.time_s))) for s in problem.segments)
     late_s = 0.0
     if law is not None:
         damping, stiffness, _ = (float(np.median(c)) for c in law.coefficients(u))

@@ -28,9 +28,8 @@ from softid.diagnosis_results import Alternative, Diagnosis, Remainder, Verdict
 from softid.models import MODELS
 from softid.results import FitResult
 
-SAME = 10.0
-"""A BIC that is less above another one says no more than it; where it is more, what none of the
-causes explains outweighs that."""
+BEST_OF_UNEQUAL = "The best, though its lead is smaller than what none of them explains"
+"""So begins a tie whose causes do not explain the logs equally well."""
 
 SPLITS = ". What splits them: "
 """Stands between why causes are tied and what to record."""
@@ -92,9 +91,8 @@ def told_as_tied(alternative: Alternative, title: str, *, linear: bool) -> str:
     if known is not None:
         reason = f"{alternative.why.partition(SPLITS)[0] or known.why}. As {first} it"
     else:
-        behind = max(alternative.delta_bic.values(), default=0.0)
-        by = "a little" if behind < SAME else "less than what none of them explains"
-        reason = f"The best by {by}, {first},"
+        best = "The best by a little" if _are_alike(alternative) else BEST_OF_UNEQUAL
+        reason = f"{best}, {first},"
     return f"one of these, {which}: {named}. {reason}"
 
 

@@ -32,7 +32,7 @@ def causes_of(
     errors: Sequence[Array],
     after: FitResult | None,
     scale: Scale,
-    rng: np.random.Generator,
+    lengths: Sequence[int] = (),
 ) -> tuple[Cause, ...]:
     """The links in words and numbers.
 
@@ -46,8 +46,8 @@ def causes_of(
         The fit with all causes, whose parameters are told.
     scale
         Sizes of the logs and of the base model.
-    rng
-        Draws the bootstrap.
+    lengths
+        Of the runs of held-out samples that follow each other in time; without any, all are one.
     """
     found: list[Cause] = []
     for link, (before_rows, after_rows) in zip(chain.links, pairwise(errors), strict=True):
@@ -68,7 +68,7 @@ def causes_of(
                 delta_bic=link.delta_bic,
                 holdout_rmse_before=_rms(before_rows),
                 holdout_rmse_after=_rms(after_rows),
-                gain_ci95=gain_interval(before_rows, after_rows, rng),
+                gain_ci95=gain_interval(before_rows, after_rows, lengths),
             )
         )
     return tuple(found)
@@ -94,15 +94,17 @@ def told_as(effect: Effect, parameters: Sequence[ParameterEstimate]) -> Effect:
     return effect
 
 
-def whole_gain_of(errors: Sequence[Array], rng: np.random.Generator) -> tuple[float, float] | None:
+def whole_gain_of(
+    errors: Sequence[Array], lengths: Sequence[int] = ()
+) -> tuple[float, float] | None:
     """95 % interval of what all causes together gain; None without a cause or with few samples.
 
     Parameters
     ----------
-    errors, rng
+    errors, lengths
         As in `causes_of`.
     """
-    return gain_interval(errors[0], errors[-1], rng) if len(errors) > 1 else None
+    return gain_interval(errors[0], errors[-1], lengths) if len(errors) > 1 else None
 
 
 def _rms(values: Array) -> float:
@@ -189,7 +191,10 @@ def alternatives_of(
 
 
 def evidence_of(chain: Chain) -> tuple[Evidence, ...]:
-    """Every candidate of every round.
+    """Every candidate of every round, with its share of the sum of squares for white noise.
+
+    That of one which raced is what a refit took away; the whitened squares, by which its BIC goes,
+    are no shares of what the promises of the others are.
 
     Parameters
     ----------
@@ -200,7 +205,7 @@ def evidence_of(chain: Chain) -> tuple[Evidence, ...]:
     found = []
     for number, link in enumerate(rounds, start=1):
         ranked = {link.added_by(row).key: row for row in link.extending}
-        whole = max(link.before.candidate.squares, 1e-300)
+        whole = max(link.squares_before, 1e-300)
         for signature in link.signatures:
             key = signature.effect.key
             row = ranked.get(key)
@@ -209,9 +214,9 @@ def evidence_of(chain: Chain) -> tuple[Evidence, ...]:
                     round=number,
                     effect=key,
                     delta_bic=link.before.bic - row.bic if row is not None else None,
-                    drop_share=1.0 - row.candidate.squares / whole
+                    drop_share=1.0 - row.plain.squares / whole
                     if row is not None
-                    else signature.drop / max(link.squares_before, 1e-300),
+                    else signature.drop / whole,
                 )
             )
     return tuple(found)

@@ -20,8 +20,8 @@ from softid.effects import own_values
 from softid.effects.base import Effect, InputEffect, StateEffect
 
 GONE = 0.1
-"""Nothing is left of a motion whose times are less than this share of what they were, and than a
-sampling interval."""
+"""Nothing is left of a motion whose times are less than this share of what they were, and than the
+shortest sampling interval: any log would show a slower one."""
 
 ALIKE = 0.1
 """A cause has the times of the motion where neither differs by more than this share of the
@@ -54,7 +54,7 @@ def displacing(final: Candidate, base: Candidate) -> frozenset[str]:
     before, after = _times(base), _times(final)
     if before is None or after is None:
         return frozenset()
-    period_s = final.problem.logs[0].period_s
+    period_s = min(log.period_s for log in final.problem.logs)
     if max(after) > min(GONE * max(before), period_s):
         return frozenset()
     return frozenset(e.key for e in final.effects if _is_like(_times_of(final, e), before))

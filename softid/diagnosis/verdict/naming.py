@@ -39,9 +39,10 @@ BARELY = 0.1
 """Share of a gain to which the ends of its interval are known: a log of steps makes few blocks."""
 
 UNKNOWN_SIZE = 30.0
-"""One of slight gain is not named when its size may be so many times larger or smaller: it is the
-last corner of a law that another one fits. Nor is any other whose size trades so with a parameter
-that has run into its upper bound: only that corner of its law is like what the log holds."""
+"""One of slight gain is not named when the upper end of its size's interval is more than so many
+times the lower one, or the lower one is not above zero: it is the last corner of a law that another
+one fits. Nor is any other whose size trades so with a parameter that has run into its upper bound:
+only that corner of its law is like what the log holds."""
 
 NO_EFFECT = 0.05
 """Zero sizes that are no less likely than this are no effect."""

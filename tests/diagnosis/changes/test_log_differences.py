@@ -8,10 +8,14 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 import pytest
-from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
+from linear_motion import MODEL, RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
-from softid.diagnosis.changes.log_differences import LogDifferences, log_differences
+from softid.diagnosis.changes.log_differences import (
+    LogDifferences,
+    _Change,
+    log_differences,
+)
 from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
@@ -23,6 +27,7 @@ from softid.diagnosis.report.changes import (
 )
 from softid.effects import EFFECTS
 from softid.effects.scale import Scale
+from softid.fitters.problem import Problem
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
@@ -157,3 +162,33 @@ def test_like_logs_do_not_differ() -> None:
     """Nor does a single one."""
     assert difference_issues(base_of(log_with(0), log_with(1))) == ()
     assert difference_issues(base_of(log_with(0))) == ()
+
+
+@pytest.mark.parametrize(("late_s", "expected"), [(0.4, True), (0.503, False), (-0.503, False)])
+def test_a_delay_at_the_bound_of_its_probe_is_none(late_s: float, expected: bool) -> None:
+    """Known truth: up to 0.5 s a delay is looked for; of a longer one that bound is no size."""
+    found = found_in(log_with(1, "delay", late_s))
+    assert (found is not None and "delay" in found.kinds) == expected
+    if found is not None and expected:
+        assert found.sizes == pytest.approx((late_s,), abs=0.01)
+
+
+def test_a_parameter_that_was_zero_has_no_share() -> None:
+    """Known truth: a drive whose input has no offset, and one of 0.2 kPa, which is no 20 %."""
+    model = replace(MODEL, spring="none")
+    truth = {"M": 0.4, "N": 10.0, "G": 1.0, "offset": 0.0}
+    for known, share in ((0.0, None), (0.16, 0.25)):
+        values = {**truth, "offset": known}
+        problem = Problem(model, model.parameters().with_values(values), [drive_log(known)])
+        left, size = _Change("offset", "offset", problem, values).on(drive_log(0.2))
+        assert left == pytest.approx(0.0, abs=1e-6)
+        assert size == (share if share is None else pytest.approx(share, abs=1e-3))
+
+
+def drive_log(offset_kpa: float) -> Log:
+    """The exact position of a drive 0.4 x'' + 10 x' = u − offset, from rest at zero."""
+    from scipy.signal import lsim
+
+    u = pressure(1) - pressure(1).mean()
+    angle = lsim(([1.0], [0.4, 10.0, 0.0]), u - offset_kpa, TIME_S, interp=True)[1]
+    return Log.from_arrays(TIME_S, {"pressure": u, "angle": angle}, name=f"drive-{offset_kpa}")

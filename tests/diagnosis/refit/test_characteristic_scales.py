@@ -6,7 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linear_motion import MODEL, RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem
+from linear_motion import (
+    MODEL,
+    RATE_HZ,
+    TRUTH,
+    linear_angle,
+    linear_log,
+    linear_problem,
+    pressure_course,
+)
 
 from softid.diagnosis.refit.characteristic_scales import (
     LONGEST_SHARE,
@@ -86,6 +94,20 @@ def test_time_constant_of_an_oscillator() -> None:
     found = scale_of(free, free.unknowns({"M": 4.0, "N": 5.0, "offset": 0.0}))
     assert found.motion_s == pytest.approx(0.8)
     assert found.force == pytest.approx(found.u_span)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_time_constant_does_not_depend_on_the_order_of_the_logs(order: int) -> None:
+    """Closed form N/Q = 10 ms: shorter than the interval of one log, 20 ms, not than 5 ms."""
+    logs = []
+    for period_s in (0.02, 0.005):
+        time_s = np.arange(0.0, 20.0, period_s)
+        pressure = pressure_course(time_s)
+        log = Log.from_arrays(time_s, {"pressure": pressure, "angle": 0.02 * pressure})
+        logs.append(log)
+    problem = linear_problem(logs[::order])
+    found = scale_of(problem, problem.unknowns({**TRUTH, "N": 0.5})).motion_s
+    assert found == pytest.approx(0.01)
 
 
 def test_time_constant_of_a_muscle() -> None:

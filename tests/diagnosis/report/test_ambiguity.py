@@ -8,7 +8,7 @@ import pytest
 from handmade import fit_result
 from handmade_diagnosis import remainder
 
-from softid.diagnosis.report.ambiguity import law_that_ties, what_next, why_tied
+from softid.diagnosis.report.ambiguity import law_that_ties, told_as_tied, what_next, why_tied
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     CHIRP,
@@ -77,6 +77,19 @@ def test_a_tie_says_whether_its_causes_explain_alike() -> None:
     assert "equally well" in alike
     assert "equally well" not in apart
     assert "outweighs" in apart
+
+
+@pytest.mark.parametrize("behind", [0.0, 9.9, 10.0, INDISTINCT - 0.1, INDISTINCT, FAR])
+def test_two_sentences_on_one_tie_agree_whether_its_causes_explain_alike(behind: float) -> None:
+    """Up to the limit of the search the best is so by a little, and both explain equally well."""
+    pair = tie("delay", "pneumatic_lag", behind=behind)
+    why, told = why_tied(pair, linear=False), told_as_tied(pair, "Delay", linear=False)
+    assert (
+        ("The best by a little, delay," in told) == ("equally well" in why) == (behind < INDISTINCT)
+    )
+    assert ("its lead is smaller than what none of them explains, delay," in told) == (
+        behind >= INDISTINCT
+    )
 
 
 def test_the_experiment_splits_the_first_from_the_others() -> None:

@@ -11,8 +11,15 @@ from extended_fits import scale_of
 from handmade_diagnosis import estimate
 from handmade_rounds import candidate, ranked
 
+from softid.diagnosis.search.bic_ranking import Ranked
 from softid.diagnosis.search.forward_selection import Chain, Link
-from softid.diagnosis.verdict.cause_results import alternatives_of, causes_of, told_as
+from softid.diagnosis.search.screening import Signature
+from softid.diagnosis.verdict.cause_results import (
+    alternatives_of,
+    causes_of,
+    evidence_of,
+    told_as,
+)
 from softid.effects import effect_of
 
 
@@ -79,6 +86,21 @@ def test_every_cause_names_those_before_it() -> None:
         for before, after in pairwise(rows)
     )
     chain = Chain(links, None, candidate(keys))
-    found = causes_of(chain, [np.ones(5)] * 4, None, scale_of("muscle"), np.random.default_rng(0))
+    found = causes_of(chain, [np.ones(5)] * 4, None, scale_of("muscle"))
     assert [cause.added_to for cause in found] == [(), keys[:1], keys[:2]]
     assert [cause.round for cause in found] == [1, 2, 3]
+
+
+def test_shares_of_those_that_raced_and_those_that_did_not_are_of_one_whole() -> None:
+    """Known rows: the lag left 60 of 200 for white noise, the delay promised 50 of them; under the
+    shared noise model there were 80 and 72."""
+    before = Ranked(candidate((), 80.0), candidate((), 200.0), 0.0)
+    lag = Ranked(candidate(["pneumatic_lag"], 72.0), candidate(["pneumatic_lag"], 60.0), -40.0)
+    signatures = tuple(
+        Signature(effect_of(name), {}, drop, np.zeros(0))
+        for name, drop in (("pneumatic_lag", 130.0), ("delay", 50.0))
+    )
+    link = Link(before, (lag, before), lag, ("pneumatic_lag",), signatures, 200.0)
+    raced, out = evidence_of(Chain((link,), None, lag.plain))
+    assert (raced.effect, raced.delta_bic, raced.drop_share) == ("pneumatic_lag", 40.0, 0.7)
+    assert (out.effect, out.delta_bic, out.drop_share) == ("delay", None, 0.25)
