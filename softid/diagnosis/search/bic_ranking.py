@@ -20,10 +20,6 @@ LAST_ROUND = 32
 """And of one more for those that are still on their way: a motion that adds up its force bends so
 much that they are soon nowhere near their optimum under another noise model."""
 
-NEAR_ENOUGH = 0.1
-"""A candidate rests within so many standard errors of its optimum: of a BIC with twenty unknowns
-that leaves a fifth, where a difference of twelve counts."""
-
 ON_ITS_WAY = 1.0
 """A candidate is when it is so many standard errors away from its optimum."""
 
@@ -87,7 +83,7 @@ def rank(
         is_extended = all_extend_one and len(candidate.effects) == fewest
         if not is_extended and not can_catch_up(candidate, leader):
             return candidate
-        return advance(candidate, sigma, evaluations, tolerance=NEAR_ENOUGH)
+        return advance(candidate, sigma, evaluations)
 
     for evaluations in WHITE_ROUNDS:
         leader = min(c.squares for c in white)
