@@ -20,6 +20,7 @@ from softid.diagnosis.search.catching_up import (
     one_of_each_place,
 )
 from softid.diagnosis.search.forward_selection import converged
+from softid.diagnosis.search.rounds import those_in_reach
 
 
 def test_the_gain_by_hand() -> None:
@@ -116,3 +117,13 @@ def test_two_within_their_errors_stand_at_one_place() -> None:
     assert is_where(near, place)
     assert not is_where(far, place)
     assert one_of_each_place([far, near, place]) == [place, far]
+
+
+@pytest.mark.parametrize("away", [0.9, 3.0])
+def test_who_stands_still_is_left_behind_by_a_better_one_that_did_not_run(away: float) -> None:
+    """With the same effects, be it at the same optimum or at a worse one; alone it goes on."""
+    problem = linear_problem([linear_log(noise=0.01)])
+    place = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
+    other = moved(place, 0, away * 2.0 * np.sqrt(problem.size))
+    assert those_in_reach([other], [other], []) == ([other], [])
+    assert those_in_reach([other], [other], [place]) == ([], [other])
