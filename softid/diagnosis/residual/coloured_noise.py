@@ -83,6 +83,10 @@ ROUNDS = 2
 DISTINCT = 1e-8
 """Directions of the slopes that are weaker than this share of the strongest are rounding."""
 
+OF_ITS_OWN = 20
+"""A segment with so many innovations has a size of its own: its error, a sixth, makes an excess
+kurtosis of 0.1 at most. Of fewer the size is that of all."""
+
 STARTING = 3
 """Innovations at the beginning of a run know too little of what was before."""
 
@@ -119,7 +123,8 @@ def colour_test(
     Means over equal times, from a quarter of the motion's time constant to 1/200 of the logs'
     length, or as long as lost samples leave enough of them, are made white by an autoregression.
     The innovations are tested for normality by Jarque and Bera, and for a size that follows from
-    the speed or from the rate of the input.
+    the speed or from the rate of the input, in units of their deviation in each segment: one log
+    may be louder than another.
 
     Means of white noise and of one with the covariance s² e^{−|t|/τ} obey
     r_k = φ r_{k−1} + e_k + θ e_{k−1} with φ = e^{−width/τ} and θ ≤ 2 − √3. At the largest width the
@@ -159,8 +164,8 @@ def colour_test(
     most, few = length_s / FEWEST_MEANS / period_s, WIDTH * motion_s / period_s
     for count in _samples_a_mean(most, few):
         width_s = count * period_s
-        given = zip(parts, columns, activities, strict=True)
-        runs = [run for each in given for run in _runs(*each, width_s)]
+        given = enumerate(zip(parts, columns, activities, strict=True))
+        runs = [run for part, each in given for run in _runs(*each, width_s, part=part)]
         if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
             if widest < few:
                 return ColourTest()
@@ -213,20 +218,25 @@ class _Run:
         Means of the residual, shape (k,), and of the slopes and of one, shape (k, U + 1).
     activity
         Logarithms of the speeds, and their squares, shape (k, 4).
+    part
+        Position of the segment.
     """
 
     time_s: Array
     residual: Array
     slopes: Array
     activity: Array
+    part: int = 0
 
 
-def _runs(part: ResidualContext, slopes: Array, activity: Array, width_s: float) -> list[_Run]:
+def _runs(
+    context: ResidualContext, slopes: Array, activity: Array, width_s: float, *, part: int = 0
+) -> list[_Run]:
     """Means over equal times; where one holds no sample, a run ends."""
-    place = ((part.time_s - part.time_s[0]) / width_s + 1e-6).astype(np.intp)
+    place = ((context.time_s - context.time_s[0]) / width_s + 1e-6).astype(np.intp)
     count = int(place[-1])  # the last one is not full
-    known = np.flatnonzero(np.isfinite(part.residual))
-    steady = ~_are_spikes(part.residual[known])
+    known = np.flatnonzero(np.isfinite(context.residual))
+    steady = ~_are_spikes(context.residual[known])
     slopes, known = slopes[steady], known[steady]
 
     def mean(values: Array, at: npt.NDArray[np.intp]) -> Array:
@@ -235,14 +245,14 @@ def _runs(part: ResidualContext, slopes: Array, activity: Array, width_s: float)
             found: Array = (total / np.bincount(at, minlength=count + 1))[:count]
         return found
 
-    residual = mean(part.residual[known], place[known])
+    residual = mean(context.residual[known], place[known])
     columns = [mean(column, place[known]) for column in slopes.T]
     averaged = np.column_stack((*columns, np.ones(count)))
     logs = [np.log(mean(column, place)) for column in activity.T]
     powers = np.column_stack((*logs, *(log**2 for log in logs)))
-    time_s = part.time_s[0] + width_s * np.arange(count)
+    time_s = context.time_s[0] + width_s * np.arange(count)
     return [
-        _Run(time_s[span], residual[span], averaged[span], powers[span])
+        _Run(time_s[span], residual[span], averaged[span], powers[span], part)
         for span in run_slices(np.isfinite(residual))
         if span.stop - span.start > STARTING
     ]
@@ -261,16 +271,40 @@ def _are_spikes(residual: Array) -> npt.NDArray[np.bool_]:
 
 
 def _separated(runs: Sequence[_Run]) -> tuple[list[Array], list[Array]]:
-    """What is left of each run without errors of the parameters, and its innovations."""
-    left = [run.residual - run.residual.mean() for run in runs]
+    """What is left of each run without errors of the parameters, and its innovations.
+
+    Both in units of the innovations' deviation in their segment.
+    """
+    left, sizes = [run.residual - run.residual.mean() for run in runs], [1.0] * len(runs)
     for _ in range(ROUNDS):
-        noise = fit_ar(left)
-        rows = np.concatenate([whiten(noise, run.residual) for run in runs])
-        columns = np.concatenate([whiten(noise, run.slopes) for run in runs])
-        size = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
-        moves = np.linalg.lstsq(columns / size, rows, rcond=DISTINCT)[0] / size
+        noise = fit_ar([values / size for values, size in zip(left, sizes, strict=True)])
+        sized = list(zip(runs, sizes, strict=True))
+        rows = np.concatenate([whiten(noise, run.residual / size) for run, size in sized])
+        columns = np.concatenate([whiten(noise, run.slopes / size) for run, size in sized])
+        norms = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
+        moves = np.linalg.lstsq(columns / norms, rows, rcond=DISTINCT)[0] / norms
         left = [run.residual - run.slopes @ moves for run in runs]
+        sizes = _sizes([whiten(noise, values) for values in left], [run.part for run in runs])
+    left = [values / size for values, size in zip(left, sizes, strict=True)]
     return left, [whiten(noise, values) for values in left]
+
+
+def _sizes(innovations: Sequence[Array], parts: Sequence[int]) -> list[float]:
+    """Deviation of the innovations in the segment of each run.
+
+    A plain one: the pooled kurtosis is then the mean of those within the segments, so that what
+    strays in one of them does so in all; a median would be less sure, and zero where the reading is
+    coarse.
+    """
+    whole = float(np.concatenate(innovations).std())
+    found = {}
+    for part in set(parts):
+        own = np.concatenate([e for e, k in zip(innovations, parts, strict=True) if k == part])
+        found[part] = float(own.std()) if own.size >= OF_ITS_OWN else whole
+    return [
+        found[part] if found[part] > 0.0 else max(whole, float(np.finfo(float).tiny))
+        for part in parts
+    ]
 
 
 def _exponential(left: Sequence[Array], width_s: float) -> tuple[float, bool, bool]:

@@ -240,3 +240,46 @@ def test_lost_samples_and_several_logs() -> None:
         parts.append(ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, rows))
     found = colour_test(parts, MOTION_S, rng=rng)
     assert found.correlation_s == pytest.approx(0.5, rel=0.5)
+
+
+def two_logs(rng: np.random.Generator, *residuals: Array) -> ColourTest:
+    """Residuals of logs with steps of their own."""
+    parts = []
+    for rows in residuals:
+        u = steps(rng)
+        x = lagging(u, MOTION_S)
+        parts.append(ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, rows))
+    return colour_test(parts, MOTION_S, rng=rng)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.6, 2.0, 5.0])
+def test_one_log_may_be_louder_than_another(ratio: float) -> None:
+    """Known truth: two logs of slow noise. Together their innovations are a mixture of two normal
+    laws, whose kurtosis is no normal one; each by itself is.
+
+    As for one log, all but some of the draws are told: 0.9 of them, and one more may be missed.
+    """
+    told = 0
+    for seed in range(DRAWS):
+        rng = np.random.default_rng(seed)
+        found = two_logs(rng, coloured(rng, 0.5), ratio * coloured(rng, 0.5))
+        told += found.correlation_s is not None
+    assert told >= 0.9 * DRAWS - 1
+
+
+@pytest.mark.parametrize("size", [1.0, 6.0])
+@pytest.mark.parametrize("kind", MISFITS)
+def test_a_misfit_in_one_log_does_not_pass_beside_noise_in_another(kind: str, size: float) -> None:
+    """Known truth: slow noise in one log and, in the other, a misfit of twice the white noise, as
+    loud as the first log or six times louder."""
+    taken = 0
+    for seed in range(DRAWS):
+        rng = np.random.default_rng(seed)
+        u = steps(rng)
+        x = lagging(u, MOTION_S)
+        misfit = MISFITS[kind](u)
+        rows = 2.0 * (misfit - misfit.mean()) / misfit.std() + rng.standard_normal(u.size)
+        quiet = ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, coloured(rng, 0.5))
+        parts = [quiet, ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, size * rows)]
+        taken += colour_test(parts, MOTION_S, rng=rng).correlation_s is not None
+    assert taken <= 1
