@@ -14,6 +14,7 @@ from math import log
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.residual.noise_floor import LOOK_S, input_span, still_spans
 from softid.diagnosis.residual.slow_noise import CODE, slow_noise_issues
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.diagnosis_results import Remainder
@@ -62,6 +63,12 @@ QUIET_TIMES = 5.0
 
 QUIET_MOVE = 0.02
 """A move is so large, as a share of the range of the input."""
+
+LOOKED_AT = 0.2
+"""Whether it moves is looked at over this share of that time, so that little of a rest is lost."""
+
+FEWEST_LOOKED_AT = 10
+"""And over so many samples, whose median is a third of the gauge's noise."""
 
 BETWEEN_BINS = np.linspace(-1.0, 1.0, 41)
 """Places about the best bin, in bins, among which the line has its largest amplitude."""
@@ -186,7 +193,7 @@ def events_in(parts: Sequence[ResidualContext], motion_s: float) -> tuple[float,
         In order, each the begin of a run of loud windows; empty where there are none.
     """
     times, follows, power = [], [], []
-    span = max(float(np.ptp(np.concatenate([p.u for p in parts]))), np.finfo(float).tiny)
+    span = max(input_span(parts), float(np.finfo(float).tiny))
     for part in parts:
         quiet = _at_rest(part, QUIET_TIMES * motion_s, QUIET_MOVE * span)
         used = quiet & np.isfinite(part.residual)
@@ -330,13 +337,9 @@ def _amplitude(time_s: Array, residual: Array, frequency_hz: float) -> float:
 
 def _at_rest(part: ResidualContext, since_s: float, least: float) -> BoolArray:
     """Samples before which the input has not moved by more than ``least`` for a while."""
-    first = np.searchsorted(part.time_s, part.time_s - since_s)
-    moved = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(_settled(part.u, least))))))
-    still = (moved - moved[first] <= least) & (part.time_s - part.time_s[0] >= since_s)
-    return np.asarray(still, np.bool_)
-
-
-def _settled(u: Array, least: float) -> Array:
-    """The input in steps of that size, so that its noise moves nothing."""
-    steps: Array = np.round(u / least) * least
-    return steps
+    period_s = float(np.median(np.diff(part.time_s)))
+    look_s = max(min(LOOK_S, LOOKED_AT * since_s), FEWEST_LOOKED_AT * period_s)
+    still = np.zeros(part.time_s.size, np.bool_)
+    for span in still_spans(part.u, part.time_s, least, look_s=look_s):
+        still[span] = part.time_s[span] - part.time_s[span.start] >= since_s
+    return still

@@ -23,7 +23,17 @@ SETTLED = 5.0
 """Time constants after which the motion counts as dead: less than a hundredth is left."""
 
 STILL = 0.02
-"""The input rests while it stays within this share of its span."""
+"""The input rests while it stays within this share of its span over all logs."""
+
+MOST_OF_IT, SPREAD = 0.8, 1.5
+"""Of a piece so many samples lie within so many times the tolerance, as of noise with a deviation
+of the tolerance itself: with half of that, a few samples of a piece do not go beyond by chance."""
+
+BRIEF = 0.04
+"""The rest of them may be noise, but no more than so many lie far off: a spike or two."""
+
+FAR_OFF = 3.0
+"""That is so many times the tolerance."""
 
 LOOK_S = 0.5
 """Length of the pieces in which the input is looked at."""
@@ -96,10 +106,11 @@ def noise_floor(parts: Sequence[ResidualContext], motion_s: float) -> NoiseFloor
     motion_s
         Time constant of the motion.
     """
+    u_span = input_span(parts)
     rests = [
         _without_events(part.residual[span], part.time_s[span])
         for part in parts
-        for span in rest_spans(part, motion_s)
+        for span in rest_spans(part, motion_s, u_span)
         if np.isfinite(part.residual[span]).any()
     ]
     rests = [rest for rest in rests if np.isfinite(rest).sum() >= FEWEST_SAMPLES]
@@ -156,7 +167,7 @@ def _without_events(rest: Array, time_s: Array) -> Array:
     return quiet - float(np.nanmean(quiet))
 
 
-def rest_spans(part: ResidualContext, motion_s: float) -> tuple[slice, ...]:
+def rest_spans(part: ResidualContext, motion_s: float, u_span: float) -> tuple[slice, ...]:
     """Samples at which the input has been still for so long that the motion has died out.
 
     Where the motion begins at rest there is none to die out before the input first moves.
@@ -167,31 +178,79 @@ def rest_spans(part: ResidualContext, motion_s: float) -> tuple[slice, ...]:
         A residual with its input.
     motion_s
         Time constant of the motion.
+    u_span
+        Span of the input over all logs, from `input_span`: in a log that is one rest it moves by
+        the noise of its gauge alone.
     """
-    u, time_s = part.u, part.time_s
-    tolerance = STILL * float(np.ptp(u))
-    edges = np.searchsorted(time_s, np.arange(time_s[0], time_s[-1] + LOOK_S, LOOK_S))
     found: list[slice] = []
-    begin, level, dies_out_s = 0, float(u[0]), 0.0 if part.begins_at_rest else SETTLED * motion_s
-    for first, stop in pairwise(edges.tolist()):
+    for still in still_spans(part.u, part.time_s, STILL * u_span):
+        moved = still.start > 0 or not part.begins_at_rest
+        found += _settled(part.time_s, still, SETTLED * motion_s if moved else 0.0)
+    return tuple(found)
+
+
+def input_span(parts: Sequence[ResidualContext]) -> float:
+    """How far the input goes over all segments."""
+    return float(np.ptp(np.concatenate([part.u for part in parts])))
+
+
+def still_spans(
+    u: Array, time_s: Array, tolerance: float, *, look_s: float = LOOK_S
+) -> tuple[slice, ...]:
+    """Stretches in which an input stays where it was at their beginning, by pieces of equal time.
+
+    A piece is still where its median is within the tolerance of that of the first one, and so are
+    most of its samples of its own: noise of the gauge and a spike are no motion at any sampling
+    rate, and a slow ramp is one when it has gone further than the tolerance.
+
+    Parameters
+    ----------
+    u, time_s
+        Input and times, each of shape (n,).
+    tolerance
+        How far the input may be off and still be where it was.
+    look_s
+        Length of the pieces.
+
+    Examples
+    --------
+    >>> time_s = np.arange(400) / 100.0
+    >>> u = np.where(time_s < 2.0, 0.0, 50.0) + 0.1 * (-1.0) ** np.arange(400)
+    >>> [(span.start, span.stop) for span in still_spans(u, time_s, 1.0)]
+    [(0, 200), (250, 400)]
+    """
+    edges = np.searchsorted(time_s, np.arange(time_s[0], time_s[-1] + look_s, look_s)).tolist()
+    edges[-1] = u.size
+    found: list[slice] = []
+    begin, level = 0, float(np.median(u[: max(edges[1], 1)]))
+    for first, stop in pairwise(edges):
         piece = u[first:stop]
-        if (
-            piece.size
-            and np.ptp(piece) <= 2 * tolerance
-            and abs(np.median(piece) - level) <= tolerance
-        ):
+        if _is_still(piece, level, tolerance):
             continue
-        found += _settled(time_s, begin, int(first), dies_out_s)
-        begin, level = int(stop), float(np.median(piece)) if piece.size else level
-        dies_out_s = SETTLED * motion_s
-    return (*found, *_settled(time_s, begin, u.size, dies_out_s))
+        found.append(slice(begin, first))
+        begin, level = stop, float(np.median(piece)) if piece.size else level
+    found.append(slice(begin, u.size))
+    return tuple(span for span in found if span.stop > span.start)
 
 
-def _settled(time_s: Array, begin: int, stop: int, after_s: float) -> list[slice]:
+def _is_still(piece: Array, level: float, tolerance: float) -> bool:
+    """Whether an input stays at a level throughout a piece; not where nothing was recorded."""
+    if not piece.size:
+        return False
+    middle = float(np.median(piece))
+    off = np.sort(np.abs(piece - middle))
+    most = off[int(MOST_OF_IT * (off.size - 1))]
+    rare = off[off.size - 1 - round(BRIEF * off.size)]
+    return bool(
+        abs(middle - level) <= tolerance
+        and most <= SPREAD * tolerance
+        and rare <= FAR_OFF * tolerance
+    )
+
+
+def _settled(time_s: Array, still: slice, after_s: float) -> list[slice]:
     """A still stretch without its first seconds, if it is long enough."""
-    if stop <= begin:
+    first = int(np.searchsorted(time_s, time_s[still.start] + after_s))
+    if first >= still.stop or time_s[still.stop - 1] - time_s[first] < REST_S:
         return []
-    first = int(np.searchsorted(time_s, time_s[begin] + after_s))
-    if first >= stop or time_s[stop - 1] - time_s[first] < REST_S:
-        return []
-    return [slice(first, stop)]
+    return [slice(first, still.stop)]

@@ -10,7 +10,7 @@ from math import ceil
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.residual.noise_floor import LOOK_S, SETTLED, STILL, rest_spans
+from softid.diagnosis.residual.noise_floor import LOOK_S, SETTLED, STILL, input_span, rest_spans
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.excitation.motion import turning_points
 
@@ -65,9 +65,9 @@ def resting_runs(
     block_s
         Shortest block.
     """
-    found = []
+    found, u_span = [], input_span(parts)
     for k, part in enumerate(parts):
-        for span in rest_spans(part, motion_s):
+        for span in rest_spans(part, motion_s, u_span):
             times = part.time_s[span]
             length_s = float(times[-1] - times[0])
             died_out_s = SETTLED * motion_s if span.start > 0 else 0.0

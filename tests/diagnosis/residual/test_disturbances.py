@@ -87,6 +87,17 @@ def test_events_at_rest_are_found_and_those_after_a_step_are_not() -> None:
     assert events_in(left(transient), 0.2) == ()
 
 
+@pytest.mark.parametrize("level", [0.0, 1.0, 2.0, 3.0])
+def test_noise_of_the_gauge_hides_no_event(level: float) -> None:
+    """The same with 0.5 kPa of it about any level of rest, steps of 2 kPa between which it lies or
+    on which it does."""
+    knocked = noise(1)
+    for at_s in (6.0, 17.0):
+        knocked[(at_s <= TIME_S) & (at_s + 0.1 > TIME_S)] += 10.0
+    u = level + STEPS + 0.5 * noise(2)
+    assert events_in(left(knocked, u), 0.2) == pytest.approx((6.0, 17.0), abs=0.051)
+
+
 def test_what_a_slow_settling_leaves_is_no_event() -> None:
     """A tail of 3 s behind the step, ten times its usual length, and a knock at 17 s beside it."""
     tail = 30.0 * np.exp(-np.maximum(TIME_S - 10.0, 0.0) / 0.6) * (TIME_S > 10.0)

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.diagnosis.residual.noise_floor import NoiseFloor, _without_events, noise_floor
+from softid.diagnosis.residual.noise_floor import (
+    NoiseFloor,
+    _without_events,
+    input_span,
+    noise_floor,
+    rest_spans,
+    still_spans,
+)
 from softid.diagnosis.residual.structure import ResidualContext
 
 Array = npt.NDArray[np.float64]
@@ -221,3 +230,60 @@ def test_a_motion_that_begins_at_rest_need_not_die_out(
     u = np.where(np.arange(time_s.size) < begin, 50.0, u)
     floor = floor_of(noise, u, time_s, motion_s=100.0, begins_at_rest=begins_at_rest)
     assert floor.from_rest is from_rest
+
+
+def context(time_s: Array, u: Array) -> ResidualContext:
+    still = np.zeros(time_s.size)
+    return ResidualContext(time_s, still, still, u, still)
+
+
+@pytest.mark.parametrize("rate_hz", [50.0, 100.0, 1000.0])
+def test_noise_of_the_gauge_ends_no_rest(rate_hz: float) -> None:
+    """A rest of 40 s beside steps of 100 kPa, with noise of 1 % of them: the range of 500 samples
+    is six deviations, of which four are allowed; the median of 25 is off by a quarter of one. All
+    but the dying motion and a piece at each end is found, over 20 seeds."""
+    time_s = np.arange(0.0, 80.0, 1.0 / rate_hz)
+    course = np.where(time_s < 40.0, 100.0 * (time_s % 4.0 < 2.0), 0.0)
+    for seed in SEEDS:
+        u = course + np.random.default_rng(seed).standard_normal(time_s.size)
+        (rest,) = rest_spans(context(time_s, u), MOTION_S, float(np.ptp(course)))
+        assert time_s[rest.start] <= 40.0 + 5.0 * MOTION_S + 0.51
+        assert time_s[rest.stop - 1] > 79.4
+
+
+def test_a_log_that_is_one_rest_moves_by_the_noise_of_its_gauge_alone() -> None:
+    """60 s with 0.05 kPa of it beside a log with steps of 100 kPa: 5 time constants are left out.
+
+    By itself it would be as good as any motion.
+    """
+    time_s = np.arange(0.0, 60.0, 0.01)
+    noise = 0.05 * np.random.default_rng(0).standard_normal(time_s.size)
+    steps = context(time_s, 100.0 * (time_s % 4.0 < 2.0) + noise)
+    rest = context(time_s, 30.0 + noise)
+    span = input_span([steps, rest])
+    assert rest_spans(rest, MOTION_S, span) == (slice(100, 6000),)
+    assert rest_spans(steps, MOTION_S, span) == ()
+    quiet = noise_floor([steps, replace(rest, residual=noise)], MOTION_S)
+    assert quiet.from_rest
+
+
+def test_a_spike_is_no_motion_and_a_pulse_is_one() -> None:
+    """One or two samples of a piece of fifty, or fifteen of them: 0.15 s of a valve that opens."""
+    time_s = np.arange(0.0, 40.0, 0.01)
+    for samples, count in ((1, 1), (2, 1), (15, 2)):
+        u = np.zeros(time_s.size)
+        u[2010 : 2010 + samples] = 100.0
+        assert len(still_spans(u, time_s, 2.0)) == count
+
+
+def test_a_slow_ramp_moves_when_it_has_gone_further_than_the_tolerance() -> None:
+    """Of 0.1 kPa/s: 2 kPa are gone after 20 s, and as far again after 20 s more, under noise of a
+    quarter of that, by which the median of a piece is off by 1 s; the largest of several decides,
+    and a piece is lost. What swings about one level by twice as much does not rest."""
+    time_s = np.arange(0.0, 60.0, 0.01)
+    noise = 0.5 * np.random.default_rng(0).standard_normal(time_s.size)
+    spans = still_spans(0.1 * time_s + noise, time_s, 2.0)
+    lengths = [time_s[span.stop - 1] - time_s[span.start] for span in spans]
+    assert lengths[:2] == pytest.approx([20.0, 20.0], abs=4.0)
+    swinging = 4.0 * np.sin(2.0 * np.pi * 7.0 * time_s)
+    assert still_spans(swinging + noise, time_s, 2.0) == ()
