@@ -117,3 +117,15 @@ def test_no_gain_and_a_loss() -> None:
     values = np.random.default_rng(0).standard_normal(400)
     assert gain_interval(values, values) == pytest.approx((0.0, 0.0))
     assert gain_interval(values, 2.0 * values) == pytest.approx((-1.0, -1.0))
+
+
+@pytest.mark.parametrize(("share", "loses"), [(0.9, False), (1.1, True)])
+def test_a_slow_misfit_that_is_mended_everywhere_is_no_loss(share: float, loses: bool) -> None:
+    """A drift is a single event to its memory; in each of six parts the error falls, or in five."""
+    noise = 0.1 * np.random.default_rng(0).standard_normal(1200)
+    before = np.linspace(1.0, 4.0, 1200) + noise
+    after = noise.copy()
+    after[:200] = share * before[:200]
+    found = gain_interval(before, after)
+    assert found is not None
+    assert (found[0] < 0.0) is loses
