@@ -110,7 +110,7 @@ def multistart_candidates(
             chosen += _best(own, effect, scale, weights)
         return chosen
 
-    led = refined([c for found in in_parallel(placed, effects) for c in found], weights)
+    led = refined([c for found in in_parallel(placed, effects) for c in found], rough, weights)
     if rough is base:
         return led
 

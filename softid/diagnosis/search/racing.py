@@ -159,19 +159,25 @@ def race(
     return best_of_each(last)
 
 
-def refined(starts: Sequence[Candidate], sigma: Mapping[str, float]) -> list[Candidate]:
+def refined(
+    starts: Sequence[Candidate], base: Candidate, sigma: Mapping[str, float]
+) -> list[Candidate]:
     """Candidates from starts of their own near their optimum, the best of each effect.
 
     Parameters
     ----------
     starts
         Where they begin.
+    base
+        The base fit, to which any start leads back.
     sigma
         Output channel → scale that its residual is divided by.
     """
     running, out = list(starts), list[Candidate]()
     for evaluations in MULTISTART_ROUNDS:
-        running, out_of_reach = run_in_reach(running, out, sigma, evaluations, COARSE)
+        running, out_of_reach = run_in_reach(
+            running, out, sigma, evaluations, COARSE, known=base.squares
+        )
         out += out_of_reach
     return best_of_each([*running, *out])[:MULTISTART_SURVIVORS]
 

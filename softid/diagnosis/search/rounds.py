@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import islice
 
+import numpy as np
+
 from softid.diagnosis.refit.candidates import Candidate, advance, let_go
 from softid.diagnosis.search.catching_up import (
     can_catch_up,
@@ -97,6 +99,8 @@ def run_in_reach(
     sigma: Mapping[str, float],
     evaluations: int,
     substeps: int,
+    *,
+    known: float = np.inf,
 ) -> tuple[list[Candidate], list[Candidate]]:
     """Candidates after a round: those that may still catch up with the leader, and the others.
 
@@ -110,13 +114,19 @@ def run_in_reach(
         Output channel → scale that its residual is divided by.
     evaluations, substeps
         As in `advance`.
+    known
+        As in `those_in_reach`.
     """
     after = run_round(running, sigma, evaluations, substeps)
-    return those_in_reach(running, after, others)
+    return those_in_reach(running, after, others, known=known)
 
 
 def those_in_reach(
-    before: Sequence[Candidate], after: Sequence[Candidate], others: Sequence[Candidate]
+    before: Sequence[Candidate],
+    after: Sequence[Candidate],
+    others: Sequence[Candidate],
+    *,
+    known: float = np.inf,
 ) -> tuple[list[Candidate], list[Candidate]]:
     """Candidates that may still catch up with the leader, and those that cannot.
 
@@ -126,13 +136,15 @@ def those_in_reach(
         Candidates before a round and after it.
     others
         Those that did not run, but may lead, or stand where one of these does.
+    known
+        A sum of squares down to which every start leads: what falls to it is no gain.
     """
     all_there = [*after, *others]
     leader = min((c.squares for c in all_there), default=0.0)
     places = one_of_each_place(all_there)
     in_reach, out_of_reach = list[Candidate](), list[Candidate]()
     for began, candidate in zip(before, after, strict=True):
-        gained = gain(began.squares, candidate)
+        gained = gain(min(began.squares, known), candidate)
         may_catch_up = candidate in places and can_catch_up(candidate, leader, gained=gained)
         may_catch_up = may_catch_up and not is_outdone(candidate, all_there, gained=gained)
         (in_reach if may_catch_up else out_of_reach).append(candidate)
