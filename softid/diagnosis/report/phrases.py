@@ -50,7 +50,7 @@ UNLIKE_NOISE = {
 DOUBTS = {
     Doubt.GAINS_NOTHING: "does not lower the error on what is held out",
     Doubt.MAY_GAIN_NOTHING: "is not confirmed by what is held out, where the interval of its gain "
-    "holds zero",
+    "holds a loss",
     Doubt.DOES_NOT_OCCUR: "leaves no trace in what is held out, so what it gains is not known: "
     "hold out a log that has it, too",
     Doubt.UNKNOWN_SIZE: "gains little, and not even the order of magnitude of its size is known",

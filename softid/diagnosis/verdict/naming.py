@@ -147,9 +147,9 @@ def gains_by(cause: Cause, whole: float) -> bool:
 
 
 def may_gain_nothing(cause: Cause) -> bool:
-    """Whether the interval of the gain holds zero, and no other cause is known to need this one.
+    """Whether the interval of the gain holds a loss, and no other cause is known to need this one.
 
-    That of a gain that is not slight must hold it by more than such an interval is known to.
+    That of a gain that is not slight must hold one larger than such an interval is known to.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def may_gain_nothing(cause: Cause) -> bool:
     if cause.gain_ci95 is None or cause.holdout_rmse_without is not None:
         return False
     gain = 1.0 - cause.holdout_rmse_after / cause.holdout_rmse_before
-    return cause.gain_ci95[0] <= (-BARELY * gain if gain > SLIGHT_GAIN else 0.0)
+    return gain <= 0.0 or cause.gain_ci95[0] < (-BARELY * gain if gain > SLIGHT_GAIN else 0.0)
 
 
 def asks_for_the_others(cause: Cause, effect: Effect) -> bool:
