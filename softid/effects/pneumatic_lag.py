@@ -1,4 +1,4 @@
-"""Pneumatic lag: the pressure in the actuator follows the recorded one with a delay."""
+"""Pneumatic lag: the pressure in the actuator follows the recorded one as a first-order lag."""
 
 from __future__ import annotations
 
