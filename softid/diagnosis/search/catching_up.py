@@ -13,8 +13,8 @@ NEAR = 0.3
 little where none explains the misfit."""
 
 REACH = 4.0
-"""So may one whose distance, in n ln(S), is less than so many times what its quadratic model
-predicts."""
+"""So may one that would be there if its sum of squares fell by so many times what its quadratic
+model predicts; one for which that is all of the sum may come from anywhere."""
 
 PACE = 3.0
 """And one whose distance is less than so many times what it gained in the round."""
@@ -107,9 +107,8 @@ def can_catch_up(candidate: Candidate, leader: float, *, gained: float = 0.0) ->
         Fall of n ln(S) in the last round.
     """
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
-    promised = candidate.minimum.offset**2 * candidate.problem.size
     distance = -gain(leader, candidate)
-    return distance <= NEAR * n + REACH * promised or distance <= PACE * gained
+    return distance <= NEAR * n + _hoped_for(candidate) or distance <= PACE * gained
 
 
 def is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: float) -> bool:
@@ -130,7 +129,21 @@ def is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: flo
     mine = min(c.squares for c in others if c.keys == candidate.keys)
     if not candidate.squares > mine:
         return False
-    promised = candidate.minimum.offset**2 * candidate.problem.size
-    stands_still = 0.0 <= gained < STANDS_STILL * promised
-    hoped_for = max(0.0 if stands_still else REACH * promised, PACE * gained)
+    stands_still = 0.0 <= gained < STANDS_STILL * _promised(candidate)
+    hoped_for = max(0.0 if stands_still else _hoped_for(candidate), PACE * gained)
     return -gain(mine, candidate) + SMALLEST_GAIN > hoped_for
+
+
+def _promised(candidate: Candidate) -> float:
+    """Fall of the sum of squares that the quadratic model predicts, in variances of the residual.
+
+    So long as it is small beside n, it is that of n ln(S), too.
+    """
+    return float(candidate.minimum.offset**2 * candidate.problem.size)
+
+
+def _hoped_for(candidate: Candidate) -> float:
+    """Fall of n ln(S) if the sum of squares fell by `REACH` times as much."""
+    n = max(candidate.problem.n_samples - candidate.problem.size, 1)
+    share = REACH * _promised(candidate) / n
+    return float(-n * np.log1p(-share)) if share < 1.0 else np.inf

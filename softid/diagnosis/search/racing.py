@@ -61,6 +61,10 @@ LAST_SURVIVORS = 4
 """Those that stay for the last one. All of them also start with the times of inertia and lag
 exchanged, for which of two poles is whose has nothing to do with who leads."""
 
+ALIKE = 24.0
+"""So do all whose n ln(S) is less above the leader's: a parameter more costs 8, and 12 of BIC tell
+no cause from another, so that a tie is not missed for the fifth of them."""
+
 FORM_SURVIVORS = 2
 """Those that also start with the base's terms in another form."""
 
@@ -284,7 +288,7 @@ def _last_survivors(
     """Those that stay after the second round: near the leader, or still on their way.
 
     The neighbours of the leader's law, in any of its forms, stay, too, when they are near: it is
-    them that it is taken for.
+    them that it is taken for. And so does whoever is hardly behind.
     """
     kept = []
     added = [candidate.effects[-1] for candidate in second]
@@ -292,6 +296,7 @@ def _last_survivors(
     for k, candidate in enumerate(second):
         is_unconverged = _is_moving(candidate)
         asked = k < LAST_SURVIVORS or candidate.effects[-1].name in neighbours
+        asked = asked or -gain(second[0].squares, candidate) < ALIKE
         near = asked and candidate.squares <= (unconverged_limit if is_unconverged else limit)
         if near or (is_unconverged and candidate.effects[-1].key in promising[:FAVOURITES]):
             kept.append(candidate)

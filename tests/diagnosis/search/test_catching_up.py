@@ -55,6 +55,9 @@ def test_the_best_of_each_cause_stays() -> None:
         (1.352, 1.0, 0.0, True),
         (2.0, 1.0, 0.0, False),
         (2.0, 13.0, 0.0, True),
+        (2.7, 13.9, 0.0, False),
+        (2.7, 15.0, 0.0, True),
+        (1e9, 20.5, 0.0, True),
         (2.0, 0.0, 2300.0, False),
         (2.0, 0.0, 2320.0, True),
         (0.9, 0.0, 0.0, True),
@@ -63,8 +66,8 @@ def test_the_best_of_each_cause_stays() -> None:
 def test_who_can_catch_up(squares: float, offset: float, gained: float, may_catch_up: bool) -> None:
     """Closed form with n = 10,000 beside a leader of 1, where ln 1.35 = 0.3.
 
-    An offset of r promises 6 r² of n ln(S), and four times that; or three times what was gained, of
-    n ln 2 = 6931.
+    An offset of r promises 6 r² of 10,000, and four times that; from 20.4 on that is all of it. Or
+    three times what was gained, of n ln 2 = 6931.
     """
     row = candidate(("delay",), squares, offset=offset)
     assert can_catch_up(row, 1.0, gained=gained) is may_catch_up
