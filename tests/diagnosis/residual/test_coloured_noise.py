@@ -252,7 +252,9 @@ def two_logs(rng: np.random.Generator, *residuals: Array) -> ColourTest:
     return colour_test(parts, MOTION_S, rng=rng)
 
 
-@pytest.mark.parametrize("ratio", [1.0, 1.6, 2.0, 5.0])
+@pytest.mark.parametrize(
+    "ratio", [2.0, *(pytest.param(ratio, marks=pytest.mark.slow) for ratio in (1.0, 1.6, 5.0))]
+)
 def test_one_log_may_be_louder_than_another(ratio: float) -> None:
     """Known truth: two logs of slow noise. Together their innovations are a mixture of two normal
     laws, whose kurtosis is no normal one; each by itself is.
@@ -267,7 +269,7 @@ def test_one_log_may_be_louder_than_another(ratio: float) -> None:
     assert told >= 0.9 * DRAWS - 1
 
 
-@pytest.mark.parametrize("size", [1.0, 6.0])
+@pytest.mark.parametrize("size", [pytest.param(1.0, marks=pytest.mark.slow), 6.0])
 @pytest.mark.parametrize("kind", MISFITS)
 def test_a_misfit_in_one_log_does_not_pass_beside_noise_in_another(kind: str, size: float) -> None:
     """Known truth: slow noise in one log and, in the other, a misfit of twice the white noise, as
