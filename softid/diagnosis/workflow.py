@@ -124,7 +124,7 @@ def diagnose(
     effects
         Keys of the effects to consider; empty for the whole catalogue.
     seed
-        Seed of restarts, of the shifts that say what chance would make, and of the bootstrap.
+        Seed of restarts, and of the shifts that say what chance would make.
     progress
         Called with a sentence and the fraction done.
 

@@ -124,7 +124,7 @@ def elastic_force(model: Model, theta: Array, u: Array, places: tuple[float, flo
     Parameters
     ----------
     model
-        The model, without effects; one without a motion has a force of 1.
+        The model, whose effects do not count; one without a motion has a force of 1.
     theta
         Its parameters.
     u

@@ -49,12 +49,12 @@ def one_of_each_place(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Of those that stand at one optimum the best, the least sum of squares first."""
     kept: list[Candidate] = []
     for candidate in by_squares(candidates):
-        if not any(is_where(candidate, better) for better in kept):
+        if not any(is_at_same_place(candidate, better) for better in kept):
             kept.append(candidate)
     return kept
 
 
-def is_where(candidate: Candidate, other: Candidate) -> bool:
+def is_at_same_place(candidate: Candidate, other: Candidate) -> bool:
     """Whether a candidate stands where another one does, by the curvature there.
 
     It would only follow to the same optimum. The same effects in another order are another model.

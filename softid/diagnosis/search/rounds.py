@@ -23,7 +23,7 @@ SECOND_ROUND = 8
 """Evaluations of the second one."""
 
 FAR_ROUND = 24
-"""Evaluations of those that begin far off, such as with two poles exchanged."""
+"""Evaluations of those that began elsewhere, or that follow where another law has led."""
 
 
 def run_round(

@@ -17,7 +17,7 @@ FEWEST_SAMPLES = 192
 """With fewer the memory of the residuals is not known, and nothing is said."""
 
 MIN_BLOCKS = 4
-"""A block is at most this fraction of all samples."""
+"""A block holds at most this part of all samples: one in so many."""
 
 PARTS = 6
 """Where the error falls in all of so many parts, which chance alone does once in 64 times, the
@@ -34,8 +34,8 @@ def gain_interval(
     ψ = ½ (after²/S₁ − before²/S₀), whose variance follows from the sums of ψ over m blocks. These
     are cut where runs end, and are as long as is best for the memory of ψ; what memory they cut is
     made up for. Student's t has m − 1 degrees of freedom, or fewer where the memory leaves fewer
-    independent samples. An exponential makes an interval of the gain of it, which ends at 0 where
-    all of six parts gain.
+    independent samples. The interval of the logarithm becomes that of the gain; where all of six
+    parts gain, its lower end is not below 0.
 
     Parameters
     ----------
@@ -102,13 +102,15 @@ def _memory(psi: Sequence[Array], *residuals: Sequence[Array]) -> Array:
 
 def _blocks(runs: Sequence[Array], size: int) -> tuple[Array, list[int]]:
     """Sums over nearly equal blocks of about a size, none of which holds parts of two runs."""
-    counts = [max(round(run.size / size), 1) for run in runs if run.size]
-    cuts = [
-        np.arange(count) * run.size // count
-        for run, count in zip((run for run in runs if run.size), counts, strict=True)
-    ]
-    starts = np.cumsum([0, *(run.size for run in runs if run.size)])
-    edges = np.concatenate([first + cut for first, cut in zip(starts[:-1], cuts, strict=True)])
+    lengths = [run.size for run in runs if run.size]
+    counts = [max(round(length / size), 1) for length in lengths]
+    starts = np.cumsum([0, *lengths])
+    edges = np.concatenate(
+        [
+            first + np.arange(count) * length // count
+            for first, count, length in zip(starts[:-1], counts, lengths, strict=True)
+        ]
+    )
     sums: Array = np.add.reduceat(np.concatenate(runs), edges)
     return sums, np.diff([*edges.tolist(), starts[-1]]).tolist()
 

@@ -15,8 +15,8 @@ from softid.diagnosis.search.catching_up import (
     by_squares,
     can_catch_up,
     gain,
+    is_at_same_place,
     is_outdone,
-    is_where,
     one_of_each_place,
 )
 from softid.diagnosis.search.forward_selection import converged
@@ -117,8 +117,8 @@ def test_two_within_their_errors_stand_at_one_place() -> None:
     place = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
     limit = 2.0 * np.sqrt(problem.size)
     near, far = moved(place, 0, 0.99 * limit), moved(place, 0, 1.01 * limit)
-    assert is_where(near, place)
-    assert not is_where(far, place)
+    assert is_at_same_place(near, place)
+    assert not is_at_same_place(far, place)
     assert one_of_each_place([far, near, place]) == [place, far]
 
 
