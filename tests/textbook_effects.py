@@ -73,6 +73,11 @@ def _contact(at: Instant, p: Values) -> Parts:
     return Parts(force=p["kw"] * width * float(np.logaddexp(0.0, (at.x - p["xw"]) / width)))
 
 
+def _contact_below(at: Instant, p: Values) -> Parts:
+    width = 0.01 * at.scale.x_span / (1.0 + p["kw"] * at.scale.x_span / at.scale.force)
+    return Parts(force=-p["kw"] * width * float(np.logaddexp(0.0, (p["xw"] - at.x) / width)))
+
+
 def _stribeck(at: Instant, p: Values) -> Parts:
     excess = p["beta"] * np.exp(-((at.v / p["vb"]) ** 2))
     return Parts(force=float(p["Fc"] * np.tanh(at.v / p["vs"]) * (1 + excess)))
@@ -82,6 +87,7 @@ LAWS: dict[str, Law] = {
     "static_curve": _static_curve,
     "stiffening": lambda at, p: Parts(force=p["k3"] * at.x**3),
     "contact": _contact,
+    "contact.lower": _contact_below,
     "quadratic_damping.power": lambda at, p: Parts(
         force=p["d2"] * at.scale.v_max**2 * np.sign(at.v) * abs(at.v / at.scale.v_max) ** p["n"]
     ),
@@ -93,6 +99,10 @@ LAWS: dict[str, Law] = {
     "coulomb_friction.stribeck": _stribeck,
     "hysteresis": lambda at, p: Parts(
         force=p["alpha"] * at.z, rate=(at.v - abs(at.v) * at.z) / p["zs"]
+    ),
+    "hysteresis.branch": lambda at, p: Parts(  # z counts from z0 here
+        force=p["alpha"] * (p["z0"] + at.z),
+        rate=(at.v - abs(at.v) * (p["z0"] + at.z)) / p["zs"],
     ),
     "creep": lambda at, p: Parts(force=p["k"] * (at.x - at.z), rate=(at.x - at.z) / p["tau"]),
     # z is the path itself here
@@ -238,4 +248,6 @@ def _rest(
         return q * p.stiffness * (x - p.shift) + p.force - drives
 
     reach = 0.5 * drives / q + 0.1 * SIZES[model] / OSCILLATOR[2]
+    while left(drives / q - reach) * left(drives / q + reach) > 0.0:
+        reach *= 1.5
     return float(brentq(left, drives / q - reach, drives / q + reach, xtol=1e-13))

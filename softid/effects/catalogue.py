@@ -4,12 +4,12 @@ from softid.effects.ageing import Ageing
 from softid.effects.asymmetric_damping import AsymmetricDamping
 from softid.effects.base import Effect
 from softid.effects.clock_rate import ClockRate
-from softid.effects.contact import Contact
+from softid.effects.contact import Contact, LowerContact
 from softid.effects.coulomb_friction import CoulombFriction, StribeckFriction
 from softid.effects.creep import Creep, SeriesCreep
 from softid.effects.dead_zone import DeadZone
 from softid.effects.delay import Delay
-from softid.effects.hysteresis import Hysteresis
+from softid.effects.hysteresis import BranchHysteresis, Hysteresis
 from softid.effects.line_resonance import LineResonance
 from softid.effects.pneumatic_lag import (
     LevelPneumaticLag,
@@ -46,12 +46,14 @@ STATE: tuple[type[Effect], ...] = (
     StaticCurve,
     Stiffening,
     Contact,
+    LowerContact,
     QuadraticDamping,
     PowerDamping,
     AsymmetricDamping,
     CoulombFriction,
     StribeckFriction,
     Hysteresis,
+    BranchHysteresis,
     Creep,
     Softening,
     Ageing,

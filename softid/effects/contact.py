@@ -1,4 +1,4 @@
-"""Contact: beyond some position the actuator presses against something."""
+"""Contact: beyond some position, or below one, the actuator presses against something."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ BOUNCE = 8.0
 largest speed covers in a second: the steps then err by less than 3e-4 up to kw = 90 Q."""
 
 PLACES = (0.35, 0.6, 0.8, 0.92)
-"""Starts of the place, in the upper two thirds of the range of positions."""
+"""Starts of the place, as shares of the way to the end of the range where the obstacle stands."""
 
 BEYOND = 0.15
 """Share of the range of positions beyond it at which the contact may begin: the model without one
@@ -68,9 +68,15 @@ class Contact(StateEffect):
     amplitude: ClassVar[str] = "kw"
     essential: ClassVar[tuple[str, ...]] = ("xw",)
 
+    def ends(self, scale: Scale) -> tuple[float, float]:
+        """End of the range of positions where the obstacle stands, and the other end."""
+        return scale.x_high, scale.x_low
+
     def parameters(self, scale: Scale) -> ParameterSet:
         """Stiffness kw of the obstacle and its position xw."""
         stiffness = scale.force / scale.x_span
+        near, far = self.ends(scale)
+        beyond = near + BEYOND * (near - far)
         return ParameterSet(
             (
                 Parameter(
@@ -85,10 +91,10 @@ class Contact(StateEffect):
                 ),
                 Parameter(
                     "xw",
-                    scale.x_low + PLACES[1] * scale.x_span,
+                    far + PLACES[1] * (near - far),
                     scale.x_unit,
-                    scale.x_low,
-                    scale.x_high + BEYOND * scale.x_span,
+                    min(far, beyond),
+                    max(far, beyond),
                     meaning="position at which the contact begins, less the sensor zero of the log",
                     source=self.source,
                 ),
@@ -96,11 +102,10 @@ class Contact(StateEffect):
         )
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Places from the lower middle of the range to its end."""
+        """Places from the middle of the range to its end."""
         stiffness = self.parameters(scale)["kw"].value
-        return tuple(
-            {"kw": stiffness, "xw": scale.x_low + place * scale.x_span} for place in PLACES
-        )
+        near, far = self.ends(scale)
+        return tuple({"kw": stiffness, "xw": far + place * (near - far)} for place in PLACES)
 
     def constants(self, scale: Scale) -> tuple[float, ...]:
         """Width of a soft contact's corner, and the actuator's own stiffness."""
@@ -117,3 +122,36 @@ class Contact(StateEffect):
         width = eta[2] / (1.0 + abs(eta[0]) / eta[3])
         depth = (x - eta[1]) / width
         out[FORCE] += eta[0] * width * (max(depth, 0.0) + math.log1p(math.exp(-abs(depth))))
+
+
+@dataclass(frozen=True)
+class LowerContact(Contact):
+    r"""One-sided spring on the other side, − kw (xw − x)₊, with its corner rounded as there.
+
+    An arm that rests on a table while it is vented is held so, and so is one whose position falls
+    with the pressure and that presses against something.
+    """
+
+    variant: ClassVar[str] = "lower"
+    title: ClassVar[str] = "Contact with an obstacle below"
+    law: ClassVar[str] = "- kw max(xw - x, 0), corner rounded over 1 % of the range or less"
+    meaning: ClassVar[str] = (
+        "Below a certain position the actuator presses against an obstacle or against itself, as "
+        "an arm that rests on a table while it is vented."
+    )
+    signature: ClassVar[str] = (
+        "The residual vanishes above one position; below it, it grows with the distance, both at "
+        "rest and in motion."
+    )
+    shown_by: ClassVar[str] = "steps down to the lowest pressure while you watch for the contact"
+
+    def ends(self, scale: Scale) -> tuple[float, float]:
+        """The lower end of the range of positions, and the upper one."""
+        return scale.x_low, scale.x_high
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force −kw w ln(1 + exp((xw − x)/w)), written so that nothing overflows."""
+        width = eta[2] / (1.0 + abs(eta[0]) / eta[3])
+        depth = (eta[1] - x) / width
+        out[FORCE] -= eta[0] * width * (max(depth, 0.0) + math.log1p(math.exp(-abs(depth))))

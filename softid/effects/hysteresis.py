@@ -35,6 +35,9 @@ the largest speed covers in a second; the corner of |v| at a turn asks for more 
 DISTANCES = (0.01, 0.05, 0.25)
 """Starts of zs in ranges of positions."""
 
+BRANCHES = (-0.8, 0.8)
+"""Starts of z0: near the end of the way down, and of the way up."""
+
 
 @dataclass(frozen=True)
 class Hysteresis(StateEffect):
@@ -109,3 +112,50 @@ class Hysteresis(StateEffect):
         """Force α z, and ż = (v − |v| z)/zs."""
         out[FORCE] += eta[0] * z
         out[RATE] += (v - abs(v) * z) / eta[1]
+
+
+@dataclass(frozen=True)
+class BranchHysteresis(Hysteresis):
+    r"""The same where every log begins on a branch, + α z with z(0) = z0.
+
+    An actuator that has been moved before a log begins rests on the branch by which it came there:
+    at z0 = −1 on that of the way down, at 1 on that of the way up. All logs are taken to begin
+    alike, as do those that begin vented.
+
+    Source: Dahl 1968, *A Solid Friction Model*; Ikhouane & Rodellar, *Systems with Hysteresis*
+    (Bouc–Wen).
+    """
+
+    variant: ClassVar[str] = "branch"
+    title: ClassVar[str] = "Hysteresis of the material that has been moved before"
+    law: ClassVar[str] = "+ alpha z,  z' = (v - |v| z)/zs,  z = z0 as a log begins"
+    plain_at: ClassVar[tuple[str, float] | None] = ("z0", 0.0)
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Those of the plain form, and the branch z0 on which a log begins."""
+        return ParameterSet(
+            (
+                *super().parameters(scale).values(),
+                Parameter(
+                    "z0",
+                    BRANCHES[0],
+                    "1",
+                    -1.0,
+                    1.0,
+                    meaning="branch on which a log begins: -1 that of the way down, 1 of that up",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """The middle one of the plain form, on either branch."""
+        middle = super().starts(scale)[1]
+        return tuple({**middle, "z0": branch} for branch in BRANCHES)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force α (z₀ + y), and ẏ = (v − |v| (z₀ + y))/zs: the own state y rests at zero."""
+        branch = eta[2] + z
+        out[FORCE] += eta[0] * branch
+        out[RATE] += (v - abs(v) * branch) / eta[1]

@@ -360,7 +360,7 @@ def _rest_by(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: f
     if law is not None and not terms.addresses.size:
         by[: theta.size] = law.equilibrium_by(u)
         return by
-    least = 1e-12 if law is not None else 1.0  # the others are affine in θ, of which some are zero
+    least = [p.usual_size for p in model.parameters().values()]  # where some θ is zero or nearly
     for k, step in enumerate(DIFFERENCE * np.maximum(np.abs(theta), least)):
         there = _unbalanced(model, terms, _moved(theta, k, step), u, t)(x)
         by[k] = -(there - left) / step / slope

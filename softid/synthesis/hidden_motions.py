@@ -42,6 +42,17 @@ def rest_at_zero(_: float) -> Rates:
     return (0.0,)
 
 
+def rest_on_branch(branch: float) -> Callable[[float], Rates]:
+    """One own state that begins where an earlier motion has left it.
+
+    Parameters
+    ----------
+    branch
+        Where that is.
+    """
+    return lambda _: (branch,)
+
+
 def rest_at_position(x: float) -> Rates:
     """One own state that begins at the position."""
     return (x,)
@@ -84,12 +95,22 @@ def _stiffening(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
 
 def _contact(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     del occasion
+    return _obstacle(values, sizes, 1.0)
+
+
+def _contact_below(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
+    del occasion
+    return _obstacle(values, sizes, -1.0)
+
+
+def _obstacle(values: Values, sizes: Sizes, side: float) -> MotionLaw:
+    """An obstacle above a position (side 1), or below it (−1)."""
     kw, xw = values["kw"], values["xw"]
     width = CORNER * sizes.x_span / (1.0 + kw * sizes.x_span / sizes.force)
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
-        depth = x - xw
-        parts.force += kw * (max(depth, 0.0) + width * log1p(exp(-abs(depth) / width)))
+        depth = side * (x - xw)
+        parts.force += side * kw * (max(depth, 0.0) + width * log1p(exp(-abs(depth) / width)))
         return NO_RATES
 
     return MotionLaw(act)
@@ -150,7 +171,7 @@ def _hysteresis(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
         parts.force += alpha * z[0]
         return ((v - abs(v) * z[0]) / zs,)
 
-    return MotionLaw(act, rest_at_zero)
+    return MotionLaw(act, rest_on_branch(values.get("z0", 0.0)))
 
 
 def _creep(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
@@ -248,6 +269,13 @@ MOTIONS: tuple[Hidden, ...] = (
         }, _contact,
     ),
     entry(
+        "contact.lower", "state", "- kw max(xw - x, 0), corner as of contact", "kw {f}/{x}, xw {x}",
+        lambda s, rng, size: {
+            "kw": about(rng, size * s.force / s.x_span),
+            "xw": s.x_low + rng.uniform(0.2, 0.5) * s.x_span,
+        }, _contact_below,
+    ),
+    entry(
         "quadratic_damping", "state", "+ d2 v |v|", "d2 {f}·s²/{x}²",
         lambda s, rng, size: {"d2": about(rng, 1.2 * size * s.damping / s.v_max)}, _quadratic,
     ),
@@ -281,6 +309,14 @@ MOTIONS: tuple[Hidden, ...] = (
         "hysteresis", "state", "+ alpha z, z' = (v - |v| z)/zs", "alpha {f}, zs {x}",
         lambda s, rng, size: {
             "alpha": about(rng, 0.06 * size * s.force), "zs": between(rng, 0.04, 0.2) * s.x_span,
+        }, _hysteresis,
+    ),
+    entry(
+        "hysteresis.branch", "state", "+ alpha z, z' = (v - |v| z)/zs, z = z0 as a log begins",
+        "alpha {f}, zs {x}, z0 1",
+        lambda s, rng, size: {
+            "alpha": about(rng, 0.06 * size * s.force), "zs": between(rng, 0.04, 0.2) * s.x_span,
+            "z0": either(rng) * rng.uniform(0.5, 1.0),
         }, _hysteresis,
     ),
     entry(

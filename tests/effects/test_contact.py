@@ -1,4 +1,4 @@
-"""Contact: two springs in turn, with a rounded corner."""
+"""Contact: two springs in turn, with a rounded corner, on either side."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from textbook_effects import round_scale, settled
 
-from softid.effects.contact import Contact
+from softid.effects.contact import Contact, LowerContact
 
 VALUES = {"kw": 6.0, "xw": 0.3}
 
@@ -47,3 +47,20 @@ def test_nothing_overflows_far_from_the_obstacle() -> None:
     """Thousands of widths on either side give the straight branches, not infinity."""
     found = settled(Contact(), VALUES, np.array([-100.0, 40.0]), 2.0)
     np.testing.assert_allclose(found, [-50.0, (40.0 + 1.8) / 8.0], rtol=1e-10)
+
+
+def test_an_obstacle_below_is_one_above_upside_down() -> None:
+    """x → −x, u → −u and xw → −xw leave the equation of motion as it is."""
+    scale = round_scale()
+    u = np.linspace(-2.0, 2.0, 9)
+    below = settled(LowerContact(), {"kw": 6.0, "xw": -0.3}, u, 2.0)
+    np.testing.assert_allclose(below, -settled(Contact(), VALUES, -u, 2.0), atol=1e-12)
+    assert scale.x_low <= LowerContact().starts(scale)[-1]["xw"] < scale.x_low + 0.1 * scale.x_span
+
+
+def test_an_arm_rests_on_a_table() -> None:
+    """By hand: at u = 0 the spring would be at 0, and a hard table at 0.3 holds it there."""
+    stiff = {"kw": 100.0 * 2.0, "xw": 0.3}
+    (low, high) = settled(LowerContact(), stiff, np.array([0.0, 1.2]), 2.0)
+    assert low == pytest.approx(stiff["kw"] * 0.3 / (stiff["kw"] + 2.0), abs=1e-4)
+    assert high == pytest.approx(0.6, abs=1e-6)

@@ -201,7 +201,9 @@ def test_motion_agrees_with_scipy(key: str, base: str) -> None:
 
 SHARPEST = {
     "contact": {"kw": 90.0, "xw": 0.6},
+    "contact.lower": {"kw": 90.0, "xw": 0.4},
     "hysteresis": {"alpha": 0.3, "zs": 3e-3},
+    "hysteresis.branch": {"alpha": 0.3, "zs": 3e-3, "z0": -1.0},
     "coulomb_friction": {"Fc": 0.05, "vs": 1e-3},
     "coulomb_friction.stribeck": {"Fc": 0.05, "vs": 3e-3, "beta": 0.5, "vb": 0.1},
     "asymmetric_damping": {"eps": -0.9, "v0": 3e-3},
@@ -218,7 +220,7 @@ def test_sharp_laws_get_the_steps_they_need(key: str, base: str) -> None:
     natural = {
         "kw": scale.force / scale.x_span, "xw": scale.x_span, "alpha": scale.force,
         "zs": scale.x_span, "Fc": scale.force, "vs": scale.v_max, "beta": 1.0, "vb": scale.v_max,
-        "eps": 1.0, "v0": scale.v_max, "d2": scale.force / scale.v_max**2,
+        "z0": 1.0, "eps": 1.0, "v0": scale.v_max, "d2": scale.force / scale.v_max**2,
     }  # fmt: skip
     values = {name: share * natural[name] for name, share in SHARPEST[key].items()}
     if "xw" in values:
@@ -267,10 +269,12 @@ def test_jacobian(key: str, base: str) -> None:
 GENTLE = {
     "coulomb_friction": {"Fc": 0.05, "vs": 0.3},
     "coulomb_friction.stribeck": {"Fc": 0.05, "vs": 0.3, "beta": 0.1, "vb": 1.0},
+    "hysteresis.branch": {"alpha": 0.05, "zs": 0.01, "z0": -0.8},
 }
-"""In shares of force and largest speed. Without inertia and damping nothing but the spring holds
-the stages of sharp friction together, and Newton's method does not find them; and friction that
-falls with the speed faster than the damping grows has no unique motion at all."""
+"""In shares of force, range and largest speed. Without inertia and damping nothing but the spring
+holds the stages of sharp friction together, and Newton's method does not find them; and friction
+that falls with the speed faster than the damping grows has no unique motion at all. On which branch
+a jump ends depends on how far it overshoots, unless the loop turns within less."""
 
 
 @pytest.mark.parametrize("base", BASES)
@@ -291,7 +295,10 @@ def test_lower_orders_are_the_limits_of_higher_ones(order: str, key: str, base: 
     effect = EFFECTS[key]()
     values = dict(effect.starts(scale)[0])
     if key in GENTLE:
-        natural = {"Fc": scale.force, "vs": scale.v_max, "vb": scale.v_max, "beta": 1.0}
+        natural = {
+            "Fc": scale.force, "vs": scale.v_max, "vb": scale.v_max, "beta": 1.0,
+            "alpha": scale.force, "zs": scale.x_span, "z0": 1.0,
+        }  # fmt: skip
         values = {name: share * natural[name] for name, share in GENTLE[key].items()}
     eta = eta_of(effect, scale, values)
     names = model.parameters().names

@@ -5,19 +5,26 @@ from __future__ import annotations
 import numpy as np
 from textbook_effects import oscillation, segment
 
-from softid.effects.hysteresis import Hysteresis
+from softid.effects.base import StateEffect
+from softid.effects.hysteresis import BranchHysteresis, Hysteresis
 from softid.models.oscillator import Oscillator
 
 VALUES = {"alpha": 0.2, "zs": 0.05}
 STIFFNESS = 2.0
 
 
-def slowly(path: np.ndarray, duration_s: float, samples: int = 600) -> np.ndarray:
+def slowly(
+    path: np.ndarray,
+    duration_s: float,
+    samples: int = 600,
+    effect: StateEffect | None = None,
+    values: dict[str, float] = VALUES,
+) -> np.ndarray:
     """Position without inertia and damping along a path of inputs."""
     time_s = np.linspace(0.0, duration_s, samples)
     u = np.interp(time_s / duration_s, np.linspace(0.0, 1.0, path.size), path)
     return oscillation(
-        Hysteresis(), VALUES, segment(time_s, u), (0.0, 0.0, STIFFNESS),
+        effect or Hysteresis(), values, segment(time_s, u), (0.0, 0.0, STIFFNESS),
         model=Oscillator(order="static"),
     )  # fmt: skip
 
@@ -59,3 +66,20 @@ def test_state_keeps_its_bounds() -> None:
     z = (u - STIFFNESS * x) / VALUES["alpha"]
     assert np.max(np.abs(z)) < 1.0 + 1e-6
     assert np.max(np.abs(z)) > 0.9
+
+
+def test_a_log_may_begin_on_the_way_down() -> None:
+    """At z0 = −1 under no input it rests at α/Q, and the way up is z = 1 − 2 exp(−(x − x₀)/zs)."""
+    x = slowly(np.array([0.0, 1.0]), 4.0, 600, BranchHysteresis(), {**VALUES, "z0": -1.0})
+    assert np.isclose(x[0], VALUES["alpha"] / STIFFNESS, atol=1e-9)
+    z = 1.0 - 2.0 * np.exp(-(x - x[0]) / VALUES["zs"])
+    np.testing.assert_allclose(
+        STIFFNESS * x + VALUES["alpha"] * z, np.linspace(0.0, 1.0, 600), atol=1e-6
+    )
+
+
+def test_a_branch_of_nothing_is_the_plain_form() -> None:
+    """z0 = 0 changes nothing on any path."""
+    path = np.array([0.0, 1.0, 0.2, 0.6, 0.4, 0.8, 0.0])
+    found = slowly(path, 6.0, 1201, BranchHysteresis(), {**VALUES, "z0": 0.0})
+    np.testing.assert_allclose(found, slowly(path, 6.0, 1201), atol=1e-12)
