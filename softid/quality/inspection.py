@@ -26,6 +26,7 @@ from softid.quality.abilities import LEVEL_SPACING, Evidence, judge_abilities
 from softid.quality.causality import leading_outputs
 from softid.quality.dropouts import find_dropouts, may_drop_out
 from softid.quality.findings import ChannelReport, CommandLag, Inspection, Role
+from softid.quality.gauge_pressure import absolute_pressures
 from softid.quality.holding import describe_holds
 from softid.quality.hum import find_hum
 from softid.quality.issues import list_issues, list_stuck
@@ -125,7 +126,7 @@ def inspect(log: Log) -> Inspection:
             holds=holds,
             other_inputs=other_inputs(log, judged),
             second_inputs=independent_inputs(log),
-            from_reader=(*log.issues, *leading_outputs(log)),
+            from_reader=(*log.issues, *leading_outputs(log), *absolute_pressures(log)),
         ),
     )
 
@@ -157,7 +158,8 @@ def dropout_mask(log: Log) -> BoolArray:
 def misleading_channels(log: Log) -> tuple[Issue, ...]:
     """What a fit takes for motion that the input makes, and is not.
 
-    Outputs that saturate, repeat one value, or move before the input does, and a second input.
+    Outputs that saturate, repeat one value, or move before the input does, a second input, and a
+    pressure that seems to be absolute.
 
     Parameters
     ----------
@@ -170,6 +172,7 @@ def misleading_channels(log: Log) -> tuple[Issue, ...]:
         if may_be_stuck(channel.values):
             found += list_stuck(_report(log, channel, "output", None, ()))
     found += [*leading_outputs(log), *second_input_issues(independent_inputs(log), log.input)]
+    found += absolute_pressures(log)
     return tuple(replace(issue, message=f"{log.name}: {issue.message}") for issue in found)
 
 

@@ -1,0 +1,48 @@
+"""Whether an input that should be a gauge pressure looks like an absolute one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softid.errors import Issue
+from softid.log import Log
+
+ABSOLUTE = "absolute-pressure"
+"""Code of the issue."""
+
+AMBIENT_KPA = (85.0, 106.0)
+"""Pressure of the air from 1400 m up to the deepest places and highest readings."""
+
+LEAST_SPAN_KPA = 15.0
+"""Range of an input that moves an actuator, rather than holding it at one bar. A judgement."""
+
+AT_REST = 0.05
+"""Share of the range within which a log begins or ends at its lowest pressure."""
+
+
+def absolute_pressures(log: Log) -> tuple[Issue, ...]:
+    """What is to be said of a pressure that begins or ends at an atmosphere and never goes below.
+
+    Parameters
+    ----------
+    log
+        The recording.
+    """
+    channel = log.channels[log.input]
+    values = channel.values[np.isfinite(channel.values)]
+    if channel.unit != "kPa" or not values.size:
+        return ()
+    low, span = float(values.min()), float(np.ptp(values))
+    vented = min(values[0], values[-1]) - low <= AT_REST * span
+    if not (vented and span >= LEAST_SPAN_KPA and AMBIENT_KPA[0] <= low <= AMBIENT_KPA[1]):
+        return ()
+    return (
+        Issue(
+            ABSOLUTE,
+            "info",
+            f"{log.input} rests at {low:.4g} kPa and never goes below, which is one atmosphere: "
+            "it may be an absolute pressure, but models and effects count from that of the air",
+            "subtract the pressure of the air from the column; if the actuator is kept inflated, "
+            "there is nothing to do",
+        ),
+    )
