@@ -51,6 +51,7 @@ class ClockRate(OutputEffect):
     source: ClassVar[str] = "linear clock model; IEEE Std 1588-2019"
     amplitude: ClassVar[str] = "rate"
     changes_sign: ClassVar[bool] = True
+    begins_with_log: ClassVar[bool] = True
     has_one_form: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -145,6 +145,7 @@ class SeriesCreep(OutputEffect):
     source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (Kelvin-Voigt element)"
     amplitude: ClassVar[str] = "c"
     before_sensor: ClassVar[bool] = True
+    begins_with_log: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
     ceilings: ClassVar[tuple[str, ...]] = ("c",)
 

@@ -68,6 +68,7 @@ class Hysteresis(StateEffect):
     essential: ClassVar[tuple[str, ...]] = ("zs",)
     amplitude: ClassVar[str] = "alpha"
     has_state: ClassVar[bool] = True
+    begins_with_log: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """Half height α of the loop, and the distance zs over which it changes branch."""

@@ -24,7 +24,8 @@ from softid.diagnosis.verdict.equivalence import (
     splitting_experiment,
     why_unsplit,
 )
-from softid.diagnosis_results import Alternative, Diagnosis, Remainder, Verdict
+from softid.diagnosis_results import Alternative, Cause, Diagnosis, Remainder, Verdict
+from softid.effects import EFFECTS
 from softid.models import MODELS
 from softid.results import FitResult
 
@@ -173,6 +174,7 @@ def what_next(
     *,
     alternatives: Sequence[Alternative],
     remainder: Remainder,
+    laws: Sequence[Cause] = (),
     linear: bool = False,
 ) -> str | None:
     """What to record next; None when nothing is open.
@@ -181,6 +183,8 @@ def what_next(
     ----------
     verdict, alternatives, remainder
         As in `Diagnosis`.
+    laws
+        Its causes and descriptions.
     linear
         Whether the base model is linear.
     """
@@ -194,6 +198,12 @@ def what_next(
             rest = titles_of(others, last=" or ")
             return f"record {split.experiment}, to tell {title_of(first)} from {rest}"
     if remainder.misses_held_out and not remainder.structured:
+        anew = [law.key for law in laws if law.key in EFFECTS and EFFECTS[law.key].begins_with_log]
+        if anew:
+            return (
+                f"hold out none, so that blocks of these logs judge: {titles_of(anew)} begins anew "
+                "with every log here, and what is held out may have begun otherwise"
+            )
         return "fit what is held out together with the rest, for it shows what the rest hardly does"
     if verdict is Verdict.UNKNOWN and not remainder.structured:
         return "record more levels and more moves, which would show how sure the description is"

@@ -86,7 +86,11 @@ def write_summary(found: Diagnosis) -> Diagnosis:
     alternatives = with_reasons(found)
     following = found.next_experiment or _remedy_of_disturbance(found)
     following = following or what_next(
-        found.verdict, alternatives=alternatives, remainder=found.remainder, linear=linear
+        found.verdict,
+        alternatives=alternatives,
+        remainder=found.remainder,
+        laws=(*found.causes, *found.descriptive),
+        linear=linear,
     )
     summary = summarise(
         found.verdict,

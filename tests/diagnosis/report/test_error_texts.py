@@ -36,6 +36,17 @@ def test_what_only_the_held_out_samples_show_is_told(verdict: Verdict) -> None:
     assert "is not noise" not in text
 
 
+def test_a_law_that_begins_anew_is_judged_by_blocks() -> None:
+    """Where a clock or a use of the actuator began is not known of what is held out."""
+    found = diagnosis(Verdict.UNKNOWN)
+    left = replace(found.remainder, structured=False, misses_held_out=True)
+    described = tuple(replace(c, effect="clock_rate", key="clock_rate") for c in found.descriptive)
+    text = write_summary(
+        replace(found, descriptive=described, remainder=left, next_experiment=None)
+    ).summary
+    assert "Next: hold out none, so that blocks of these logs judge: clock-rate error" in text
+
+
 def judged_by_noise() -> str:
     """The paragraph of an adequate model whose logs show the noise in its fastest part only."""
     found = diagnosis(Verdict.ADEQUATE)
