@@ -2,71 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import StateEffect
+from softid.effects.rest import rest_by, rest_position
 from softid.effects.scale import Scale
+from softid.effects.terms import Terms, terms_of
 from softid.kernels.small_matrix import LANES
 from softid.models.arrived_input import observed, simulate_law_through
-from softid.models.base import Model, MotionTerm, Response
+from softid.models.base import Model, Response
 from softid.models.division import Division
 from softid.segment import Segment
-
-if TYPE_CHECKING:
-    from softid.kernels.equation import Equation
 
 Array = npt.NDArray[np.float64]
 
 BLOCK = 1024
 """Steps whose coefficients are held at once, which stay in the processor's cache."""
-
-DIFFERENCE = 1e-7
-"""Relative step by which parameters and states are moved to differentiate the terms within a step:
-their values are exact to rounding, so a smaller one does than for whole responses."""
-
-REST_ITERATIONS = 50
-"""Newton's steps to a rest at most."""
-
-REST_TOLERANCE = 1e-12
-"""The rest is found when a step is so small, in the scale of the states."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Terms:
-    """Addresses, parameters and states of the effects, as the kernel wants them."""
-
-    addresses: npt.NDArray[np.int64]
-    eta: Array
-    eta_from: npt.NDArray[np.int64]
-    own: npt.NDArray[np.int64]
-    follows: tuple[bool, ...]
-    scale: Array
-    moves: Array
-    columns: npt.NDArray[np.int64]
-    """Which entries of ``eta`` are parameters, not constants."""
-
-    @property
-    def n_own(self) -> int:
-        return len(self.follows)
-
-    @property
-    def followers(self) -> npt.NDArray[np.intp]:
-        """Which of the own states rest at the position."""
-        return np.flatnonzero(self.follows)
-
-    def equation(self, theta: Array, term: MotionTerm | None) -> Equation:
-        """What the kernel integrates; it moves and restores the arrays, so they are its own."""
-        from softid.kernels.equation import Equation
-
-        law, slopes = (0, 0) if term is None else (term.address, term.slopes_address)
-        own = theta.copy() if term is None else term.parameters.copy()[: theta.size]
-        eta = self.eta.copy()
-        return Equation(law, slopes, own, self.addresses, eta, self.eta_from, self.own)
 
 
 def simulate_motion(
@@ -134,7 +88,7 @@ def simulate_motion(
             return observed(model, outputs, motion)
     return _integrated(
         model,
-        _gather(effects, scale, eta),
+        terms_of(tuple(effects), scale, eta),
         theta,
         segment,
         outputs,
@@ -149,7 +103,7 @@ def simulate_motion(
 
 def _integrated(
     model: Model,
-    terms: _Terms,
+    terms: Terms,
     theta: Array,
     segment: Segment,
     outputs: Sequence[str],
@@ -213,7 +167,7 @@ def _integrated(
 
 def _begun(
     model: Model,
-    terms: _Terms,
+    terms: Terms,
     theta: Array,
     u: float,
     t: float,
@@ -228,9 +182,9 @@ def _begun(
     by_start = theta.size + terms.eta.size
     tangent = np.zeros((state.size, by_start + 2 + terms.followers.size))
     if from_rest:
-        state[0] = _rest_position(model, terms, theta, u, t)
+        state[0] = rest_position(model, terms, theta, u, t)
         if derivatives:
-            by_rest = _rest_by(model, terms, theta, float(state[0]), u, t)
+            by_rest = rest_by(model, terms, theta, float(state[0]), u, t)
             tangent[0, :by_start] = by_rest
     begun = np.zeros(2 + terms.followers.size)
     if start is not None:
@@ -250,7 +204,7 @@ def _response(
     motion: Array,
     by: Array,
     start: Array,
-    terms: _Terms,
+    terms: Terms,
     n_theta: int,
     *,
     derivatives: bool,
@@ -278,122 +232,9 @@ def _span(columns: npt.NDArray[np.int64]) -> slice | npt.NDArray[np.int64]:
     return whole if np.array_equal(columns, np.arange(whole.start, whole.stop)) else columns
 
 
-def _gather(effects: Sequence[StateEffect], scale: Scale, eta: Array) -> _Terms:
-    values: list[float] = []
-    begins, own = [0], []
-    columns: list[int] = []
-    follows: list[bool] = []
-    sizes: list[float] = []
-    at = 0
-    for effect in effects:
-        declared = effect.parameters(scale)
-        count = len(declared)
-        columns.extend(range(len(values), len(values) + count))
-        constants = effect.constants(scale)
-        values.extend((*eta[at : at + count].tolist(), *constants))
-        sizes.extend(parameter.usual_size for parameter in declared.values())
-        sizes.extend(0.0 for _ in constants)  # nobody asks how the motion goes with them
-        at += count
-        begins.append(len(values))
-        own.append(len(follows) if effect.has_state else -1)
-        if effect.has_state:
-            follows.append(effect.follows_position)
-    ranges = [scale.x_span, scale.v_max, *(scale.x_span if does else 1.0 for does in follows)]
-    return _Terms(
-        np.array([effect.address() for effect in effects], np.int64),
-        np.array(values, np.float64),
-        np.array(begins, np.int64),
-        np.array(own, np.int64),
-        tuple(follows),
-        np.array(ranges, np.float64),
-        DIFFERENCE * np.array(sizes),
-        np.array(columns, np.int64),
-    )
-
-
 def _packed(model: Model, theta: Array, u: Array, derivatives: bool) -> tuple[Array, Array]:
     """m, n, q and f at inputs of shape (L, 3), and their derivatives."""
     law = model.motion_law(theta)
     if law is None:  # the kernel calls the law itself
         return np.zeros((*u.shape, 4)), np.zeros((len(u) if derivatives else 0, 3, 4, 0, LANES))
     return law.packed(u, derivatives=derivatives)
-
-
-def _unbalanced(
-    model: Model, terms: _Terms, theta: Array, u: float, t: float
-) -> Callable[[float], float]:
-    """Position → force that is left at rest there."""
-    from softid.kernels.term_integrator import unbalanced_at_rest
-
-    packed, _ = _packed(model, theta, np.array([[u]]), False)
-    equation = terms.equation(theta, model.motion_term(theta))
-    return unbalanced_at_rest(equation, packed[0, 0], terms.follows, u, t)
-
-
-def _rest_position(model: Model, terms: _Terms, theta: Array, u: float, t: float) -> float:
-    """Position at which nothing moves, by Newton's method from the model's own; NaN if none."""
-    still = model.motion_law(theta) or model.motion_term(theta)
-    assert still is not None
-    x = still.equilibrium(u)
-    if not terms.addresses.size:
-        return x
-    h = DIFFERENCE * terms.scale[0]
-    balance = _unbalanced(model, terms, theta, u, t)
-    for _ in range(REST_ITERATIONS):
-        left = balance(x)
-        slope = (balance(x + h) - left) / h
-        move = left / slope if slope != 0.0 else np.nan
-        x -= float(np.clip(move, -terms.scale[0], terms.scale[0]))
-        if not np.isfinite(x) or abs(move) < REST_TOLERANCE * terms.scale[0]:
-            return x
-    return x
-
-
-def _rest_by(model: Model, terms: _Terms, theta: Array, x: float, u: float, t: float) -> Array:
-    """Derivatives of the position at rest by (θ, η), from the balance of forces."""
-    balance = _unbalanced(model, terms, theta, u, t)
-    left = balance(x)
-    h = DIFFERENCE * terms.scale[0]
-    slope = (balance(x + h) - left) / h
-    by = np.zeros(theta.size + terms.eta.size)
-    law = model.motion_law(theta)
-    if law is not None and not terms.addresses.size:
-        by[: theta.size] = law.equilibrium_by(u)
-        return by
-    least = [p.usual_size for p in model.parameters().values()]  # where some θ is zero or nearly
-    for k, step in enumerate(DIFFERENCE * np.maximum(np.abs(theta), least)):
-        there = _unbalanced(model, terms, _moved(theta, k, step), u, t)(x)
-        by[k] = -(there - left) / step / slope
-    for k in np.flatnonzero(terms.moves).tolist():
-        step = terms.moves[k]
-        elsewhere = replace(terms, eta=_moved(terms.eta, k, step))
-        there = _unbalanced(model, elsewhere, theta, u, t)(x)
-        by[theta.size + k] = -(there - left) / step / slope
-    return by
-
-
-def _moved(values: Array, k: int, step: float) -> Array:
-    moved = values.copy()
-    moved[k] += step
-    return moved
-
-
-def rest(
-    model: Model,
-    effects: Sequence[StateEffect],
-    scale: Scale,
-    theta: Array,
-    eta: Array,
-    u: float,
-) -> float:
-    """Position at rest under a constant input; NaN when there is none.
-
-    Parameters
-    ----------
-    model, effects, scale, theta, eta
-        As in `simulate_motion`.
-    u
-        The input.
-    """
-    terms = _gather(effects, scale, eta)
-    return _rest_position(model, terms, theta, u, 0.0)
