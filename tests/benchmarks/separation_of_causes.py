@@ -17,7 +17,7 @@ from itertools import permutations
 import numpy as np
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.verdict.equivalence import EXPERIMENTS, SEPARATIONS
+from softid.diagnosis.verdict.separations import EXPERIMENTS, SEPARATIONS
 from softid.synthesis import Rig, hidden_pair
 from softid.synthesis.protocols import PROTOCOLS, Protocol
 from softid.synthesis.waveforms import (

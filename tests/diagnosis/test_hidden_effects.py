@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 import pytest
 
 from softid.diagnosis import diagnose
 from softid.diagnosis_results import Verdict
 from softid.effects import EFFECTS
+from softid.log import Log
 from softid.synthesis import hidden_pair
 from softid.synthesis.hidden import names_of
 from softid.synthesis.recovery import is_recovered, true_values
@@ -121,6 +123,25 @@ def test_a_sensor_slower_than_its_actuator_is_found(seed: int, tau: float) -> No
     (cause,) = found.causes
     assert cause.effect == "sensor_lag"
     assert cause.parameters[0].value == pytest.approx(tau, rel=0.02)
+
+
+@pytest.mark.parametrize("seed", [32, pytest.param(31, marks=pytest.mark.slow)])
+def test_a_pressure_smoothed_afterwards_is_no_resonance(seed: int) -> None:
+    """A mean over five samples, as one takes to make a plot look clean; nothing is hidden.
+
+    It was a resonance of the line of six samples without damping, which undoes the mean.
+    """
+
+    def smoothed(log: Log) -> Log:
+        channel = log.channels[log.input]
+        means = np.convolve(np.pad(channel.values, 2, "edge"), np.full(5, 0.2), "valid")
+        return replace(log, channels={**log.channels, log.input: replace(channel, values=means)})
+
+    train, hold_out = (smoothed(log) for log in hidden_pair([], seed=seed).logs)
+    found = diagnose(train, hold_out=[hold_out], model="muscle")
+    assert found.verdict in (Verdict.AMBIGUOUS, Verdict.ADEQUATE)
+    assert {c.effect for c in found.causes} <= {"line_resonance"}
+    assert all("smoothed_input" in tie.effects for tie in found.alternatives)
 
 
 @pytest.mark.slow

@@ -21,9 +21,8 @@ from softid.diagnosis.verdict.equivalence import (
     THINNING,
     TWO_LATE,
     EquivalenceClass,
-    splitting_experiment,
-    why_unsplit,
 )
+from softid.diagnosis.verdict.separations import splitting_experiment, why_unsplit
 from softid.diagnosis_results import Alternative, Cause, Diagnosis, Remainder, Verdict
 from softid.effects import EFFECTS
 from softid.models import MODELS

@@ -30,7 +30,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
     SecondCreep,
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit
-from softid.diagnosis.verdict.unlisted_readings import UnevenReading
+from softid.diagnosis.verdict.unlisted_readings import SmoothedInput, UnevenReading
 from softid.effects import effect_of
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -87,7 +87,10 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(
         ("sensor_clipping.both",), ((effect_of("sensor_clipping"), effect_of("dead_zone")),)
     ),
-    Replacement(("line_resonance",), ((effect_of("pneumatic_lag"), effect_of("delay")),)),
+    Replacement(
+        ("line_resonance",),
+        ((effect_of("pneumatic_lag"), effect_of("delay")), (SmoothedInput(),)),
+    ),
 )
 """Causes, and what is put in their place."""
 

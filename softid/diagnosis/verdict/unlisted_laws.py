@@ -22,7 +22,12 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     one_parameter,
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
-from softid.diagnosis.verdict.unlisted_readings import EarlyReading, SmoothedReading, UnevenReading
+from softid.diagnosis.verdict.unlisted_readings import (
+    EarlyReading,
+    SmoothedInput,
+    SmoothedReading,
+    UnevenReading,
+)
 from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.scale import Scale
@@ -259,6 +264,7 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     PositionDamping,
     EarlyReading,
     SmoothedReading,
+    SmoothedInput,
     UnevenReading,
     InputPlay,
     OutputPlay,

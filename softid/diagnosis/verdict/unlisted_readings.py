@@ -1,4 +1,4 @@
-"""Laws of the reading in no catalogue: clocks that differ, filters, sensors that lag unevenly."""
+"""Laws of the records in no catalogue: clocks that differ, filters, sensors that lag unevenly."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.verdict.unlisted_drifts import one_parameter
 from softid.effects import effect_of
-from softid.effects.base import OutputEffect
+from softid.effects.base import InputEffect, OutputEffect
 from softid.effects.scale import Scale
 from softid.kernels.earlier_input import read_at
 from softid.kernels.filters import lag
@@ -27,6 +27,9 @@ WIDEST = 0.1
 
 START_WIDTHS = (0.3, 1.0, 3.0)
 """Starts of it, in times of the motion."""
+
+SAMPLES, START_SAMPLES = 200.0, (4.0, 16.0)
+"""Bound and starts of the time over which an input is smoothed, in sampling intervals."""
 
 UNEVEN = "pneumatic_lag.separate"
 """Key of the effect that does to the input what an uneven sensor does to the reading."""
@@ -99,16 +102,42 @@ class SmoothedReading(OutputEffect):
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """Means over the window, of which the ends of the log cut off a part."""
         del scale
-        area = np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(time_s))))
-        begin_s, end_s = (
-            np.clip(time_s + side * eta[0], time_s[0], time_s[-1]) for side in (-0.5, 0.5)
-        )
-        width_s = end_s - begin_s
-        narrow = width_s <= 0.0
-        means = (_area_at(end_s, time_s, y, area) - _area_at(begin_s, time_s, y, area)) / np.where(
-            narrow, 1.0, width_s
-        )
-        return np.where(narrow, y, means)
+        return _means(time_s, y, float(eta[0]))
+
+
+@dataclass(frozen=True)
+class SmoothedInput(InputEffect):
+    """A pressure whose record was smoothed afterwards: what arrives is 2 u less the mean over w.
+
+    Smoothing takes S u from u, and 2 S u - S S u differs from u by (1 - S)² u only.
+    """
+
+    name: ClassVar[str] = "smoothed_input"
+    title: ClassVar[str] = "Pressure that was smoothed"
+    law: ClassVar[str] = "arriving u(t) = 2 u(t) - mean of u from t - w/2 to t + w/2"
+    meaning: ClassVar[str] = (
+        "The pressure was filtered there and back, or averaged, after it was recorded."
+    )
+    signature: ClassVar[str] = "The residual goes with the bends of the pressure, before and after."
+    remedy: ClassVar[str] = "the same record as it was before any filter"
+    shown_by: ClassVar[str] = "fast steps without any filter"
+    source: ClassVar[str] = "van Cittert, Zeitschrift für Physik 69, 298 (1931)"
+    amplitude: ClassVar[str] = "w"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The width of the window."""
+        start, longest = (n * scale.period_s for n in (START_SAMPLES[0], SAMPLES))
+        return one_parameter("w", start, "s", 0.0, longest, "window", self.source)
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """A few samples, and more of them."""
+        return tuple({"w": n * scale.period_s} for n in START_SAMPLES)
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """Add what smoothing once more takes away."""
+        del scale
+        arriving: Array = 2.0 * u - _means(time_s, u, float(eta[0]))
+        return arriving
 
 
 @dataclass(frozen=True)
@@ -139,6 +168,20 @@ class UnevenReading(OutputEffect):
         recorded = np.array(y, np.float64)
         lag(np.diff(time_s), recorded, float(eta[0]), float(eta[0] * eta[1]))
         return recorded
+
+
+def _means(time_s: Array, y: Array, window_s: float) -> Array:
+    """Means of straight lines over a window about each time, of which the ends cut off a part."""
+    area = np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(time_s))))
+    begin_s, end_s = (
+        np.clip(time_s + side * window_s, time_s[0], time_s[-1]) for side in (-0.5, 0.5)
+    )
+    width_s = end_s - begin_s
+    narrow = width_s <= 0.0
+    means = (_area_at(end_s, time_s, y, area) - _area_at(begin_s, time_s, y, area)) / np.where(
+        narrow, 1.0, width_s
+    )
+    return np.where(narrow, y, means)
 
 
 def _area_at(at_s: Array, time_s: Array, y: Array, area: Array) -> Array:

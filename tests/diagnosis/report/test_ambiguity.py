@@ -11,7 +11,6 @@ from handmade_diagnosis import remainder
 from softid.diagnosis.report.ambiguity import law_that_ties, told_as_tied, what_next, why_tied
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
-    CHIRP,
     HELD_INPUT,
     LINEAR_FILTERS,
     OWN_DAMPING,
@@ -20,6 +19,7 @@ from softid.diagnosis.verdict.equivalence import (
     TWO_LATE,
     EquivalenceClass,
 )
+from softid.diagnosis.verdict.separations import CHIRP
 from softid.diagnosis_results import Alternative, Remainder, Verdict
 
 NOISE = remainder(structured=False, explained=1.0)

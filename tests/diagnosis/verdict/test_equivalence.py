@@ -5,22 +5,24 @@ from __future__ import annotations
 import pytest
 
 from softid.diagnosis.verdict.equivalence import (
-    CHIRP,
     CLASSES,
-    EXPERIMENTS,
     HELD_INPUT,
-    HOLD,
     LINEAR_CLASSES,
     LINEAR_FILTERS,
     OWN_DAMPING,
     REPLACED,
+    THINNING,
+    UNLISTED,
+    classes_of,
+)
+from softid.diagnosis.verdict.separations import (
+    CHIRP,
+    EXPERIMENTS,
+    HOLD,
     SEPARATIONS,
     SINE,
     STEPS,
-    THINNING,
-    UNLISTED,
     Split,
-    classes_of,
     splitting_experiment,
     why_unsplit,
 )

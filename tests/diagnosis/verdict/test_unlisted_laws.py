@@ -29,7 +29,12 @@ from softid.diagnosis.verdict.unlisted_laws import (
 )
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
-from softid.diagnosis.verdict.unlisted_readings import EarlyReading, SmoothedReading, UnevenReading
+from softid.diagnosis.verdict.unlisted_readings import (
+    EarlyReading,
+    SmoothedInput,
+    SmoothedReading,
+    UnevenReading,
+)
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.effects.sensor_lag import SensorLag
@@ -111,6 +116,23 @@ def test_a_reading_runs_ahead() -> None:
     time_s = 0.1 * np.arange(11)
     found = EarlyReading().apply(np.array([0.25]), time_s, 2.0 * time_s, sizes_of("muscle"))
     np.testing.assert_allclose(found, 2.0 * time_s + 0.5)
+
+
+def test_smoothing_is_undone() -> None:
+    """A line stays; of t² the mean over w has w²/12 too much, so as much less arrives; and of a
+    sine what smoothing leaves, sinc(w/T), comes back to within (1 - sinc)²."""
+    h, w = 0.01, 0.3
+    time_s = h * np.arange(301)
+    law, scale, inner = SmoothedInput(), sizes_of("muscle"), slice(20, -20)
+    line = law.apply(np.array([w]), time_s, 2.0 * time_s, scale)
+    np.testing.assert_allclose(line[inner], 2.0 * time_s[inner], atol=1e-12)
+    bent = law.apply(np.array([w]), time_s, time_s**2, scale) - time_s**2
+    np.testing.assert_allclose(bent[inner], -(w**2) / 12.0 - h**2 / 6.0, rtol=1e-6)
+    sine = np.sin(2.0 * np.pi * time_s)
+    smoothed = SmoothedReading().apply(np.array([w]), time_s, sine, scale)
+    left = law.apply(np.array([w]), time_s, smoothed, scale) - sine
+    assert np.max(np.abs(left[40:-40])) < (1.0 - np.sinc(w)) ** 2 + 1e-3
+    np.testing.assert_array_equal(law.apply(np.array([0.0]), time_s, sine, scale), sine)
 
 
 def test_a_reading_is_smoothed_over_what_comes_before_and_after() -> None:
