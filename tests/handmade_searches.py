@@ -34,7 +34,7 @@ def base_fit(squares: float = 100.0) -> Any:
         candidate=candidate((), squares),
         scale=None,
         sigma={"angle": 1.0},
-        input_sds={},
+        gauges={},
         is_negligible=False,
         held_out=SimpleNamespace(rms=lambda model: 1.0),
     )

@@ -66,7 +66,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     line = line_in(residual_context(chain.final))
     remainder = with_line(found.remainder, line, base.scale.motion_s)
     lengths = held_out_lengths(held_out, chain.final)
-    least_sd = moved_parameters(chain.final, base.input_sds, remainder.noise_power)
+    least_sd = moved_parameters(chain.final, base.gauges, remainder.noise_power)
     extends = bool(chain.links) or base.instead_of is not None
     before, after = both(
         lambda: _fit_of_base(base, seed, {} if extends else least_sd),

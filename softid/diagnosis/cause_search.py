@@ -83,8 +83,8 @@ class CauseSearch:
         """
         if model not in self._known:
             rng = np.random.default_rng(self.seed)
-            base, sds = self.base, self.base.input_sds
-            self._known[model] = assess(base.candidate, model, base.scale, rng=rng, input_sds=sds)
+            base, gauges = self.base, self.base.gauges
+            self._known[model] = assess(base.candidate, model, base.scale, rng=rng, gauges=gauges)
         return self._known[model]
 
     def first_cause(self) -> Chain:
@@ -152,11 +152,11 @@ class CauseSearch:
 
     def _is_borne_out(self, before: Candidate, after: Candidate) -> bool:
         """Whether a cause is no worse on what is held out, and more than noise of the input."""
-        held_out, sds = self.base.held_out, self.base.input_sds
+        held_out, gauges = self.base.held_out, self.base.gauges
         limit = BETTER if before.effects else NO_WORSE
         if held_out.rms(after) > limit * held_out.rms(before):
             return False
-        return not (self._leaves_noise(before) and takes_input_noise_at_most(before, after, sds))
+        return not (self._leaves_noise(before) and takes_input_noise_at_most(before, after, gauges))
 
     def _leaves_noise(self, model: Candidate) -> bool:
         """Whether what a model leaves looks like noise, also on what is held out."""

@@ -63,7 +63,8 @@ from softid.diagnosis.strategy import Searched, search_causes, search_with_inter
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.effects import effects_of
 from softid.errors import InputError
-from softid.identification.input_denoising import AVERAGED, input_noise_sd, without_input_noise
+from softid.identification.gauge_errors import gauge_errors
+from softid.identification.input_denoising import AVERAGED, without_input_noise
 from softid.identification.lost_input import without_lost_input
 from softid.identification.preparation import as_log_set, as_logs, without_dropouts
 from softid.identification.repeated_input import without_repeats
@@ -164,7 +165,7 @@ def diagnose(
         seed,
         lambda m, fraction: report(m, 0.3 * fraction),
         preferred=preferred,
-        input_sds={log.name: input_noise_sd(log) for log in (*as_logs(hold_out), *recorded)},
+        gauges={log.name: gauge_errors(log) for log in (*as_logs(hold_out), *recorded)},
         is_read_openly=is_in_doubt,
     )
     whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)
@@ -195,7 +196,7 @@ def diagnose(
         *sets,
         *motions,
         *jump_issues(answer.remainder, base.candidate.problem),
-        *input_noise_issues(answer.remainder, base.candidate.problem, request.input_sds),
+        *input_noise_issues(answer.remainder, base.candidate.problem, request.gauges),
         *joint_cause_issues(answer),
         *reading_issues(answer),
     )

@@ -16,6 +16,7 @@ from softid.errors import IdentificationError, UsageError
 from softid.excitation import second_difference_noise, segment_excitation
 from softid.fitters.levenberg_marquardt import Minimum, NormalEquations
 from softid.fitters.problem import Problem
+from softid.identification.gauge_errors import GaugeErrors
 from softid.identification.preparation import named_model
 from softid.identification.workflow import Identification, identify
 from softid.log import Log, LogSet
@@ -170,8 +171,8 @@ class BaseFit:
         What is held out.
     instead_of
         The fit of the model that was asked for, where this one takes its place.
-    input_sds
-        Log → standard deviation of the noise of its input as it was recorded, in its unit.
+    gauges
+        Log → errors of the input that was recorded.
     is_read_openly
         Whether nobody said what the input does between its samples.
     """
@@ -181,7 +182,7 @@ class BaseFit:
     scale: Scale
     held_out: HeldOut
     instead_of: BaseFit | None = None
-    input_sds: Mapping[str, float] = field(default_factory=dict)
+    gauges: Mapping[str, GaugeErrors] = field(default_factory=dict)
     is_read_openly: bool = False
 
     def judged_by(self, logs: Sequence[Log]) -> BaseFit:
@@ -193,7 +194,7 @@ class BaseFit:
             The logs that judge.
         """
         identified = replace(self.identified, hold_out=tuple(logs))
-        held_out = HeldOutLogs(identified.hold_out, self.input_sds)
+        held_out = HeldOutLogs(identified.hold_out, self.gauges)
         return replace(self, identified=identified, held_out=held_out)
 
     @property
@@ -262,7 +263,7 @@ class Request:
         The fit of the model that the user asked for, where ``model`` is another.
     preferred
         As in `diagnose`.
-    input_sds, is_read_openly
+    gauges, is_read_openly
         As in `BaseFit`.
     """
 
@@ -272,7 +273,7 @@ class Request:
     progress: Progress
     instead_of: BaseFit | None = None
     preferred: Sequence[Model] = ()
-    input_sds: Mapping[str, float] = field(default_factory=dict)
+    gauges: Mapping[str, GaugeErrors] = field(default_factory=dict)
     is_read_openly: bool = False
 
     def fit_base(self, logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> BaseFit:
@@ -307,14 +308,14 @@ class Request:
         )
         candidate = _candidate(identified, self.model)
         scale = scale_of(candidate.problem, candidate.minimum.point)
-        held_out = held or HeldOutLogs(identified.hold_out, self.input_sds)
+        held_out = held or HeldOutLogs(identified.hold_out, self.gauges)
         return BaseFit(
             identified,
             candidate,
             scale,
             held_out,
             self.instead_of,
-            self.input_sds,
+            self.gauges,
             self.is_read_openly,
         )
 

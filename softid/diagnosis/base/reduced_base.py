@@ -48,8 +48,8 @@ def reduced_if_better(
     if other is None or request.parameters is not None or len(recordings.logs) < FEWEST_LOGS:
         return request, base
     rng = np.random.default_rng(request.seed)
-    candidate, sds = base.candidate, base.input_sds
-    if not assess(candidate, candidate, base.scale, rng=rng, input_sds=sds).structured:
+    candidate, gauges = base.candidate, base.gauges
+    if not assess(candidate, candidate, base.scale, rng=rng, gauges=gauges).structured:
         return request, base
     if share_left(recordings, request, other, model) > BETTER:
         return request, base

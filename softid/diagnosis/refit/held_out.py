@@ -15,6 +15,7 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import Candidate
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
+from softid.identification.gauge_errors import GaugeErrors
 from softid.log import Log, LogSet
 from softid.models.base import Response
 from softid.segment import Segment
@@ -65,12 +66,12 @@ class HeldOut(ABC):
 
     Attributes
     ----------
-    input_sds
-        Log → standard deviation of the noise of its input as it was recorded, in its unit; nothing
+    gauges
+        Log → errors of the input that was recorded; nothing
         where parts of the fitted logs are held out.
     """
 
-    input_sds: Mapping[str, float] = MappingProxyType({})
+    gauges: Mapping[str, GaugeErrors] = MappingProxyType({})
 
     @abstractmethod
     def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
@@ -142,12 +143,12 @@ class HeldOutLogs(HeldOut):
     ----------
     logs
         The logs.
-    input_sds
+    gauges
         See `HeldOut`.
     """
 
     logs: tuple[Log, ...]
-    input_sds: Mapping[str, float] = field(default_factory=dict)
+    gauges: Mapping[str, GaugeErrors] = field(default_factory=dict)
 
     def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
         """At all samples of the logs; see `HeldOut.errors`."""

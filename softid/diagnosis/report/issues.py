@@ -16,6 +16,8 @@ from softid.diagnosis_results import Cause, Doubt, Remainder
 from softid.effects import EFFECTS
 from softid.errors import Issue
 from softid.fitters.problem import Problem
+from softid.identification.gauge_errors import NO_ERRORS, GaugeErrors
+from softid.log import Log
 from softid.results import FitResult
 from softid.uncertainty import standard_error
 
@@ -189,7 +191,7 @@ def jump_issues(remainder: Remainder, problem: Problem) -> tuple[Issue, ...]:
 
 
 def input_noise_issues(
-    remainder: Remainder, problem: Problem, sds: Mapping[str, float]
+    remainder: Remainder, problem: Problem, gauges: Mapping[str, GaugeErrors]
 ) -> tuple[Issue, ...]:
     """That the noise of the input, or its course between samples, makes a part of what is left.
 
@@ -199,22 +201,21 @@ def input_noise_issues(
         What the last model leaves.
     problem
         The logs.
-    sds
-        Log → standard deviation of the noise of its input as it was recorded, in its unit.
+    gauges
+        Log → errors of the input that was recorded.
     """
-    noisiest = max(problem.logs, key=lambda log: sds.get(log.name, 0.0))
+    noisiest = max(problem.logs, key=lambda log: gauges.get(log.name, NO_ERRORS).sd)
     driving, first = noisiest.channels[noisiest.input], problem.outputs[0]
     output = noisiest.channels[first]
     course = remainder.input_course
+    noise = _noise_of(noisiest, gauges.get(noisiest.name, NO_ERRORS))
     found = []
     for share, code, what, remedy in (
         (
             1.0 - course,
             "noisy-input",
-            f"{noisiest.name}: {driving.name} has a noise of "
-            f"{sds.get(noisiest.name, 0.0) * driving.display_factor:.3g} {driving.display_unit}; "
-            "what averaging leaves of it",
-            f"record {driving.name} with a gauge or an amplifier of less noise",
+            f"{noisiest.name}: {driving.name} has {noise}; what averaging leaves of it",
+            f"record {driving.name} with a gauge or an amplifier of less noise or finer steps",
         ),
         (
             course,
@@ -232,6 +233,14 @@ def input_noise_issues(
         )
         found.append(Issue(code, "info", message, remedy))
     return tuple(found)
+
+
+def _noise_of(log: Log, gauge: GaugeErrors) -> str:
+    """Noise and steps of a log's input, in words."""
+    driving = log.channels[log.input]
+    factor, unit = driving.display_factor, driving.display_unit
+    steps = f" and steps of {gauge.step * factor:.3g} {unit}" if gauge.step > 0.0 else ""
+    return f"a noise of {gauge.sd * factor:.3g} {unit}{steps}"
 
 
 def unsure_input_issues(fit: FitResult, least_sd: Mapping[str, float]) -> tuple[Issue, ...]:

@@ -20,6 +20,7 @@ from softid.diagnosis.residual.rounding_floor import rounding_floor
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
 from softid.diagnosis_results import Remainder
 from softid.effects.scale import Scale
+from softid.identification.gauge_errors import GaugeErrors
 
 Array = npt.NDArray[np.float64]
 
@@ -57,7 +58,7 @@ def assess(
     scale: Scale,
     *,
     rng: np.random.Generator,
-    input_sds: Mapping[str, float] = MappingProxyType({}),
+    gauges: Mapping[str, GaugeErrors] = MappingProxyType({}),
 ) -> Remainder:
     """Look at what the last model leaves.
 
@@ -74,8 +75,8 @@ def assess(
         Sizes of the base fit.
     rng
         Draws the shifts of the null.
-    input_sds
-        Log → standard deviation of the noise of its input as it was recorded, in its unit.
+    gauges
+        Log → errors of the input that was recorded.
     """
     before, after = residual_context(base), residual_context(final)
     rounding = rounding_floor(final)
@@ -83,7 +84,7 @@ def assess(
     found = _look(before, after, floor, scale, final, rng=rng)
     if not found.structured and found.colour_s is None:
         return found
-    driven = input_noise(final, input_sds, floor.variance)
+    driven = input_noise(final, gauges, floor.variance)
     if driven is not None:
         beside = _look(before, after, floor, scale, final, rng=rng, driven=driven)
         found = beside if found.structured or not beside.structured else found

@@ -3,8 +3,8 @@
 The actuator follows the input that was there, the simulation the one that was recorded. Noise of
 the gauge is averaged away as far as the course of the input allows; what is slow of it stays, goes
 through the motion, and is large where the static curve is steep and nothing at rest. It is neither
-white nor steady, so that it looks like a misfit. So does what the input did between its samples
-where it was quick beside them.
+white nor steady, so that it looks like a misfit. So does the rounding of a coarse gauge, and what
+the input did between its samples where it was quick beside them.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from softid.diagnosis.residual.input_course import moved_by_courses
 from softid.diagnosis.residual.motion import mean_square, residual_context, simulated
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.projection import basis_of, rows_of
+from softid.identification.gauge_errors import NO_ERRORS, GaugeErrors
 from softid.identification.input_denoising import without_input_noise
 from softid.log import Log
 from softid.parallel import in_parallel
@@ -37,8 +38,8 @@ well it makes less, and every draw is a simulation."""
 SEED = 0
 """Of those draws, the same in every log."""
 
-_LEFT: WeakKeyDictionary[Log, tuple[float, Array]] = WeakKeyDictionary()
-"""Log → standard deviation of its noise and what `_left_of` found: all models are asked the same,
+_LEFT: WeakKeyDictionary[Log, tuple[GaugeErrors, Array]] = WeakKeyDictionary()
+"""Log → errors of its gauge and what `_left_of` found: all models are asked the same,
 and to average a long log takes longer than to simulate it."""
 
 
@@ -91,7 +92,7 @@ class InputNoise:
 
 
 def input_noise(
-    model: Candidate, sds: Mapping[str, float], variance: float, *, is_judged: bool = False
+    model: Candidate, gauges: Mapping[str, GaugeErrors], variance: float, *, is_judged: bool = False
 ) -> InputNoise | None:
     """Simulate what is not known of the input; None where that leaves nothing.
 
@@ -101,14 +102,14 @@ def input_noise(
     ----------
     model
         A fit to logs whose input was averaged.
-    sds
-        Log → standard deviation of the noise of its input as it was recorded, in its unit.
+    gauges
+        Log → errors of the input that was recorded.
     variance
         That of the output's noise, beside which a course that is sampled well is none.
     is_judged
         Whether the logs are held out: then the parameters make up for nothing.
     """
-    found = _unknown(model, sds, variance)
+    found = _unknown(model, gauges, variance)
     if found is None:
         return None
     noise, course = found
@@ -119,7 +120,7 @@ def input_noise(
 
 
 def moved_parameters(
-    model: Candidate, sds: Mapping[str, float], variance: float
+    model: Candidate, gauges: Mapping[str, GaugeErrors], variance: float
 ) -> dict[str, float]:
     """How far what is not known of the input moves each free parameter; nothing where it does not.
 
@@ -131,10 +132,10 @@ def moved_parameters(
 
     Parameters
     ----------
-    model, sds, variance
+    model, gauges, variance
         As in `input_noise`.
     """
-    found = _unknown(model, sds, variance)
+    found = _unknown(model, gauges, variance)
     if found is None:
         return {}
     noise, course = found
@@ -151,12 +152,11 @@ def moved_parameters(
 
 
 def _unknown(
-    model: Candidate, sds: Mapping[str, float], variance: float
+    model: Candidate, gauges: Mapping[str, GaugeErrors], variance: float
 ) -> tuple[Array, Array] | None:
     """Draws of the noise's and of the course's part, each of shape (D, m) or (1, 1)."""
-    noise = course = np.zeros((1, 1))
-    if any(sds.get(log.name, 0.0) > 0.0 for log in model.problem.logs):
-        noise = _of_noise(model, sds)
+    course = np.zeros((1, 1))
+    noise = _of_noise(model, gauges)
     first = _of_courses(model, (0,))
     if np.mean(first**2) > LEAST_COURSE * variance:
         course = np.vstack((first, _of_courses(model, range(1, DRAWS))))
@@ -170,7 +170,7 @@ def _slopes(model: Candidate) -> Array:
 
 
 def takes_input_noise_at_most(
-    before: Candidate, after: Candidate, sds: Mapping[str, float]
+    before: Candidate, after: Candidate, gauges: Mapping[str, GaugeErrors]
 ) -> bool:
     """Whether a cause takes away no more than what is not known of the input leaves anyway.
 
@@ -181,11 +181,11 @@ def takes_input_noise_at_most(
     ----------
     before, after
         The models without and with the cause.
-    sds
+    gauges
         As in `input_noise`.
     """
     left, behind = (mean_square(residual_context(model)) for model in (before, after))
-    driven = input_noise(before, sds, behind)
+    driven = input_noise(before, gauges, behind)
     return driven is not None and left - behind <= driven.variance
 
 
@@ -197,10 +197,15 @@ def _of_courses(model: Candidate, draws: Sequence[int]) -> Array:
     return np.array([np.concatenate(parts)[used] for parts in moved])
 
 
-def _of_noise(model: Candidate, sds: Mapping[str, float]) -> Array:
-    """Changes of the first output at its used samples with draws of the noise, shape (D, m)."""
+def _of_noise(model: Candidate, gauges: Mapping[str, GaugeErrors]) -> Array:
+    """Changes of the first output at its used samples with draws of the noise, shape (D, m).
+
+    Of shape (1, 1) without any.
+    """
     problem, first = model.problem, model.problem.outputs[0]
-    shifts = [_left_of(log.as_recorded, sds.get(log.name, 0.0)) for log in problem.logs]
+    shifts = [_left_of(log.as_recorded, gauges.get(log.name, NO_ERRORS)) for log in problem.logs]
+    if not any(shift.any() for shift in shifts):
+        return np.zeros((1, 1))
     still = [simulated(model, k, segment) for k, segment in enumerate(problem.segments)]
 
     def moved(draw: int) -> Array:
@@ -208,7 +213,9 @@ def _of_noise(model: Candidate, sds: Mapping[str, float]) -> Array:
         for k, (segment, before) in enumerate(zip(problem.segments, still, strict=True)):
             log = problem.owner[k]
             recorded_s = problem.logs[log].as_recorded.time_s
-            shift = np.interp(segment.time_s, recorded_s, shifts[log][draw])
+            shift = 0.0
+            if shifts[log].any():
+                shift = np.interp(segment.time_s, recorded_s, shifts[log][draw])
             change = simulated(model, k, replace(segment, input=segment.input + shift)) - before
             moves.append(change[segment.samples_of(segment.used[first])])
         return np.concatenate(moves)
@@ -216,20 +223,25 @@ def _of_noise(model: Candidate, sds: Mapping[str, float]) -> Array:
     return np.array(in_parallel(moved, range(DRAWS)))
 
 
-def _left_of(log: Log, sd: float) -> Array:
-    """What is left of draws of a log's noise behind the averaging, shape (D, n)."""
+def _left_of(log: Log, gauge: GaugeErrors) -> Array:
+    """What is left of draws of a log's noise behind the averaging, and of its rounding.
+
+    Shape (D, n), or (1, 1) without any.
+    """
     known = _LEFT.get(log)
-    if known is None or known[0] != sd:
-        left = in_parallel(lambda draw: _left(log, sd, draw), range(DRAWS))
-        _LEFT[log] = known = (sd, np.array(left))
+    if known is None or known[0] is not gauge:
+        left = np.zeros((1, 1))
+        if gauge.are_there:
+            left = np.array(in_parallel(lambda draw: _left(log, gauge, draw), range(DRAWS)))
+        _LEFT[log] = known = (gauge, left)
     return known[1]
 
 
-def _left(log: Log, sd: float, draw: int) -> Array:
+def _left(log: Log, gauge: GaugeErrors, draw: int) -> Array:
     """What is left of one draw, shape (n,)."""
-    channel = log.channels[log.input]
-    noise = sd * np.random.default_rng((SEED, draw)).standard_normal(len(log))
+    channel, rng = log.channels[log.input], np.random.default_rng((SEED, draw))
+    noise = gauge.sd * rng.standard_normal(len(log))
     channels = {**log.channels, log.input: replace(channel, values=channel.values + noise)}
     noisy = without_input_noise(replace(log, channels=channels))
     left: Array = noisy.channels[log.input].values - channel.values
-    return left
+    return left + gauge.rounding(rng) if gauge.step > 0.0 else left

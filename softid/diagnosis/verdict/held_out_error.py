@@ -91,8 +91,8 @@ def _of_input(model: Candidate, held_out: HeldOut, remainder: Remainder) -> floa
     """Mean square that the noise of the held-out input adds to that of the fitted one, or 0."""
     judged = held_out.standing(model)
     driven = None
-    if judged is not None and any(held_out.input_sds.values()):
-        driven = input_noise(judged, held_out.input_sds, remainder.noise_power, is_judged=True)
+    if judged is not None and any(gauge.are_there for gauge in held_out.gauges.values()):
+        driven = input_noise(judged, held_out.gauges, remainder.noise_power, is_judged=True)
     known = remainder.input_noise * remainder.rms**2
     return max(driven.variance - known, 0.0) if driven is not None else 0.0
 

@@ -30,7 +30,7 @@ def begun(model: Model, error: float, instead_of: Any = None) -> Any:
         scale=None,
         held_out=held,
         instead_of=instead_of,
-        input_sds={},
+        gauges={},
     )
 
 
@@ -64,7 +64,7 @@ def recordings(count: int = 3) -> Recordings:
 def structure(monkeypatch: pytest.MonkeyPatch) -> None:
     """The base leaves structure; what it leaves is not computed here."""
     left = SimpleNamespace(structured=True)
-    monkeypatch.setattr(reduced_base, "assess", lambda *args, rng, input_sds: left)
+    monkeypatch.setattr(reduced_base, "assess", lambda *args, rng, gauges: left)
 
 
 def test_a_muscle_may_do_without_growing_damping() -> None:
@@ -109,5 +109,5 @@ def test_a_base_stays_where_it_cannot_or_need_not_change(monkeypatch: pytest.Mon
     plain = begun(CONSTANT, 1.0)
     assert reduced_if_better(recordings(), request(better), plain)[1] is plain
     noise = SimpleNamespace(structured=False)
-    monkeypatch.setattr(reduced_base, "assess", lambda *args, rng, input_sds: noise)
+    monkeypatch.setattr(reduced_base, "assess", lambda *args, rng, gauges: noise)
     assert reduced_if_better(recordings(), request(better), start)[1] is start

@@ -21,7 +21,8 @@ from softid.diagnosis.residual.input_noise import (
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis_results import Verdict
-from softid.identification.input_denoising import input_noise_sd, without_input_noise
+from softid.identification.gauge_errors import GaugeErrors, gauge_errors
+from softid.identification.input_denoising import without_input_noise
 from softid.log import Log
 from softid.synthesis import hidden_pair
 from softid.synthesis.rig import Rig
@@ -44,7 +45,7 @@ def at_the_truth(log: Log) -> Candidate:
 
 
 def test_an_exact_input_leaves_nothing() -> None:
-    assert input_noise(at_the_truth(gauged(0)), {"gauged": 0.0}, 1.0) is None
+    assert input_noise(at_the_truth(gauged(0)), {"gauged": GaugeErrors()}, 1.0) is None
     assert input_noise(at_the_truth(gauged(0)), {}, 1.0) is None
 
 
@@ -58,7 +59,7 @@ def test_it_is_as_large_as_what_noise_leaves() -> None:
         log = gauged(seed)
         model = at_the_truth(log)
         (block,) = model.problem.blocks(model.minimum.point, derivatives=False)
-        found = input_noise(model, {"gauged": input_noise_sd(log)}, 1.0)
+        found = input_noise(model, {"gauged": gauge_errors(log)}, 1.0)
         assert found is not None
         left.append(float(np.mean((block.residual - block.residual.mean()) ** 2)))
         drawn.append(found.variance)
@@ -75,7 +76,7 @@ def test_parameters_scatter_as_far_as_it_is_told() -> None:
     for seed in range(12):
         log = gauged(seed)
         model = converged(at_the_truth(log), {"angle": 0.01})
-        told = moved_parameters(model, {"gauged": input_noise_sd(log)}, 1.0)
+        told = moved_parameters(model, {"gauged": gauge_errors(log)}, 1.0)
         off = [np.log(model.parameters[name] / TRUTH[name]) for name in model.problem.free]
         foretold.append(list(told.values()))
         reached.append(off)
@@ -90,7 +91,7 @@ def test_what_is_not_shown_moves_no_farther_than_is_known() -> None:
     still = 50.0 + 1e-3 * SD_KPA * np.random.default_rng(0).standard_normal(time_s.size)
     angle = linear_angle(time_s, np.full(time_s.size, 50.0))
     log = Log.from_arrays(time_s, {"pressure": still, "angle": angle}, name="gauged")
-    moved = moved_parameters(at_the_truth(log), {"gauged": SD_KPA}, 1e-4)
+    moved = moved_parameters(at_the_truth(log), {"gauged": GaugeErrors(SD_KPA)}, 1e-4)
     assert 0.0 < max(moved.values()) <= BASE_SD
 
 
@@ -109,9 +110,9 @@ def test_a_cause_that_muffles_the_gauge_takes_no_more_than_its_noise() -> None:
     drifts = replace(log.channels["angle"], values=linear_angle(log.time_s, exact) + log.time_s)
     drifting = replace(log, channels={**log.channels, "angle": drifts})
     before, after, misfit = (at_the_truth(one) for one in (log, half, drifting))
-    sds = {"gauged": input_noise_sd(log)}
-    assert takes_input_noise_at_most(before, after, sds)
-    assert not takes_input_noise_at_most(misfit, after, sds)
+    gauges = {"gauged": gauge_errors(log)}
+    assert takes_input_noise_at_most(before, after, gauges)
+    assert not takes_input_noise_at_most(misfit, after, gauges)
     assert not takes_input_noise_at_most(before, after, {})
 
 
@@ -126,8 +127,8 @@ def test_what_passes_for_slow_noise_is_held_against_the_gauge() -> None:
     model = at_the_truth(log)
     scale = scale_of(model.problem, model.minimum.point)
     exact, gauge = (
-        assess(model, model, scale, rng=np.random.default_rng(0), input_sds=sds)
-        for sds in ({}, {"gauged": input_noise_sd(log)})
+        assess(model, model, scale, rng=np.random.default_rng(0), gauges=gauges)
+        for gauges in ({}, {"gauged": gauge_errors(log)})
     )
     assert exact.colour_s is not None
     assert exact.input_noise < 0.01

@@ -1,0 +1,106 @@
+"""What a gauge adds to the input that it records: noise, and the rounding of coarse steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.excitation import find_quantisation, run_starts
+from softid.identification.input_denoising import input_noise_sd
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+
+BLURRED = 0.4
+"""Noise of so much of a step blurs the rounding: the mean of many samples is known, and what is
+left of each counts as noise already."""
+
+LEAST_RUNS = 20
+"""So few values one after the other are the levels of a command, not of a gauge."""
+
+TO_NEXT = 0.5
+"""Share of the changes that lead to a neighbouring step: a gauge passes them one by one, and a
+command that is set jumps."""
+
+
+@dataclass(frozen=True, eq=False)
+class GaugeErrors:
+    """Errors of a recorded input.
+
+    Attributes
+    ----------
+    sd
+        Standard deviation of its noise, in its unit.
+    step
+        Step of its converter, in its unit; 0 where the noise blurs it.
+    readings
+        What was recorded, shape (n,); empty without a step.
+    """
+
+    sd: float = 0.0
+    step: float = 0.0
+    readings: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def are_there(self) -> bool:
+        """Whether there are any."""
+        return self.sd > 0.0 or self.step > 0.0
+
+    def rounding(self, rng: np.random.Generator) -> Array:
+        """A draw of what rounding hides, alike wherever the reading is the same, shape (n,).
+
+        A held pressure between two steps is off by as much as half a step for as long as it is
+        held, by another amount at every level, and by the same whenever that level is set again: no
+        mean over samples takes that away. Nothing is hidden of a run of equal readings that is
+        entered at one end and left at the other, for it passes the step.
+
+        Parameters
+        ----------
+        rng
+            Draws the errors.
+
+        Examples
+        --------
+        >>> gauge = GaugeErrors(0.0, 1.0, np.array([0.0, 1.0, 1.0, 2.0, 2.0, 2.0]))
+        >>> found = gauge.rounding(np.random.default_rng(0))
+        >>> found[1:3].tolist(), bool(np.ptp(found[3:]) == 0.0 < abs(found[3]) <= 0.5)
+        ([0.0, 0.0], True)
+        """
+        starts = run_starts(self.readings)
+        moves = np.round(np.diff(self.readings[starts]) / self.step)
+        before, after = np.concatenate(([0.0], moves)), np.concatenate((moves, [0.0]))
+        passes = (before == after) & (np.abs(before) == 1.0)
+        levels, level = np.unique(self.readings[starts], return_inverse=True)
+        errors = np.where(passes, 0.0, self.step * (rng.random(levels.size) - 0.5)[level])
+        return np.repeat(errors, np.diff(starts, append=self.readings.size))
+
+
+NO_ERRORS = GaugeErrors()
+"""Those of a gauge of which nothing is known."""
+
+
+def gauge_errors(log: Log) -> GaugeErrors:
+    """The errors of the input of a log.
+
+    Parameters
+    ----------
+    log
+        A log as it was recorded.
+    """
+    sd = input_noise_sd(log)
+    step = _hidden_step(log, sd)
+    return GaugeErrors(sd, step, log.channels[log.input].values) if step > 0.0 else GaugeErrors(sd)
+
+
+def _hidden_step(log: Log, sd: float) -> float:
+    """Step of the converter of an input; 0 where its rounding hides nothing."""
+    values = log.channels[log.input].values
+    grid = None if log.input == "pressure_command" else find_quantisation(values)
+    if grid is None or sd >= BLURRED * grid.step:
+        return 0.0
+    moves = np.abs(np.diff(values[run_starts(values)])) / grid.step
+    if moves.size < LEAST_RUNS or np.mean(np.round(moves) == 1.0) < TO_NEXT:
+        return 0.0
+    return grid.step
