@@ -130,6 +130,8 @@ class LowerContact(Contact):
 
     An arm that rests on a table while it is vented is held so, and so is one whose position falls
     with the pressure and that presses against something.
+
+    Source: Johnson, *Contact Mechanics*, §4.3 (elastic foundation).
     """
 
     variant: ClassVar[str] = "lower"

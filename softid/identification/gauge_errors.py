@@ -35,12 +35,13 @@ class GaugeErrors:
         Standard deviation of its noise, in its unit.
     step
         Step of its converter, in its unit; 0 where the noise blurs it.
-    readings
-        What was recorded, shape (n,); empty without a step.
+    time_s, readings
+        When and what was recorded, each of shape (n,); empty without a step.
     """
 
     sd: float = 0.0
     step: float = 0.0
+    time_s: Array = field(default_factory=lambda: np.empty(0))
     readings: Array = field(default_factory=lambda: np.empty(0))
 
     @property
@@ -48,8 +49,8 @@ class GaugeErrors:
         """Whether there are any."""
         return self.sd > 0.0 or self.step > 0.0
 
-    def rounding(self, rng: np.random.Generator) -> Array:
-        """A draw of what rounding hides, alike wherever the reading is the same, shape (n,).
+    def rounding(self, time_s: Array, rng: np.random.Generator) -> Array:
+        """A draw of what rounding hides at some times, alike wherever the reading is the same.
 
         A held pressure between two steps is off by as much as half a step for as long as it is
         held, by another amount at every level, and by the same whenever that level is set again: no
@@ -58,13 +59,21 @@ class GaugeErrors:
 
         Parameters
         ----------
+        time_s
+            The times, shape (m,), which need not be those of all readings.
         rng
             Draws the errors.
 
+        Returns
+        -------
+        Array
+            In the unit of the input, shape (m,).
+
         Examples
         --------
-        >>> gauge = GaugeErrors(0.0, 1.0, np.array([0.0, 1.0, 1.0, 2.0, 2.0, 2.0]))
-        >>> found = gauge.rounding(np.random.default_rng(0))
+        >>> time_s = np.arange(6.0)
+        >>> gauge = GaugeErrors(0.0, 1.0, time_s, np.array([0.0, 1.0, 1.0, 2.0, 2.0, 2.0]))
+        >>> found = gauge.rounding(time_s, np.random.default_rng(0))
         >>> found[1:3].tolist(), bool(np.ptp(found[3:]) == 0.0 < abs(found[3]) <= 0.5)
         ([0.0, 0.0], True)
         """
@@ -74,7 +83,9 @@ class GaugeErrors:
         passes = (before == after) & (np.abs(before) == 1.0)
         levels, level = np.unique(self.readings[starts], return_inverse=True)
         errors = np.where(passes, 0.0, self.step * (rng.random(levels.size) - 0.5)[level])
-        return np.repeat(errors, np.diff(starts, append=self.readings.size))
+        read = np.repeat(errors, np.diff(starts, append=self.readings.size))
+        found: Array = np.interp(time_s, self.time_s, read)
+        return found
 
 
 NO_ERRORS = GaugeErrors()
@@ -91,7 +102,9 @@ def gauge_errors(log: Log) -> GaugeErrors:
     """
     sd = input_noise_sd(log)
     step = _hidden_step(log, sd)
-    return GaugeErrors(sd, step, log.channels[log.input].values) if step > 0.0 else GaugeErrors(sd)
+    if step == 0.0:
+        return GaugeErrors(sd)
+    return GaugeErrors(sd, step, log.time_s, log.channels[log.input].values)
 
 
 def _hidden_step(log: Log, sd: float) -> float:

@@ -48,10 +48,10 @@ def test_what_is_drawn_is_what_rounding_takes() -> None:
     """Uniform within a step over many levels, alike whenever one is set again, none in passing."""
     rng = np.random.default_rng(0)
     levels = STEP * rng.integers(0, 60, 500) * 3.0  # never the next one
-    drawn = GaugeErrors(0.0, STEP, np.repeat(levels, 4)).rounding(rng)
+    drawn = GaugeErrors(0.0, STEP, TIME_S, np.repeat(levels, 4)).rounding(TIME_S, rng)
     assert np.max(np.abs(drawn)) <= 0.5 * STEP
     assert np.std(drawn) == pytest.approx(STEP / 12.0**0.5, rel=0.15)
     for level in np.unique(levels):
         assert np.ptp(drawn[np.repeat(levels, 4) == level]) == 0.0
-    ramp = GaugeErrors(0.0, STEP, STEP * np.repeat(np.arange(20.0), 3)).rounding(rng)
-    np.testing.assert_array_equal(ramp[3:-3], 0.0)
+    ramp = GaugeErrors(0.0, STEP, TIME_S[:60], STEP * np.repeat(np.arange(20.0), 3))
+    np.testing.assert_array_equal(ramp.rounding(TIME_S[3:57], rng), 0.0)

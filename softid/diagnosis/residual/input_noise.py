@@ -244,4 +244,4 @@ def _left(log: Log, gauge: GaugeErrors, draw: int) -> Array:
     channels = {**log.channels, log.input: replace(channel, values=channel.values + noise)}
     noisy = without_input_noise(replace(log, channels=channels))
     left: Array = noisy.channels[log.input].values - channel.values
-    return left + gauge.rounding(rng) if gauge.step > 0.0 else left
+    return left + gauge.rounding(log.time_s, rng) if gauge.step > 0.0 else left
