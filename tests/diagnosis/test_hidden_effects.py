@@ -157,7 +157,7 @@ def test_the_rounding_of_the_pressure_is_no_misfit(seed: int) -> None:
     assert cause.effect == "creep"
 
 
-@pytest.mark.parametrize("seed", [32, pytest.param(31, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [31, pytest.param(32, marks=pytest.mark.slow)])
 def test_a_pressure_smoothed_afterwards_is_no_resonance(seed: int) -> None:
     """A mean over five samples, as one takes to make a plot look clean; nothing is hidden.
 

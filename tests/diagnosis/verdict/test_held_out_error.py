@@ -22,6 +22,7 @@ from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, hold_out_block
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.verdict.held_out_error import parametric_power, with_held_out
 from softid.diagnosis_results import Remainder
+from softid.identification.gauge_errors import GaugeErrors
 from softid.identification.input_denoising import without_input_noise
 from softid.log import Log, LogSet
 
@@ -103,10 +104,11 @@ def test_a_noisy_gauge_of_what_is_held_out_is_no_miss() -> None:
     gauge = replace(log.channels["pressure"], values=log.pressure_kpa + GAUGE * trembling(1000))
     noisy = without_input_noise(replace(log, channels={**log.channels, "pressure": gauge}))
     assert told_of(LEFT, model, HeldOutLogs((noisy,))).misses_held_out
-    assert not told_of(LEFT, model, HeldOutLogs((noisy,), {"fast": GAUGE})).misses_held_out
+    errors = {"fast": GaugeErrors(GAUGE)}
+    assert not told_of(LEFT, model, HeldOutLogs((noisy,), errors)).misses_held_out
     off = fast_log(noise=NOISE, gain=1.6)
     off = replace(off, channels={**off.channels, "pressure": noisy.channels["pressure"]})
-    assert told_of(LEFT, model, HeldOutLogs((off,), {"fast": GAUGE})).misses_held_out
+    assert told_of(LEFT, model, HeldOutLogs((off,), errors)).misses_held_out
 
 
 def trembling(samples: int) -> np.ndarray:
