@@ -26,7 +26,7 @@ ITERATIONS = 50
 TOLERANCE = 1e-12
 """The rest is found when a step is so small, in the scale of the states."""
 
-LAW = slice(2, 4)
+AT_REST = slice(2, 4)
 """Of the coefficients m, n, q and f those that count at rest."""
 
 
@@ -106,8 +106,10 @@ def rest_by(model: Model, terms: Terms, theta: Array, x: float, u: float, t: flo
     left = balance(x)
     h = DIFFERENCE * terms.scale[0]
     slope = (balance(x + h) - left) / h
-    own = _by_law(law, terms, theta, x, u, t) if law is not None else None
-    by[: theta.size] = _by_theta(model, terms, theta, x, u, t) if own is None else own
+    if law is None:
+        by[: theta.size] = _by_theta(model, terms, theta, x, u, t, left)
+    else:
+        by[: theta.size] = _by_law(law, terms, theta, x, u, t, left)
     for k in np.flatnonzero(terms.moves).tolist():
         step = terms.moves[k]
         elsewhere = replace(terms, eta=_moved(terms.eta, k, step))
@@ -117,25 +119,28 @@ def rest_by(model: Model, terms: Terms, theta: Array, x: float, u: float, t: flo
     return by
 
 
-def _by_law(law: Law, terms: Terms, theta: Array, x: float, u: float, t: float) -> Array:
-    """Derivatives of the force left at rest by θ, which is affine in the stiffness and the drive.
+def _by_law(
+    law: Law, terms: Terms, theta: Array, x: float, u: float, t: float, left: float
+) -> Array:
+    """Derivatives of the force ``left`` at rest by θ, shape (K,).
 
-    Shape (K,).
+    The force is affine in the stiffness and the drive.
     """
     packed, packed_by = law.packed(np.full((1, 3), u), derivatives=True)
-    coefficients, by = packed[0, 0], packed_by[0, 0].reshape(4, -1)[LAW, : theta.size]
+    coefficients, by = packed[0, 0], packed_by[0, 0].reshape(4, -1)[AT_REST, : theta.size]
     equation = terms.equation(theta, None)
     sizes = np.where(coefficients == 0.0, 1.0, np.abs(coefficients))
-    moved = coefficients + np.diag(sizes)[LAW]
-    left, *there = (_left(equation, c, terms, u, t)(x) for c in (coefficients, *moved))
-    slopes = (np.array(there) - left) / sizes[LAW]
+    moved = coefficients + np.diag(sizes)[AT_REST]
+    there = np.array([_left(equation, c, terms, u, t)(x) for c in moved])
+    slopes = (there - left) / sizes[AT_REST]
     found: Array = slopes @ by
     return found
 
 
-def _by_theta(model: Model, terms: Terms, theta: Array, x: float, u: float, t: float) -> Array:
+def _by_theta(
+    model: Model, terms: Terms, theta: Array, x: float, u: float, t: float, left: float
+) -> Array:
     """The same of a law that is not affine in its state, by differences."""
-    left = _unbalanced(model, terms, theta, u, t)(x)
     by = np.zeros(theta.size)
     steps = DIFFERENCE * np.maximum(np.abs(theta), 1.0)  # it is affine in θ, some of which is zero
     for k, step in enumerate(steps):

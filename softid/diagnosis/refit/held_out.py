@@ -67,8 +67,8 @@ class HeldOut(ABC):
     Attributes
     ----------
     gauges
-        Log → errors of the input that was recorded; nothing
-        where parts of the fitted logs are held out.
+        Log → errors of the input that was recorded; nothing where parts of the fitted logs are held
+        out.
     """
 
     gauges: Mapping[str, GaugeErrors] = MappingProxyType({})

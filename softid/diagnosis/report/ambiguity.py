@@ -199,9 +199,10 @@ def what_next(
     if remainder.misses_held_out and not remainder.structured:
         anew = [law.key for law in laws if law.key in EFFECTS and EFFECTS[law.key].begins_with_log]
         if anew:
+            begin = "begins" if len(anew) == 1 else "begin"
             return (
-                f"hold out none, so that blocks of these logs judge: {titles_of(anew)} begins anew "
-                "with every log here, and what is held out may have begun otherwise"
+                f"hold out none, so that blocks of these logs judge: {titles_of(anew)} {begin} "
+                "anew with every log here, and what is held out may have begun otherwise"
             )
         return "fit what is held out together with the rest, for it shows what the rest hardly does"
     if verdict is Verdict.UNKNOWN and not remainder.structured:

@@ -28,7 +28,7 @@ WIDEST = 0.1
 START_WIDTHS = (0.3, 1.0, 3.0)
 """Starts of it, in times of the motion."""
 
-SAMPLES, START_SAMPLES = 200.0, (4.0, 16.0)
+MOST_SAMPLES, START_SAMPLES = 200.0, (4.0, 16.0)
 """Bound and starts of the time over which an input is smoothed, in sampling intervals."""
 
 UNEVEN = "pneumatic_lag.separate"
@@ -126,7 +126,7 @@ class SmoothedInput(InputEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The width of the window."""
-        start, longest = (n * scale.period_s for n in (START_SAMPLES[0], SAMPLES))
+        start, longest = (n * scale.period_s for n in (START_SAMPLES[0], MOST_SAMPLES))
         return one_parameter("w", start, "s", 0.0, longest, "window", self.source)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
