@@ -90,7 +90,7 @@ def test_a_ringing_muscle_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     assert searched(whole, SWINGING)[1] > 5.0
 
 
-@pytest.mark.parametrize("enough", [500, 1000])
+@pytest.mark.parametrize("enough", [500, pytest.param(1000, marks=pytest.mark.slow)])
 def test_a_ringing_muscle_is_found_on_a_part_of_a_long_log(
     enough: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

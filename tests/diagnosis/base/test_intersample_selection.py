@@ -203,7 +203,9 @@ def test_steps_that_were_held_are_no_lag(seed: int) -> None:
     assert "pneumatic_lag" in tied | {cause.effect for cause in lagged.causes}
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))]
+)
 def test_steps_that_were_held_and_partly_lost_are_no_delay(seed: int) -> None:
     """Nobody knows when it jumped while samples were lost: held over the gap it would be late."""
 
@@ -310,7 +312,7 @@ def test_straight_lines_are_found_where_an_input_bends() -> None:
             assert better_intersample(found, SIGMA) == (None if reading == truth else truth)
 
 
-@pytest.mark.parametrize("delay_s", [0.0, 0.02])
+@pytest.mark.parametrize("delay_s", [pytest.param(0.0, marks=pytest.mark.slow), 0.02])
 def test_a_bend_between_samples_is_no_effect(delay_s: float) -> None:
     """Straight lines cut a swinging input short: a delay or a lag took that for its own."""
     log, judge = swinging_log(1, delay_s), swinging_log(2, delay_s)

@@ -146,7 +146,7 @@ def test_noise_of_the_input_is_no_way() -> None:
     assert without_moving_start(log, MOTION_S, states=STATES) is log
 
 
-@pytest.mark.parametrize("rate_hz", [0.3, 0.7])
+@pytest.mark.parametrize("rate_hz", [0.3, pytest.param(0.7, marks=pytest.mark.slow)])
 def test_a_delay_is_no_resonance_where_a_log_begins_in_mid_motion(rate_hz: float) -> None:
     """Two sines through 120 ms of delay and a linear actuator, cut out of a longer motion."""
 

@@ -85,10 +85,12 @@ def test_what_explains_as_much_in_the_place_of_drifts(hidden: str, drifts: tuple
     [
         (("saturating_sensor",), ("stiffening",), ("bent_reading",)),
         pytest.param(("stiffening",), ("stiffening",), (), marks=pytest.mark.slow),
-        (("rate_limit",), ("valve_flow",), ("rate_limit",)),
+        pytest.param(("rate_limit",), ("valve_flow",), ("rate_limit",), marks=pytest.mark.slow),
         pytest.param(("valve_flow",), ("valve_flow",), (), marks=pytest.mark.slow),
         (("dead_zone", "sensor_clipping"), ("sensor_clipping.both",), ("dead_zone",)),
-        (("output_backlash",), ("hysteresis",), ("output_play",)),
+        pytest.param(
+            ("output_backlash",), ("hysteresis",), ("output_play",), marks=pytest.mark.slow
+        ),
         pytest.param(("hysteresis",), ("hysteresis",), (), marks=pytest.mark.slow),
         (("pneumatic_lag", "delay"), ("line_resonance",), ("pneumatic_lag", "delay")),
         pytest.param(("line_resonance",), ("line_resonance",), (), marks=pytest.mark.slow),
