@@ -7,14 +7,17 @@ than an oscillator does, and what it leaves then has no name.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.cause_search import CauseSearch
-from softid.diagnosis.search.bic_ranking import is_likelier
-from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.search.bic_ranking import is_likelier, rank
+from softid.diagnosis.search.contenders import INDISTINCT
+from softid.diagnosis.search.forward_selection import FIRST, Chain, next_link
+from softid.diagnosis.search.screening import screen
+from softid.effects.base import Effect
 from softid.errors import IdentificationError, Issue
 from softid.models.base import Model
 
@@ -25,6 +28,17 @@ one leaves with its own is not looked at further."""
 NEAR = 4.0
 """One with two causes that leaves so many times what all causes of the chosen one leave is not
 searched further."""
+
+TRIED = 3
+"""So many of the causes whose signatures promise most show whether a plainer model comes near."""
+
+FAR = 8.0
+"""Where the chosen one leaves no more than noise, one that leaves so many times what its first
+cause does, with the best of these, is not looked at further."""
+
+BENT = 0.02
+"""A curve follows any law within its knots only, and explains as much as a law where its BIC is
+less than this share of all that falls above it."""
 
 PLAINER_MODEL = "plainer-model"
 """Code of the remark that another model than the one that predicts best is extended."""
@@ -47,6 +61,25 @@ class ModelSearch:
     request: Request
     search: CauseSearch
     first: Chain
+
+
+@dataclass(frozen=True)
+class OtherModel:
+    """A model that explains the logs as well as the one that is extended.
+
+    Attributes
+    ----------
+    label
+        What it is called.
+    effects
+        Its own causes.
+    behind
+        Its BIC above that of the other one.
+    """
+
+    label: str
+    effects: tuple[Effect, ...]
+    behind: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +113,8 @@ class PlainerModels:
         return choice.plainer if choice is not None else ()
 
     @cached_property
-    def plainer(self) -> list[ModelSearch]:
-        """The plainer ones that come near with their own first cause."""
+    def _fitted(self) -> list[tuple[Request, CauseSearch]]:
+        """The plainer ones with their fits."""
         found = []
         for model in self._lost:
             asked = replace(self.request, model=model)
@@ -91,23 +124,92 @@ class PlainerModels:
                 )
             except IdentificationError:  # it was drafted, but its fit came to no parameters
                 continue
-            search = replace(self.search, base=base)
-            found.append(ModelSearch(asked, search, search.first_cause()))
+            found.append((asked, replace(self.search, base=base)))
+        return found
+
+    @cached_property
+    def plainer(self) -> list[ModelSearch]:
+        """The plainer ones that come near with their own first cause."""
+        return self._that_come_near(self._fitted)
+
+    @cached_property
+    def _promising(self) -> list[ModelSearch]:
+        """The same where a settled chain asks; only the likeliest causes are tried at first."""
+        near = [pair for pair in self._fitted if _first_look(pair[1]) < self._most_left]
+        return self._that_come_near(near)
+
+    @property
+    def _most_left(self) -> float:
+        """What a plainer model may leave with one cause, where another one is settled.
+
+        Of two causes either may be the first, and leave much more than the other would.
+        """
+        is_one = self._settled is not None and len(self._settled.links) == 1
+        return (FAR if is_one else HOPELESS) * self.chosen.first.final.squares
+
+    def _that_come_near(self, asked: Sequence[tuple[Request, CauseSearch]]) -> list[ModelSearch]:
+        found = [ModelSearch(request, search, search.first_cause()) for request, search in asked]
         most = HOPELESS * self.chosen.first.final.squares
         return [m for m in found if m.first.links and m.first.final.squares < most]
 
     def likeliest(self) -> ModelSearch:
         """The model that is the likeliest with its first cause, or with two, by BIC.
 
-        The chosen one stays where one or two causes of its own leave noise and are no curve.
+        Where one or two causes of the chosen one leave noise and are no curve, only a plainer one
+        that is likelier than that takes its place.
         """
         if not self._lost:
             return self.chosen
+        if self._settled is not None:
+            return self._likelier_than_settled or self.chosen
+        with_one = self._likelier(self.plainer, self.chosen.first, lambda rival: rival.first)
+        return with_one or self._likelier(self.plainer, _two(self.chosen), _two) or self.chosen
+
+    @cached_property
+    def _likelier_than_settled(self) -> ModelSearch | None:
+        assert self._settled is not None
+        if not self._settled.links:
+            return None
+        return self._likelier(self._promising, self._settled, self._against_settled)
+
+    def explaining_as_well(self, extended: ModelSearch, found: Chain) -> OtherModel | None:
+        """A plainer model that explains the logs as well with causes of its own; None for none.
+
+        Parameters
+        ----------
+        extended, found
+            As in `after_first_cause`; the causes are named.
+        """
+        if extended is not self.chosen or not self._lost or self._settled is None:
+            return None
+        if not found.links:
+            return None
+        before, after = self.search.base.candidate, found.final
+        for rival in self._promising:
+            other = self._against_settled(rival)
+            ranked = rank([before, after, other.final], self.search.base.sigma)
+            bic = {id(row.plain): row.bic for row in ranked}
+            behind = bic[id(other.final)] - bic[id(after)]
+            slack = BENT * (bic[id(before)] - bic[id(after)]) if other.bends else 0.0
+            if behind < max(INDISTINCT, slack):
+                effects = other.final.effects
+                return OtherModel(rival.search.base.candidate.problem.model.label, effects, behind)
+        return None
+
+    @cached_property
+    def _settled(self) -> Chain | None:
+        """The fewest causes of the chosen model, of two at most, that leave no doubt."""
         first = self.chosen.first
-        if not self._is_in_doubt(first) or not self._is_in_doubt(_two(self.chosen)):
-            return self.chosen
-        with_one = self._likelier(first, lambda rival: rival.first)
-        return with_one or self._likelier(_two(self.chosen), _two) or self.chosen
+        if not self._is_in_doubt(first):
+            return first
+        two = _two(self.chosen)
+        return None if self._is_in_doubt(two) else two
+
+    def _against_settled(self, rival: ModelSearch) -> Chain:
+        """As many causes of a plainer model as it needs, two at most."""
+        first = rival.first
+        is_near = first.final.squares < self._most_left
+        return _two(rival) if is_near and rival.search.leaves_structure(first) else first
 
     def _is_in_doubt(self, chain: Chain) -> bool:
         return chain.bends or self.search.leaves_structure(chain)
@@ -124,7 +226,7 @@ class PlainerModels:
         """
         if extended is not self.chosen:
             return None
-        return self._likelier(found, lambda rival: rival.first)
+        return self._likelier(self.plainer, found, lambda rival: rival.first)
 
     def after_all_causes(
         self,
@@ -155,7 +257,7 @@ class PlainerModels:
         if extended is not self.chosen or not is_in_doubt:
             return None
         if is_explained:
-            return self._likelier(found, lambda rival: rival.first)
+            return self._likelier(self.plainer, found, lambda rival: rival.first)
 
         def searched(rival: ModelSearch) -> Chain:
             two = _two(rival)
@@ -165,18 +267,31 @@ class PlainerModels:
                 return two
             return rival.search.search(rival.first).chain
 
-        return self._likelier(found, searched)
+        return self._likelier(self.plainer, found, searched)
 
     def _likelier(
-        self, chain: Chain, extended: Callable[[ModelSearch], Chain]
+        self,
+        rivals: Sequence[ModelSearch],
+        chain: Chain,
+        extended: Callable[[ModelSearch], Chain],
     ) -> ModelSearch | None:
         """The plainer model that is the likeliest when extended, if it is likelier."""
         best, found = None, chain.final
-        for rival in self.plainer:
+        for rival in rivals:
             other = extended(rival).final
             if is_likelier(other, found, self.search.base.sigma):
                 best, found = rival, other
         return best
+
+
+def _first_look(search: CauseSearch) -> float:
+    """Sum of squares with the best of the few causes that promise most."""
+    base = search.base
+    promising = screen(base.candidate, search.effects, base.scale, base.sigma)
+    keys = list(dict.fromkeys(signature.effect.key for signature in promising))[:TRIED]
+    few = [effect for effect in search.effects if effect.key in keys]
+    link = next_link(base.candidate, few, base.scale, base.sigma, FIRST, screened=promising)
+    return base.candidate.squares if link is None else link.chosen.plain.squares
 
 
 def _two(model: ModelSearch) -> Chain:

@@ -52,6 +52,7 @@ from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
     with_other_explanations,
 )
+from softid.diagnosis.report.other_model import with_other_model
 from softid.diagnosis.report.parameter_doubts import with_unnamed_misfit, with_varying_sizes
 from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
@@ -252,7 +253,9 @@ def _searched(
         is_explained=unnamed and bool(others.all(last.base)),
     )
     if plainer is None:
-        return answer, base
+        is_settled = answer.verdict in SETTLED and base is search.base
+        other_model = models.explaining_as_well(asked, found.chain) if is_settled else None
+        return with_other_model(answer, other_model), base
     other = _surest_answer(*searched(plainer))
     return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base)
 

@@ -88,8 +88,9 @@ def told_as_tied(alternative: Alternative, title: str, *, linear: bool) -> str:
     named, first = titles_of(alternative.keys, last=" or "), lowered(title)
     known = law_that_ties(alternative, linear=linear)
     which = "most likely the last" if known is BEYOND else "and the logs do not say which"
-    if known is not None:
-        reason = f"{alternative.why.partition(SPLITS)[0] or known.why}. As {first} it"
+    if known is not None or SPLITS in alternative.why:
+        why = alternative.why.partition(SPLITS)[0] or (known.why if known is not None else "")
+        reason = f"{why}. As {first} it"
     else:
         best = "The best by a little" if _are_alike(alternative) else BEST_OF_UNEQUAL
         reason = f"{best}, {first},"
@@ -191,6 +192,8 @@ def what_next(
         known = law_that_ties(alternative, linear=linear)
         if known is not None:
             return f"record {known.splits}"
+        if SPLITS in alternative.why:
+            return f"record {alternative.why.partition(SPLITS)[2].removesuffix('.')}"
         split = splitting_experiment(alternative.keys)
         if split is not None:
             first, *others = alternative.keys
