@@ -142,6 +142,17 @@ class Effect(ABC):
         del values
         return np.inf
 
+    def alike_within(self, values: Mapping[str, float]) -> float:
+        """Time in s within which it has made the noise of neighbouring samples alike; 0 for none.
+
+        Parameters
+        ----------
+        values
+            Parameter → value.
+        """
+        del values
+        return 0.0
+
     def first_order(self, values: Mapping[str, float]) -> str | None:
         """Key of the lag that stands for a law of second order that does not ring; else None.
 

@@ -107,12 +107,16 @@ class OutputLaw:
         Settled reading → own states.
     clock_rate
         The motion is read at (1 + rate)·t.
+    afterwards
+        None, or recorded times, and what was recorded with its noise, each of shape (n,) → what the
+        file holds.
     """
 
     read: Callable[[Array, Array], Array] = _same
     follow: Callable[[float, States], tuple[float, Rates]] | None = None
     start: Callable[[float], Rates] = _no_start
     clock_rate: float = 0.0
+    afterwards: Callable[[Array, Array], Array] | None = None
 
 
 Law = InputLaw | MotionLaw | OutputLaw

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from zlib import crc32
 
@@ -16,7 +16,7 @@ from softid.log import Log
 from softid.synthesis.actuators import Actuator, Sizes, random_actuator, slopes
 from softid.synthesis.columns import parse_column
 from softid.synthesis.hidden import HIDDEN, hidden_named
-from softid.synthesis.hidden_base import Law, Occasion
+from softid.synthesis.hidden_base import Law, Occasion, OutputLaw
 from softid.synthesis.hidden_truth import HiddenTruth, chain_of, integrate_hidden
 from softid.synthesis.protocols import protocol_named
 from softid.synthesis.rig import RIG, Rig
@@ -333,18 +333,36 @@ def _record(
         f"{channel}_{unit}": rig.output_sensor(span, zero),
     }
     true = (truth.pressure_kpa, factor * truth.reading)
+    columns = {
+        name: sensor.read(values, rng)
+        for (name, sensor), values, rng in zip(
+            sensors.items(), true, (pressure_rng, output_rng), strict=True
+        )
+    }
+    sigma = {name: sensor.sigma for name, sensor in sensors.items()}
+    filters = [law.afterwards for law in laws if isinstance(law, OutputLaw) and law.afterwards]
+    if filters:
+        output = f"{channel}_{unit}"
+        columns[output] = kept = _filtered(time_s, columns[output], filters)
+        reading = _filtered(time_s, true[1], filters)
+        sigma[output] = float(np.nanstd(kept - reading))
+        truth = replace(truth, reading=reading / factor)
     return HiddenLog(
         name=role,
         time_s=read_only(time_s),
-        columns=MappingProxyType(
-            {
-                name: read_only(sensor.read(values, rng))
-                for (name, sensor), values, rng in zip(
-                    sensors.items(), true, (pressure_rng, output_rng), strict=True
-                )
-            }
-        ),
-        sigma=MappingProxyType({name: sensor.sigma for name, sensor in sensors.items()}),
+        columns=MappingProxyType({name: read_only(values) for name, values in columns.items()}),
+        sigma=MappingProxyType(sigma),
         zero=zero,
         truth=truth,
     )
+
+
+def _filtered(
+    time_s: Array, recorded: Array, filters: Sequence[Callable[[Array, Array], Array]]
+) -> Array:
+    """What a file holds of a record, with blanks where they were."""
+    known = np.isfinite(recorded)
+    kept = np.interp(time_s, time_s[known], recorded[known])
+    for change in filters:
+        kept = change(time_s, kept)
+    return np.where(known, kept, np.nan)

@@ -23,6 +23,9 @@ from softid.synthesis.hidden_base import (
     entry,
 )
 
+SHORTEST_S = 0.05
+"""Nobody smooths over less: a cut-off of 20 Hz."""
+
 Array = npt.NDArray[np.float64]
 Generator = np.random.Generator
 
@@ -91,6 +94,32 @@ def _moving_average(values: Values, sizes: Sizes, occasion: Occasion) -> OutputL
         return averaged
 
     return OutputLaw(read)
+
+
+def _filtered(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+
+    def there_and_back(t: Array, y: Array) -> Array:
+        from scipy.signal import butter, filtfilt
+
+        cut_off = 2.0 * float(np.median(np.diff(t))) / values["period"]  # as a share of half a rate
+        smooth: Array = filtfilt(*butter(round(values["order"]), cut_off), y)
+        return smooth
+
+    return OutputLaw(afterwards=there_and_back)
+
+
+def _centred_mean(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+
+    def averaged(t: Array, y: Array) -> Array:
+        area = np.append(0.0, np.cumsum(0.5 * np.diff(t) * (y[1:] + y[:-1])))
+        ends = np.clip(t + 0.5 * values["width"], t[0], t[-1])
+        begins = np.clip(t - 0.5 * values["width"], t[0], t[-1])
+        found: Array = (np.interp(ends, t, area) - np.interp(begins, t, area)) / (ends - begins)
+        return found
+
+    return OutputLaw(afterwards=averaged)
 
 
 def _clipping(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
@@ -251,6 +280,19 @@ OUTPUTS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             "period": about(rng, size * (0.1 + 1.2 * s.motion_s)), "zeta": rng.uniform(0.15, 0.8),
         }, _second_order,
+    ),
+    entry(
+        "smoothing", "output", "the record filtered there and back, a Butterworth filter",
+        "period s, order 1",
+        lambda s, rng, size: {
+            "period": max(about(rng, size * s.motion_s), SHORTEST_S), "order": 2.0,
+        }, _filtered,
+    ),
+    entry(
+        "smoothing.mean", "output", "the mean of what was recorded from t - width/2 to t + width/2",
+        "width s",
+        lambda s, rng, size: {"width": max(about(rng, size * s.motion_s), SHORTEST_S)},
+        _centred_mean,
     ),
     entry(
         "sensor_clipping", "output", "recorded y = min(y, upper)", "upper {x}",

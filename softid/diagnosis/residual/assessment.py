@@ -13,7 +13,12 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.coloured_noise import ColourTest, colour_test
 from softid.diagnosis.residual.input_noise import InputNoise, input_noise
 from softid.diagnosis.residual.jump_timing import with_open_jumps
-from softid.diagnosis.residual.motion import heard, mean_square, residual_context
+from softid.diagnosis.residual.motion import (
+    heard,
+    mean_square,
+    residual_context,
+    samples_alike,
+)
 from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
 from softid.diagnosis.residual.projection import slopes_of
 from softid.diagnosis.residual.rounding_floor import rounding_floor
@@ -80,7 +85,8 @@ def assess(
     """
     before, after = residual_context(base), residual_context(final)
     rounding = rounding_floor(final)
-    floor = _larger(_floor_of(heard(final, after), scale), rounding)
+    alike = samples_alike(final)
+    floor = _larger(_floor_of(heard(final, after), scale, alike), rounding)
     found = _look(before, after, floor, scale, final, rng=rng)
     if not found.structured and found.colour_s is None:
         return found
@@ -93,7 +99,7 @@ def assess(
     jumps = with_open_jumps(final, after, _least_noise(floor, before), slopes_of(final))
     if jumps is None:
         return found
-    floor = _larger(_floor_of(heard(final, jumps.parts), scale), rounding)
+    floor = _larger(_floor_of(heard(final, jumps.parts), scale, alike), rounding)
     timed = _look(before, jumps.parts, floor, scale, final, rng=rng, driven=driven)
     if timed.structured:
         return found
@@ -220,8 +226,8 @@ def _largest_excess(floor: NoiseFloor, deviations: float = EXCESS_SDS) -> float:
     return SMALLEST_EXCESS + deviations * floor.relative_sd
 
 
-def _floor_of(parts: Sequence[ResidualContext], scale: Scale) -> NoiseFloor:
-    return noise_floor(parts, scale.motion_s)
+def _floor_of(parts: Sequence[ResidualContext], scale: Scale, alike: int = 1) -> NoiseFloor:
+    return noise_floor(parts, scale.motion_s, alike=alike)
 
 
 def _larger(floor: NoiseFloor, rounding: NoiseFloor | None) -> NoiseFloor:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plan
 from softid.diagnosis.residual.structure import ResidualContext
+from softid.effects import own_values
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -54,6 +55,20 @@ def mean_square(parts: Sequence[ResidualContext]) -> float:
     """
     residual = np.concatenate([p.residual for p in parts])
     return float(np.nanmean(residual**2))
+
+
+def samples_alike(candidate: Candidate) -> int:
+    """How many samples apart the noise is another one, behind effects that make neighbours alike.
+
+    Parameters
+    ----------
+    candidate
+        The model where it stands.
+    """
+    values = candidate.parameters
+    within_s = [effect.alike_within(own_values(effect, values)) for effect in candidate.effects]
+    period_s = min(log.period_s for log in candidate.problem.logs)
+    return max(round(max(within_s, default=0.0) / period_s), 1)
 
 
 def muted_samples(

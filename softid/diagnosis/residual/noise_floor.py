@@ -93,7 +93,7 @@ class NoiseFloor:
         return self.from_rest or self.from_rounding
 
 
-def noise_floor(parts: Sequence[ResidualContext], motion_s: float) -> NoiseFloor:
+def noise_floor(parts: Sequence[ResidualContext], motion_s: float, *, alike: int = 1) -> NoiseFloor:
     """Estimate the noise from the residuals of all segments.
 
     Rests tell its colour. What its fastest part has more elsewhere, where the reading is larger or
@@ -105,6 +105,8 @@ def noise_floor(parts: Sequence[ResidualContext], motion_s: float) -> NoiseFloor
         Residuals with their input.
     motion_s
         Time constant of the motion.
+    alike
+        Noise of samples that are fewer apart is alike, as a filter behind the sensor leaves it.
     """
     u_span = input_span(parts)
     rests = [
@@ -114,7 +116,8 @@ def noise_floor(parts: Sequence[ResidualContext], motion_s: float) -> NoiseFloor
         if np.isfinite(part.residual[span]).any()
     ]
     rests = [rest for rest in rests if np.isfinite(rest).sum() >= FEWEST_SAMPLES]
-    everywhere = fastest_part([run for part in parts for run in contiguous_runs(part.residual)])
+    whole = [run for part in parts for run in contiguous_runs(part.residual)]
+    everywhere = fastest_part(whole, alike)
     if rests:
         runs = [run for rest in rests for run in contiguous_runs(rest)]
         lengths = [run.size for run in runs]
@@ -124,12 +127,12 @@ def noise_floor(parts: Sequence[ResidualContext], motion_s: float) -> NoiseFloor
         degrees = max(known - len(rests), 1.0)
         total = sum(float(run @ run) for run in runs)
         variance = total / sum(lengths) * (known / degrees)
-        variance += max(everywhere.variance - fastest_part(runs).variance, 0.0)
+        variance += max(everywhere.variance - fastest_part(runs, alike).variance, 0.0)
         return NoiseFloor(variance, float(np.sqrt(2.0 / degrees)), from_rest=True)
     return everywhere
 
 
-def fastest_part(runs: Sequence[Array]) -> NoiseFloor:
+def fastest_part(runs: Sequence[Array], alike: int = 1) -> NoiseFloor:
     """Variance from the second differences: the mean over blocks of what a quantile in each says.
 
     Within a block the quantile leaves out what jumps there; the mean adds up noise whose size
@@ -139,12 +142,15 @@ def fastest_part(runs: Sequence[Array]) -> NoiseFloor:
     ----------
     runs
         Residuals of samples that follow each other.
+    alike
+        As in `noise_floor`: differences are those of samples so many apart.
     """
-    second = np.concatenate([np.diff(run, 2) for run in runs if run.size > 2] or [np.zeros(1)])
+    spaced = [run[first::alike] for run in runs for first in range(alike)]
+    second = np.concatenate([np.diff(run, 2) for run in spaced if run.size > 2] or [np.zeros(1)])
     blocks = np.array_split(second, max(second.size // BLOCK, 1))
     deviations = [float(np.quantile(np.abs(block), QUANTILE)) / AT_QUANTILE for block in blocks]
     variance = float(np.mean(np.square(deviations))) / SECOND_DIFFERENCE
-    return NoiseFloor(variance, float(np.sqrt(SQUARES_COST / second.size)), from_rest=False)
+    return NoiseFloor(variance, float(np.sqrt(SQUARES_COST * alike / second.size)), from_rest=False)
 
 
 def _without_events(rest: Array, time_s: Array) -> Array:

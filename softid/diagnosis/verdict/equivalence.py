@@ -193,7 +193,6 @@ BEYOND = EquivalenceClass(
         "position_damping",
         "damping_drift",
         "early_reading",
-        "smoothed_reading",
         "uneven_reading",
         "input_play",
         "output_play",

@@ -25,7 +25,6 @@ from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, 
 from softid.diagnosis.verdict.unlisted_readings import (
     EarlyReading,
     SmoothedInput,
-    SmoothedReading,
     UnevenReading,
 )
 from softid.effects import effect_of
@@ -263,7 +262,6 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     RecoveringSoftening,
     PositionDamping,
     EarlyReading,
-    SmoothedReading,
     SmoothedInput,
     UnevenReading,
     InputPlay,

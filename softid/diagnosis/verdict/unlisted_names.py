@@ -19,7 +19,6 @@ UNLISTED: dict[str, str] = {
     "bent_reading": "a sensor whose gain is not the same over its range",
     "early_reading": "a reading that runs ahead of the recorded input, by an offset of the clocks "
     "or a gauge that is late",
-    "smoothed_reading": "a reading that was smoothed afterwards, by what came before and after",
     "smoothed_input": "a pressure whose record was smoothed, by what came before and after",
     "uneven_reading": "a sensor that lags by another time upward than downward",
     "settling_stiffness": "a stiffness that changes with the time and settles",

@@ -22,14 +22,11 @@ Array = npt.NDArray[np.float64]
 EARLIEST = 0.1
 """Bound of the time by which a reading runs ahead, as a share of the longest log."""
 
-WIDEST = 0.1
-"""Bound of the time over which a reading is smoothed, as a share of the longest log."""
-
-START_WIDTHS = (0.3, 1.0, 3.0)
-"""Starts of it, in times of the motion."""
-
 MOST_SAMPLES, START_SAMPLES = 200.0, (4.0, 16.0)
 """Bound and starts of the time over which an input is smoothed, in sampling intervals."""
+
+MEAN = "smoothing.mean"
+"""Key of the effect that smooths a reading as such a record of the input was."""
 
 UNEVEN = "pneumatic_lag.separate"
 """Key of the effect that does to the input what an uneven sensor does to the reading."""
@@ -73,39 +70,6 @@ class EarlyReading(OutputEffect):
 
 
 @dataclass(frozen=True)
-class SmoothedReading(OutputEffect):
-    """A reading that was smoothed afterwards, the mean of y from t − w/2 to t + w/2.
-
-    A filter that runs over the record there and back does nearly the same: it delays nothing.
-    """
-
-    name: ClassVar[str] = "smoothed_reading"
-    title: ClassVar[str] = "Reading that was smoothed"
-    law: ClassVar[str] = "recorded y(t) = mean of y from t - w/2 to t + w/2"
-    meaning: ClassVar[str] = "The record was filtered there and back, or averaged over windows."
-    signature: ClassVar[str] = "The reading begins to move before the input does, and has no edges."
-    remedy: ClassVar[str] = "the same record as it was before any filter"
-    shown_by: ClassVar[str] = "fast steps without any filter"
-    source: ClassVar[str] = "Gustafsson, IEEE Trans. Signal Process. 44, 988 (1996)"
-    amplitude: ClassVar[str] = "w"
-
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """The width of the window, up to a tenth of the log."""
-        longest = max(WIDEST * scale.duration_s, scale.motion_s)
-        return one_parameter("w", 0.3 * scale.motion_s, "s", 0.0, longest, "window", self.source)
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """From a fraction to a few of the motion's own times."""
-        longest = self.parameters(scale)["w"].upper
-        return tuple({"w": min(share * scale.motion_s, longest)} for share in START_WIDTHS)
-
-    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
-        """Means over the window, of which the ends of the log cut off a part."""
-        del scale
-        return _means(time_s, y, float(eta[0]))
-
-
-@dataclass(frozen=True)
 class SmoothedInput(InputEffect):
     """A pressure whose record was smoothed afterwards: what arrives is 2 u less the mean over w.
 
@@ -135,9 +99,9 @@ class SmoothedInput(InputEffect):
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """Add what smoothing once more takes away."""
-        del scale
-        arriving: Array = 2.0 * u - _means(time_s, u, float(eta[0]))
-        return arriving
+        mean = effect_of(MEAN)
+        assert isinstance(mean, OutputEffect)
+        return 2.0 * u - mean.apply(eta, time_s, u, scale)
 
 
 @dataclass(frozen=True)
@@ -168,26 +132,3 @@ class UnevenReading(OutputEffect):
         recorded = np.array(y, np.float64)
         lag(np.diff(time_s), recorded, float(eta[0]), float(eta[0] * eta[1]))
         return recorded
-
-
-def _means(time_s: Array, y: Array, window_s: float) -> Array:
-    """Means of straight lines over a window about each time, of which the ends cut off a part."""
-    area = np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(time_s))))
-    begin_s, end_s = (
-        np.clip(time_s + side * window_s, time_s[0], time_s[-1]) for side in (-0.5, 0.5)
-    )
-    width_s = end_s - begin_s
-    narrow = width_s <= 0.0
-    means = (_area_at(end_s, time_s, y, area) - _area_at(begin_s, time_s, y, area)) / np.where(
-        narrow, 1.0, width_s
-    )
-    return np.where(narrow, y, means)
-
-
-def _area_at(at_s: Array, time_s: Array, y: Array, area: Array) -> Array:
-    """The integral of straight lines through some samples up to some times."""
-    k = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, time_s.size - 2)
-    since_s = at_s - time_s[k]
-    slope = (y[k + 1] - y[k]) / (time_s[k + 1] - time_s[k])
-    found: Array = area[k] + since_s * (y[k] + 0.5 * slope * since_s)
-    return found

@@ -32,7 +32,6 @@ from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, 
 from softid.diagnosis.verdict.unlisted_readings import (
     EarlyReading,
     SmoothedInput,
-    SmoothedReading,
     UnevenReading,
 )
 from softid.effects import EFFECTS, effect_of
@@ -129,25 +128,10 @@ def test_smoothing_is_undone() -> None:
     bent = law.apply(np.array([w]), time_s, time_s**2, scale) - time_s**2
     np.testing.assert_allclose(bent[inner], -(w**2) / 12.0 - h**2 / 6.0, rtol=1e-6)
     sine = np.sin(2.0 * np.pi * time_s)
-    smoothed = SmoothedReading().apply(np.array([w]), time_s, sine, scale)
+    smoothed = effect_of("smoothing.mean").apply(np.array([w]), time_s, sine, scale)
     left = law.apply(np.array([w]), time_s, smoothed, scale) - sine
     assert np.max(np.abs(left[40:-40])) < (1.0 - np.sinc(w)) ** 2 + 1e-3
     np.testing.assert_array_equal(law.apply(np.array([0.0]), time_s, sine, scale), sine)
-
-
-def test_a_reading_is_smoothed_over_what_comes_before_and_after() -> None:
-    """Closed form: a line stays, t² gains w²/12, and a window that is cut off at the begin is
-    centred elsewhere; the integral is that of straight lines, which adds h²/6 to t²."""
-    h, w = 0.01, 0.3
-    time_s = h * np.arange(301)
-    law, scale = SmoothedReading(), sizes_of("muscle")
-    inner = slice(20, -20)
-    found = law.apply(np.array([w]), time_s, 2.0 * time_s, scale)
-    np.testing.assert_allclose(found[inner], 2.0 * time_s[inner], atol=1e-12)
-    assert found[0] == pytest.approx(2.0 * w / 4.0)
-    bent = law.apply(np.array([w]), time_s, time_s**2, scale) - time_s**2
-    np.testing.assert_allclose(bent[inner], w**2 / 12.0 + h**2 / 6.0, rtol=1e-6)
-    np.testing.assert_array_equal(law.apply(np.array([0.0]), time_s, time_s**2, scale), time_s**2)
 
 
 def test_a_sensor_lags_up_and_down_by_its_own_times() -> None:

@@ -1,0 +1,89 @@
+"""Smoothing of a record afterwards."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from io_rig import SCALE, extended, jacobian_error, segment, times, vanishes
+from scipy.signal import butter, filtfilt
+
+from softid.effects.smoothing import MeanSmoothing, Smoothing
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_it_is_a_filter_that_runs_there_and_back(order: int) -> None:
+    """scipy's digital Butterworth filter of a smooth motion, to 2e-3 away from the ends: a digital
+    one has its own cut-off, (πh/T)²/3 = 0.5 % off."""
+    time_s = times("100 Hz")
+    motion = np.sin(2.0 * np.pi * 1.3 * time_s) + np.tanh(8.0 * (time_s - time_s.mean()))
+    found = Smoothing().apply(np.array([0.25, order]), time_s, motion, SCALE)
+    expected = filtfilt(*butter(order, 2.0 * 0.01 / 0.25), motion)
+    inner = slice(50, -50)
+    np.testing.assert_allclose(found[inner], expected[inner], rtol=0.0, atol=2e-3)
+
+
+@pytest.mark.parametrize("sampling", ["100 Hz", "irregular"])
+def test_a_swing_keeps_its_phase(sampling: str) -> None:
+    """Of cos ωt a share 1/(1 + (fT)⁴) is left, at the cut-off a half, and nothing is late; lines
+    between uneven samples miss (ωh)²/8 of it, 5e-3."""
+    time_s, period = times(sampling), 0.5
+    for frequency in (1.0 / period, 0.5 / period):
+        swing = np.cos(2.0 * np.pi * frequency * (time_s - time_s[0]))
+        found = Smoothing().apply(np.array([period, 2.0]), time_s, swing, SCALE)
+        left = 1.0 / (1.0 + (frequency * period) ** 4)
+        inner = (time_s > time_s[0] + 1.0) & (time_s < time_s[-1] - 1.0)
+        np.testing.assert_allclose(found[inner], left * swing[inner], rtol=0.0, atol=6e-3)
+
+
+def test_a_line_stays_to_its_ends() -> None:
+    """A record is turned about its ends, so that what goes on straight is not bent there."""
+    time_s = times("100 Hz")
+    found = Smoothing().apply(np.array([0.3, 2.0]), time_s, 2.0 * time_s, SCALE)
+    np.testing.assert_allclose(found, 2.0 * time_s, rtol=0.0, atol=1e-2 * np.ptp(time_s))
+    two = Smoothing().apply(np.array([0.3, 2.0]), time_s[:2], time_s[:2], SCALE)
+    np.testing.assert_array_equal(two, time_s[:2])
+
+
+def test_a_mean_is_of_what_comes_before_and_after() -> None:
+    """Closed form: a line stays, t² gains w²/12, and a window that is cut off at the begin is
+    centred elsewhere; the integral is that of straight lines, which adds h²/6 to t²."""
+    h, w = 0.01, 0.3
+    time_s = h * np.arange(301)
+    law, inner = MeanSmoothing(), slice(20, -20)
+    found = law.apply(np.array([w]), time_s, 2.0 * time_s, SCALE)
+    np.testing.assert_allclose(found[inner], 2.0 * time_s[inner], atol=1e-12)
+    assert found[0] == pytest.approx(2.0 * w / 4.0)
+    bent = law.apply(np.array([w]), time_s, time_s**2, SCALE) - time_s**2
+    np.testing.assert_allclose(bent[inner], w**2 / 12.0 + h**2 / 6.0, rtol=1e-6)
+    np.testing.assert_array_equal(law.apply(np.array([0.0]), time_s, time_s**2, SCALE), time_s**2)
+
+
+@pytest.mark.parametrize(("order", "off"), [(1.0, 0.16), (1.5, 0.1), (2.0, 0.06), (3.0, 0.16)])
+def test_noise_is_another_one_beyond_the_time_that_is_told(order: float, off: float) -> None:
+    """Second differences of smoothed white noise over that time are those of white noise of the
+    same power, 6 σ², but for what the order makes of it."""
+    time_s = 0.001 * np.arange(400_000)
+    noise = np.random.default_rng(5).normal(size=time_s.size)
+    values = {"period": 0.2, "order": order}
+    smooth = Smoothing().apply(np.array([*values.values()]), time_s, noise, SCALE)
+    apart = round(Smoothing().alike_within(values) / 0.001)
+    second = smooth[2 * apart :] - 2.0 * smooth[apart:-apart] + smooth[: -2 * apart]
+    assert np.mean(second**2) / (6.0 * np.var(smooth)) == pytest.approx(1.0, abs=off)
+
+
+@pytest.mark.parametrize("key", ["smoothing", "smoothing.mean"])
+def test_smoothing_over_no_time_is_none(key: str) -> None:
+    """The base response, within 1e-9 of its range; at moderate size it differs."""
+    vanishes(key)
+
+
+@pytest.mark.parametrize("key", ["smoothing", "smoothing.mean"])
+@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
+def test_smoothing_derivatives(key: str, sampling: str) -> None:
+    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
+    assert jacobian_error(*extended(key), segment(sampling)) < 1e-4
+
+
+def test_the_cut_off_is_told() -> None:
+    told = Smoothing().wording({"period": 0.2, "order": 2.0})
+    assert "cut-off is 5 Hz" in told.meaning
