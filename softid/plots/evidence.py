@@ -124,6 +124,7 @@ def _draw_round(
     longest = max((e.delta_bic for e in evidence if e.delta_bic is not None), default=0.0)
     reach = longest if longest > 0.0 else 1.0
     axes.set_xlim(0.0, _ROOM_FOR_NUMBER * reach)
+    axes.set_xticks([tick for tick in axes.get_xticks() if tick <= reach])
     for one in evidence:
         if one.effect not in order:
             continue

@@ -18,7 +18,7 @@ from softid.plots.diagnosis_gallery import (
     taken_candidates,
     tied_candidates,
 )
-from softid.plots.evidence import row_order
+from softid.plots.evidence import draw_evidence, row_order
 from softid.plots.loop_area import loop_width, medians_by_rate
 from softid.plots.what_is_left import running_mean
 
@@ -118,6 +118,13 @@ def test_rows_out_of_the_race_come_last() -> None:
         Evidence(2, "b", 50.0, 0.1),
     ]
     assert row_order(evidence, [1, 2]) == ["b", "c", "d", "a"]
+
+
+def test_ticks_of_a_round_end_before_the_next_one() -> None:
+    """Two rounds side by side; the room for a bar's number has no ticks."""
+    figure = draw_evidence([Evidence(k, key, 300.0, 0.5) for k in (1, 2) for key in ("a", "b")])
+    for axes in figure.axes:
+        assert max(axes.get_xticks()) <= 300.0 < axes.get_xlim()[1]
 
 
 def test_interval_of_the_chain() -> None:

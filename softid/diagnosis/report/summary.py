@@ -15,6 +15,7 @@ from softid.diagnosis.report.changes import (
 )
 from softid.diagnosis.report.descriptions import described
 from softid.diagnosis.report.error_texts import ErrorTexts
+from softid.diagnosis.report.evidence_text import evidence_text
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
@@ -29,7 +30,6 @@ from softid.diagnosis.report.phrases import (
     listed,
     lowered,
     named_whole,
-    neighbours_of,
     noise_like,
     percent,
     percent_below,
@@ -330,41 +330,8 @@ def _explained(
         ]
         alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
         errors = "" if alone else _errors(teller, cause, descriptive)
-        told += [_evidence(teller, cause, tie, evidence, errors), unsteady(cause)]
+        told += [evidence_text(teller, cause, tie, evidence, errors), unsteady(cause)]
     return told
-
-
-def _evidence(
-    teller: ErrorTexts,
-    cause: Cause,
-    tie: Alternative | None,
-    evidence: Sequence[Evidence],
-    errors: str,
-) -> str:
-    told = f"Evidence: BIC falls by {cause.delta_bic:.0f}{errors}"
-    if cause.holdout_rmse_without is not None:
-        told += f"; without it the others leave {teller.size(cause.holdout_rmse_without)}"
-    tied = {cause.effect, *(tie.effects if tie else ())}
-    raced = [e for e in evidence if e.round == cause.round and e.effect.split(".")[0] not in tied]
-    rivals = [(e.delta_bic, e.effect) for e in raced if e.delta_bic is not None]
-    ahead = sorted({key for delta, key in rivals if delta > cause.delta_bic})
-    if ahead:
-        lower, their = ("lowers", "its") if len(ahead) == 1 else ("lower", "their")
-        told += (
-            f"; {titles_of(ahead)} {lower} it more, but only where {their} law becomes another, or "
-            "not on what is held out"
-        )
-    elif rivals and max(rivals)[0] > 0.0:
-        delta, key = max(rivals)
-        told += f"; the next best, {title_of(key)}, stays {cause.delta_bic - delta:.0f} behind"
-    elif rivals:
-        told += "; no other of the effects tried lowers it"
-    confused = [] if tie else neighbours_of(cause.key)
-    if confused:
-        known = {e.effect for e in raced} - {key.split(".")[0] for key in ahead}
-        also = ", which explain these logs less well" if known.issuperset(confused) else ""
-        told += f". It is easily confused with {listed([title_of(n) for n in confused])}{also}"
-    return told + "."
 
 
 def _errors(teller: ErrorTexts, cause: Cause, descriptive: Sequence[Cause]) -> str:

@@ -1,0 +1,71 @@
+"""Why a cause is believed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from softid.diagnosis.report.error_texts import ErrorTexts
+from softid.diagnosis.report.phrases import listed, neighbours_of, title_of, titles_of
+from softid.diagnosis_results import Alternative, Cause, Evidence
+
+
+def evidence_text(
+    teller: ErrorTexts,
+    cause: Cause,
+    tie: Alternative | None,
+    evidence: Sequence[Evidence],
+    errors: str,
+) -> str:
+    """Why a cause is believed, and what it could be confused with, in one or two sentences.
+
+    Parameters
+    ----------
+    teller
+        Tells errors in the unit of the output.
+    cause
+        The cause.
+    tie
+        The tie that it is in; None for none.
+    evidence
+        Of all rounds.
+    errors
+        What the held-out error was before and after, as the continuation of a sentence.
+    """
+    told = f"Evidence: BIC falls by {cause.delta_bic:.0f}{errors}"
+    if cause.holdout_rmse_without is not None:
+        told += f"; without it the others leave {teller.size(cause.holdout_rmse_without)}"
+    tied = {cause.effect, *(tie.effects if tie else ())}
+    raced = [e for e in evidence if e.round == cause.round and e.effect.split(".")[0] not in tied]
+    rivals = [(e.delta_bic, e.effect) for e in raced if e.delta_bic is not None]
+    kind = " of another kind" if _has_other_forms(cause, evidence) else ""
+    ahead = sorted({key for delta, key in rivals if delta > cause.delta_bic})
+    if ahead:
+        lower, their = ("lowers", "its") if len(ahead) == 1 else ("lower", "their")
+        told += (
+            f"; {titles_of(ahead)} {lower} it more, but only where {their} law becomes another, or "
+            "not on what is held out"
+        )
+    elif rivals and max(rivals)[0] > 0.0:
+        delta, key = max(rivals)
+        told += (
+            f"; the next best{kind}, {title_of(key)}, stays {cause.delta_bic - delta:.0f} behind"
+        )
+    elif rivals:
+        told += f"; no effect{kind or ' besides it'} that stayed in the race lowers it"
+    confused = [] if tie else neighbours_of(cause.key)
+    if confused:
+        known = {e.effect for e in raced} - {key.split(".")[0] for key in ahead}
+        also = ", which explain these logs less well" if known.issuperset(confused) else ""
+        told += f". It is easily confused with {listed([title_of(n) for n in confused])}{also}"
+    return told + "."
+
+
+def _has_other_forms(cause: Cause, evidence: Sequence[Evidence]) -> bool:
+    """Whether another form of a cause's law was refitted beside it."""
+    return any(
+        e.round == cause.round
+        and e.delta_bic is not None
+        and e.effect.split(".")[0] == cause.effect
+        and e.effect != cause.key
+        for e in evidence
+    )
