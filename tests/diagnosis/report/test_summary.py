@@ -106,18 +106,6 @@ def test_named_says_what_how_much_why_and_what_to_do() -> None:
     assert "In hardware: lubricate or align the guides" in text
 
 
-def test_other_forms_of_a_cause_are_no_other_candidates() -> None:
-    """A form of the same law is 2 behind, another law 112; without that none of another kind is."""
-    found = diagnosis(Verdict.NAMED)
-    form = Evidence(1, "coulomb_friction.stribeck", 410.0, 0.9)
-    text = told(replace(found, evidence=(*found.evidence, form)))
-    assert "the next best of another kind, hysteresis of the material, stays 112 behind" in text
-    own = tuple(e for e in found.evidence if e.effect == "coulomb_friction")
-    refused = Evidence(1, "creep", -4.0, 0.1)
-    text = told(replace(found, evidence=(*own, form, refused)))
-    assert "no effect of another kind that stayed in the race lowers it" in text
-
-
 def test_a_class_is_named_as_a_whole() -> None:
     """A delay and an offset of the clocks are the same algebra, so neither is named alone."""
     text = told(replace(diagnosis(Verdict.NAMED), causes=(DELAY,)))
