@@ -27,6 +27,7 @@ from softid.diagnosis.base.intersample_selection import (
 )
 from softid.diagnosis.base.judged_intersample import read_as_judged
 from softid.diagnosis.base.reduced_base import reduced_if_better
+from softid.diagnosis.base.spikes import without_spikes
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.moving_start import without_moving_start
@@ -324,6 +325,10 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
     """
     base = request.fit_base(recordings.logs, recordings.hold_out, thorough=False)
     _require_units(base, recordings.hold_out)
+    steady = without_spikes(recordings, base)
+    if steady is not recordings:
+        recordings = steady
+        base = request.fit_base(recordings.logs, recordings.hold_out, thorough=False)
     problem = base.candidate.problem
     values = base.candidate.parameters
     kept = recordings.each(partial(across_stalls, model=problem.model, values=values))

@@ -236,7 +236,7 @@ def _runs(
     place = ((context.time_s - context.time_s[0]) / width_s + 1e-6).astype(np.intp)
     count = int(place[-1])  # the last one is not full
     known = np.flatnonzero(np.isfinite(context.residual))
-    steady = ~_are_spikes(context.residual[known])
+    steady = ~spikes_in(context.residual[known])
     slopes, known = slopes[steady], known[steady]
 
     def mean(values: Array, at: npt.NDArray[np.intp]) -> Array:
@@ -258,8 +258,20 @@ def _runs(
     ]
 
 
-def _are_spikes(residual: Array) -> npt.NDArray[np.bool_]:
-    """Samples that are far off both of their neighbours."""
+def spikes_in(residual: Array) -> npt.NDArray[np.bool_]:
+    """Which samples are far off both of their neighbours, shape (n,).
+
+    Parameters
+    ----------
+    residual
+        What is left of samples that follow each other, shape (n,).
+
+    Examples
+    --------
+    >>> rest = 0.01 * (-1.0) ** np.arange(9)
+    >>> np.flatnonzero(spikes_in(np.where(np.arange(9) == 4, 1.0, rest))).tolist()
+    [4]
+    """
     if residual.size < 3:
         return np.zeros(residual.size, np.bool_)
     beside = np.concatenate((residual[1:2], residual[:-1])), np.append(residual[1:], residual[-2])

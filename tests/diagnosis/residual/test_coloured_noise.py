@@ -12,10 +12,10 @@ from softid.diagnosis.residual.coloured_noise import (
     SMALLEST,
     ColourTest,
     _activities,
-    _are_spikes,
     _p_of_white,
     _runs,
     colour_test,
+    spikes_in,
 )
 from softid.diagnosis.residual.structure import ResidualContext, _folds, _Smooth, _standardised
 from softid.diagnosis_results import NotNoise
@@ -198,10 +198,10 @@ def test_white_runs_are_white_however_short_they_are() -> None:
 def test_a_coarse_residual_has_no_spikes() -> None:
     """More than half of the samples equal their neighbours: nothing says what is usual."""
     residual = np.round(0.35 * np.random.default_rng(0).standard_normal(2000))
-    assert not _are_spikes(residual).any()
+    assert not spikes_in(residual).any()
     fine = np.random.default_rng(1).standard_normal(2000)
     fine[[500, 900]] = (12.0, -12.0)
-    assert np.flatnonzero(_are_spikes(fine)).tolist() == [500, 900]
+    assert np.flatnonzero(spikes_in(fine)).tolist() == [500, 900]
 
 
 def test_quick_motion_and_a_log_at_rest_beside_it() -> None:
