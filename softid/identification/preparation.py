@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from softid.errors import InputError, Issue, UsageError
+from softid.identification.interpolated_output import INTERPOLATED, interpolated_samples
 from softid.identification.repeated_output import repeated_readings
 from softid.log import Log, LogSet
 from softid.models import MODELS
@@ -84,7 +85,7 @@ def without_dropouts(log: Log) -> Log:
     log = _without_wrong(log)
     repeated = repeated_readings(log)
     if not repeated.any():
-        return log
+        return _without_interpolated(log)
     issue = Issue(
         "repeated-output",
         "info",
@@ -94,6 +95,21 @@ def without_dropouts(log: Log) -> Log:
         "record all channels at one rate",
     )
     return replace(log.with_masked(repeated), issues=(*log.issues, issue))
+
+
+def _without_interpolated(log: Log) -> Log:
+    between = interpolated_samples(log)
+    if not between.any():
+        return log
+    rate_hz = (len(log) - int(between.sum())) / float(np.ptp(log.time_s))
+    issue = Issue(
+        INTERPOLATED,
+        "info",
+        f"{log.name}: {' and '.join(log.outputs)} is straight between readings, as after an "
+        f"interpolation to a faster clock; {rate_hz:.3g} samples a second stay in the residuals",
+        "leave cells empty where the sensor has no reading of its own",
+    )
+    return replace(log.with_masked(between), issues=(*log.issues, issue))
 
 
 def _without_wrong(log: Log) -> Log:

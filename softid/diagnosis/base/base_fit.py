@@ -98,12 +98,15 @@ def require_moving(logs: LogSet, hold_out: Sequence[Log]) -> None:
         The input of none that is held out moves.
     """
     moves = max((_move(log) for log in hold_out), default=np.inf)
-    if moves < LEAST_MOVE * max(_move(log) for log in logs):
+    fitted = max(_move(log) for log in logs)
+    if moves < LEAST_MOVE * fitted:
+        unit = logs.input_unit
         raise IdentificationError(
-            "the input of what is held out does not move, so it cannot judge a cause",
+            "the input of what is held out hardly moves, so it cannot judge a cause",
             where=", ".join(log.name for log in hold_out),
-            value=f"a range of {moves:.3g} {hold_out[0].channels[hold_out[0].input].unit}",
-            remedy="hold out a log that moves, or none: then blocks of the logs judge",
+            value=f"a range of {moves:.3g} {unit}, and of {fitted:.3g} {unit} in what is fitted",
+            remedy="check that its unit is the right one, and hold out a log that moves, or none: "
+            "then blocks of the logs judge",
         )
 
 

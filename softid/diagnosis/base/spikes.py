@@ -56,6 +56,7 @@ def _marked(candidate: Candidate) -> dict[str, BoolArray]:
         known = np.flatnonzero(np.isfinite(residual))
         for _ in range(ROUNDS):
             far_off = spikes_in(residual[known])
+            far_off[:1] = far_off[-1:] = False  # one neighbour says too little
             marks[segment.log_name][segment.start + known[far_off]] = True
             known = known[~far_off]
     return marks

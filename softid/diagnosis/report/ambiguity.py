@@ -57,7 +57,7 @@ def why_tied(alternative: Alternative, *, linear: bool, extended: FitResult | No
         own = own_times(known, extended) if extended is not None else ()
         here = f", here {' and '.join(own)}" if own else ""
         return f"{known.why}{here}{SPLITS}{known.splits}."
-    return why_unsplit(alternative.keys, alike=_are_alike(alternative))
+    return why_unsplit(alternative.keys, alike=are_alike(alternative))
 
 
 def with_reasons(found: Diagnosis) -> tuple[Alternative, ...]:
@@ -92,7 +92,7 @@ def told_as_tied(alternative: Alternative, title: str, *, linear: bool) -> str:
         why = alternative.why.partition(SPLITS)[0] or (known.why if known is not None else "")
         reason = f"{why}. As {first} it"
     else:
-        best = "The best by a little" if _are_alike(alternative) else BEST_OF_UNEQUAL
+        best = "The best by a little" if are_alike(alternative) else BEST_OF_UNEQUAL
         reason = f"{best}, {first},"
     return f"one of these, {which}: {named}. {reason}"
 
@@ -136,7 +136,14 @@ def own_times(known: EquivalenceClass, extended: FitResult) -> tuple[str, ...]:
     return f"{slow:.4g} s", f"{tau - slow:.4g} s"
 
 
-def _are_alike(alternative: Alternative) -> bool:
+def are_alike(alternative: Alternative) -> bool:
+    """Whether the causes of a tie explain the logs equally well.
+
+    Parameters
+    ----------
+    alternative
+        The causes.
+    """
     return max(alternative.delta_bic.values(), default=0.0) < INDISTINCT
 
 
@@ -151,7 +158,7 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     if _is_presliding(alternative):
         return PRESLIDING
     tied = set(alternative.effects)
-    if tied.issuperset(TWO_LATE.effects) and not _are_alike(alternative):
+    if tied.issuperset(TWO_LATE.effects) and not are_alike(alternative):
         return TWO_LATE
     for known in (OWN_DAMPING, LOWER_END, HELD_INPUT, THINNING):
         if tied.issuperset(known.effects):
@@ -166,7 +173,7 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
 
 def _is_presliding(alternative: Alternative) -> bool:
     """Whether it is the law, not the logs, that makes a tie."""
-    return set(alternative.effects) == set(PRESLIDING.effects) and not _are_alike(alternative)
+    return set(alternative.effects) == set(PRESLIDING.effects) and not are_alike(alternative)
 
 
 def what_next(

@@ -7,7 +7,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
-from softid.diagnosis.report.ambiguity import is_linear, told_as_tied, what_next, with_reasons
+from softid.diagnosis.report.ambiguity import (
+    are_alike,
+    is_linear,
+    told_as_tied,
+    what_next,
+    with_reasons,
+)
 from softid.diagnosis.report.changes import (
     CHANGE_POINT,
     HELD_OUT_CHANGE,
@@ -259,7 +265,13 @@ def _unknown(
 
 def _not_told_apart(tie: Alternative) -> str:
     first, *others = tie.keys
-    return f"These logs do not tell {title_of(first)} from {titles_of(others, last=' or ')}."
+    rest = titles_of(others, last=" or ")
+    if are_alike(tie):
+        return f"These logs do not tell {title_of(first)} from {rest}."
+    return (
+        f"The lead of {title_of(first)} over {rest} is smaller than what none of them explains, so "
+        "it does not say which."
+    )
 
 
 def _partial(teller: ErrorTexts, remainder: Remainder, *, is_tied: bool) -> list[str]:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plan
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.effects import own_values
+from softid.identification.interpolated_output import INTERPOLATED
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -58,17 +59,20 @@ def mean_square(parts: Sequence[ResidualContext]) -> float:
 
 
 def samples_alike(candidate: Candidate) -> int:
-    """How many samples apart the noise is another one, behind effects that make neighbours alike.
+    """How many samples apart the noise is another one.
+
+    An effect may make neighbours alike, and those that were interpolated share a reading.
 
     Parameters
     ----------
     candidate
         The model where it stands.
     """
-    values = candidate.parameters
+    values, logs = candidate.parameters, candidate.problem.logs
     within_s = [effect.alike_within(own_values(effect, values)) for effect in candidate.effects]
-    period_s = min(log.period_s for log in candidate.problem.logs)
-    return max(round(max(within_s, default=0.0) / period_s), 1)
+    period_s = min(log.period_s for log in logs)
+    shared = any(issue.code == INTERPOLATED for log in logs for issue in log.issues)
+    return max(round(max(within_s, default=0.0) / period_s), 2 if shared else 1)
 
 
 def muted_samples(

@@ -287,6 +287,9 @@ def test_an_unknown_cause_still_says_what_cannot_be_split() -> None:
     """A description is no cause, but that others describe as much is worth a sentence."""
     text = told(replace(diagnosis(Verdict.UNKNOWN), alternatives=(TIE,)))
     assert "These logs do not tell delay of the input from lag of the pneumatics." in text
+    far = replace(TIE, delta_bic={name: 300.0 * k for k, name in enumerate(TIE.effects)})
+    text = told(replace(diagnosis(Verdict.UNKNOWN), alternatives=(far,)))
+    assert "The lead of delay of the input over lag of the pneumatics is smaller than what" in text
 
 
 def test_a_tie_is_told_in_the_form_that_is_meant() -> None:

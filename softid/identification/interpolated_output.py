@@ -1,0 +1,103 @@
+"""An output that was interpolated: between two readings of a slower sensor it is straight.
+
+Who brings a camera of 40 frames a second to the clock of a gauge of 100 Hz gets samples of which
+neighbours are made of the same readings. They are no readings of their own, and their noise is not
+either.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from softid.identification.intersample_choice import COMMAND
+from softid.log import Log
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+INTERPOLATED = "interpolated-output"
+"""Code of the remark that an output was."""
+
+LARGE, STRAIGHT = 0.95, 0.01
+"""A sample lies on the line through its neighbours when it is off by less than this share of how
+far one in twenty is: noise and curves come so near by chance in one of sixty samples."""
+
+STILL = 1e-6
+"""Where the neighbours differ by less than this share of the range nothing moves."""
+
+MOVING = 0.25
+"""Of the samples so many must move: one that stands still lies on a line, too."""
+
+LEAST_SHARE = 0.18
+"""Share of those that lie on a line: of 2.5 samples a reading a fifth do or more."""
+
+ALIKE = 0.8
+"""Share of the runs of such samples whose length is that of the usual one, or one more or less."""
+
+AT_SAMPLES = 0.9
+"""Readings are at samples where so many of the corners are single ones; a reading between two
+samples makes a corner of both."""
+
+
+def interpolated_samples(log: Log) -> BoolArray:
+    """Samples of which every output was interpolated and says nothing new, shape (n,).
+
+    Parameters
+    ----------
+    log
+        A log; a commanded output is what it is at every row.
+
+    Examples
+    --------
+    >>> readings = np.random.default_rng(0).normal(size=200)
+    >>> angle = np.interp(np.arange(400.0), np.arange(0.0, 400.0, 2.0), readings)
+    >>> log = Log.from_arrays(np.arange(400.0), {"pressure": np.arange(400.0), "angle": angle})
+    >>> interpolated_samples(log)[:6].tolist()
+    [False, True, False, True, False, True]
+    """
+    every = np.ones(len(log), bool)
+    for name in log.outputs:
+        if name == COMMAND:
+            return np.zeros(len(log), bool)
+        every &= _between_readings(log.time_s, log.channels[name].values)
+        if not every.any():
+            break
+    return every & ~log.masked
+
+
+def _between_readings(time_s: Array, values: Array) -> BoolArray:
+    """Samples of one channel that say nothing new, one of each stretch between two readings left.
+
+    Where readings lie at samples those are what is left; else there are as many as readings.
+    """
+    nothing = np.zeros(values.size, bool)
+    if values.size < 4 or not np.isfinite(values).all():
+        return nothing
+    before_s, after_s = np.diff(time_s)[:-1], np.diff(time_s)[1:]
+    line = (values[:-2] * after_s + values[2:] * before_s) / (before_s + after_s)
+    off = np.abs(values[1:-1] - line)
+    moving = np.abs(values[2:] - values[:-2]) > STILL * float(np.ptp(values))
+    straight = (off < STRAIGHT * float(np.quantile(off, LARGE))) & moving
+    count = int(moving.sum())
+    if count < MOVING * moving.size or straight.sum() < LEAST_SHARE * count:
+        return nothing
+    lengths = _runs(straight)
+    if np.mean(np.abs(lengths - np.median(lengths)) <= 1) < ALIKE:
+        return nothing
+    corners = _runs(~straight & moving)
+    single, pairs = int((corners == 1).sum()), int((corners == 2).sum())
+    at_samples = single / max(single + pairs, 1)
+    if at_samples >= AT_SAMPLES:
+        nothing[1:-1] = straight
+        return nothing
+    # between two readings r samples, ends among them, make r - 2 that are straight
+    readings = (count - int(straight.sum())) / (2.0 - at_samples)
+    nothing[:] = np.arange(values.size) % int(np.ceil(count / readings)) != 0
+    return nothing
+
+
+def _runs(flags: BoolArray) -> npt.NDArray[np.intp]:
+    """Lengths of the runs of true flags."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
+    return edges[1::2] - edges[::2]
