@@ -15,6 +15,7 @@ from softid.log import Log
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+IntArray = npt.NDArray[np.intp]
 
 INTERPOLATED = "interpolated-output"
 """Code of the remark that an output was."""
@@ -25,6 +26,9 @@ far one in twenty is: noise and curves come so near by chance in one of sixty sa
 
 STILL = 1e-6
 """Where the neighbours differ by less than this share of the range nothing moves."""
+
+LOOKS = 2000
+"""About so many samples are looked at first, and show in most logs that it is none."""
 
 MOVING = 0.25
 """Of the samples so many must move: one that stands still lies on a line, too."""
@@ -74,11 +78,12 @@ def _between_readings(time_s: Array, values: Array) -> BoolArray:
     nothing = np.zeros(values.size, bool)
     if values.size < 4 or not np.isfinite(values).all():
         return nothing
-    before_s, after_s = np.diff(time_s)[:-1], np.diff(time_s)[1:]
-    line = (values[:-2] * after_s + values[2:] * before_s) / (before_s + after_s)
-    off = np.abs(values[1:-1] - line)
-    moving = np.abs(values[2:] - values[:-2]) > STILL * float(np.ptp(values))
-    straight = (off < STRAIGHT * float(np.quantile(off, LARGE))) & moving
+    inner = np.arange(1, values.size - 1)
+    few = inner[:: max(inner.size // LOOKS, 1)]
+    straight, moving = _on_lines(time_s, values, few)
+    if straight.sum() < 0.5 * LEAST_SHARE * max(int(moving.sum()), 1):
+        return nothing
+    straight, moving = _on_lines(time_s, values, inner)
     count = int(moving.sum())
     if count < MOVING * moving.size or straight.sum() < LEAST_SHARE * count:
         return nothing
@@ -89,7 +94,7 @@ def _between_readings(time_s: Array, values: Array) -> BoolArray:
     single, pairs = int((corners == 1).sum()), int((corners == 2).sum())
     at_samples = single / max(single + pairs, 1)
     if at_samples >= AT_SAMPLES:
-        nothing[1:-1] = straight
+        nothing[inner] = straight
         return nothing
     # between two readings r samples, ends among them, make r - 2 that are straight
     readings = (count - int(straight.sum())) / (2.0 - at_samples)
@@ -97,7 +102,16 @@ def _between_readings(time_s: Array, values: Array) -> BoolArray:
     return nothing
 
 
-def _runs(flags: BoolArray) -> npt.NDArray[np.intp]:
+def _on_lines(time_s: Array, values: Array, at: IntArray) -> tuple[BoolArray, BoolArray]:
+    """Which of some samples lie on the line through their neighbours, and which move at all."""
+    before_s, after_s = time_s[at] - time_s[at - 1], time_s[at + 1] - time_s[at]
+    line = (values[at - 1] * after_s + values[at + 1] * before_s) / (before_s + after_s)
+    off = np.abs(values[at] - line)
+    moving = np.abs(values[at + 1] - values[at - 1]) > STILL * float(np.ptp(values))
+    return (off < STRAIGHT * float(np.quantile(off, LARGE))) & moving, moving
+
+
+def _runs(flags: BoolArray) -> IntArray:
     """Lengths of the runs of true flags."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
     return edges[1::2] - edges[::2]
