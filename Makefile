@@ -14,11 +14,14 @@ demo: $(STAMP)
 
 EXAMPLES = $(BIN)/python -m pytest -q --doctest-modules softid cli/softid_cli
 
+# Kernels are compiled first, or each of the processes that share the tests would compile them.
 test: $(STAMP)
+	$(BIN)/softid warmup
 	$(BIN)/python -m pytest -m "not slow" -n $(WORKERS)
 	$(EXAMPLES)
 
 test-all: $(STAMP)
+	$(BIN)/softid warmup
 	$(BIN)/python -m pytest -n $(WORKERS)
 	$(EXAMPLES)
 
