@@ -88,11 +88,9 @@ def test_what_is_held_out_must_move(share: float, judges: bool) -> None:
     if judges:
         require_moving(LogSet((MOVING,)), [still, other])
         return
-    with pytest.raises(
-        IdentificationError,
-        match="hardly moves, so it cannot judge",
-    ):
+    with pytest.raises(IdentificationError, match="hardly moves, so it cannot judge") as told:
         require_moving(LogSet((MOVING,)), [still, other])
+    assert "a range of 4.05 kPa, and of 90 kPa in what is fitted" in str(told.value)
 
 
 def test_a_log_of_one_level_a_segment_moves() -> None:
