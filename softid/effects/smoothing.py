@@ -49,7 +49,7 @@ class _Smoothed(OutputEffect):
         "The residual swings before every fast motion as it does after it, at every level alike."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_lag", "sensor_resonance", "pneumatic_lag")
-    remedy: ClassVar[str] = "diagnose the record as it was before any filter"
+    remedy: ClassVar[str] = "leave the record as it was read; a fit needs no smoothing"
     shown_by: ClassVar[str] = "fast steps, and the record as it was before any filter"
 
 
