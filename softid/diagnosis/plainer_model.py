@@ -160,17 +160,12 @@ class PlainerModels:
         """
         if not self._lost:
             return self.chosen
-        if self._settled is not None:
-            return self._likelier_than_settled or self.chosen
+        settled = self._settled
+        if settled is not None:
+            rivals = self._promising if settled.links else []
+            return self._likelier(rivals, settled, self._against_settled) or self.chosen
         with_one = self._likelier(self.plainer, self.chosen.first, lambda rival: rival.first)
         return with_one or self._likelier(self.plainer, _two(self.chosen), _two) or self.chosen
-
-    @cached_property
-    def _likelier_than_settled(self) -> ModelSearch | None:
-        assert self._settled is not None
-        if not self._settled.links:
-            return None
-        return self._likelier(self._promising, self._settled, self._against_settled)
 
     def explaining_as_well(self, extended: ModelSearch, found: Chain) -> OtherModel | None:
         """A plainer model that explains the logs as well with causes of its own; None for none.
@@ -180,9 +175,8 @@ class PlainerModels:
         extended, found
             As in `after_first_cause`; the causes are named.
         """
-        if extended is not self.chosen or not self._lost or self._settled is None:
-            return None
-        if not found.links:
+        is_asked = extended is self.chosen and self._lost and found.links
+        if not is_asked or self._settled is None:
             return None
         before, after = self.search.base.candidate, found.final
         for rival in self._promising:

@@ -73,7 +73,7 @@ def interpolated_samples(log: Log) -> BoolArray:
 def _between_readings(time_s: Array, values: Array) -> BoolArray:
     """Samples of one channel that say nothing new, one of each stretch between two readings left.
 
-    Where readings lie at samples those are what is left; else there are as many as readings.
+    Where readings lie at samples those are what is left; else every so many samples as span one.
     """
     nothing = np.zeros(values.size, bool)
     if values.size < 4 or not np.isfinite(values).all():

@@ -88,8 +88,10 @@ def told_as_tied(alternative: Alternative, title: str, *, linear: bool) -> str:
     named, first = titles_of(alternative.keys, last=" or "), lowered(title)
     known = law_that_ties(alternative, linear=linear)
     which = "most likely the last" if known is BEYOND else "and the logs do not say which"
-    if known is not None or SPLITS in alternative.why:
-        why = alternative.why.partition(SPLITS)[0] or (known.why if known is not None else "")
+    why, splits, _ = alternative.why.partition(SPLITS)
+    if known is not None:
+        reason = f"{why or known.why}. As {first} it"
+    elif splits:
         reason = f"{why}. As {first} it"
     else:
         best = "The best by a little" if are_alike(alternative) else BEST_OF_UNEQUAL
