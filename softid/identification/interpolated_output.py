@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from softid.identification.interpolated_readings import reading_clock, readings_at
 from softid.identification.intersample_choice import COMMAND
 from softid.log import Log
 
@@ -19,6 +20,9 @@ IntArray = npt.NDArray[np.intp]
 
 INTERPOLATED = "interpolated-output"
 """Code of the remark that an output was."""
+
+RECOVERED = "recovered-readings"
+"""Code of the remark that it was, and that its readings are known."""
 
 LARGE, STRAIGHT = 0.95, 0.01
 """A sample lies on the line through its neighbours when it is off by less than this share of how
@@ -68,6 +72,46 @@ def interpolated_samples(log: Log) -> BoolArray:
         if not every.any():
             break
     return every & ~log.masked
+
+
+def recovered_readings(log: Log) -> tuple[Array, dict[str, Array]] | None:
+    """The readings that all outputs of a log were interpolated from; None where they are unknown.
+
+    Parameters
+    ----------
+    log
+        A log whose outputs were interpolated.
+
+    Returns
+    -------
+    tuple or None
+        When they were taken, at regular times of one clock within the log, shape (r,), and the
+        readings of every output, each of shape (r,); what no sample tells is not a number.
+
+    Examples
+    --------
+    >>> read_s, readings = np.arange(0.2, 410.0, 2.6), np.random.default_rng(0).normal(size=158)
+    >>> angle = np.interp(np.arange(400.0), read_s, readings)
+    >>> log = Log.from_arrays(np.arange(400.0), {"pressure": np.arange(400.0), "angle": angle})
+    >>> taken_s, values = recovered_readings(log)
+    >>> bool(np.allclose(values["angle"], readings[: taken_s.size]))
+    True
+    """
+    time_s, inner = log.time_s, np.arange(1, len(log) - 1)
+    first = log.channels[log.outputs[0]].values
+    straight, _ = _on_lines(time_s, first, inner)
+    clock = reading_clock(time_s, first, np.concatenate(([False], straight, [False])))
+    if clock is None:
+        return None
+    taken_s = clock.times_s(float(time_s[0]), float(time_s[-1]))
+    within = (taken_s >= time_s[0]) & (taken_s <= time_s[-1])
+    found = {}
+    for name in log.outputs:
+        values = readings_at(taken_s, time_s, log.channels[name].values)
+        if values is None:
+            return None
+        found[name] = values[within]
+    return taken_s[within], found
 
 
 def _between_readings(time_s: Array, values: Array) -> BoolArray:

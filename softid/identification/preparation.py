@@ -8,7 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from softid.errors import InputError, Issue, UsageError
-from softid.identification.interpolated_output import INTERPOLATED, interpolated_samples
+from softid.identification.interpolated_output import (
+    INTERPOLATED,
+    RECOVERED,
+    interpolated_samples,
+    recovered_readings,
+)
 from softid.identification.repeated_output import repeated_readings
 from softid.log import Log, LogSet
 from softid.models import MODELS
@@ -101,12 +106,16 @@ def _without_interpolated(log: Log) -> Log:
     between = interpolated_samples(log)
     if not between.any():
         return log
-    rate_hz = (len(log) - int(between.sum())) / float(np.ptp(log.time_s))
+    readings = recovered_readings(log)
+    count = len(log) - int(between.sum()) if readings is None else readings[0].size
+    rate_hz = count / float(np.ptp(log.time_s))
     issue = Issue(
-        INTERPOLATED,
+        INTERPOLATED if readings is None else RECOVERED,
         "info",
         f"{log.name}: {' and '.join(log.outputs)} is straight between readings, as after an "
-        f"interpolation to a faster clock; {rate_hz:.3g} samples a second stay in the residuals",
+        f"interpolation to a faster clock; {rate_hz:.3g} "
+        + ("samples" if readings is None else "readings")
+        + " a second stay in the residuals",
         "leave cells empty where the sensor has no reading of its own",
     )
     return replace(log.with_masked(between), issues=(*log.issues, issue))

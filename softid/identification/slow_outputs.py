@@ -8,11 +8,14 @@ the sensor has a clock of its own, it counts from when it was taken.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import Channel
+from softid.identification.interpolated_output import RECOVERED, recovered_readings
 from softid.identification.sensor_clock import find_clock
 from softid.log import Log
 from softid.readers.merging import MERGED_ROWS
@@ -97,20 +100,48 @@ def at_readings(log: Log) -> Log:
     >>> slow.time_s.tolist(), slow.segments()[0].input.tolist()
     ([0.0, 2.0, 4.0, 6.0], [0.0, 1.0, 2.0, 3.0, 9.0, 3.0, 2.0])
     """
+    if any(issue.code == RECOVERED for issue in log.issues):
+        readings = recovered_readings(log)
+        if readings is not None:
+            return _before_interpolation(log, *readings)
     rows = np.flatnonzero(_is_read(log))
     if rows.size < 2 or float(np.mean(np.diff(rows) > 1)) <= USUAL:
         return log
     rows, time_s = _taken(log, rows)
     channels = {k: replace(c, values=c.values[rows]) for k, c in log.channels.items()}
-    course = np.interp(time_s, log.time_s, log.channels[log.input].values)
+    return _with_readings(log, time_s, channels, log.masked[rows])
+
+
+def _before_interpolation(log: Log, taken_s: Array, readings: Mapping[str, Array]) -> Log:
+    """The readings that the log was interpolated from; none where it counts no sample nearby."""
+    channels = {
+        name: replace(
+            channel,
+            values=readings[name]
+            if name in readings
+            else np.interp(taken_s, log.time_s, channel.values),
+        )
+        for name, channel in log.channels.items()
+    }
+    counts = log.time_s[~log.masked]
+    after = np.searchsorted(counts, taken_s).clip(1, counts.size - 1)
+    apart_s = np.minimum(np.abs(taken_s - counts[after - 1]), np.abs(counts[after] - taken_s))
+    return _with_readings(log, taken_s, channels, apart_s > float(np.median(np.diff(taken_s))))
+
+
+def _with_readings(
+    log: Log, taken_s: Array, channels: dict[str, Channel], masked: BoolArray
+) -> SlowOutputLog:
+    """Channels at the times of readings, with the course of the input at and between them."""
+    course = np.interp(taken_s, log.time_s, log.channels[log.input].values)
     channels[log.input] = replace(channels[log.input], values=course)
     return SlowOutputLog(
         name=log.name,
-        time_s=time_s,
+        time_s=taken_s,
         channels=channels,
         input=log.input,
         outputs=log.outputs,
-        masked=log.masked[rows],
+        masked=masked,
         source=log.source,
         issues=log.issues,
         metadata=log.metadata,

@@ -8,7 +8,9 @@ import pytest
 from softid.diagnosis import diagnose
 from softid.diagnosis_results import Verdict
 from softid.identification import fit
-from softid.identification.interpolated_output import interpolated_samples
+from softid.identification.interpolated_output import interpolated_samples, recovered_readings
+from softid.identification.preparation import without_dropouts
+from softid.identification.slow_outputs import at_readings
 from softid.log import Log
 from softid.synthesis import hidden_pair
 from softid.synthesis.rig import Rig
@@ -58,9 +60,59 @@ def test_a_log_that_was_resampled_is_adequate() -> None:
     logs = [brought_to(log, RATE_HZ) for log in (train, hold_out)]
     found = diagnose(logs[0], hold_out=[logs[1]], model="muscle")
     assert found.verdict is Verdict.ADEQUATE
-    told = [i.message for i in found.issues if i.code == "interpolated-output"]
+    told = [i.message for i in found.issues if i.code == "recovered-readings"]
     assert len(told) == 2
-    assert "an interpolation to a faster clock; 33.3 samples a second stay" in told[0]
+    assert "an interpolation to a faster clock; 40 readings a second stay" in told[0]
+
+
+@pytest.mark.parametrize("digits", [4, 9])
+@pytest.mark.parametrize("reading_hz", [16.7, 24.0, 25.0, 30.0, 37.0, 40.0])
+def test_readings_are_where_the_lines_meet(reading_hz: float, digits: int) -> None:
+    """What was interpolated is found again: times to a fiftieth of a sampling interval, values to
+    what the rounding leaves of them, twice over."""
+    rng = np.random.default_rng(1)
+    read_s = np.arange(-1.0 / reading_hz + 0.0034, 62.0, 1.0 / reading_hz)
+    angle = np.sin(read_s) + 5e-3 * rng.normal(size=read_s.size)
+    time_s = np.arange(0.0, 60.0, 1.0 / RATE_HZ)
+    values = np.round(np.interp(time_s, read_s, angle), digits)
+    log = Log.from_arrays(time_s, {"pressure": time_s, "angle": values})
+    readings = recovered_readings(log)
+    assert readings is not None
+    taken_s, found = readings[0], readings[1]["angle"]
+    within = (read_s >= time_s[0]) & (read_s <= time_s[-1])
+    np.testing.assert_allclose(taken_s, read_s[within], atol=0.02 / RATE_HZ)
+    told = np.isfinite(found)
+    assert told.mean() > 0.99
+    np.testing.assert_allclose(found[told], angle[within][told], atol=2.0 * 10.0**-digits + 5e-5)
+
+
+def test_an_uneven_sensor_is_thinned() -> None:
+    """No regular clock explains where its lines meet, so one sample a reading stays."""
+    rng = np.random.default_rng(2)
+    read_s = np.cumsum(rng.uniform(0.02, 0.06, 1600))
+    time_s = np.arange(1.0, 60.0, 1.0 / RATE_HZ)
+    angle = np.interp(time_s, read_s, np.sin(read_s) + 5e-3 * rng.normal(size=read_s.size))
+    log = Log.from_arrays(time_s, {"pressure": time_s, "angle": angle})
+    assert recovered_readings(log) is None
+
+
+def test_lost_samples_of_what_was_interpolated_stay_lost() -> None:
+    """A reading counts where the log counts a sample nearby; the course of the input is that of
+    all rows."""
+    read_s = np.arange(0.004, 62.0, 1.0 / 30.0)
+    angle = np.sin(read_s) + 5e-3 * np.random.default_rng(4).normal(size=read_s.size)
+    time_s = np.arange(0.0, 60.0, 1.0 / RATE_HZ)
+    pressure = np.sin(1.3 * time_s)
+    values = {"pressure": pressure, "angle": np.interp(time_s, read_s, angle)}
+    lost = (time_s > 20.0) & (time_s < 25.0)
+    found = at_readings(without_dropouts(Log.from_arrays(time_s, values).with_masked(lost)))
+    counts = found.time_s[~found.masked]
+    assert not np.any((counts > 20.05) & (counts < 24.95))
+    assert counts.size == pytest.approx(55 * 30, abs=5)
+    assert found.period_s == pytest.approx(1.0 / 30.0)
+    (segment,) = found.segments()
+    read = np.interp(time_s[1000:5000], segment.readings[0], segment.readings[1])
+    np.testing.assert_allclose(read, pressure[1000:5000], atol=1e-9)
 
 
 def test_errors_are_those_of_the_readings() -> None:
