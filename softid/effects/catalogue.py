@@ -18,6 +18,7 @@ from softid.effects.pneumatic_lag import (
 )
 from softid.effects.pressure_mass import PressureMass
 from softid.effects.quadratic_damping import PowerDamping, QuadraticDamping
+from softid.effects.relaxation import Relaxation
 from softid.effects.sensor_clipping import (
     BothSensorClipping,
     LowerSensorClipping,
@@ -62,6 +63,7 @@ STATE: tuple[type[Effect], ...] = (
 )
 OUTPUT: tuple[type[Effect], ...] = (
     SeriesCreep,
+    Relaxation,
     SensorDrift,
     SensorGainDrift,
     SensorWarmup,

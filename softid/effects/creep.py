@@ -151,7 +151,6 @@ class SeriesCreep(OutputEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """Share c by which the reading creeps on, and the time τ in which it does."""
-        (_, tau) = Creep().parameters(scale).values()
         share = Parameter(
             "c",
             SERIES_SHARE,
@@ -161,18 +160,56 @@ class SeriesCreep(OutputEffect):
             meaning="fraction of a change by which the reading creeps on",
             source=self.source,
         )
-        return ParameterSet((share, replace(tau, meaning="time constant of the creep")))
+        return ParameterSet((share, settling_time(scale, "time constant of the creep")))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Times from a thirtieth to a third of the log."""
-        declared = self.parameters(scale)
-        times = start_times(declared["tau"], scale, TIMES)
-        return tuple({"c": SERIES_SHARE, "tau": tau} for tau in times)
+        return settling_starts(self.parameters(scale), scale)
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
         """The reading with what creeps on, settled at the first sample."""
         del scale
-        late = np.array(y, np.float64)
-        lag(np.diff(time_s), late, float(eta[1]), float(eta[1]))
-        crept: Array = y + float(eta[0]) * late
+        crept: Array = y + float(eta[0]) * settling(time_s, y, float(eta[1]))
         return crept
+
+
+def settling_time(scale: Scale, meaning: str) -> Parameter:
+    """The time constant τ of what goes on after the motion has settled, in s.
+
+    Parameters
+    ----------
+    scale
+        Sizes of the base fit.
+    meaning
+        What it is the time of.
+    """
+    return replace(Creep().parameters(scale)["tau"], meaning=meaning)
+
+
+def settling_starts(declared: ParameterSet, scale: Scale) -> tuple[Mapping[str, float], ...]:
+    """Starts of a share c and a time τ: times from a thirtieth to a third of the log.
+
+    Parameters
+    ----------
+    declared
+        The parameters, with the start of the share.
+    scale
+        Sizes of the base fit.
+    """
+    times = start_times(declared["tau"], scale, TIMES)
+    return tuple({"c": declared["c"].value, "tau": tau} for tau in times)
+
+
+def settling(time_s: Array, y: Array, tau_s: float) -> Array:
+    """What follows a course by τ ż + z = y, settled at the first sample, shape (n,).
+
+    Parameters
+    ----------
+    time_s, y
+        The course, straight between its samples, each of shape (n,).
+    tau_s
+        The time constant.
+    """
+    late = np.array(y, np.float64)
+    lag(np.diff(time_s), late, tau_s, tau_s)
+    return late

@@ -57,7 +57,16 @@ def _lag(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
 
 def _series_creep(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
     del sizes, occasion
-    share, tau = values["c"], values["tau"]
+    return _settling(values["c"], values["tau"])
+
+
+def _relaxation(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
+    del sizes, occasion
+    return _settling(-values["c"], values["tau"])
+
+
+def _settling(share: float, tau: float) -> OutputLaw:
+    """What goes on by a share of every change, in a time; it returns where that is negative."""
 
     def read(times: Array, y: Array) -> Array:
         """With what a lag of straight pieces leaves of every sample at the next one."""
@@ -269,6 +278,12 @@ OUTPUTS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             "c": about(rng, 0.12 * size), "tau": between(rng, 0.04, 0.15) * s.duration_s,
         }, _series_creep,
+    ),
+    entry(
+        "relaxation", "output", "y = x - c z, tau z' + z = x", "c 1, tau s",
+        lambda s, rng, size: {
+            "c": about(rng, 0.12 * size), "tau": between(rng, 0.04, 0.15) * s.duration_s,
+        }, _relaxation,
     ),
     entry(
         "sensor_lag", "output", "tau y' + y = x", "tau s",

@@ -28,7 +28,7 @@ NAMES = (
     "static_curve", "stiffening", "contact", "quadratic_damping", "asymmetric_damping",
     "coulomb_friction", "hysteresis", "creep", "softening", "ageing", "pressure_mass",
     "sensor_drift", "sensor_gain_drift", "sensor_warmup", "sensor_lag", "sensor_resonance",
-    "smoothing", "sensor_clipping", "clock_rate",
+    "relaxation", "smoothing", "sensor_clipping", "clock_rate",
 )  # fmt: skip
 BASES: dict[str, tuple[Model, np.ndarray]] = {
     "muscle": (Muscle(), MUSCLE),

@@ -12,6 +12,7 @@ from softid.diagnosis.verdict.equivalence import (
     BEYOND,
     HELD_INPUT,
     LAGS,
+    LEADS,
     LINEAR_FILTERS,
     LOWER_END,
     OWN_DAMPING,
@@ -162,7 +163,7 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     tied = set(alternative.effects)
     if tied.issuperset(TWO_LATE.effects) and not are_alike(alternative):
         return TWO_LATE
-    for known in (OWN_DAMPING, LOWER_END, HELD_INPUT, THINNING):
+    for known in (OWN_DAMPING, LOWER_END, HELD_INPUT, THINNING, LEADS):
         if tied.issuperset(known.effects):
             return known
     for known in REPLACED:

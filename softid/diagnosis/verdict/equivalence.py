@@ -254,6 +254,15 @@ POLE_AND_ZERO = EquivalenceClass(
 )
 """A creep that begins while the actuator still moves."""
 
+LEADS = EquivalenceClass(
+    ("relaxation of the reading", UNLISTED["sensor_lead"], UNLISTED["gauge_lag"]),
+    ("relaxation", "sensor_lead", "gauge_lag"),
+    "Each makes the first part of a motion larger, and this relaxation is not much slower than the "
+    "motion itself, so that it may as well be none",
+    _FASTER,
+)
+"""A relaxation that begins while the actuator still moves."""
+
 LAGS = EquivalenceClass(
     ("a lag of the pneumatics", "a lag of the sensor"),
     ("pneumatic_lag", "sensor_lag"),

@@ -14,6 +14,7 @@ from softid.diagnosis.refit.usual_law import usual_law
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.equivalence import (
     HELD_INPUT,
+    LEADS,
     OWN_DAMPING,
     POLE_AND_ZERO,
     PRESLIDING,
@@ -34,8 +35,8 @@ KEPT = 0.2
 """An actuator keeps no time of its own when it is below this share of the lag's."""
 
 LATER = 3.0
-"""A creep goes on for so many times as long as the motion itself, at least; what is over sooner may
-be any other pole and zero."""
+"""A creep or a relaxation goes on for so many times as long as the motion itself, at least; what is
+over sooner may be any other pole and zero."""
 
 ABOUT = 0.1
 """A time is half an interval where that lies no farther outside the interval of its error: what
@@ -78,7 +79,8 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
     hysteresis: only the distance tells a guide that rubs from a material with inner friction. With
     M = N = 0, a lag whose time goes with the pressure inside, τ(pa) ṗa + pa = p, is x = pa/Q with
     τ(Qx) Q ẋ + Q x = p: a damping that goes with the position. In a linear model a creep is one
-    pole and one zero, as is the lag of a gauge or the lead of a sensor. An input that is held until
+    pole and one zero, as is the lag of a gauge or the lead of a sensor; a relaxation is one in any,
+    as the lead of a sensor is. An input that is held until
     its next sample is late by half an interval. Fc tanh(v/vs) with a large vs is a damping that
     falls with the speed.
 
@@ -105,6 +107,8 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
         others = HELD_INPUT.effects
     elif cause.effect == "creep" and final.problem.model.is_linear:
         others = POLE_AND_ZERO.effects[1:] if values["tau"] < LATER * scale.motion_s else ()
+    elif cause.effect == "relaxation" and values["tau"] < LATER * scale.motion_s:
+        others = LEADS.effects[1:]
     return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *others))))
 
 

@@ -103,6 +103,16 @@ def test_a_creep_as_fast_as_the_motion_may_be_any_pole_and_zero(
     assert with_law_rivals(link_of("creep"), told, "creep", final, scale).rivals == rivals
 
 
+@pytest.mark.parametrize(("tau", "is_open"), [(2.0 * OWN_S, True), (4.0 * OWN_S, False)])
+def test_a_relaxation_as_fast_as_the_motion_may_be_a_lead(tau: float, is_open: bool) -> None:
+    """Below three times the motion's own time."""
+    final, scale = linear_with("relaxation", c=0.2, tau=tau)
+    sizes = [estimate("relaxation_c", 0.2, "1"), estimate("relaxation_tau", tau, "s")]
+    told = cause("relaxation", sizes, before=2.0, after=1.0)
+    rivals = with_law_rivals(link_of("relaxation"), told, "relaxation", final, scale).rivals
+    assert rivals == ("relaxation", "sensor_lead", "gauge_lag")[: 3 if is_open else 1]
+
+
 def test_both_forms_of_a_creep_are_one_transfer_function() -> None:
     """Where M = N = 0, k and τ beside Q are c = k/Q and τ (1 + c) beside Q (1 + c)."""
     q, k, tau = 50.0, 10.0, 0.4
