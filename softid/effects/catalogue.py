@@ -33,7 +33,7 @@ from softid.effects.smoothing import MeanSmoothing, Smoothing
 from softid.effects.softening import Softening
 from softid.effects.static_curve import StaticCurve
 from softid.effects.stiffening import Stiffening
-from softid.effects.valve_flow import ValveFlow
+from softid.effects.valve_flow import SeparateValveFlow, ValveFlow
 
 INPUT: tuple[type[Effect], ...] = (
     Delay,
@@ -42,6 +42,7 @@ INPUT: tuple[type[Effect], ...] = (
     LevelPneumaticLag,
     LineResonance,
     ValveFlow,
+    SeparateValveFlow,
     DeadZone,
 )
 STATE: tuple[type[Effect], ...] = (

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect
+from softid.effects.pneumatic_lag import RATIO_BOUNDS, RATIOS
 from softid.effects.scale import Scale
 from softid.effects.time_constants import lag_bounds, lag_times
 from softid.kernels.valve import valve_flow
@@ -106,16 +107,85 @@ class ValveFlow(InputEffect):
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The pressure behind the valve."""
-        arriving = np.array(u, np.float64)
-        if eta[0] <= 0.0:
-            return arriving
-        if scale.u_unit == "kPa":
-            atmosphere, added = ATMOSPHERE_KPA, ATMOSPHERE_KPA
-        else:
-            atmosphere, added = scale.u_span, scale.u_span - scale.u_low
-        absolute = np.maximum(arriving + added, LOWEST_SHARE * atmosphere)
-        valve_flow(
-            np.diff(time_s), absolute, float(eta[0]), float(eta[1]), TOLERANCE * scale.u_span
+        return behind_valve(float(eta[0]), float(eta[1]), 1.0, time_s, u, scale)
+
+
+@dataclass(frozen=True)
+class SeparateValveFlow(ValveFlow):
+    r"""Flow through a valve that vents through another opening than it fills.
+
+    ṗa = p_u ψ(p_d/p_u)/τ with τ while filling and ρ τ while venting: valves have a seat for each
+    way, and an exhaust has a silencer. The critical ratio b is that of both.
+    """
+
+    variant: ClassVar[str] = "separate"
+    title: ClassVar[str] = "Flow through a valve that differs by direction"
+    law: ClassVar[str] = (
+        "pa' = pu psi(pd/pu)/tau while filling, pu psi(pd/pu)/(ratio tau) while venting;  pu, pd "
+        "absolute pressure upstream and downstream (for a pressure input, recorded + 101.325 kPa), "
+        "psi the flow function of ISO 6358"
+    )
+    meaning: ClassVar[str] = (
+        "A narrow valve limits the flow of air, and lets it out through another opening than in, "
+        "so after a large step the pressure changes at a constant rate at first, by another one "
+        "down than up."
+    )
+    signature: ClassVar[str] = (
+        "The residual after a step is larger and lasts longer for larger steps, and differs "
+        "between filling and venting by more than the pressures explain."
+    )
+    shown_by: ClassVar[str] = "steps up and down between the same levels, of several sizes"
+    plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The time τ of filling, the critical ratio b, and the time of venting over τ."""
+        tau, b = super().parameters(scale).values()
+        ratio = Parameter(
+            "ratio",
+            RATIOS[1],
+            "1",
+            *RATIO_BOUNDS,
+            "log",
+            meaning="time of venting over that of filling",
+            source=self.source,
         )
-        passed: Array = absolute - added
-        return passed
+        return ParameterSet((tau, b, ratio))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Two times, each with faster and with slower venting."""
+        times = lag_times(scale)[1:]
+        return tuple(
+            {"tau": tau, "b": CRITICAL[1], "ratio": ratio} for tau in times for ratio in RATIOS
+        )
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """The pressure behind the valve."""
+        tau, b, ratio = eta.tolist()
+        return behind_valve(tau, b, ratio, time_s, u, scale)
+
+
+def behind_valve(
+    tau_s: float, b: float, ratio: float, time_s: Array, u: Array, scale: Scale
+) -> Array:
+    """The pressure behind a valve, above an atmosphere as the recorded one is, shape (n,).
+
+    Parameters
+    ----------
+    tau_s, b, ratio
+        Time of filling, critical ratio, and time of venting over that of filling.
+    time_s, u
+        The recorded pressure, straight between its samples, each of shape (n,).
+    scale
+        Sizes of the base fit: unit and range of the input.
+    """
+    arriving = np.array(u, np.float64)
+    if tau_s <= 0.0:
+        return arriving
+    if scale.u_unit == "kPa":
+        atmosphere, added = ATMOSPHERE_KPA, ATMOSPHERE_KPA
+    else:
+        atmosphere, added = scale.u_span, scale.u_span - scale.u_low
+    absolute = np.maximum(arriving + added, LOWEST_SHARE * atmosphere)
+    valve_flow(np.diff(time_s), absolute, tau_s, b, ratio, TOLERANCE * scale.u_span)
+    passed: Array = absolute - added
+    return passed

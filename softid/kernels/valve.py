@@ -9,7 +9,7 @@ and Dormand and Prince's pair of orders 5 and 4 follows it with steps of its own
 the supply to the next; what lies between a step's ends is read from its interpolant (Hairer,
 Nørsett and Wanner, *Solving Ordinary Differential Equations I*, §II.6). The instants at which the
 flow turns laminar or turbulent are located, so that the computed pressure is smooth in the
-parameters.
+parameters, and so is where the one turns into the other if venting takes another time than filling.
 """
 
 from __future__ import annotations
@@ -61,7 +61,9 @@ ROUNDED = 1e-15
 
 
 @kernel
-def pressure_rate(supply: float, actuator: float, tau_s: float, b: float) -> float:
+def pressure_rate(
+    supply: float, actuator: float, tau_s: float, b: float, ratio: float = 1.0
+) -> float:
     """ṗa at given absolute pressures.
 
     Parameters
@@ -72,8 +74,10 @@ def pressure_rate(supply: float, actuator: float, tau_s: float, b: float) -> flo
         Time τ in which a choked flow would raise the pressure by the upstream pressure.
     b
         Critical pressure ratio.
+    ratio
+        Time τ of venting over that of filling.
     """
-    found: float = _rate(supply, actuator, _law(tau_s, b))
+    found: float = _rate(supply, actuator, _law(tau_s if supply > actuator else tau_s * ratio, b))
     return found
 
 
@@ -99,6 +103,13 @@ def _laminar_time(tau_s: float, b: float) -> float:
 @njit(nogil=True, error_model="numpy")
 def _law(tau_s: float, b: float) -> Law:
     return 1.0 / tau_s, b, 1.0 / (1.0 - b), 1.0 / _laminar_time(tau_s, b)
+
+
+@njit(nogil=True, error_model="numpy")
+def _balanced_after(difference: float, slope: float, tau_laminar: float) -> float:
+    """Time after which a laminar flow towards a supply that comes to meet it is none."""
+    late = slope * tau_laminar
+    return float(tau_laminar * np.log1p(-difference / late)) if difference * late < 0.0 else np.inf
 
 
 @njit(nogil=True, error_model="numpy")
@@ -203,7 +214,9 @@ def _straight(
 
 
 @kernel
-def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: float) -> None:
+def valve_flow(
+    step_s: Array, values: Array, tau_s: float, b: float, ratio: float, tolerance: float
+) -> None:
     """Pressure of an actuator that begins settled at its supply.
 
     Parameters
@@ -216,6 +229,8 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
         Time τ of the law, positive.
     b
         Critical pressure ratio.
+    ratio
+        Time τ of venting over that of filling.
     tolerance
         Error allowed per step, in the unit of the pressures.
     """
@@ -223,8 +238,8 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
     a = p
     laminar = True
     usual = np.inf
-    tau_laminar = _laminar_time(tau_s, b)
-    law = _law(tau_s, b)
+    filling, venting = _law(tau_s, b), _law(tau_s * ratio, b)
+    turns, tau_laminar, law = ratio != 1.0, 0.0, filling
     kept_h, kept, allowed = 0.0, 0.0, SAFETY * tolerance
     resolution_s = ROUNDED * np.sum(step_s)
     k, rate, rate_there = 0, 0.0, 0.0
@@ -237,6 +252,11 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
             h = to_next if laminar else usual if usual < left else left
             terms = (0.0, 0.0, 0.0, 0.0)
             if laminar:
+                law = filling if p > a or (p == a and slope > 0.0) else venting
+                if 1.0 / law[3] != tau_laminar:
+                    tau_laminar, kept_h = 1.0 / law[3], np.inf
+                if turns:
+                    h = min(h, _balanced_after(p - a, slope, tau_laminar))
                 longer = (h - kept_h) / tau_laminar
                 if not abs(longer) < ALIKE:  # most intervals are as long as the one before
                     kept_h, longer, kept = h, 0.0, np.expm1(-h / tau_laminar)
@@ -254,6 +274,7 @@ def valve_flow(step_s: Array, values: Array, tau_s: float, b: float, tolerance: 
                 h = _crossing(laminar, side, p, slope, a, h, reached, terms, tau_laminar)
                 if laminar:
                     reached = p + slope * h + lag_difference(a - p, slope, h, tau_laminar)
+                    law = filling if p + slope * h > reached else venting
                     rate_there = _rate(p + slope * h, reached, law)
                 else:
                     reached, rate_there, _, terms = _turbulent(p, slope, a, h, rate, law)

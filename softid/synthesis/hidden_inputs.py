@@ -94,12 +94,13 @@ def flow_share(ratio: float, critical: float) -> float:
 def _valve_flow(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
     del sizes, occasion
     tau, critical = values["tau"], values["b"]
+    venting = tau * values.get("ratio", 1.0)
 
     def act(t: float, p: float, z: States) -> tuple[float, Rates]:
         supply, inside = p + ATMOSPHERE_KPA, z[0] + ATMOSPHERE_KPA
         if supply >= inside:
             return z[0], (supply / tau * flow_share(inside / supply, critical),)
-        return z[0], (-inside / tau * flow_share(supply / inside, critical),)
+        return z[0], (-inside / venting * flow_share(supply / inside, critical),)
 
     return InputLaw(act, _same)
 
@@ -253,6 +254,15 @@ INPUTS: tuple[Hidden, ...] = (
         "valve_flow", "input", "pa' = C pu psi(pd/pu), C = 1/tau", "tau s, b 1",
         lambda s, rng, size: {
             "tau": about(rng, 3.0 * size * s.motion_s), "b": rng.uniform(0.2, 0.45),
+        }, _valve_flow,
+    ),
+    entry(
+        "valve_flow.separate", "input",
+        "pa' = pu psi(pd/pu)/tau while filling, pu psi(pd/pu)/(ratio tau) while venting",
+        "tau s, b 1, ratio 1",
+        lambda s, rng, size: {
+            "tau": about(rng, 2.0 * size * s.motion_s), "b": rng.uniform(0.2, 0.45),
+            "ratio": about(rng, 2.5) ** either(rng),
         }, _valve_flow,
     ),
     entry(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from io_rig import SCALE, extended, fine_times, jacobian_error, pressure, segment, vanishes
 
-from softid.effects.valve_flow import ValveFlow
+from softid.effects.valve_flow import SeparateValveFlow, ValveFlow
 
 
 def test_choked_filling_is_straight() -> None:
@@ -34,6 +34,17 @@ def test_larger_steps_take_longer() -> None:
     assert halves_s[1] > 1.5 * halves_s[0]
 
 
+def test_venting_takes_its_own_time() -> None:
+    """By the law: 500 kPa are filled as with τ, and vented as with ρ τ, both choked at first."""
+    time_s = fine_times()
+    for is_up in (True, False):
+        u = np.where((time_s > 1.0) == is_up, 500.0, 0.0)
+        found = SeparateValveFlow().apply(np.array([0.6, 0.3, 2.5]), time_s, u, SCALE)
+        tau = 0.6 if is_up else 1.5
+        alone = ValveFlow().apply(np.array([tau, 0.3]), time_s, u, SCALE)
+        np.testing.assert_allclose(found, alone, rtol=0.0, atol=1e-6)
+
+
 def test_an_input_that_is_no_pressure_in_kpa() -> None:
     """Its range counts as one to two atmospheres, so scaling it scales the result."""
     time_s = fine_times()
@@ -54,12 +65,14 @@ def test_nothing_flows_out_of_a_vacuum() -> None:
     assert found.min() == pytest.approx(0.01 * 101.325 - 101.325, abs=1e-3)
 
 
-def test_valve_flow_of_zero_is_none() -> None:
+@pytest.mark.parametrize("key", ["valve_flow", "valve_flow.separate"])
+def test_valve_flow_of_zero_is_none(key: str) -> None:
     """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("valve_flow")
+    vanishes(key)
 
 
+@pytest.mark.parametrize("key", ["valve_flow", "valve_flow.separate"])
 @pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_valve_flow_derivatives(sampling: str) -> None:
+def test_valve_flow_derivatives(sampling: str, key: str) -> None:
     """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended("valve_flow"), segment(sampling)) < 1e-4
+    assert jacobian_error(*extended(key), segment(sampling)) < 1e-4

@@ -11,9 +11,11 @@ from scipy.integrate import quad, solve_ivp
 from softid.kernels.valve import pressure_rate, valve_flow
 
 
-def behind(time_s: np.ndarray, supply: np.ndarray, tau_s: float, b: float) -> np.ndarray:
+def behind(
+    time_s: np.ndarray, supply: np.ndarray, tau_s: float, b: float, ratio: float = 1.0
+) -> np.ndarray:
     values = np.array(supply)
-    valve_flow(np.diff(time_s), values, tau_s, b, 1e-9 * np.ptp(supply))
+    valve_flow(np.diff(time_s), values, tau_s, b, ratio, 1e-9 * np.ptp(supply))
     return values
 
 
@@ -50,18 +52,19 @@ def test_choked_venting_is_exponential() -> None:
     np.testing.assert_allclose(found[choked], expected[choked], rtol=0.0, atol=1e-5)
 
 
+@pytest.mark.parametrize("ratio", [1.0, 0.4, 3.0])
 @pytest.mark.parametrize("tau_s", [0.01, 0.1, 1.0, 10.0])
-def test_any_profile_against_lsoda(tau_s: float) -> None:
+def test_any_profile_against_lsoda(tau_s: float, ratio: float) -> None:
     """Steps and ramps both ways, within 1e-6 of the span (1e-5 is asked for)."""
     corners_s = np.array([0.0, 0.2, 0.21, 1.0, 1.02, 2.0, 3.0])
     time_s = np.linspace(0.0, 3.0, 901)
     supply = np.interp(time_s, corners_s, [101.0, 101.0, 300.0, 300.0, 150.0, 150.0, 260.0])
-    found = behind(time_s, supply, tau_s, 0.3)
+    found = behind(time_s, supply, tau_s, 0.3, ratio)
     expected, reached = np.full(time_s.size, 101.0), 101.0
     for begin, end in pairwise(corners_s):
         inside = (time_s > begin + 1e-9) & (time_s <= end + 1e-9)
         solved = solve_ivp(
-            lambda t, a: pressure_rate(np.interp(t, time_s, supply), a[0], tau_s, 0.3),
+            lambda t, a: pressure_rate(np.interp(t, time_s, supply), a[0], tau_s, 0.3, ratio),
             (begin, end), [reached], method="LSODA", rtol=1e-10, atol=1e-9, max_step=0.01,
             t_eval=np.minimum(time_s[inside], end),
         )  # fmt: skip
