@@ -52,6 +52,7 @@ class Doubt(Enum):
     CANCELS = "cancels"
     DISPLACES = "displaces"
     ACTS_BEHIND = "acts behind"
+    DWARFED = "dwarfed"
 
 
 @dataclass(frozen=True)

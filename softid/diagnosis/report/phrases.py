@@ -61,6 +61,7 @@ DOUBTS = {
     "shape of a third",
     Doubt.DISPLACES: "moves as the actuator itself does, of whose own motion nothing is left",
     Doubt.ACTS_BEHIND: "acts behind that motion, as a sensor that is not straight does",
+    Doubt.DWARFED: "may be what the law of the largest cause leaves, as small as it is",
 }
 """Why a description is no cause, after its title; the others are told by sentences of their own."""
 

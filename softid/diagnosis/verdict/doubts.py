@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.search.forward_selection import Chain
@@ -19,6 +20,10 @@ from softid.results import FitResult
 
 NO_GAIN = (Doubt.GAINS_NOTHING, Doubt.MAY_GAIN_NOTHING)
 """What is held out refuses these, if it holds them at all."""
+
+DWARFED = 0.05
+"""Share of the misfit of the largest cause, as a root mean square, up to which another may as well
+be what the law of that one leaves, for no material keeps to its law more closely."""
 
 WITHIN_A_SAMPLE = 0.1
 """Share of a sampling interval up to which a lag or a delay may as well be what the input did in
@@ -57,15 +62,31 @@ def with_doubts(
         **dict.fromkeys(behind(final, displaced_by), Doubt.ACTS_BEHIND),
         **dict.fromkeys(cancelling(final, base.candidate, scale), Doubt.CANCELS),
     }
-    told = []
+    told, small = [], dwarfed(chain)
     for cause, link in zip(causes, chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
+        if doubt is None and cause.key in small:
+            doubt = Doubt.DWARFED
         if doubt is None and is_within_a_sample(cause, link.added, scale):
             doubt = Doubt.TOO_QUICK
         if doubt in NO_GAIN and not occurs(link.added, final, base.candidate, held_out, scale):
             doubt = Doubt.DOES_NOT_OCCUR
         told.append(replace(cause, doubt=against.get(cause.key, doubt)))
     return tuple(told)
+
+
+def dwarfed(chain: Chain) -> set[str]:
+    """Keys of the causes that take away next to nothing beside what another one does.
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    """
+    squares = [*(link.squares_before for link in chain.links), chain.final.squares]
+    falls = [before - after for before, after in pairwise(squares)]
+    least = DWARFED**2 * max(falls, default=0.0)
+    return {link.added.key for link, f in zip(chain.links, falls, strict=True) if f < least}
 
 
 def is_within_samples(descriptions: Sequence[Cause], left: Remainder) -> bool:

@@ -21,6 +21,7 @@ from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.multistart import driven
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, ReliefLeak
+from softid.effects import belongs_to
 from softid.effects.base import Effect
 
 FIRST, REFITTING = 8, 40
@@ -83,8 +84,8 @@ def refitted_with(
 ) -> Candidate | None:
     """The base with effects of a model that stands, and others from the best of their starts.
 
-    One of `CURVED` in the place of all also begins at start values of the base for what arrives
-    behind it: what stood for it has bent the curve of the base.
+    One of `CURVED` also begins at start values of the base for what arrives behind it: what stood
+    for it has bent the curve of the base.
 
     Parameters
     ----------
@@ -114,9 +115,19 @@ def refitted_with(
         for place in places
         for values in _start_values(laws, base)
     ]
-    if not kept and isinstance(laws[0], CURVED):
+    if isinstance(laws[0], CURVED):
+        beside = {
+            name: value
+            for name, value in known.parameters.items()
+            if any(belongs_to(effect, name) for effect in kept)
+        }
         starts += [
-            start_unknowns(problem, place.problem, place.minimum.point, named_values(laws[0], own))
+            start_unknowns(
+                problem,
+                place.problem,
+                place.minimum.point,
+                {**beside, **named_values(laws[0], own)},
+            )
             for own in laws[0].starts(base.scale)
             for place in driven(rough_base, laws[0], own, base.scale)
         ]

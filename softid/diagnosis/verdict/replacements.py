@@ -18,6 +18,7 @@ from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
 from softid.diagnosis.verdict.refitted_laws import NEAR, refitted_with, standing_of
 from softid.diagnosis.verdict.unlisted_drifts import (
+    DampingDrift,
     LoadDrift,
     PressureDrift,
     PressureGainDrift,
@@ -27,9 +28,12 @@ from softid.diagnosis.verdict.unlisted_drifts import (
 from softid.diagnosis.verdict.unlisted_laws import (
     UNLISTED_LAWS,
     BentReading,
+    InputPlay,
+    OutputPlay,
+    PositionDamping,
     SecondCreep,
 )
-from softid.diagnosis.verdict.unlisted_pneumatics import RateLimit
+from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import SmoothedInput, UnevenReading
 from softid.effects import effect_of
 from softid.effects.base import Effect
@@ -76,6 +80,15 @@ class Replacement:
 REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(DRIFTS, ((LoadDrift(),), (PressureGainDrift(),), (PressureDrift(),))),
     Replacement(("stiffening", "static_curve", "contact"), ((BentReading(),),)),
+    Replacement(
+        ("stiffening", "static_curve", "contact"), ((InputLimit(),), (ReliefLeak(),)), behind=0.0
+    ),
+    Replacement(("hysteresis", "coulomb_friction"), ((InputPlay(),), (OutputPlay(),)), behind=0.0),
+    Replacement(
+        ("quadratic_damping", "asymmetric_damping"),
+        ((PositionDamping(),), (DampingDrift(),)),
+        behind=0.0,
+    ),
     Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),)),
     Replacement(("pneumatic_lag.separate",), ((UnevenReading(),),)),
     Replacement((*DRIFTS, "hysteresis", "softening"), ((SecondCreep(),),), beside="creep"),
@@ -139,7 +152,7 @@ def _asked(
     """Rows of the table that take a named effect, each with its sets of laws one by one."""
     rows = [row for row in REPLACEMENTS if row.asks(named)]
     found = [(row, laws) for row in rows for laws in row.laws]
-    known = {laws for _, laws in found}
+    known = {laws for row, laws in found if all(row.takes(effect) for effect in named)}
     everything = Replacement(
         tuple(effect.name for effect in named),
         tuple((law(),) for law in UNLISTED_LAWS if (law(),) not in known),

@@ -1,14 +1,18 @@
-"""Laws that are over within a sampling interval."""
+"""Laws that are over within a sampling interval, and those that others dwarf."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from handmade_diagnosis import cause, estimate, remainder
+from handmade_rounds import ranked
 from textbook_effects import round_scale
 
-from softid.diagnosis.verdict.doubts import is_within_a_sample, is_within_samples
+from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis.verdict.doubts import dwarfed, is_within_a_sample, is_within_samples
 from softid.diagnosis_results import Doubt
 from softid.effects import effect_of
 
@@ -51,3 +55,18 @@ def test_what_is_within_samples_is_all_or_it_is_not(
     """Only where nothing else is described, and nothing is left behind it."""
     told = [replace(cause("delay", [], before=2.0, after=1.0), doubt=d) for d in doubts]
     assert is_within_samples(told, replace(NOISE, structured=structured)) is all_of_it
+
+
+@pytest.mark.parametrize(("share", "is_small"), [(0.049, True), (0.051, False)])
+def test_a_twentieth_of_the_largest_is_small(share: float, is_small: bool) -> None:
+    """Of the root mean square that the largest takes away, whichever comes first."""
+    base = ranked((), 0.0)
+    for keys in (("creep", "delay"), ("delay", "creep")):
+        falls = [100.0 if key == "creep" else 100.0 * share**2 for key in keys]
+        before = (sum(falls) + 3.0, sum(falls[1:]) + 3.0)
+        links = tuple(
+            Link(base, (base,), ranked((key,), -500.0), (key,), (), squares)
+            for key, squares in zip(keys, before, strict=True)
+        )
+        chain: Any = SimpleNamespace(links=links, final=SimpleNamespace(squares=3.0))
+        assert dwarfed(chain) == ({"delay"} if is_small else set())

@@ -149,6 +149,30 @@ def test_what_is_not_named_is_not_asked() -> None:
     assert with_replacements(links, [False, False], final, base) == links
 
 
+def test_a_limit_in_the_place_of_a_curve_beside_a_drift() -> None:
+    """A linear actuator behind a supply that gives 60 kPa and no more, and a sensor that drifts.
+
+    Nothing replaces the drift; with it kept, the limit has four numbers fewer than the curve.
+    """
+
+    def limited_log(seed: int) -> Log:
+        time_s = np.arange(40 * RATE_HZ) / RATE_HZ
+        pressure = np.random.default_rng(seed).uniform(0.0, 100.0, 40)[time_s.astype(int)]
+        angle = linear_angle(time_s, np.minimum(pressure, 60.0)) + 0.01 * time_s
+        angle += 0.005 * np.random.default_rng(seed).standard_normal(angle.size)
+        return Log.from_arrays(
+            time_s, {"pressure": pressure, "angle": angle}, name=f"limited-{seed}"
+        )
+
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((limited_log(1),)), (limited_log(2),), thorough=False)
+    named = ("sensor_drift", "static_curve")
+    final = converged_with(base, tuple(effect_of(key) for key in named))
+    drift, curve = with_replacements([link_of(key) for key in named], [True, True], final, base)
+    assert drift.rivals == ("sensor_drift",)
+    assert curve.rivals[:2] == ("static_curve", "input_limit")
+
+
 def test_a_leak_in_the_place_of_a_curve_and_a_lag() -> None:
     """A linear actuator behind a leak that opens at 50 kPa: the leak has fewer numbers.
 
