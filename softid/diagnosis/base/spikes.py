@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.coloured_noise import spikes_in
+from softid.diagnosis.residual.single_spikes import spikes_in
 from softid.errors import Issue
 from softid.log import Log
 

@@ -16,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
+from softid.diagnosis.residual.single_spikes import spikes_in
 from softid.diagnosis.residual.structure import ResidualContext, predicted_beyond_chance
 from softid.diagnosis_results import NotNoise
-from softid.excitation import NORMAL_QUARTILE
 from softid.residuals import ljung_box
 from softid.uncertainty.autoregression import fit_ar, run_slices, whiten
 
@@ -37,9 +37,6 @@ FEWEST_MEANS = 200
 
 ENOUGH = 0.8
 """This share of them is enough, for lost samples and the ends of logs take some."""
-
-SPIKE = 6.0
-"""A sample so many deviations of the fast noise off both neighbours is a fault of the sensor."""
 
 LONGEST_S, LONGEST_TIMES = 2.0, 2.0
 """Noise with a correlation time up to this, or so many time constants of the motion, is colour.
@@ -256,30 +253,6 @@ def _runs(
         for span in run_slices(np.isfinite(residual))
         if span.stop - span.start > STARTING
     ]
-
-
-def spikes_in(residual: Array) -> npt.NDArray[np.bool_]:
-    """Which samples are far off both of their neighbours, shape (n,).
-
-    Parameters
-    ----------
-    residual
-        What is left of samples that follow each other, shape (n,).
-
-    Examples
-    --------
-    >>> rest = 0.01 * (-1.0) ** np.arange(9)
-    >>> np.flatnonzero(spikes_in(np.where(np.arange(9) == 4, 1.0, rest))).tolist()
-    [4]
-    """
-    if residual.size < 3:
-        return np.zeros(residual.size, np.bool_)
-    beside = np.concatenate((residual[1:2], residual[:-1])), np.append(residual[1:], residual[-2])
-    off = residual - np.clip(residual, np.minimum(*beside), np.maximum(*beside))
-    usual = residual - 0.5 * (beside[0] + beside[1])
-    deviation = float(np.median(np.abs(usual))) / (NORMAL_QUARTILE * 1.5**0.5)
-    found: npt.NDArray[np.bool_] = np.abs(off) > (SPIKE * deviation if deviation > 0.0 else np.inf)
-    return found
 
 
 def _separated(runs: Sequence[_Run]) -> tuple[list[Array], list[Array]]:

@@ -45,3 +45,33 @@ def test_noise_has_none() -> None:
     train, hold_out = hidden_pair([], seed=611).logs
     found = diagnose(train, hold_out=[hold_out], model="muscle")
     assert SPIKES not in {issue.code for issue in found.issues}
+
+
+def test_what_shows_a_delay_is_no_spike() -> None:
+    """A lag of 0.1 s behind a delay of 50 ms, by the closed form of its steps: both are recovered.
+
+    The base leaves a peak with a corner where each step arrives; without it the delay is too short.
+    """
+    delay_s, lag_s, rate_hz = 0.05, 0.1, 100.0
+
+    def stepped(seed: int) -> Log:
+        rng = np.random.default_rng(seed)
+        time_s = np.arange(4500) / rate_hz
+        at_s = np.cumsum(rng.uniform(0.5, 1.8, 60))
+        levels = np.concatenate(([0.0], rng.uniform(0.0, 250.0, 60)))
+        since_s = np.maximum(time_s[:, np.newaxis] - at_s - delay_s, 0.0)
+        pressure = (np.diff(levels) * -np.expm1(-since_s / lag_s)).sum(axis=1)
+        pressure += 0.75 * rng.standard_normal(time_s.size)
+        command = levels[np.searchsorted(at_s, time_s, side="right")]
+        channels = {"pressure_command": command, "pressure": pressure}
+        return Log.from_arrays(
+            time_s, channels, input="pressure_command", outputs=("pressure",), name=f"steps-{seed}"
+        )
+
+    found = diagnose(stepped(2), hold_out=[stepped(12)], model="oscillator", effects=["delay"])
+    assert SPIKES not in {issue.code for issue in found.issues}
+    assert found.extended is not None
+    low, high = found.extended.parameter("delay_tau").ci95
+    assert low < delay_s < high
+    assert found.extended.parameter("delay_tau").value == pytest.approx(delay_s, rel=0.03)
+    assert found.extended.parameter("N").value == pytest.approx(lag_s, rel=0.02)

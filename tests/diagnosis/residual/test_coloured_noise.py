@@ -15,7 +15,6 @@ from softid.diagnosis.residual.coloured_noise import (
     _p_of_white,
     _runs,
     colour_test,
-    spikes_in,
 )
 from softid.diagnosis.residual.structure import ResidualContext, _folds, _Smooth, _standardised
 from softid.diagnosis_results import NotNoise
@@ -193,15 +192,6 @@ def test_white_runs_are_white_however_short_they_are() -> None:
     for count in (2, 20):
         p = [_p_of_white(np.split(rng.standard_normal(400), count)) for _ in range(400)]
         assert 0.05 < np.mean(np.array(p) < 0.05) < 0.13
-
-
-def test_a_coarse_residual_has_no_spikes() -> None:
-    """More than half of the samples equal their neighbours: nothing says what is usual."""
-    residual = np.round(0.35 * np.random.default_rng(0).standard_normal(2000))
-    assert not spikes_in(residual).any()
-    fine = np.random.default_rng(1).standard_normal(2000)
-    fine[[500, 900]] = (12.0, -12.0)
-    assert np.flatnonzero(spikes_in(fine)).tolist() == [500, 900]
 
 
 def test_quick_motion_and_a_log_at_rest_beside_it() -> None:

@@ -1,0 +1,35 @@
+"""Single samples that are far off those beside them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from softid.diagnosis.residual.single_spikes import spikes_in
+
+
+def test_a_coarse_residual_has_no_spikes() -> None:
+    """More than half of the samples equal their neighbours: nothing says what is usual."""
+    residual = np.round(0.35 * np.random.default_rng(0).standard_normal(2000))
+    assert not spikes_in(residual).any()
+    fine = np.random.default_rng(1).standard_normal(2000)
+    fine[[500, 900]] = (12.0, -12.0)
+    assert np.flatnonzero(spikes_in(fine)).tolist() == [500, 900]
+
+
+@pytest.mark.parametrize("fall", [5.0, 20.0, 33.0])
+@pytest.mark.parametrize("rise", [5.0, 20.0, 100.0])
+def test_corners_of_a_motion_are_none(rise: float, fall: float) -> None:
+    """Peaks with straight sides, and with sides that decay by a share a sample, of a hundred times
+    the noise; a spike of a tenth of their height on a slope is one.
+    """
+    rng = np.random.default_rng(3)
+    at = np.arange(41) - 20
+    sides = [np.maximum(100.0 + np.where(at < 0, rise * at, -fall * at), 0.0)]
+    sides.append(100.0 * np.where(at < 0, 1.0 - rise / 101.0, 1.0 - fall / 200.0) ** np.abs(at))
+    for peak in sides:
+        residual = np.tile(peak, 40) + rng.standard_normal(40 * at.size)
+        assert not spikes_in(residual).any()
+    slope = np.cumsum(rng.standard_normal(1000) + 3.0)
+    slope[500] += 100.0
+    assert 500 in np.flatnonzero(spikes_in(slope))
