@@ -46,11 +46,12 @@ def parameter_estimates(
     constraints
         What the user asked for: only bounds of theirs say how wide a search was plausible.
     """
-    theta = dict(zip(problem.parameters.names, problem.theta(optimum.unknowns), strict=True))
-    rows = []
+    theta, rows = problem.values(optimum.unknowns), []
     for name, p in problem.parameters.items():
         index = problem.free.index(name) if name in problem.free else None
-        row = None
+        value, row = theta[name], None
+        if index is not None:  # the power of a bound's logarithm may round to beyond it
+            value = min(max(value, p.lower), p.upper)
         if index is not None and index in errors.determined and errors.covariance is not None:
             row = errors.determined.index(index)
         covariance = errors.covariance
@@ -60,17 +61,17 @@ def parameter_estimates(
         at_bound = index is not None and bool(optimum.at_bound[index])
         known = at_bound or constraints.bounds(name)
         verdict, reason = _verdict(
-            problem, covariance, name, sd, at_bound, unseen, theta[name], use_bounds=known
+            problem, covariance, name, sd, at_bound, unseen, value, use_bounds=known
         )
-        interval = _interval(float(theta[name]), p.scale, sd, freedom)
+        interval = _interval(value, p.scale, sd, freedom)
         if interval is not None and interval[0] < p.lower and interval[1] > p.upper:
             verdict, reason = "not identified", "its interval is wider than its bounds"
         rows.append(
             ParameterEstimate(
                 name=name,
                 unit=p.unit,
-                value=float(theta[name]),
-                stderr=standard_error(float(theta[name]), p.scale, sd),
+                value=value,
+                stderr=standard_error(value, p.scale, sd),
                 ci95=interval,
                 ci_method=CI_METHOD if sd is not None else None,
                 lower=p.lower if np.isfinite(p.lower) else None,

@@ -7,13 +7,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import lmfit
 import numpy as np
 import pytest
 from handmade import MUSCLE_VALUES, failed_fit, fit_result, step_log, validation
 from jsonschema import Draft202012Validator
+from linear_motion import TRUTH, linear_log
 
 from softid.errors import IdentificationError, InputError, OutputError
 from softid.fingerprint import data_fingerprint
+from softid.identification import fit
 from softid.records import load_params, save_fit, save_validation
 from softid.records.reading import load_schema
 from softid.simulation import simulate
@@ -240,3 +243,16 @@ def test_validation_is_valid_by_its_schema(tmp_path: Path) -> None:
     Draft202012Validator(load_schema("softid.validation/1")).validate(document)
     assert document["params"] == "params.json"
     assert document["statistics"][0]["fit_percent"] == 66.0
+
+
+def test_a_value_at_a_bound_is_within_it(tmp_path: Path) -> None:
+    """exp(log b) rounds to less than b; what was found at the bound b is written as b, and read."""
+    bound = next(b for b in np.linspace(12.0, 20.0, 50).tolist() if np.exp(np.log(b)) < b)
+    asked = lmfit.Parameters()
+    asked.add("N", value=bound + 1.0, min=bound)
+    found = fit(linear_log(noise=0.01), model="oscillator", parameters=asked)
+    assert found.parameter("N").at_bound
+    assert found.parameter("N").value == bound > TRUTH["N"]
+    path = tmp_path / "params.json"
+    save_fit(found, path)
+    assert load_params(path).values["N"] == bound
