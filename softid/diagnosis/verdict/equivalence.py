@@ -277,7 +277,14 @@ RESONANCES = EquivalenceClass(
     "and its period and damping may change places with the actuator's own",
     _FASTER,
 )
-LINEAR_FILTERS = (LAGS, RESONANCES, POLE_AND_ZERO)
+BY_DIRECTION = EquivalenceClass(
+    ("damping that differs by direction", "a lag of the pneumatics that differs by direction"),
+    ("asymmetric_damping", "pneumatic_lag"),
+    "In a linear model without inertia a damping that differs by direction and air that comes and "
+    "goes by different times follow the same law",
+    "the pressure inside the actuator, or the motion after a push at a constant pressure",
+)
+LINEAR_FILTERS = (LAGS, RESONANCES, POLE_AND_ZERO, BY_DIRECTION)
 """Linear operations may change places. A stiffness that goes with the pressure tells them apart."""
 
 
