@@ -20,9 +20,8 @@ from softid.diagnosis.refit.extension import (
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.multistart import driven
-from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, ReliefLeak
 from softid.effects import belongs_to
-from softid.effects.base import Effect
+from softid.effects.base import Effect, InputEffect
 
 FIRST, REFITTING = 8, 40
 """Evaluations from where a cause stood: of all that is put in its place, over averages, and to the
@@ -31,7 +30,7 @@ optimum of what has come near by then, over averages and from there over all sam
 NEAR = 2.0
 """It has where it leaves less than so many times what the causes leave."""
 
-CURVED = (InputLimit, ReliefLeak)
+CURVED = ("input_limit", "relief_leak", "dead_zone")
 """Laws of the input that bend the static curve."""
 
 
@@ -115,7 +114,7 @@ def refitted_with(
         for place in places
         for values in _start_values(laws, base)
     ]
-    if isinstance(laws[0], CURVED):
+    if isinstance(laws[0], InputEffect) and laws[0].name in CURVED:
         beside = {
             name: value
             for name, value in known.parameters.items()

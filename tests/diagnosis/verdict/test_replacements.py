@@ -173,6 +173,27 @@ def test_a_limit_in_the_place_of_a_curve_beside_a_drift() -> None:
     assert curve.rivals[:2] == ("static_curve", "input_limit")
 
 
+@pytest.mark.parametrize("key", ["sensor_clipping.lower", "contact.lower"])
+def test_a_dead_zone_in_the_place_of_a_lower_limit(key: str) -> None:
+    """A linear actuator that does not feel the first 30 kPa, in a slow sine.
+
+    Where the base stands, bent by the misfit, the dead zone ends in a false optimum.
+    """
+
+    def late_log(seed: int) -> Log:
+        time_s = np.arange(40 * RATE_HZ) / RATE_HZ
+        pressure = 50.0 * (1.0 - np.cos(0.6 * time_s))
+        angle = linear_angle(time_s, np.maximum(pressure - 30.0, 0.0))
+        angle += 0.005 * np.random.default_rng(seed).standard_normal(angle.size)
+        return Log.from_arrays(time_s, {"pressure": pressure, "angle": angle}, name=f"late-{seed}")
+
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    base = request.fit_base(LogSet((late_log(1),)), (late_log(2),), thorough=False)
+    final = converged_with(base, (effect_of(key),))
+    (link,) = with_replacements([link_of(key)], [True], final, base)
+    assert "dead_zone" in link.rivals[1:]
+
+
 def test_a_leak_in_the_place_of_a_curve_and_a_lag() -> None:
     """A linear actuator behind a leak that opens at 50 kPa: the leak has fewer numbers.
 
