@@ -29,7 +29,7 @@ from softid.effects.sensor_gain_drift import SensorGainDrift
 from softid.effects.sensor_lag import SensorLag
 from softid.effects.sensor_resonance import SensorResonance
 from softid.effects.sensor_warmup import SensorWarmup
-from softid.effects.smoothing import MeanSmoothing, Smoothing
+from softid.effects.smoothing import MeanSmoothing, PastSmoothing, Smoothing
 from softid.effects.softening import Softening
 from softid.effects.static_curve import StaticCurve
 from softid.effects.stiffening import Stiffening
@@ -72,6 +72,7 @@ OUTPUT: tuple[type[Effect], ...] = (
     SensorResonance,
     Smoothing,
     MeanSmoothing,
+    PastSmoothing,
     SensorClipping,
     LowerSensorClipping,
     BothSensorClipping,

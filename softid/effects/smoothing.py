@@ -1,4 +1,4 @@
-"""Smoothing: the record was filtered afterwards, by what came before and after."""
+"""Smoothing: the record was filtered afterwards, or the reading is a mean over its past."""
 
 from __future__ import annotations
 
@@ -153,6 +153,43 @@ class MeanSmoothing(_Smoothed):
         return _centred_means(time_s, y, float(eta[0]))
 
 
+@dataclass(frozen=True)
+class PastSmoothing(MeanSmoothing):
+    """A moving average, y(t) = mean of x from t − w to t, as a sensor or its converter forms it.
+
+    Before the first sample the motion rests. It is a delay by w/2 and a centred mean.
+
+    Source: the same, for weights that are alike and none of what is still to come.
+    """
+
+    variant: ClassVar[str] = "past"
+    title: ClassVar[str] = "Moving average of the reading"
+    law: ClassVar[str] = "recorded y(t) = mean of y from t - width to t"
+    meaning: ClassVar[str] = (
+        "The sensor, or what reads it, averages over the last samples: the reading follows the "
+        "motion late, has arrived when the window has passed, and has lost edges and fast noise."
+    )
+    signature: ClassVar[str] = (
+        "The residual is in proportion to the speed of the motion, with the same factor at every "
+        "level and in both directions, and ends at once when the window has passed."
+    )
+    remedy: ClassVar[str] = "record without the average, or shorten it; a fit needs no smoothing"
+    shown_by: ClassVar[str] = "fast steps"
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """Means over what has passed."""
+        del scale
+        window_s = float(eta[0])
+        if window_s <= 0.0:
+            return np.array(y, np.float64)
+        begin_s = time_s - window_s
+        area = _areas(time_s, y)
+        before = _area_at(np.maximum(begin_s, time_s[0]), time_s, y, area)
+        before += np.minimum(begin_s - time_s[0], 0.0) * y[0]
+        means: Array = (area - before) / window_s
+        return means
+
+
 def _time(name: str, scale: Scale, meaning: str, source: str) -> Parameter:
     start = SHARES[1] * scale.motion_s
     return Parameter(name, start, "s", 0.0, _longest(scale), meaning=meaning, source=source)
@@ -176,7 +213,7 @@ def _turned_about_its_ends(y: Array, beyond: int) -> Array:
 
 def _centred_means(time_s: Array, y: Array, window_s: float) -> Array:
     """Means of straight lines over a window about each time, of which the ends cut off a part."""
-    area = np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(time_s))))
+    area = _areas(time_s, y)
     begin_s, end_s = (
         np.clip(time_s + side * window_s, time_s[0], time_s[-1]) for side in (-0.5, 0.5)
     )
@@ -186,6 +223,12 @@ def _centred_means(time_s: Array, y: Array, window_s: float) -> Array:
         narrow, 1.0, width_s
     )
     return np.where(narrow, y, means)
+
+
+def _areas(time_s: Array, y: Array) -> Array:
+    """The integral of straight lines through some samples up to each of them."""
+    found: Array = np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(time_s))))
+    return found
 
 
 def _area_at(at_s: Array, time_s: Array, y: Array, area: Array) -> Array:

@@ -310,6 +310,11 @@ OUTPUTS: tuple[Hidden, ...] = (
         _centred_mean,
     ),
     entry(
+        "smoothing.past", "output", "recorded y = mean of y over the last width s", "width s",
+        lambda s, rng, size: {"width": max(about(rng, 1.2 * size * s.motion_s), SHORTEST_S)},
+        _moving_average,
+    ),
+    entry(
         "sensor_clipping", "output", "recorded y = min(y, upper)", "upper {x}",
         _clip_draw("upper"), _clipping,
     ),
@@ -326,11 +331,6 @@ OUTPUTS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             "rate": either(rng) * min(about(rng, 0.8 * size * s.motion_s / s.duration_s), 0.045),
         }, _clock,
-    ),
-    entry(
-        "moving_average", "output", "recorded y = mean of y over the last width s", "width s",
-        lambda s, rng, size: {"width": about(rng, 1.2 * size * s.motion_s)},
-        _moving_average, relation="other_form", names=("sensor_resonance", "sensor_lag", "delay"),
     ),
     entry(
         "soft_clipping", "output", "recorded y = upper - w ln(1 + exp((upper - y)/w))",

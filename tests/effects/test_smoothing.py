@@ -7,7 +7,7 @@ import pytest
 from io_rig import SCALE, extended, jacobian_error, segment, times, vanishes
 from scipy.signal import butter, filtfilt
 
-from softid.effects.smoothing import MeanSmoothing, Smoothing
+from softid.effects.smoothing import MeanSmoothing, PastSmoothing, Smoothing
 
 
 @pytest.mark.parametrize("order", [1, 2, 4])
@@ -71,17 +71,31 @@ def test_noise_is_another_one_beyond_the_time_that_is_told(order: float, off: fl
     assert np.mean(second**2) / (6.0 * np.var(smooth)) == pytest.approx(1.0, abs=off)
 
 
-@pytest.mark.parametrize("key", ["smoothing", "smoothing.mean"])
+@pytest.mark.parametrize("key", ["smoothing", "smoothing.mean", "smoothing.past"])
 def test_smoothing_over_no_time_is_none(key: str) -> None:
     """The base response, within 1e-9 of its range; at moderate size it differs."""
     vanishes(key)
 
 
-@pytest.mark.parametrize("key", ["smoothing", "smoothing.mean"])
+@pytest.mark.parametrize("key", ["smoothing", "smoothing.mean", "smoothing.past"])
 @pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
 def test_smoothing_derivatives(key: str, sampling: str) -> None:
     """The model's derivatives against central differences, within 1e-4 of each column's largest."""
     assert jacobian_error(*extended(key), segment(sampling)) < 1e-4
+
+
+def test_a_moving_average_is_a_late_centred_mean() -> None:
+    """Half a window earlier, to rounding where the window is within the record; a step has arrived
+    when the window has passed, in a straight line."""
+    time_s = 0.01 * np.arange(600)
+    motion = np.sin(2.0 * np.pi * 0.7 * time_s)
+    past = PastSmoothing().apply(np.array([0.4]), time_s, motion, SCALE)
+    centred = MeanSmoothing().apply(np.array([0.4]), time_s, motion, SCALE)
+    np.testing.assert_allclose(past[40:], centred[20:-20], atol=1e-12)
+    step = np.where(time_s > 2.0, 1.0, 0.0)
+    arrived = PastSmoothing().apply(np.array([0.4]), time_s, step, SCALE)
+    since_s = time_s - 2.005  # between two samples the step counts as straight
+    np.testing.assert_allclose(arrived, np.clip(since_s / 0.4, 0.0, 1.0), atol=0.01)
 
 
 def test_the_cut_off_is_told() -> None:

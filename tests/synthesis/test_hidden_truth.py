@@ -139,7 +139,7 @@ def test_filters_of_the_reading() -> None:
     overshoot = exp(-pi * 0.2 / sqrt(1.0 - 0.04))
     assert rung.reading.max() == pytest.approx(200.0 * (1.0 + overshoot), rel=2e-3)
     fine_s = np.arange(0.0, 3.0, 1e-3)
-    mean = response("moving_average", {"width": 0.5}, step(), fine_s, valve_s=1e-3)
+    mean = response("smoothing.past", {"width": 0.5}, step(), fine_s, valve_s=1e-3)
     expected = 200.0 * np.clip((fine_s - 1.0) / 0.5, 0.0, 1.0)
     np.testing.assert_allclose(mean.reading, expected, atol=2.0)
 
