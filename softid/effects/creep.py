@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-import numpy.typing as npt
-
-from softid.effects.base import LEAST_AMPLITUDE, OutputEffect, StateEffect
+from softid.effects.base import LEAST_AMPLITUDE, StateEffect
 from softid.effects.scale import Scale
-from softid.effects.time_constants import SETTLING_PERIODS, start_times, time_bounds
-from softid.kernels.filters import lag
+from softid.effects.settling import SettlingShare, settling_starts, settling_time
 from softid.kernels.terms import FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
-
-Array = npt.NDArray[np.float64]
 
 SHARE = 0.2
 """Start of the stiffness that relaxes, in those of the actuator."""
@@ -25,18 +19,9 @@ STIFFEST = 30.0
 """Largest stiffness that relaxes, in those of the actuator: a thirtieth of what a sudden force
 meets is then left at rest."""
 
-LONGEST_SHARE = 1.0
-"""Longest relaxation as a share of the log: one that takes longer is a drift in it."""
-
-TIMES = (0.03, 0.1, 0.3)
-"""Starts of the time, as shares of the log."""
-
-SERIES_SHARE = 0.1
-"""Start of the share by which a reading creeps on."""
-
 SERIES_SHARES = (1e-4, 3.0)
-"""Bounds of that share: less is lost in any noise, and what creeps three times as far as it jumped
-did not settle at all."""
+"""Bounds of the share by which a reading creeps on: less is lost in any noise, and what creeps
+three times as far as it jumped did not settle at all."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +57,6 @@ class Creep(StateEffect):
     def parameters(self, scale: Scale) -> ParameterSet:
         """Stiffness k that relaxes, and the time τ in which it does."""
         stiffness = scale.force / scale.x_span
-        shortest, longest = time_bounds(scale, periods=SETTLING_PERIODS, share=LONGEST_SHARE)
         return ParameterSet(
             (
                 Parameter(
@@ -85,24 +69,13 @@ class Creep(StateEffect):
                     meaning="part of the stiffness that relaxes",
                     source=self.source,
                 ),
-                Parameter(
-                    "tau",
-                    (shortest * longest) ** 0.5,
-                    "s",
-                    shortest,
-                    longest,
-                    "log",
-                    meaning="relaxation time",
-                    source=self.source,
-                ),
+                settling_time(scale, "relaxation time", self.source),
             )
         )
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Times from a thirtieth to a third of the log."""
-        declared = self.parameters(scale)
-        times = start_times(declared["tau"], scale, TIMES)
-        return tuple({"k": declared["k"].value, "tau": tau} for tau in times)
+        return settling_starts("k", self.parameters(scale), scale)
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
@@ -112,7 +85,7 @@ class Creep(StateEffect):
 
 
 @dataclass(frozen=True)
-class SeriesCreep(OutputEffect):
+class SeriesCreep(SettlingShare):
     r"""Creep by the same share of every deflection, y = x + c z with τ ż + z = x.
 
     A spring and a damper side by side stand in series with the actuator (Kelvin and Voigt), or a
@@ -143,73 +116,9 @@ class SeriesCreep(OutputEffect):
     )
     shown_by: ClassVar[str] = "a hold of 20 s followed by a rest of 20 s, at two levels"
     source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (Kelvin-Voigt element)"
-    amplitude: ClassVar[str] = "c"
-    before_sensor: ClassVar[bool] = True
-    begins_with_log: ClassVar[bool] = True
-    essential: ClassVar[tuple[str, ...]] = ("tau",)
-    ceilings: ClassVar[tuple[str, ...]] = ("c",)
-
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """Share c by which the reading creeps on, and the time τ in which it does."""
-        share = Parameter(
-            "c",
-            SERIES_SHARE,
-            "1",
-            *SERIES_SHARES,
-            "log",
-            meaning="fraction of a change by which the reading creeps on",
-            source=self.source,
-        )
-        return ParameterSet((share, settling_time(scale, "time constant of the creep")))
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Times from a thirtieth to a third of the log."""
-        return settling_starts(self.parameters(scale), scale)
-
-    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
-        """The reading with what creeps on, settled at the first sample."""
-        del scale
-        crept: Array = y + float(eta[0]) * settling(time_s, y, float(eta[1]))
-        return crept
-
-
-def settling_time(scale: Scale, meaning: str) -> Parameter:
-    """The time constant τ of what goes on after the motion has settled, in s.
-
-    Parameters
-    ----------
-    scale
-        Sizes of the base fit.
-    meaning
-        What it is the time of.
-    """
-    return replace(Creep().parameters(scale)["tau"], meaning=meaning)
-
-
-def settling_starts(declared: ParameterSet, scale: Scale) -> tuple[Mapping[str, float], ...]:
-    """Starts of a share c and a time τ: times from a thirtieth to a third of the log.
-
-    Parameters
-    ----------
-    declared
-        The parameters, with the start of the share.
-    scale
-        Sizes of the base fit.
-    """
-    times = start_times(declared["tau"], scale, TIMES)
-    return tuple({"c": declared["c"].value, "tau": tau} for tau in times)
-
-
-def settling(time_s: Array, y: Array, tau_s: float) -> Array:
-    """What follows a course by τ ż + z = y, settled at the first sample, shape (n,).
-
-    Parameters
-    ----------
-    time_s, y
-        The course, straight between its samples, each of shape (n,).
-    tau_s
-        The time constant.
-    """
-    late = np.array(y, np.float64)
-    lag(np.diff(time_s), late, tau_s, tau_s)
-    return late
+    shares: ClassVar[tuple[float, float]] = SERIES_SHARES
+    meanings: ClassVar[tuple[str, str]] = (
+        "fraction of a change by which the reading creeps on",
+        "time constant of the creep",
+    )
+    direction: ClassVar[float] = 1.0

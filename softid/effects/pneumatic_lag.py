@@ -113,15 +113,7 @@ class SeparatePneumaticLag(PneumaticLag):
         """The time constant of filling, and that of venting as a multiple of it."""
         (tau,) = super().parameters(scale).values()
         filling = replace(tau, meaning="time constant of filling")
-        ratio = Parameter(
-            "ratio",
-            RATIOS[1],
-            "1",
-            *RATIO_BOUNDS,
-            "log",
-            meaning="time constant of venting over that of filling",
-            source=self.source,
-        )
+        ratio = ratio_of_times("time constant of venting over that of filling", self.source)
         return ParameterSet((filling, ratio))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
@@ -174,14 +166,8 @@ class LevelPneumaticLag(PneumaticLag):
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time constant in the middle, and that at the highest over that at the lowest."""
         (tau,) = super().parameters(scale).values()
-        ratio = Parameter(
-            "ratio",
-            RATIOS[1],
-            "1",
-            *RATIO_BOUNDS,
-            "log",
-            meaning="time constant at the highest pressure over that at the lowest",
-            source=self.source,
+        ratio = ratio_of_times(
+            "time constant at the highest pressure over that at the lowest", self.source
         )
         middle = replace(tau, meaning="time constant half way between the pressures' ends")
         return ParameterSet((middle, ratio))
@@ -207,3 +193,14 @@ class LevelPneumaticLag(PneumaticLag):
     def bends_in_s(self, eta: Array) -> float:
         """The time constant at that end of the pressures where it is shortest."""
         return float(eta[0] * min(eta[1], 1.0 / eta[1]) ** 0.5)
+
+
+def ratio_of_times(meaning: str, source: str) -> Parameter:
+    """The ratio of two times of which none is much longer than the other.
+
+    Parameters
+    ----------
+    meaning, source
+        Of which two, and where that is found.
+    """
+    return Parameter("ratio", RATIOS[1], "1", *RATIO_BOUNDS, "log", meaning=meaning, source=source)

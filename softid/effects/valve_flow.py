@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect
-from softid.effects.pneumatic_lag import RATIO_BOUNDS, RATIOS
+from softid.effects.pneumatic_lag import RATIOS, ratio_of_times
 from softid.effects.scale import Scale
 from softid.effects.time_constants import lag_bounds, lag_times
 from softid.kernels.valve import valve_flow
@@ -140,15 +140,7 @@ class SeparateValveFlow(ValveFlow):
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time τ of filling, the critical ratio b, and the time of venting over τ."""
         tau, b = super().parameters(scale).values()
-        ratio = Parameter(
-            "ratio",
-            RATIOS[1],
-            "1",
-            *RATIO_BOUNDS,
-            "log",
-            meaning="time of venting over that of filling",
-            source=self.source,
-        )
+        ratio = ratio_of_times("time of venting over that of filling", self.source)
         return ParameterSet((tau, b, ratio))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
