@@ -103,7 +103,8 @@ def recovered_readings(log: Log) -> tuple[Array, dict[str, Array]] | None:
     clock = reading_clock(time_s, first, np.concatenate(([False], straight, [False])))
     if clock is None:
         return None
-    taken_s = clock.times_s(float(time_s[0]), float(time_s[-1]))
+    beyond_s = clock.period_s  # samples at the ends lie between a reading outside and one within
+    taken_s = clock.readings_s(float(time_s[0]) - beyond_s, float(time_s[-1]) + beyond_s)
     within = (taken_s >= time_s[0]) & (taken_s <= time_s[-1])
     found = {}
     for name in log.outputs:

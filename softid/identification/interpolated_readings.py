@@ -7,10 +7,10 @@ better than to a sample, and with the clock every reading is known as well.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
+
+from softid.identification.sensor_clock import SensorClock
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -37,22 +37,7 @@ TOLD = 0.05
 weights in an interpolation, at the ends of a log and across a gap."""
 
 
-@dataclass(frozen=True)
-class ReadingClock:
-    """Regular times of readings: ``first_s`` and whole periods before and after it."""
-
-    first_s: float
-    period_s: float
-
-    def times_s(self, start_s: float, stop_s: float) -> Array:
-        """All times of the clock that lie within a span, and one before and after, shape (r,)."""
-        first = np.floor((start_s - self.first_s) / self.period_s)
-        last = np.ceil((stop_s - self.first_s) / self.period_s)
-        found: Array = self.first_s + self.period_s * np.arange(first, last + 1.0)
-        return found
-
-
-def reading_clock(time_s: Array, values: Array, straight: BoolArray) -> ReadingClock | None:
+def reading_clock(time_s: Array, values: Array, straight: BoolArray) -> SensorClock | None:
     """The clock of the readings between which samples are straight; None where none explains them.
 
     Parameters
@@ -86,11 +71,11 @@ def reading_clock(time_s: Array, values: Array, straight: BoolArray) -> ReadingC
             return None
         near &= missed_s <= 3.0 * np.median(missed_s[near])  # others are beside it by chance
         period_s, first_s = np.polyfit(number[near], seen_s[near], 1)
-        clock = ReadingClock(float(first_s), float(period_s))
+        clock = SensorClock(float(first_s), float(period_s), 0.0)
     return clock
 
 
-def _first_clock(corners_s: Array, row_s: float) -> ReadingClock:
+def _first_clock(corners_s: Array, row_s: float) -> SensorClock:
     """The clock with the longest period that a few corners have in common."""
     interval_s, span_s = np.diff(corners_s), float(np.ptp(corners_s))
     longest_s, shortest_s = np.quantile(interval_s, (0.5, 0.05))
@@ -101,7 +86,7 @@ def _first_clock(corners_s: Array, row_s: float) -> ReadingClock:
     peak = slice(first, first + int(np.searchsorted(rates_hz, rates_hz[first] + 1.0 / span_s)))
     best = first + int(np.argmax(size[peak]))
     phase = float(np.angle(together[best])) / (2.0 * np.pi)
-    return ReadingClock(phase / float(rates_hz[best]), 1.0 / float(rates_hz[best]))
+    return SensorClock(phase / float(rates_hz[best]), 1.0 / float(rates_hz[best]), 0.0)
 
 
 def readings_at(taken_s: Array, time_s: Array, values: Array) -> Array | None:

@@ -130,15 +130,14 @@ def _before_interpolation(log: Log, taken_s: Array, readings: Mapping[str, Array
 
 
 def _with_readings(
-    log: Log, taken_s: Array, channels: dict[str, Channel], masked: BoolArray
+    log: Log, taken_s: Array, channels: Mapping[str, Channel], masked: BoolArray
 ) -> SlowOutputLog:
     """Channels at the times of readings, with the course of the input at and between them."""
     course = np.interp(taken_s, log.time_s, log.channels[log.input].values)
-    channels[log.input] = replace(channels[log.input], values=course)
     return SlowOutputLog(
         name=log.name,
         time_s=taken_s,
-        channels=channels,
+        channels={**channels, log.input: replace(channels[log.input], values=course)},
         input=log.input,
         outputs=log.outputs,
         masked=masked,

@@ -69,7 +69,7 @@ def test_a_log_that_was_resampled_is_adequate() -> None:
 @pytest.mark.parametrize("reading_hz", [16.7, 24.0, 25.0, 30.0, 37.0, 40.0])
 def test_readings_are_where_the_lines_meet(reading_hz: float, digits: int) -> None:
     """What was interpolated is found again: times to a fiftieth of a sampling interval, values to
-    what the rounding leaves of them, twice over."""
+    twice what the rounding takes and a hundredth of the noise, for the clock is off by a little."""
     rng = np.random.default_rng(1)
     read_s = np.arange(-1.0 / reading_hz + 0.0034, 62.0, 1.0 / reading_hz)
     angle = np.sin(read_s) + 5e-3 * rng.normal(size=read_s.size)

@@ -21,7 +21,7 @@ def test_a_coarse_residual_has_no_spikes() -> None:
 @pytest.mark.parametrize("rise", [5.0, 20.0, 100.0])
 def test_corners_of_a_motion_are_none(rise: float, fall: float) -> None:
     """Peaks with straight sides, and with sides that decay by a share a sample, of a hundred times
-    the noise; a spike of a tenth of their height on a slope is one.
+    the noise; a single sample of that height on a slope is one.
     """
     rng = np.random.default_rng(3)
     at = np.arange(41) - 20
