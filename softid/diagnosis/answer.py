@@ -11,6 +11,7 @@ import numpy.typing as npt
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.base.reduced_base import reduced_base_issues
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.report.changes import held_out_change_issues
 from softid.diagnosis.report.issues import refusal_issues, unsure_input_issues
@@ -39,6 +40,10 @@ from softid.diagnosis.verdict.held_out_runs import held_out_lengths
 from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import asks_for_the_others, verdict_of
 from softid.diagnosis.verdict.profile_intervals import with_intervals
+from softid.diagnosis.verdict.sample_errors import (
+    held_out_at_samples,
+    with_sample_statistics,
+)
 from softid.diagnosis_results import Cause, Diagnosis, Remainder, Variation
 from softid.errors import Issue
 from softid.identification.assembly import OptimisedProblem, assemble
@@ -63,9 +68,10 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         Seed of the fits, which their records keep.
     """
     chain, held_out = found.chain, base.held_out
+    recorded = held_out_at_samples(held_out)
     line = line_in(residual_context(chain.final))
     remainder = with_line(found.remainder, line, base.scale.motion_s)
-    lengths = held_out_lengths(held_out, chain.final)
+    lengths = held_out_lengths(recorded, chain.final)
     least_sd = moved_parameters(chain.final, base.gauges, remainder.noise_power)
     extends = bool(chain.links) or base.instead_of is not None
     before, after = both(
@@ -73,10 +79,11 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         lambda: _fit_of(chain.final, base.identified, seed, least_sd) if extends else None,
     )
     errors, varied = both(
-        lambda: _errors_by_link(chain, base), lambda: _variations(chain, base, remainder)
+        lambda: _errors_by_link(chain, base, recorded),
+        lambda: _variations(chain, base, remainder),
     )
     causes = causes_of(chain, errors, after, base.scale, lengths)
-    causes = _with_errors_without(causes, chain, base, errors[-1], lengths)
+    causes = _with_errors_without(causes, chain, base, recorded, errors[-1], lengths)
     causes = tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
     causes = with_doubts(causes, chain, after, remainder, base)
     sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
@@ -90,7 +97,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]
     if base.instead_of is not None:
-        errors = [held_out.first_errors(base.instead_of.candidate), *errors]
+        errors = [recorded.first_errors(base.instead_of.candidate), *errors]
     alternatives = alternatives_of(named or links, forms)
     is_sure = all(is_named) and not alternatives
     answer = Diagnosis(
@@ -102,7 +109,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         descriptive=tuple(cause for cause, stays in told if not stays),
         alternatives=alternatives,
         remainder=remainder,
-        gains=gains_of(base.asked_for.candidate, chain.final, held_out, before),
+        gains=gains_of(base.asked_for.candidate, chain.final, recorded, before),
         evidence=evidence_of(chain),
         next_experiment=None,
         issues=(
@@ -138,7 +145,12 @@ def _issues_of_rest(
 
 
 def _with_errors_without(
-    causes: Sequence[Cause], chain: Chain, base: BaseFit, whole: Array, lengths: Sequence[int]
+    causes: Sequence[Cause],
+    chain: Chain,
+    base: BaseFit,
+    held_out: HeldOut,
+    whole: Array,
+    lengths: Sequence[int],
 ) -> tuple[Cause, ...]:
     """The causes; those that may gain nothing in their place with the error of leaving them out.
 
@@ -148,17 +160,17 @@ def _with_errors_without(
     for position, cause in enumerate(causes):
         if len(causes) > 1 and asks_for_the_others(cause, chain.links[position].added):
             model = refit_without(chain, position, base.candidate, base.scale, base.sigma)
-            gained = gain_interval(base.held_out.first_errors(model), whole, lengths)
+            gained = gain_interval(held_out.first_errors(model), whole, lengths)
             if gained is None or gained[0] > 0.0:
-                cause = replace(cause, holdout_rmse_without=base.held_out.rms(model))
+                cause = replace(cause, holdout_rmse_without=held_out.rms(model))
         found.append(cause)
     return tuple(found)
 
 
-def _errors_by_link(chain: Chain, base: BaseFit) -> list[Array]:
+def _errors_by_link(chain: Chain, base: BaseFit, held_out: HeldOut) -> list[Array]:
     """What is missed of the held-out samples without a cause, with the first one, and so on."""
     models = prefix_models(chain, base.candidate, base.scale, base.sigma)
-    return [base.held_out.first_errors(model) for model in models]
+    return [held_out.first_errors(model) for model in models]
 
 
 def _variations(chain: Chain, base: BaseFit, remainder: Remainder) -> Sequence[Variation | None]:
@@ -172,7 +184,7 @@ def _variations(chain: Chain, base: BaseFit, remainder: Remainder) -> Sequence[V
 def _fit_of_base(base: BaseFit, seed: int, least_sd: Mapping[str, float]) -> FitResult:
     """The base that was asked for as a fit with errors and scores."""
     asked_for = base.asked_for.identified
-    return assemble(
+    found = assemble(
         asked_for.found,
         asked_for.logs,
         asked_for.hold_out,
@@ -180,6 +192,7 @@ def _fit_of_base(base: BaseFit, seed: int, least_sd: Mapping[str, float]) -> Fit
         seed=seed,
         least_sd=least_sd,
     )
+    return with_sample_statistics(found, asked_for)
 
 
 def _fit_of(
@@ -190,7 +203,7 @@ def _fit_of(
     optimum = optimum_of(final, identified.found.optimum.sigma)
     constraints = ParameterConstraints.of(problem.model.parameters(), None)
     found = OptimisedProblem(problem, optimum, identified.found.unseen, constraints)
-    return assemble(
+    extended = assemble(
         found,
         identified.logs,
         identified.hold_out,
@@ -198,3 +211,4 @@ def _fit_of(
         seed=seed,
         least_sd=least_sd,
     )
+    return with_sample_statistics(extended, identified)

@@ -62,6 +62,7 @@ from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
+from softid.diagnosis.verdict.sample_errors import with_sample_remainder
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.effects import effects_of
 from softid.errors import InputError
@@ -208,7 +209,7 @@ def diagnose(
         extended=answer.extended and _as_read(answer.extended),
         issues=(*answer.issues, *issues),
     )
-    return write_summary(answer)
+    return write_summary(with_sample_remainder(answer) if count > 1 else answer)
 
 
 def _as_read(fit: FitResult) -> FitResult:

@@ -181,10 +181,14 @@ def test_what_was_left_aside_is_told() -> None:
     assert "averaged" in {issue.code for issue in found.issues}
     jumps = np.arange(2500, 13000, 2500)  # what holds one is left out
     holding = np.unique(np.concatenate((jumps - 1, jumps)) // 3)
-    assert sum(gain.n for gain in found.gains) == 13000 // 3 - holding.size
+    assert sum(gain.n for gain in found.gains) == 3 * (13000 // 3 - holding.size)
     (rate,) = found.causes[0].parameters
     assert rate.ci95 is not None
     assert rate.ci95[0] <= RATE <= rate.ci95[1]
+    assert found.extended is not None
+    (row,) = found.extended.statistics
+    for error in (*(gain.rmse_after for gain in found.gains), found.remainder.rms, row.rmse):
+        assert error == pytest.approx(0.01, rel=0.05)  # 0.006 in the means
 
 
 def test_drop_outs_do_not_judge() -> None:

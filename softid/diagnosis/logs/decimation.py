@@ -121,6 +121,13 @@ class AveragedLog(Log):
         """The other one: nodes of a straight input lie beyond its extremes."""
         return self.recorded
 
+    def at_samples(self) -> Log:
+        """The other one, read as this one is, without the samples of values that do not count."""
+        masked = np.repeat(self.masked, self.count)
+        rest = np.ones(len(self.recorded) - masked.size, bool)
+        recorded = self.recorded.with_masked(np.concatenate((masked, rest)))
+        return recorded.with_intersample(self.intersample)
+
     def _segment(self, index: int, start: int, stop: int) -> Segment:
         segment = super()._segment(index, start, stop)
         knot_s, level = self.knots

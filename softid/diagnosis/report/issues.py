@@ -94,8 +94,8 @@ def averaging_issues(count: int) -> tuple[Issue, ...]:
         Issue(
             "averaged",
             "info",
-            f"every {count} samples were averaged into one: a time constant of the motion is "
-            "longer than thirty of the means",
+            f"the causes were searched in means of {count} samples, of which a time constant of "
+            "the motion has more than thirty; the errors are those of the samples",
             None,
         ),
     )

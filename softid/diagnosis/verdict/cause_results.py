@@ -13,6 +13,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.gain_interval import gain_interval
+from softid.diagnosis.verdict.sample_errors import candidate_at_samples
 from softid.diagnosis_results import Alternative, Cause, Evidence, Gain
 from softid.effects import EFFECTS, belongs_to, effect_of, extended_name, own_values
 from softid.effects.base import Effect
@@ -128,7 +129,7 @@ def gains_of(
     units = {row.channel: row.unit for row in fitted.statistics}
     found = []
     for is_held, rows in (
-        (False, (_fitted(base), _fitted(final))),
+        (False, (_fitted(candidate_at_samples(base)), _fitted(candidate_at_samples(final)))),
         (True, (held.errors(base), held.errors(final))),
     ):
         for (log, channel, measured, before), (*_, after) in zip(*rows, strict=True):

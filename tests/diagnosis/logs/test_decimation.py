@@ -10,6 +10,7 @@ from scipy import signal
 from softid.diagnosis.logs.decimation import (
     ENOUGH,
     SAMPLES_PER_MOTION,
+    AveragedLog,
     decimated,
     read_as,
     samples_to_average,
@@ -71,6 +72,19 @@ def test_means_by_hand() -> None:
     assert short.masked is not None
     assert short.masked.tolist() == [False, True]
     assert (short.name, short.input, short.outputs) == (log.name, log.input, log.outputs)
+
+
+def test_back_to_samples_by_hand() -> None:
+    """Samples of a mean that does not count, and those that fill none, do not count; nor do ones
+    that never did."""
+    log = Log.from_arrays(np.arange(7.0), {"pressure": np.arange(7), "angle": np.arange(7)})
+    spoilt = log.with_masked([False, True, False, False, False, False, False])
+    short = decimated(spoilt, 2).with_masked([False, False, True]).with_intersample("held")
+    assert isinstance(short, AveragedLog)
+    recorded = short.at_samples()
+    assert recorded.masked.tolist() == [True, True, False, False, True, True, True]
+    assert recorded.intersample == "held"
+    assert recorded.channels["angle"].values.tolist() == list(range(7))
 
 
 def test_a_missing_sample_takes_its_group_out_of_the_residual() -> None:
