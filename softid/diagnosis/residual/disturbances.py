@@ -40,6 +40,9 @@ OF_THE_INPUT = 0.02
 the motion brings it, and a law that is not straight makes of it and of others up to the third
 harmonic, their sums and their differences."""
 
+FEWEST_PERIODS = 10
+"""A periodic input goes round so often that half of the bins lie away from its multiples."""
+
 MIXED_LINES = 5
 """So many of the strongest have sums and differences that count; those of more are everywhere."""
 
@@ -314,11 +317,35 @@ def _harmonics_of(driven: Array) -> BoolArray:
     for k in strong.tolist():
         for multiple in (1, 2, 3):
             take(multiple * k, multiple)
-    for one, other in combinations(_strongest_of_each(driven, strong), 2):
+    peaks = _strongest_of_each(driven, strong)
+    for place in _overtones(driven, peaks):
+        take(place, 1)
+    for one, other in combinations(peaks, 2):
         for m, n in ORDERS:
             take(m * one + n * other, m + n)
             take(abs(m * one - n * other), m + n)
     return taken
+
+
+def _overtones(power: Array, peaks: Sequence[int]) -> list[int]:
+    """Bins of all multiples of the frequency at which a periodic input repeats.
+
+    Dry friction or a dead zone brings them however high they are. None where the input has other
+    lines, or too few periods for bins between its multiples.
+    """
+    first = min(peaks, default=0)
+    if not FEWEST_PERIODS <= first < power.size - 1:
+        return []
+    place = first + _peak_within(np.log(power[first - 1 : first + 2]))
+    if any(abs(peak / place - round(peak / place)) * place > 1.0 for peak in peaks):
+        return []
+    return [round(k * place) for k in range(1, int(power.size / place) + 1)]
+
+
+def _peak_within(heights: Array) -> float:
+    """Where the parabola through three neighbours is highest, from the middle one."""
+    before, at, after = heights.tolist()
+    return float(0.5 * (before - after) / (before - 2.0 * at + after))
 
 
 def _strongest_of_each(power: Array, places: npt.NDArray[np.intp]) -> list[int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from softid.diagnosis.residual.disturbances import disturbance_issues, events_in, line_in
+from softid.diagnosis.residual.disturbances import Line, disturbance_issues, events_in, line_in
 from softid.diagnosis.residual.structure import ResidualContext
 
 TIME_S = np.arange(0.0, 40.0, 0.01)
@@ -56,6 +56,20 @@ def test_a_line_of_the_input_is_its_motion() -> None:
         swinging = 50.0 + 40.0 * np.sin(2.0 * np.pi * 1.3123 / divisor * TIME_S)
         assert line_in(left(noise(0) + line, swinging)) is None
     assert line_in(left(noise(0) + 4.0 * line * (TIME_S < 10.0))) is None
+
+
+@pytest.mark.parametrize("order", [5, 8, 13])
+def test_overtones_of_a_sine_are_its_motion(order: int) -> None:
+    """Friction and dead zones make them of one sine; a line between two of them is still one."""
+    u = 50.0 + 40.0 * np.sin(2.0 * np.pi * 0.5123 * TIME_S)
+
+    def line(hertz: float) -> Line | None:
+        return line_in(left(noise(0) + 0.5 * np.sin(2.0 * np.pi * hertz * TIME_S), u))
+
+    assert line(order * 0.5123) is None
+    found = line((order + 0.5) * 0.5123)
+    assert found is not None
+    assert found.frequency_hz == pytest.approx((order + 0.5) * 0.5123, abs=0.002)
 
 
 @pytest.mark.parametrize("hertz", [2.0 * 1.31 - 0.37, 1.31 + 2.0 * 0.37, 1.31 - 0.37])
