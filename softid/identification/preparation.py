@@ -20,6 +20,9 @@ from softid.models import MODELS
 from softid.models.base import Model
 from softid.quality import dropout_mask, misleading_channels
 
+SMALLEST_RELATIVE_SPAN = 1e-9
+"""An input that moves less than this part of its size is constant but for rounding."""
+
 
 def as_log_set(logs: Log | Sequence[Log]) -> LogSet:
     """One log or several as a `LogSet`."""
@@ -41,10 +44,11 @@ def require_excitation(logs: LogSet) -> None:
     """
     if not any(_moves(log) for log in logs):
         log = logs.logs[0]
+        channel = log.channels[log.input]
         raise InputError(
             f"the input {log.input} is constant, so nothing can be identified",
             where=log.place,
-            value=float(log.channels[log.input].displayed[0]),
+            value=f"{channel.displayed[0]:.6g} {channel.display_unit}",
             remedy="record a log in which it changes, or choose another --input",
         )
     require_outputs(logs)
@@ -78,8 +82,9 @@ def require_outputs(logs: Iterable[Log]) -> None:
 
 
 def _moves(log: Log) -> bool:
-    """Whether the input changes."""
-    return bool(np.ptp(log.channels[log.input].values) > 0)
+    """Whether the input changes by more than rounding."""
+    values = log.channels[log.input].values
+    return bool(np.ptp(values) > SMALLEST_RELATIVE_SPAN * np.max(np.abs(values)))
 
 
 def without_dropouts(log: Log) -> Log:

@@ -8,7 +8,7 @@ from math import factorial
 import numpy as np
 import numpy.typing as npt
 
-from softid.errors import InputError, Issue, UsageError
+from softid.errors import InputError, UsageError
 from softid.models.monotone import invert_monotone
 
 Array = npt.NDArray[np.float64]
@@ -150,7 +150,7 @@ class ArcGeometry:
             Contractions in mm. A distance above L0, as noise gives at rest, is continued along
             the tangent at rest, x = 2·(L0 − D) < 0: the extension branch itself is two-valued,
             and holding D at L0 instead would bias the lowest level upward. `continued` tells
-            which values these are, and `continuation_issue` says it in a sentence.
+            which values these are.
 
         Raises
         ------
@@ -181,21 +181,6 @@ class ArcGeometry:
     def continued(self, distance_mm: npt.ArrayLike) -> BoolArray:
         """Which distances exceed L0, so that the contraction is the tangent's and not the arc's."""
         return np.asarray(distance_mm, dtype=np.float64) > self.fixed_length_mm
-
-    def continuation_issue(self, distance_mm: npt.ArrayLike) -> Issue | None:
-        """What to tell the user about distances above L0, or None when there are none."""
-        above = self.continued(distance_mm)
-        if not above.any():
-            return None
-        excess = float(np.nanmax(np.asarray(distance_mm, dtype=np.float64))) - self.fixed_length_mm
-        return Issue(
-            "distance-above-fixed-length",
-            "warning",
-            f"{int(above.sum())} of {above.size} distances exceed the fixed length of "
-            f"{self.fixed_length_mm:g} mm, by up to {excess:.3g} mm; their contraction is "
-            "continued along the tangent at rest",
-            "check the fixed length and the zero of the distance unless this is sensor noise",
-        )
 
     def _check_distance(self, distance: Array) -> None:
         with np.errstate(invalid="ignore"):

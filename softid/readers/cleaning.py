@@ -12,13 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError, Issue
-from softid.log import Log
 from softid.readers.merging import with_input_between, with_rows_joined
 from softid.readers.overflow import with_angles_turned_on
 from softid.readers.samples import Samples
-
-SMALLEST_RELATIVE_SPAN = 1e-9
-"""An input that moves less than this part of its size is constant but for rounding."""
 
 
 def clean(samples: Samples, *, input: str, outputs: Sequence[str]) -> Samples:
@@ -97,34 +93,6 @@ def _too_few(samples: Samples, input: str, rows: int) -> str:
     if rows == left:
         return what
     return f"{what} of {rows}, for the others have no time, no {input} or the time of another"
-
-
-def require_excitation(log: Log) -> None:
-    """Refuse a log whose input never changes; inspecting it is fine, identifying is not.
-
-    Raises
-    ------
-    InputError
-        The input is constant.
-
-    Examples
-    --------
-    >>> log = Log.from_arrays([0.0, 1.0], {"pressure": [5.0, 5.0], "angle": [0.0, 0.1]})
-    >>> try:
-    ...     require_excitation(log)
-    ... except InputError as error:
-    ...     print(error.what)
-    the pressure is constant, so nothing can be identified from it
-    """
-    channel = log.channels[log.input]
-    span = float(np.ptp(channel.values))
-    if span <= SMALLEST_RELATIVE_SPAN * float(np.max(np.abs(channel.values))):
-        raise InputError(
-            f"the {log.input} is constant, so nothing can be identified from it",
-            where=log.place,
-            value=f"{channel.displayed[0]:.6g} {channel.display_unit}",
-            remedy="record a log with steps of the input, or choose another channel with --input",
-        )
 
 
 def _all_missing(samples: Samples) -> str:

@@ -9,8 +9,6 @@ from softid.uncertainty.autoregression import (
 )
 from softid.uncertainty.averaged import known_better
 from softid.uncertainty.bootstrap import (
-    MeanInterval,
-    block_bootstrap_mean_ci,
     block_length,
     bootstrap_intervals,
     resample,
@@ -44,12 +42,10 @@ __all__ = [
     "AutoRegression",
     "Covariance",
     "FactoredRows",
-    "MeanInterval",
     "ProfileResult",
     "ResidualBlock",
     "Rounding",
     "autocovariance",
-    "block_bootstrap_mean_ci",
     "block_length",
     "bootstrap_intervals",
     "companions",

@@ -98,16 +98,6 @@ def test_noise_above_the_fixed_length_is_continued_and_does_not_bias_the_lowest_
     assert PAPER.continued(150.0 + noise).sum() == (noise > 0).sum()
 
 
-def test_continuation_is_reported():
-    """The issue names how many samples and by how much; there is none when nothing exceeds L0."""
-    issue = PAPER.continuation_issue([149.0, 150.5, np.nan])
-    assert issue is not None
-    assert issue.code == "distance-above-fixed-length"
-    assert "1 of 3" in issue.message
-    assert "0.5 mm" in issue.message
-    assert PAPER.continuation_issue([149.0, np.nan]) is None
-
-
 def test_missing_samples_stay_missing():
     """A NaN is a drop-out of the sensor, not a value out of range."""
     assert np.isnan(PAPER.contraction_from_distance_mm([100.0, np.nan])).tolist() == [False, True]

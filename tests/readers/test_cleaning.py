@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from softid.errors import InputError
+from softid.identification.preparation import as_log_set, require_excitation
 from softid.log import Log
-from softid.readers import load, require_excitation
+from softid.readers import load
 
 WriteFile = Callable[..., Path]
 
@@ -124,7 +125,7 @@ def test_a_constant_input_loads_for_inspection_but_cannot_be_identified(
 ) -> None:
     log = cleaned(write_log, "0,5,0", "1,5,1", "2,5,2")
     with pytest.raises(InputError, match="pressure is constant") as caught:
-        require_excitation(log)
+        require_excitation(as_log_set(log))
     assert caught.value.value == "5 kPa"
     assert "log.csv" in str(caught.value)
-    require_excitation(cleaned(write_log, "0,5,0", "1,5.1,1", "2,5,2"))
+    require_excitation(as_log_set(cleaned(write_log, "0,5,0", "1,5.1,1", "2,5,2")))
