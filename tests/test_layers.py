@@ -22,7 +22,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("channels", "chi_square", "fingerprint", "intersample"),
     ("segment",),
     ("log", "parameters", "results"),
-    ("diagnosis_results",),
+    ("diagnosis_results", "log_kinds"),
     (
         "readers",
         "quality",

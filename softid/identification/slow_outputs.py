@@ -18,6 +18,7 @@ from softid.channels import Channel
 from softid.identification.interpolated_output import RECOVERED, recovered_readings
 from softid.identification.sensor_clock import find_clock
 from softid.log import Log
+from softid.log_kinds import fields_of
 from softid.readers.merging import MERGED_ROWS
 from softid.segment import Segment, absent_times, with_knots, with_rows
 
@@ -52,18 +53,7 @@ class SlowOutputLog(Log):
 
     def at_samples_alone(self) -> Log:
         """The samples as a plain log, between which the input is straight."""
-        return Log(
-            name=self.name,
-            time_s=self.time_s,
-            channels=self.channels,
-            input=self.input,
-            outputs=self.outputs,
-            masked=self.masked,
-            source=self.source,
-            issues=self.issues,
-            metadata=self.metadata,
-            intersample=self.intersample,
-        )
+        return Log(**fields_of(self) | {"input_read_s": None})
 
     def _segment(self, index: int, start: int, stop: int) -> Segment:
         samples = self._rows(index, start, stop)
@@ -134,20 +124,13 @@ def _with_readings(
 ) -> SlowOutputLog:
     """Channels at the times of readings, with the course of the input at and between them."""
     course = np.interp(taken_s, log.time_s, log.channels[log.input].values)
-    return SlowOutputLog(
-        name=log.name,
-        time_s=taken_s,
-        channels={**channels, log.input: replace(channels[log.input], values=course)},
-        input=log.input,
-        outputs=log.outputs,
-        masked=masked,
-        source=log.source,
-        issues=log.issues,
-        metadata=log.metadata,
-        intersample=log.intersample,
-        input_read_s=log.time_s if log.input_read_s is None else log.input_read_s,
-        recorded=log,
-    )
+    changed = {
+        "time_s": taken_s,
+        "channels": {**channels, log.input: replace(channels[log.input], values=course)},
+        "masked": masked,
+        "input_read_s": log.time_s if log.input_read_s is None else log.input_read_s,
+    }
+    return SlowOutputLog(**fields_of(log) | changed, recorded=log)
 
 
 def _is_read(log: Log) -> BoolArray:

@@ -25,7 +25,8 @@ import numpy.typing as npt
 from softid.identification.slow_outputs import SlowOutputLog
 from softid.intersample import BEFORE, HELD, Intersample, is_abrupt, jumps
 from softid.log import Log
-from softid.segment import Segment, absent_times, with_rows
+from softid.log_kinds import KnottedLog, fields_of
+from softid.segment import absent_times
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -92,7 +93,7 @@ def is_regular(log: Log) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class AveragedLog(Log):
+class AveragedLog(KnottedLog):
     """A log with a value from every few samples of another one in their place.
 
     Its input goes straight between its samples; ``intersample`` is the reading of the other one.
@@ -104,12 +105,11 @@ class AveragedLog(Log):
     count
         Samples in a value.
     knots
-        Times at which jumps of the input begin and end, and the input there, each of shape (m,).
+        When jumps of the input begin and end, and the input there; see `KnottedLog`.
     """
 
     recorded: Log = field(kw_only=True)
     count: int = field(kw_only=True)
-    knots: tuple[Array, Array] = field(kw_only=True)
 
     @property
     def between_samples(self) -> Intersample:
@@ -127,12 +127,6 @@ class AveragedLog(Log):
         rest = np.ones(len(self.recorded) - masked.size, bool)
         recorded = self.recorded.with_masked(np.concatenate((masked, rest)))
         return recorded.with_intersample(self.intersample)
-
-    def _segment(self, index: int, start: int, stop: int) -> Segment:
-        segment = super()._segment(index, start, stop)
-        knot_s, level = self.knots
-        first, last = np.searchsorted(knot_s, segment.time_s[[0, -1]])
-        return with_rows(segment, knot_s[first:last], level[first:last])
 
 
 def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
@@ -178,17 +172,7 @@ def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:
         channels[name] = replace(channel, values=values)
     knot_s = jumping.knots_beside(time_s)
     return AveragedLog(
-        name=log.name,
-        time_s=time_s,
-        channels=channels,
-        input=log.input,
-        outputs=log.outputs,
-        masked=masked,
-        source=log.source,
-        issues=log.issues,
-        metadata=log.metadata,
-        intersample=log.intersample,
-        input_read_s=log.input_read_s,
+        **fields_of(log) | {"time_s": time_s, "channels": channels, "masked": masked},
         recorded=log,
         count=count,
         knots=(knot_s, np.interp(knot_s, time_s, nodes) + jumping.until(knot_s)),

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.intersample import BEFORE
 from softid.log import Log
-from softid.segment import Segment, with_rows
+from softid.log_kinds import KnottedLog, fields_of
 
 Array = npt.NDArray[np.float64]
 
@@ -18,23 +17,14 @@ INSIDE = 0.02
 """Share of its interval that a jump keeps from either end: no row is put in beside another."""
 
 
-@dataclass(frozen=True, eq=False)
-class TimedLog(Log):
+class TimedLog(KnottedLog):
     """A log whose input goes at once from one sample to the next where it jumps.
 
     Attributes
     ----------
     knots
-        Times and input just before and just behind each jump, each of shape (m,).
+        Times and input just before and just behind each jump; see `KnottedLog`.
     """
-
-    knots: tuple[Array, Array] = field(kw_only=True)
-
-    def _segment(self, index: int, start: int, stop: int) -> Segment:
-        segment = super()._segment(index, start, stop)
-        knot_s, level = self.knots
-        first, last = np.searchsorted(knot_s, segment.time_s[[0, -1]])
-        return with_rows(segment, knot_s[first:last], level[first:last])
 
 
 def with_jumps_at(log: Log, spans_s: Sequence[Array], shares: Sequence[Array]) -> Log:
@@ -65,17 +55,4 @@ def with_jumps_at(log: Log, spans_s: Sequence[Array], shares: Sequence[Array]) -
     after_s = between_s[:, 0] + width_s * inside
     knot_s = np.column_stack((after_s - BEFORE * width_s, after_s))
     level = np.interp(between_s, log.time_s, log.channels[log.input].values)
-    return TimedLog(
-        name=log.name,
-        time_s=log.time_s,
-        channels=log.channels,
-        input=log.input,
-        outputs=log.outputs,
-        masked=log.masked,
-        source=log.source,
-        issues=log.issues,
-        metadata=log.metadata,
-        intersample=log.intersample,
-        is_bridged=log.is_bridged,
-        knots=(knot_s.ravel(), level.ravel()),
-    )
+    return TimedLog(**fields_of(log), knots=(knot_s.ravel(), level.ravel()))
