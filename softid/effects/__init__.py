@@ -6,7 +6,6 @@ from softid.effects.catalogue import EFFECTS
 from softid.effects.extended_model import ExtendedModel, belongs_to, extended_name, own_values
 from softid.effects.registration import register_effect
 from softid.effects.scale import Scale
-from softid.models.division import divided
 
 __all__ = [
     "EFFECTS",
@@ -17,7 +16,6 @@ __all__ = [
     "Scale",
     "StateEffect",
     "belongs_to",
-    "divided",
     "effect_of",
     "effects_of",
     "extended_name",

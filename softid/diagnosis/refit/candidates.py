@@ -11,15 +11,15 @@ import numpy.typing as npt
 
 from softid.diagnosis.refit.state_sizes import reach_of
 from softid.diagnosis.refit.whitening import Whitener
-from softid.effects import ExtendedModel, divided
+from softid.effects import ExtendedModel
 from softid.effects.base import Effect
 from softid.fitters.levenberg_marquardt import Minimum, NormalEquations, minimise
 from softid.fitters.objective import Objective, Prior
 from softid.fitters.problem import Problem
+from softid.models.division import Division, divided
 from softid.segment import Segment
 
 if TYPE_CHECKING:
-    from softid.models.division import Division
     from softid.models.second_order import Law
 
 Array = npt.NDArray[np.float64]
