@@ -6,6 +6,7 @@ line returns. An `Issue` is the same four facts about something that did not sto
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -107,3 +108,30 @@ class Issue:
     severity: Severity
     message: str
     remedy: str | None = None
+
+
+def refuse_unknown(given: Iterable[str], allowed: Collection[str], *, where: str) -> None:
+    """Refuse keys that mean nothing.
+
+    Parameters
+    ----------
+    given
+        Keys that were found.
+    allowed
+        Keys that are known.
+    where
+        Where they were found, for the message.
+
+    Raises
+    ------
+    InputError
+        A key is not among those allowed.
+    """
+    for key in given:
+        if key not in allowed:
+            raise InputError(
+                "this key is unknown",
+                where=where,
+                value=key,
+                remedy=f"choose from {', '.join(allowed)}",
+            )

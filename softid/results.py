@@ -13,7 +13,7 @@ import numpy.typing as npt
 from softid.errors import Issue
 
 Array = npt.NDArray[np.float64]
-Verdict = Literal["identified", "weakly identified", "not identified", "fixed", "tied"]
+ParameterVerdict = Literal["identified", "weakly identified", "not identified", "fixed", "tied"]
 
 
 class FitStatus(Enum):
@@ -97,7 +97,7 @@ class ParameterEstimate:
     fixed: bool
     tie: str | None
     at_bound: bool
-    verdict: Verdict
+    verdict: ParameterVerdict
     reason: str = ""
     remedy: str = ""
     scale: Literal["linear", "log"] = "linear"

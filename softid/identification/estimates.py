@@ -16,9 +16,9 @@ from softid.results import (
     FitStatistics,
     LogNuisance,
     ParameterEstimate,
+    ParameterVerdict,
     SegmentStart,
     Simulation,
-    Verdict,
 )
 from softid.scores import fit_statistics
 from softid.uncertainty import CI_METHOD, Covariance, confidence_interval, standard_error
@@ -109,7 +109,7 @@ def _verdict(
     value: float,
     *,
     use_bounds: bool,
-) -> tuple[Verdict, str]:
+) -> tuple[ParameterVerdict, str]:
     p = problem.parameters[name]
     if name in unseen:
         return "not identified", unseen[name]

@@ -26,7 +26,7 @@ N_BLOCKS = 48
 and fall of the input lies partly in what is fitted. With 12 blocks the only fall of a 6 s recording
 was left out whole, and the richest model lost for want of it."""
 
-FOLDS = 4
+ONE_BLOCK_IN = 4
 """One block in four is left out at a time. The first of every four always stays in: a log's first
 samples tell its initial state and nothing else does."""
 
@@ -215,7 +215,7 @@ def _draft(model: Model, logs: LogSet) -> _Draft:
         zip(problem.parameters.names, problem.theta(optimum.unknowns).tolist(), strict=True)
     )
     errors = tuple(np.full(segment.time_s.size, np.nan) for segment in problem.segments)
-    for fold in range(FOLDS - 1):
+    for fold in range(ONE_BLOCK_IN - 1):
         held = [left_out(log, k + fold) for k, log in enumerate(logs)]
         _score(errors, held, problem, optimum)
     return _Draft(model, values, errors)
@@ -225,7 +225,7 @@ def left_out(log: Log, shift: int) -> BoolArray:
     """Every fourth block of a log, other blocks for another shift, never the first samples."""
     n = len(log)
     block = np.arange(n) * N_BLOCKS // n
-    out: BoolArray = block % FOLDS == 1 + shift % (FOLDS - 1)
+    out: BoolArray = block % ONE_BLOCK_IN == 1 + shift % (ONE_BLOCK_IN - 1)
     head = int(np.searchsorted(log.time_s, log.time_s[0] + REST_WINDOW_S))
     out[: max(head, REST_MIN_SAMPLES)] = False
     return out

@@ -13,22 +13,18 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
 from numba import njit
 
+from softid.kernels import radau
 from softid.kernels.exponential import NO_REORDERING
 
-_R6 = float(np.sqrt(6.0))
-FIRST_STAGE = (4.0 - _R6) / 10.0
-SECOND_STAGE = (4.0 + _R6) / 10.0
+FIRST_STAGE, SECOND_STAGE, _ = radau.STAGES.tolist()
 """Inner stages of the Radau rule as fractions of the step; its third is the step's end."""
 
-A00, A01, A02 = (88.0 - 7.0 * _R6) / 360.0, (296.0 - 169.0 * _R6) / 1800.0, (-2 + 3 * _R6) / 225.0
-A10, A11, A12 = (296.0 + 169.0 * _R6) / 1800.0, (88.0 + 7.0 * _R6) / 360.0, (-2 - 3 * _R6) / 225.0
-A20, A21, A22 = (16.0 - _R6) / 36.0, (16.0 + _R6) / 36.0, 1.0 / 9.0
-_INVERSE = np.linalg.inv(np.array([[A00, A01, A02], [A10, A11, A12], [A20, A21, A22]]))
-((B00, B01, B02), (B10, B11, B12), (B20, B21, B22)) = _INVERSE.tolist()
-B0, B1, B2 = _INVERSE.sum(axis=1).tolist()
+((A00, A01, A02), (A10, A11, A12), (A20, A21, A22)) = radau.A.tolist()
+((B00, B01, B02), (B10, B11, B12), (B20, B21, B22)) = radau.B.tolist()
+B0, B1, B2 = radau.B1.tolist()
+"""The rule as scalars, which loops that vectorise need."""
 
 
 class Places(NamedTuple):

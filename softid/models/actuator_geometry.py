@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from softid.errors import InputError
+from softid.errors import InputError, refuse_unknown
 from softid.kernels.bending_body import Body, tabulated
 from softid.models.bending_inertia import Inertia, Kernels, Stretch, inertia_series
 
@@ -209,13 +208,13 @@ def read_actuator(text: str, *, where: str) -> Actuator:
         raise InputError(
             f"this is no TOML: {error}", where=where, remedy="correct the line named"
         ) from error
-    _refuse_unknown(table, ("title", "assumed", "geometry", "material"), where)
+    refuse_unknown(table, ("title", "assumed", "geometry", "material"), where=where)
     given: dict[str, Any] = {}
     for part in ("geometry", "material"):
         inner = table.get(part, {})
         if not isinstance(inner, dict):
             raise InputError("a table is expected", where=f"{where}, {part}", value=inner)
-        _refuse_unknown(inner, _keys_of(part), f"{where}, [{part}]")
+        refuse_unknown(inner, _keys_of(part), where=f"{where}, [{part}]")
         given |= inner
     missing = [key for key in _keys_of("geometry") if key not in given]
     if missing:
@@ -230,7 +229,7 @@ def read_actuator(text: str, *, where: str) -> Actuator:
     said = table.get("assumed", [])
     if not isinstance(said, list) or not all(isinstance(key, str) for key in said):
         raise InputError("a list of names is expected", where=f"{where}, assumed", value=said)
-    _refuse_unknown(dict.fromkeys(said), tuple(KEYS), f"{where}, assumed")
+    refuse_unknown(said, tuple(KEYS), where=f"{where}, assumed")
     filled = [name for name in VALUES if name not in values and name not in PRINTED]
     taken = {KEYS[key] for key in said} | set(filled)
     listed = ", ".join(name for name in VALUES if name in taken)
@@ -255,17 +254,6 @@ def _refuse_impossible(value: object, name: str, where: str) -> None:
             value=value,
             remedy="correct the number or its unit",
         )
-
-
-def _refuse_unknown(given: Mapping[str, object], allowed: tuple[str, ...], where: str) -> None:
-    for key in given:
-        if key not in allowed:
-            raise InputError(
-                "this key is unknown",
-                where=where,
-                value=key,
-                remedy=f"choose from {', '.join(allowed)}",
-            )
 
 
 def _si(value: object, name: str, where: str) -> float | int:

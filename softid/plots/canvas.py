@@ -214,7 +214,7 @@ def shortened(name: str, *, longest: int = LONGEST_NAME) -> str:
     return f"{name[:half]}…{name[-half:]}"
 
 
-def listed(names: Sequence[str], *, longest: int = LONGEST_NAME) -> str:
+def names_and_count(names: Sequence[str], *, longest: int = LONGEST_NAME) -> str:
     """Names in one line, or the first and how many more."""
     joined = ", ".join(names)
     if len(joined) <= longest:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from softid.diagnosis_results import Diagnosis, dropped_from
 from softid.plots.before_after import Scored, draw_before_after
-from softid.plots.canvas import Display, listed, shortened
+from softid.plots.canvas import Display, names_and_count, shortened
 from softid.plots.chain import draw_chain
 from softid.plots.cycles import find_cycles
 from softid.plots.drawings import Drawing, applying, file_name
@@ -109,7 +109,7 @@ def what_is_left_figure(diagnosis: Diagnosis) -> Figure | None:
     if before is None or before.residual.size < FEWEST_RESIDUALS:
         return None
     later = fitted_simulations(extended, channel) if extended is not None else ()
-    names = listed([simulation.log for simulation in fitted])
+    names = names_and_count([simulation.log for simulation in fitted])
     return draw_what_is_left(
         before,
         residual_points(later, channel) if later else None,
@@ -137,7 +137,7 @@ def loop_area_figure(diagnosis: Diagnosis) -> Figure | None:
     return draw_loop_area(
         widths,
         output=shown_output(base),
-        title=f"Loop area over span of the input: {listed([s.log for s in simulations])}",
+        title=f"Loop area over span of the input: {names_and_count([s.log for s in simulations])}",
     )
 
 
@@ -233,7 +233,7 @@ def chain_figure(diagnosis: Diagnosis) -> Figure | None:
     what = "causes" if diagnosis.causes else "laws that describe and do not explain"
     described = {link.key for link in diagnosis.descriptive} if diagnosis.causes else set()
     dropped = dropped_from(diagnosis)
-    without = f" without {listed(dropped)}" if dropped else ""
+    without = f" without {names_and_count(dropped)}" if dropped else ""
     return draw_chain(
         links,
         output=shown_output(diagnosis.base),

@@ -14,7 +14,7 @@ from softid.effects import model_of
 from softid.errors import InputError
 from softid.models.base import Model
 from softid.plots.branches import draw_branches, rising_samples
-from softid.plots.canvas import Display, listed
+from softid.plots.canvas import Display, names_and_count
 from softid.plots.curves import (
     HasDamping,
     common_zero,
@@ -85,7 +85,7 @@ class Subject:
     def titled(self, what: str, *, fitted_only: bool = False) -> str:
         """Heading with the model and the logs that are shown."""
         shown = self.fitted if fitted_only else [sim for sim, _ in self.scored]
-        return f"{what}, {self.model.name} model: {listed([sim.log for sim in shown])}"
+        return f"{what}, {self.model.name} model: {names_and_count([sim.log for sim in shown])}"
 
 
 def static_figure(subject: Subject) -> Figure | None:

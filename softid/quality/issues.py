@@ -12,7 +12,7 @@ from softid.quality.findings import ChannelReport, Dropout, Role, SignCheck
 from softid.quality.holding import Hold
 from softid.quality.sampling import Gap, Sampling
 from softid.quality.second_inputs import second_input_issues
-from softid.quality.wording import NAMED, listed
+from softid.quality.wording import NAMED, first_names
 from softid.units import CHANNEL_QUANTITY
 
 ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}
@@ -223,7 +223,7 @@ def _of_holds(channel: ChannelReport, holds: Sequence[Hold]) -> Iterator[Issue]:
     more = ", …" if len(moving) > NAMED else ""
     others = list(dict.fromkeys(name for h in moving for name in h.moving))
     if others:
-        remedy = f"{listed(others)} move meanwhile, and a model of one input cannot know that"
+        remedy = f"{first_names(others)} move meanwhile, and a model of one input cannot know that"
     elif channel.name == "pressure":
         remedy = "hold longer, so that it settles"
     else:
@@ -245,7 +245,7 @@ def _of_other_inputs(names: Sequence[str]) -> Iterator[Issue]:
         yield Issue(
             "other-inputs",
             "info",
-            f"{_count(names, 'other channel')} of the input's unit, {listed(names)}, "
+            f"{_count(names, 'other channel')} of the input's unit, {first_names(names)}, "
             f"move{'s' if len(names) == 1 else ''} at least a quarter as far as the input",
             "if they drive the actuator too, fit only logs in which they move alike",
         )

@@ -11,7 +11,7 @@ from softid.errors import Issue
 from softid.excitation import segment_excitation
 from softid.log import Log
 from softid.quality.lagged_correlation import common_grid, lagged_correlations, longest_lag_s
-from softid.quality.wording import listed
+from softid.quality.wording import first_names
 
 Array = npt.NDArray[np.float64]
 
@@ -106,8 +106,8 @@ def second_input_issues(names: Sequence[str], driving: str) -> tuple[Issue, ...]
         Issue(
             SECOND_INPUT,
             "warning",
-            f"{listed(names)} {'moves' if len(names) == 1 else 'move'} as an input does, and not "
-            f"with {driving}: a model of one input takes what that does for something else",
+            f"{first_names(names)} {'moves' if len(names) == 1 else 'move'} as an input does, and "
+            f"not with {driving}: a model of one input takes what that does for something else",
             "if the actuator is driven by that, too, use only logs in which it is held or moves "
             f"with {driving}",
         ),

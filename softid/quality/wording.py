@@ -1,4 +1,4 @@
-"""How findings are listed in a sentence."""
+"""How findings are first_names in a sentence."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ NAMED = 4
 """Places or names in a sentence; more make it hard to read."""
 
 
-def listed(names: Sequence[str]) -> str:
+def first_names(names: Sequence[str]) -> str:
     """The first names in a sentence.
 
     Parameters

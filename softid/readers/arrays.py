@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import InputError, Issue
-from softid.readers.base import ArrayTable, Head, listed, sample_rows
+from softid.readers.base import ArrayTable, Head, first_names, sample_rows
 
 MOST_COLUMNS = 64
 """A matrix with more columns than that is an image or a map, not a set of channels."""
@@ -108,7 +108,7 @@ def unique_names(
 
 def _unaligned(path: str, name: str, size: int, kept: Named, length: int) -> InputError:
     return InputError(
-        f"the array {name} has {size} values, but {listed(list(kept))} "
+        f"the array {name} has {size} values, but {first_names(list(kept))} "
         f"{'have' if len(kept) > 1 else 'has'} {length}",
         where=path,
         remedy="save time and channels with one value per sample, or map a column of the common "
@@ -123,7 +123,7 @@ def _left_out(path: str, names: list[str], length: int) -> tuple[Issue, ...]:
         Issue(
             "column-left-out",
             "info",
-            f"{path}: left out {listed(names)}, not being channels of {length} numbers",
+            f"{path}: left out {first_names(names)}, not being channels of {length} numbers",
             "no action is needed, unless one of them is a channel",
         ),
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from softid.channels import Channel, make_channel
 from softid.errors import InputError, Issue
-from softid.readers.base import Table, listed
+from softid.readers.base import Table, first_names
 from softid.readers.columns import best_matches, is_index_name, read_name
 from softid.readers.plausibility import finite, not_measured, unit_doubt
 from softid.readers.sidecar import Sidecar
@@ -160,7 +160,7 @@ def find_column(table: Table, column: str | int, where: str) -> int:
             )
         if text.isdecimal() and 1 <= int(text) <= len(names):
             return int(text) - 1
-    known = f"1 to {len(names)}" if not table.head.headed else listed(names)
+    known = f"1 to {len(names)}" if not table.head.headed else first_names(names)
     raise InputError(
         "there is no such column",
         where=f"{table.head.path}, {where}",
@@ -213,7 +213,7 @@ def _time_column(table: Table, matches: Mapping[str, tuple[int, ...]], free: Ite
     for unclear in map(table.unclear_date, free):
         if unclear is not None:
             raise unclear
-    named = f" ({listed(head.names)})" if head.headed else f" among the {len(head.names)}"
+    named = f" ({first_names(head.names)})" if head.headed else f" among the {len(head.names)}"
     raise InputError(
         f"no time column is recognised{named}" + ("" if head.headed else ", which have no names"),
         where=head.path,

@@ -172,7 +172,7 @@ def sample_rows(count: int) -> IntArray:
     return np.arange(1, count + 1, dtype=np.intp)
 
 
-def listed(names: Sequence[str]) -> str:
+def first_names(names: Sequence[str]) -> str:
     """Names for a message, cut where nobody would read on."""
     shown = ", ".join(name or "(no name)" for name in names[:MOST_NAMES_SHOWN])
     return f"{shown}, …" if len(names) > MOST_NAMES_SHOWN else shown

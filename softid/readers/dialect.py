@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from softid.errors import InputError
-from softid.readers.base import listed
+from softid.readers.base import first_names
 from softid.readers.cells import is_missing, is_number, is_timestamp
 from softid.readers.columns import is_time_name
 from softid.readers.header import Heading, read_heading
@@ -207,7 +207,7 @@ def _no_table(lines: Sequence[str], sample: Sequence[int], where: str) -> InputE
     words = max(cuts, key=lambda cells: sum(map(is_time_name, cells)) * len(cells), default=[])
     if len(sample) <= 2 and any(map(is_time_name, words)):
         return InputError(
-            f"there is a header ({listed(words)}) but no row of numbers",
+            f"there is a header ({first_names(words)}) but no row of numbers",
             where=where,
             remedy="check that the recording was started",
         )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from softid.channels import OUTPUT_PREFERENCE, default_outputs
 from softid.errors import InputError, UsageError
 from softid.readers.assignment import Found
-from softid.readers.base import listed
+from softid.readers.base import first_names
 
 INPUT_PREFERENCE = ("pressure", "pressure_command")
 """The input is the first of these that is there, else the force on something with a position."""
@@ -59,10 +59,11 @@ def choose_roles(
     if input is not None:
         chosen = _resolve(found, input, "--input", where, input_of)
         if chosen in named:
+            choices = first_names(list(found.channels))
             raise UsageError(
                 f"{chosen} is both input and output",
                 where=where,
-                remedy=f"choose another --input or --output from {listed(list(found.channels))}",
+                remedy=f"choose another --input or --output from {choices}",
             )
         return chosen, named or _outputs(found, chosen, where)
     for name in INPUT_PREFERENCE:
@@ -79,7 +80,7 @@ def choose_roles(
             remedy="name what drives it with --input, or leave --output away",
         )
     raise InputError(
-        f"no input channel is recognised among {listed(list(found.channels))}",
+        f"no input channel is recognised among {first_names(list(found.channels))}",
         where=where,
         remedy="map the pressure with --channel pressure=COLUMN:UNIT, or name what drives with "
         "--input",
@@ -127,10 +128,10 @@ def _resolve(found: Found, name: str, option: str, where: str, asked_by: str | N
             f"the log has no channel {name}, which {asked_by} asks for",
             where=where,
             remedy=f"map a column with --channel {name}=COLUMN:UNIT, or take a log that has it "
-            f"(this one has {listed(list(found.channels)) or 'none'})",
+            f"(this one has {first_names(list(found.channels)) or 'none'})",
         )
     raise UsageError(
         f"the log has no channel {name}",
         where=f"{where}, {option}",
-        remedy=f"choose from {listed(list(found.channels))}, or map a column with --channel",
+        remedy=f"choose from {first_names(list(found.channels))}, or map a column with --channel",
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Literal
 
-from softid.errors import InputError
+from softid.errors import InputError, refuse_unknown
 from softid.synthesis.bending_law import Bender, equilibrium_units
 from softid.synthesis.columns import Column, parse_column
 from softid.synthesis.laws import (
@@ -19,7 +19,7 @@ from softid.synthesis.laws import (
     polynomial_units,
 )
 from softid.synthesis.sensors import Sampling, Sensor
-from softid.synthesis.tables import Checked, Range, read_record, refuse_unknown, require_table
+from softid.synthesis.tables import Checked, Range, read_record, require_table
 from softid.synthesis.truth import Valve
 from softid.synthesis.waveforms import Waveform, read_waveform
 
@@ -111,7 +111,7 @@ class Recipe(Checked):
             )
         parts = [part for part in (self.geometry, self.actuator) if part is not None]
         lengths = [f.name for part in parts for f in fields(part)]
-        refuse_unknown(dict.fromkeys(self.assumed), [*self.parameters, *lengths], where="assumed")
+        refuse_unknown(self.assumed, [*self.parameters, *lengths], where="assumed")
 
     @property
     def columns(self) -> dict[str, Column]:
@@ -164,7 +164,7 @@ class Recipe(Checked):
 
     def _check_parameters(self) -> None:
         wanted = list(self.units)
-        refuse_unknown(dict(self.parameters), wanted, where="parameters")
+        refuse_unknown(self.parameters, wanted, where="parameters")
         for name in wanted:
             if name not in self.parameters:
                 raise InputError(

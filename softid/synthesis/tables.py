@@ -17,7 +17,7 @@ from typing import (
     get_type_hints,
 )
 
-from softid.errors import InputError
+from softid.errors import InputError, refuse_unknown
 
 R = TypeVar("R", bound="Checked")
 
@@ -168,26 +168,6 @@ def require_table(value: object, *, where: str) -> dict[str, object]:
     if not isinstance(value, dict):
         raise InputError("a table is expected", where=where, value=value, remedy="write [table]")
     return value
-
-
-def refuse_unknown(
-    given: Mapping[str, object], allowed: list[str] | tuple[str, ...], *, where: str
-) -> None:
-    """Refuse keys that mean nothing.
-
-    Raises
-    ------
-    InputError
-        A key is not among those allowed.
-    """
-    for key in given:
-        if key not in allowed:
-            raise InputError(
-                "this key is unknown",
-                where=where,
-                value=key,
-                remedy=f"choose from {', '.join(allowed)}",
-            )
 
 
 def _convert(value: object, hint: Any, *, where: str) -> object:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.parameters import ParameterScale
-from softid.results import Verdict
+from softid.results import ParameterVerdict
 from softid.uncertainty.covariance import Covariance
 
 Array = npt.NDArray[np.float64]
@@ -146,7 +146,7 @@ def judge(
     lower: float | None = None,
     upper: float | None = None,
     companions: Sequence[str] = (),
-) -> tuple[Verdict, str]:
+) -> tuple[ParameterVerdict, str]:
     """Say whether a parameter is identified, and why not.
 
     Identified when the relative standard deviation (`relative_sd`) is below 0.2, weakly identified

@@ -21,7 +21,7 @@ from softid.plots.canvas import (
     Display,
     add_panel,
     finish,
-    listed,
+    names_and_count,
     new_figure,
     png_bytes,
     shortened,
@@ -121,5 +121,5 @@ def test_long_names_are_shortened_in_the_middle() -> None:
     assert len(shortened(name)) <= 60
     assert shortened(name).startswith("run_")
     assert shortened(name).endswith("_7")
-    assert listed(["a", "b"]) == "a, b"
-    assert listed([name, name, name]).endswith(" and 2 more")
+    assert names_and_count(["a", "b"]) == "a, b"
+    assert names_and_count([name, name, name]).endswith(" and 2 more")

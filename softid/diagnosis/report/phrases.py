@@ -304,8 +304,8 @@ def unsteady(cause: Cause) -> str:
     )
 
 
-def noise_like(remainder: Remainder) -> str:
-    """That what is left looks like noise, and by how much it is larger than what the noise is.
+def nature_of_rest(remainder: Remainder) -> str:
+    """What is left: slow noise, a steady line, or noise, and how much louder than the known noise.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ from softid.diagnosis.report.phrases import (
     listed,
     lowered,
     named_whole,
-    noise_like,
+    nature_of_rest,
     percent,
     percent_below,
     sentence,
@@ -208,7 +208,7 @@ def summarise(
         if verdict is Verdict.PARTIAL or remainder.structured:
             told += _partial(teller, remainder, is_tied=bool(alternatives))
         else:
-            looks = "does not follow from the motion" if marks else noise_like(remainder)
+            looks = "does not follow from the motion" if marks else nature_of_rest(remainder)
             told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
             told.append(teller.more_held_out(remainder, is_tied=bool(alternatives)))
         told += [sentence(change) for change in held_out_changes]
@@ -225,7 +225,10 @@ def _adequate(teller: ErrorTexts, remainder: Remainder, refused: Sequence[str]) 
     if refused:
         chance = "None of the effects tried can be claimed."
     if remainder.colour_s is not None:
-        return [chance, f"What is left, {left} rms on the fitted samples, {noise_like(remainder)}."]
+        return [
+            chance,
+            f"What is left, {left} rms on the fitted samples, {nature_of_rest(remainder)}.",
+        ]
     noise = known_noise(remainder) or "noise"
     why = "it is no larger" if remainder.predictable else structure_of_rest(remainder)
     told = [
@@ -257,7 +260,7 @@ def _unknown(
             told += [_not_told_apart(tie) for tie in alternatives]
     if not remainder.structured:
         left = teller.size(remainder.rms)
-        looks = noise_like(remainder)
+        looks = nature_of_rest(remainder)
         told.append(f"What is left on the fitted samples, {left} rms, {looks}.")
         return [*told, teller.more_held_out(remainder)]
     return [*told, _left(teller, remainder)]
@@ -287,7 +290,7 @@ def _partial(teller: ErrorTexts, remainder: Remainder, *, is_tied: bool) -> list
         more = more if remainder.misses_held_out else ""
         return [f"{explained}.", _left(teller, remainder), more]
     left = teller.size(remainder.rms)
-    looks = f"What is left on the fitted samples, {left} rms, {noise_like(remainder)}."
+    looks = f"What is left on the fitted samples, {left} rms, {nature_of_rest(remainder)}."
     return [f"{explained}.", looks, more]
 
 
@@ -298,7 +301,7 @@ def _left(teller: ErrorTexts, remainder: Remainder) -> str:
     if remainder.predictable:
         told += f"is not noise: {structure_of_rest(remainder)}"
     elif remainder.is_a_line:
-        told += noise_like(remainder)
+        told += nature_of_rest(remainder)
     elif remainder.structure_share > NOTABLE:
         share = percent(remainder.structure_share)
         told += (

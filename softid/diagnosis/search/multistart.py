@@ -93,7 +93,7 @@ def multistart_candidates(
     sigma
         Output channel → scale that its residual is divided by.
     """
-    rough, weights = rough_copy(base, scale, sigma)
+    rough, rough_sigma = rough_copy(base, scale, sigma)
     if rough is base:
         rough = _sparse(base)
     usual = list(_places(rough, rough.problem.plain_segments))
@@ -102,15 +102,15 @@ def multistart_candidates(
         found = (
             [] if isinstance(effect, InputEffect) else [(v, usual) for v in effect.starts(scale)]
         )
-        chosen = _best(found, effect, scale, weights)
+        chosen = _best(found, effect, scale, rough_sigma)
         if isinstance(effect, InputEffect | OutputEffect) and _comes_first(effect, scale):
             own = [
                 (values, driven(rough, effect, values, scale)) for values in effect.starts(scale)
             ]
-            chosen += _best(own, effect, scale, weights)
+            chosen += _best(own, effect, scale, rough_sigma)
         return chosen
 
-    led = refined([c for found in in_parallel(placed, effects) for c in found], rough, weights)
+    led = refined([c for found in in_parallel(placed, effects) for c in found], rough, rough_sigma)
     if rough is base:
         return led
 

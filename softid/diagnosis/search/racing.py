@@ -145,19 +145,19 @@ def race(
     late_forms = {effect.key for effect in richer} - by_themselves(found, richer)
     left_out = {c.effects[-1].key for c in known} | late_forms
     running = [e for e in effects if e.key not in left_out] if not again else []
-    rough, weights = rough_copy(fitted, scale, sigma)
+    rough, rough_sigma = rough_copy(fitted, scale, sigma)
     near, far = ([over_samples_of(c, rough, scale) for c in those] for those in (known, extra))
-    first = _first_round(rough, found, running, scale, weights)
+    first = _first_round(rough, found, running, scale, rough_sigma)
     promising = list(dict.fromkeys(s.effect.key for s in found))
-    second = _second_round(rough, first, promising, running, scale, weights)
-    far, near = run_rounds([(far, FAR_ROUND), (near, 1)], weights, COARSE)
+    second = _second_round(rough, first, promising, running, scale, rough_sigma)
+    far, near = run_rounds([(far, FAR_ROUND), (near, 1)], rough_sigma, COARSE)
     second = best_of_each([*second, *near, *far])
     entering = [effect for effect in richer if effect.key in late_forms]
-    second = by_squares([*second, *forms_that_gain(rough, second, entering, scale, weights)])
+    second = by_squares([*second, *forms_that_gain(rough, second, entering, scale, rough_sigma)])
     if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:
         best = [over_samples_of(candidate, fitted, scale) for candidate in second[:1]]
         return run_round(best, sigma, 1, FINE)
-    kept = _contenders(rough, second, promising, weights)
+    kept = _contenders(rough, second, promising, rough_sigma)
     last = _last_rounds([over_samples_of(c, fitted, scale) for c in kept], sigma)
     last += simpler_forms(fitted, best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
     return best_of_each(last)
