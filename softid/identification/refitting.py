@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from softid.errors import UsageError
 from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
 from softid.identification.new_log_reading import InputReading, prepared
@@ -30,15 +31,38 @@ def refitted(result: FitResult, logs: Log | Sequence[Log]) -> tuple[Problem, Opt
     ------
     InputError
         A log lacks a channel of the model.
+    UsageError
+        A log was not fitted.
     """
     from softid.effects import model_of  # twenty modules, which few fits need
 
+    for log in as_log_set(logs):
+        _require_fitted(result, log)
     reading = InputReading.of(result.options)
     read = [prepared(log, reading) for log in as_log_set(logs)]
     read = [log.with_intersample(reading.intersample) for log in read]
     model = model_of(result.model)
     problem = Problem(model, _as_fitted(model.parameters(), result), read)
     return problem, draft_fit(problem, [result.values], far=False)
+
+
+def _require_fitted(result: FitResult, log: Log) -> None:
+    """Refuse a log that has no name of a fitted one, or its name but not its file."""
+    fitted = [row.log for row in result.statistics if row.in_sample]
+    if log.name not in fitted:
+        raise UsageError(
+            "this log was not fitted",
+            where=log.place,
+            value=log.name,
+            remedy=f"give the logs of the fit: {', '.join(dict.fromkeys(fitted))}",
+        )
+    then, now = result.fingerprints.get(log.name), log.source.sha256 if log.source else ""
+    if then and now and then != now:
+        raise UsageError(
+            "this file is not the one that was fitted under its name",
+            where=log.place,
+            remedy="give the file of the fit, or fit this one first",
+        )
 
 
 def _as_fitted(declared: ParameterSet, result: FitResult) -> ParameterSet:

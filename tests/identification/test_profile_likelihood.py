@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,23 @@ def test_a_parameter_that_was_not_free_is_refused() -> None:
     result = fit(log, model="oscillator")
     with pytest.raises(UsageError, match="G was not free"):
         profile_parameter(result, log, "G")
+
+
+def test_a_log_that_was_not_fitted_is_refused(tmp_path: Path) -> None:
+    """Known by its name, and by its file where there is one."""
+    log = first_order_log(2.0)
+    result = fit(log, model="oscillator")
+    with pytest.raises(UsageError, match="this log was not fitted") as caught:
+        profile_parameter(result, replace(log, name="other"), "N")
+    assert "lag" in str(caught.value)
+    path = tmp_path / "lag.csv"
+    rows = np.column_stack((log.time_s, log.pressure_kpa, log.channels["angle"].values))
+    header = "time_s,pressure_kpa,angle_rad"
+    np.savetxt(path, rows, delimiter=",", header=header, comments="")
+    result = fit(load(path), model="oscillator")
+    np.savetxt(path, rows[:-1], delimiter=",", header=header, comments="")
+    with pytest.raises(UsageError, match="not the one that was fitted"):
+        profile_parameter(result, load(path), "N")
 
 
 def test_a_valley_that_bends_is_followed(measured: Path) -> None:
