@@ -20,6 +20,7 @@ from softid.diagnosis.refit.extension import extend, named_values, start_unknown
 from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
 from softid.effects import extended_name
 from softid.effects.scale import Scale
+from softid.uncertainty.autoregression import autocovariance, fit_ar
 
 Array = npt.NDArray[np.float64]
 
@@ -41,6 +42,9 @@ TAKES_AT_LARGE = 0.985
 USUAL = 0.75
 """At the median moment it must take away less than this share of that: what goes on throughout a
 log, such as a drift, is made up for by a change at any moment."""
+
+GRADUAL = 0.9
+"""Nor does it begin at a moment if what goes evenly with the time takes so much of that."""
 
 CHANCE = 0.01
 """Odds at which a change somewhere in a log takes so much of noise: it is none then."""
@@ -109,10 +113,14 @@ class _ScoreTest:
 
     def __init__(self, rows: Sequence[Rows], by_load: Array) -> None:
         self.rows = rows
-        self.by_load = by_load
         jacobian = np.concatenate([row.jacobian for row in self.rows])
         self.rate = _joined(self.rows, lambda row: row.motion.v)
-        self.position = _joined(self.rows, lambda row: row.motion.x)
+        self.kinds = {
+            "zero": np.ones(self.rate.size),
+            "load": by_load,
+            "clock": self.rate,
+            "gain": _joined(self.rows, lambda row: row.motion.x),
+        }
         self.time_s = _joined(self.rows, lambda row: row.motion.time_s)
         self.log = np.concatenate([np.full(row.residual.size, row.log) for row in self.rows])
         self.basis = basis_of(jacobian)
@@ -134,34 +142,54 @@ class _ScoreTest:
         most = float(taken.max())
         if most < TAKES * misfit or float(np.median(taken)) > USUAL * most:
             return None
-        variance = noise / self.left.size
+        at = float(moments[int(taken.argmax())])
+        variance = max(noise / self.left.size, self.slow_variance(log, at))
         if MOMENTS * chi_square_tail(most / variance, 1 + self.columns.shape[1]) > CHANCE:
             return None
-        near = float(moments[int(taken.argmax())]) + np.linspace(-step, step, 2 * FINER + 1)
+        near = at + np.linspace(-step, step, 2 * FINER + 1)
         finer = [self.taken(self.columns, log, t) for t in near.tolist()]
         time_s, most = float(near[int(np.argmax(finer))]), max(finer)
         kind = self.kind_of(log, time_s, most)
         if not kind and most < TAKES_AT_LARGE * misfit:
+            return None
+        if self.taken_gradually(log, begin, length) > GRADUAL * most:
             return None
         return ChangePoint(log, time_s, most / misfit, kind)
 
     def taken(self, columns: Array, log: int, time_s: float) -> float:
         """Fall of the sum of squares when the weights of columns change at a moment of a log."""
         after = (self.log == log) & (self.time_s > time_s)
-        pair = np.column_stack((self.rate, columns * after[:, None]))
-        return float(np.sum((added_basis(self.basis, pair).T @ self.left) ** 2))
+        return float(np.sum(self._share_of(columns * after[:, None]) ** 2))
+
+    def taken_gradually(self, log: int, begin_s: float, length_s: float) -> float:
+        """The most that the weight of one kind alone takes that goes with the time of a log."""
+        since = np.clip((self.time_s - begin_s) / length_s, 0.0, 1.0) * (self.log == log)
+        falls = [np.sum(self._share_of((c * since)[:, None]) ** 2) for c in self.kinds.values()]
+        return float(max(falls))
+
+    def slow_variance(self, log: int, time_s: float) -> float:
+        """Variance times correlated samples of what a change at a moment leaves.
+
+        A change holds on, so slow noise counts for as many samples fewer as are alike in it.
+        """
+        after = (self.log == log) & (self.time_s > time_s)
+        pair = np.column_stack((self.rate, self.columns * after[:, None]))
+        rest = project_out(added_basis(self.basis, pair), self.left)
+        ar = fit_ar(np.split(rest, np.cumsum([row.residual.size for row in self.rows])[:-1]))
+        gamma = autocovariance(ar, rest.size)
+        return float(gamma[0] + 2.0 * gamma[1:].sum())
+
+    def _share_of(self, columns: Array) -> Array:
+        """What columns beside the rate explain of the residual, along directions of their own."""
+        pair = np.column_stack((self.rate, columns))
+        found: Array = added_basis(self.basis, pair).T @ self.left
+        return found
 
     def kind_of(self, log: int, time_s: float, most: float) -> str:
         """What alone takes nearly as much, the simplest first."""
-        kinds = {
-            "zero": np.ones(self.rate.size),
-            "load": self.by_load,
-            "clock": self.rate,
-            "gain": self.position,
-        }
         alike = [
             name
-            for name, column in kinds.items()
+            for name, column in self.kinds.items()
             if self.taken(column[:, None], log, time_s) > ALONE * most
         ]
         return "zero or load" if alike[:2] == ["zero", "load"] else next(iter(alike), "")
