@@ -36,7 +36,7 @@ BETTER_START = 0.99
 cause does."""
 
 NEAR_CURVE = 1.02
-"""The same where the first cause is a curve, which has more unknowns than they."""
+"""`BETTER_START` where the first cause is a curve, which has more unknowns than the rivals."""
 
 HALF = 0.5
 """A first cause that explains a smaller share of the misfit is raced with a multistart before a

@@ -26,15 +26,16 @@ HOPELESS = 20.0
 one leaves with its own is not looked at further."""
 
 NEAR = 4.0
-"""One with two causes that leaves so many times what all causes of the chosen one leave is not
-searched further."""
+"""A plainer model with two causes that leaves more than so many times the sum of squares that all
+causes of the chosen one leave is not searched further."""
 
 TRIED = 3
-"""So many of the causes whose signatures promise most show whether a plainer model comes near."""
+"""Causes of the most promising signatures that show whether a plainer model comes near."""
 
 FAR = 8.0
-"""Where the chosen one leaves no more than noise, one that leaves so many times what its first
-cause does, with the best of these, is not looked at further."""
+"""A plainer model that leaves, with the best of the causes tried, more than so many times what the
+chosen one leaves with its first cause is not looked at further, where that cause alone leaves the
+chosen one no more than noise."""
 
 BENT = 0.02
 """A curve follows any law within its knots only, and explains as much as a law where its BIC is

@@ -48,7 +48,8 @@ REFITTING = 15
 """Evaluations from the optimum of one reading to that of the other."""
 
 REFITTING_FROM_AFAR = 60
-"""The same with a delay, from a base that has made room for what it explains."""
+"""Evaluations from the optimum of one reading to that of another with a delay, from a base that has
+made room for what the delay explains."""
 
 LEAST_OF_REST = 0.25
 """Share of what causes leave above the noise that another reading of the input takes away."""

@@ -24,8 +24,8 @@ MORE = 1.25
 """What is held out is looked at where its error is so many times that of the fitted samples."""
 
 TELLS = 0.5
-"""Another reading leaves at most this share of the mean square there: errors of the parameters,
-which are others with every reading, make less of a difference."""
+"""Largest share of the mean square of what is held out that another reading leaves: errors of the
+parameters, which are others with every reading, make less of a difference."""
 
 WAYS: dict[Intersample, str] = {
     "straight": "going straight from sample to sample",

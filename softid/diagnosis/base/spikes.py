@@ -16,7 +16,7 @@ from softid.log import Log
 BoolArray = npt.NDArray[np.bool_]
 
 SPIKES = "spikes"
-"""Code of the remark."""
+"""Code of the remark that spikes of an output are left out."""
 
 ROUNDS = 3
 """Where a spike is taken out, the one beside it shows."""

@@ -28,7 +28,7 @@ MOMENTS = 48
 """Moments that are tried over a log."""
 
 FINER = 12
-"""Moments that are then tried on either side of the best one, up to its neighbour."""
+"""Moments that are tried on either side of the best one of a log, up to its neighbours."""
 
 EDGE = 0.08
 """Nothing is looked for in this share of a log at either end: too little would tell of it."""
@@ -37,20 +37,22 @@ TAKES = 0.94
 """A change must take away so much of the misfit above the noise."""
 
 TAKES_AT_LARGE = 0.985
-"""So much where no kind alone does: a change of everything takes much of any misfit."""
+"""Share of the misfit above the noise that a change of everything must take away where no single
+kind does: it takes much of any misfit."""
 
 USUAL = 0.75
-"""At the median moment it must take away less than this share of that: what goes on throughout a
-log, such as a drift, is made up for by a change at any moment."""
+"""Share of what a change at the best moment takes away that one at the median moment must stay
+below: what goes on throughout a log, such as a drift, is made up for by a change at any moment."""
 
 GRADUAL = 0.9
 """Nor does it begin at a moment if what goes evenly with the time takes so much of that."""
 
 CHANCE = 0.01
-"""Odds at which a change somewhere in a log takes so much of noise: it is none then."""
+"""Odds of a change somewhere in a log that takes as much of mere noise, above which it is none."""
 
 ALONE = 0.93
-"""A change of one kind is told when it takes away so much of what a change of everything does."""
+"""Share of what a change of everything takes away from which on a change of one kind alone is
+told."""
 
 
 @dataclass(frozen=True)

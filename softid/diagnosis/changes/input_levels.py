@@ -16,9 +16,9 @@ SAME_RANGE = 0.6
 differs from level to level is the model, not the log."""
 
 PARTS, VISITED, MET = 12, 0.005, 0.8
-"""So many parts of that range, of which one is known where so large a share of the samples lies, or
-beside it. So large a share of another log must lie in known ones: between two levels that alone
-were fitted the static curve is a guess, and a third one shows that, not another load."""
+"""Parts of the common range of two logs' inputs; least share of the samples in a part, or beside
+it, from which it is known; least share of another log that lies in known parts. Between two levels
+that alone were fitted the static curve is a guess, and a third one shows that, not another load."""
 
 
 def have_same_levels(known: Sequence[Log], others: Sequence[Log]) -> bool:

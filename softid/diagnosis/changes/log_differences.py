@@ -37,7 +37,7 @@ ZERO = "zero"
 """Kind of a difference that every log has anyway."""
 
 DELAY = "delay"
-"""Kind of the one whose size is in seconds."""
+"""Kind of a difference whose size is in seconds."""
 
 
 @dataclass(frozen=True)

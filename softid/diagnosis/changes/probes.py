@@ -116,4 +116,4 @@ PROBES: tuple[type[MotionProbe | InputProbe | ReadingProbe], ...] = (
     InputProbe,
     ReadingProbe,
 )
-"""All of them."""
+"""Laws of the differences between logs that are neither a zero nor a parameter of the model."""

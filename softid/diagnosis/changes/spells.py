@@ -34,13 +34,15 @@ LOUD = 4.0
 """A spell is where the squared residual is larger than so many variances on the average."""
 
 LOUDEST = 12.0
-"""A square counts as no more, or the quiet between two spells would count for nothing."""
+"""Largest squared residual that counts, in variances: with more the quiet between two spells would
+count for nothing."""
 
 SURE = 100.0
-"""Sum of what is beyond that, in variances, from which on a spell is none of noise."""
+"""Least sum over a spell of the squared residuals beyond `LOUD`, in variances: noise sums up to
+less."""
 
 MOST_SPELLS = 3
-"""More are no spells."""
+"""Most spells of a log that count as such; what is loud more often is no exception."""
 
 LESSER = 0.05
 """A further spell has so large a share of that of the first one."""
@@ -49,10 +51,11 @@ QUIET = 1.25
 """Outside of spells no more is left than so many times the variance of the noise."""
 
 CLEAR = 12.0
-"""In them the squares are larger than so many times that on the average."""
+"""Times the variance outside of all spells that the mean square in them exceeds."""
 
 LEAST_OUTSIDE = 0.4
-"""Share of a log that lies outside: what is followed for less is no rule with exceptions."""
+"""Least share of a log outside of its spells: what is followed for less is no rule with
+exceptions."""
 
 BEGINNING = 0.1
 """What begins in this share of a log is no spell, for much relaxes after the first motion."""

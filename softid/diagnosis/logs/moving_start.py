@@ -32,7 +32,7 @@ AT_ENDS = 5
 """Samples that are averaged for where an output is."""
 
 SURE = 5.0
-"""Standard errors by which it has moved at least."""
+"""Standard errors by which an output has moved at least, to count as moving when the log begins."""
 
 DIES_AWAY = 2.0
 """In the first half of the beginning a motion that dies away goes so many times as far as in the

@@ -32,7 +32,7 @@ NOTABLE_SET = 0.05
 """A set of less than this share of the output's range is not told."""
 
 LONGEST_START_S = 1.0
-"""Of the rest at the beginning no more than this is averaged for where the output began."""
+"""Longest part, in s, of a rest at the beginning that is averaged for where the output began."""
 
 TAIL = 0.25
 """Share of a rest, at its end, in which the output is to have settled."""

@@ -24,10 +24,10 @@ from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 
 GROWN = 1.2
-"""So much more force makes the bounds worth moving."""
+"""Least factor by which the elastic force has grown to make the bounds worth moving."""
 
 MOVED = 0.02
-"""Zeros that moved by so large a share of the range move the bounds of readings."""
+"""Least share of the output's range by which zeros have moved to move the bounds of readings."""
 
 RELEASED = 30
 """Evaluations from a start away from the bounds."""

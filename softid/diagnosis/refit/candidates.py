@@ -42,7 +42,8 @@ oscillates, and few nodes in each at which effects on the input act. Overdamped 
 for more to reach 1e-4 of the range; noise is far above what this costs."""
 
 FINE = 2
-"""The same while they are compared."""
+"""Most steps in a sampling interval while candidates are compared; twice as many where an affine
+law oscillates."""
 
 EFFECT_SD = 3.0
 """Standard deviation of the prior of an effect's parameters about their start, in logarithms: a

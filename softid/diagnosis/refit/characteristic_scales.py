@@ -21,7 +21,7 @@ LONGEST_SHARE = 0.1
 """An output is late by a tenth of its log at most."""
 
 SHIFTS = 200
-"""So many shifts up to there are tried."""
+"""Shifts of an input in time that are tried, up to `LONGEST_SHARE` of its log."""
 
 FASTEST = 0.05
 """The motion may be faster still at the inputs of so large a share of the samples."""

@@ -41,7 +41,7 @@ NO_WORSE = 1.02
 """A held-out error counts as no worse than another up to a fiftieth above it."""
 
 BETTER = 0.998
-"""It counts as better from two thousandths below it."""
+"""A held-out error counts as better than another from two thousandths below it."""
 
 
 class HeldOutErrors(NamedTuple):
@@ -215,7 +215,7 @@ class HeldOutLogs(HeldOut):
 _at_zeros: WeakKeyDictionary[HeldOutLogs, WeakKeyDictionary[Candidate, tuple[Problem, Array]]] = (
     WeakKeyDictionary()
 )
-"""What `HeldOutLogs` found for those candidates that are still there."""
+"""Results of `HeldOutLogs` for each candidate that is still referenced elsewhere."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,10 +30,10 @@ from softid.models import MODELS
 from softid.results import FitResult
 
 BEST_OF_UNEQUAL = "The best, though its lead is smaller than what none of them explains"
-"""So begins a tie whose causes do not explain the logs equally well."""
+"""Beginning of a tie whose causes do not explain the logs equally well."""
 
 SPLITS = ". What splits them: "
-"""Stands between why causes are tied and what to record."""
+"""Words between why causes are tied and what to record."""
 
 
 def is_linear(base: FitResult) -> bool:

@@ -66,7 +66,7 @@ SIZES = {
     "load": "{1:+.1f} % of the elastic force",
     "pressure_zero": "{1:+.1f} % of the range",
 }
-"""How the size of each is told; else in per cent of it."""
+"""Format of the size of a difference by its kind; all others are told in per cent."""
 
 LOOK_THEN = (
     "look at what happened then, such as a slipped mount, a touched cable, a part that gave way or "
@@ -75,7 +75,7 @@ LOOK_THEN = (
 """What to do about a moment or a spell."""
 
 MOST_KINDS = 3
-"""A sentence names no more of them."""
+"""Most kinds of a difference that a sentence names."""
 
 FOLLOWED = 2.0
 """A log is followed where no more than so many times the noise of all logs is left."""

@@ -19,7 +19,7 @@ from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 
 COARSE = 0.25
-"""Share of the power of what is left from which on it is told."""
+"""Share of the power of what is left from which on the coarse sampling of the input is told."""
 
 COARSE_SAMPLING = "coarse-sampling"
 """Code of the remark that the input moves faster than it is sampled."""

@@ -12,7 +12,8 @@ SMALL = 0.85
 """What leaves less than this share of the error on what is held out is no small part of it."""
 
 FEW = 0.3
-"""Nor is it where the evidence for it is more than this share of that for any cause."""
+"""A description is no small part of the misfit where the evidence for it is more than this share of
+that for any cause."""
 
 
 def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:

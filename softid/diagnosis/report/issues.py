@@ -30,10 +30,10 @@ UNSURE = "unsure-law"
 UNSURE_REMEDIES = {
     Doubt.TOO_QUICK: "sample the input faster, which would show what it does meanwhile",
 }
-"""What to do where it is not to record more."""
+"""What to do about a doubt that more of the same moves would not settle."""
 
 NEGLIGIBLE_MISFIT = "negligible-misfit"
-"""Code of the remark that nothing was looked for."""
+"""Code of the remark that no cause was looked for, since the misfit is negligible."""
 
 
 def negligible_issues(base: BaseFit) -> tuple[Issue, ...]:

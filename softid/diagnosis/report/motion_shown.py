@@ -28,13 +28,13 @@ SAME_FREQUENCY = 1.05
 """Largest ratio of frequencies that count as one."""
 
 NOTABLE_DEG = 5.0
-"""A smaller lag of phase is not told."""
+"""Least lag of phase that is told, in degrees."""
 
 LITTLE = 0.98
 """From this share of what the model explains on, a static curve explains nearly as much."""
 
 ORDER = 4
-"""Of the polynomial that stands for the static curve."""
+"""Order of the polynomial that stands for the static curve."""
 
 LAGS = ("delay", "pneumatic_lag", "valve_flow", "line_resonance", "sensor_lag", "sensor_resonance")
 """Effects that are a lag behind one frequency, and little else."""

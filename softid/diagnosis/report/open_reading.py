@@ -17,7 +17,7 @@ from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
 
 OPEN_READING = "open-reading"
-"""Code of the remark."""
+"""Code of the remark that parameters hang on what a command does between its samples."""
 
 
 def with_open_reading(found: Diagnosis, final: Candidate, base: BaseFit) -> Diagnosis:

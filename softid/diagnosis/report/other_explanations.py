@@ -23,7 +23,7 @@ UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
 """Codes of the remark that a law in no catalogue accounts for a misfit, or for most of it."""
 
 MOST_LAWS = 3
-"""A sentence names no more of them."""
+"""Most laws of no catalogue that a sentence names."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from softid.effects.scale import Scale
 from softid.errors import Issue
 
 OTHER_FORM = "other-form"
-"""Code of the remark."""
+"""Code of the remark that parameters are others under another form of a cause's law."""
 
 
 def with_other_forms(

@@ -32,7 +32,7 @@ VARIATIONS = {
     "lagged p": "holds of several lengths",
     "x and v": "every position passed at several speeds",
 }
-"""What would show a dependence on each of them better."""
+"""What would show a dependence on each of the `VARIABLES` better."""
 
 PREDICTORS = "the motion, the input and the time"
 """What a residual is predicted from."""
@@ -72,10 +72,10 @@ LOUDER = 0.05
 """A rest is called noise with a reserve when its power is so much above that of the noise."""
 
 MOST_VARIABLES = 2
-"""A sentence names no more variables."""
+"""Most variables that a sentence names."""
 
 MOST_PARAMETERS = 3
-"""A sentence names no more parameters."""
+"""Most parameters that a sentence names."""
 
 
 def variables_left(remainder: Remainder) -> list[str]:

@@ -30,7 +30,7 @@ COARSE_INPUT = "coarse-input"
 """Code of the remark that the input is rounded coarsely."""
 
 SEED = 0
-"""Of what the rounding took away, which nobody knows."""
+"""Seed of the draws of what the rounding took away, which nobody knows."""
 
 
 def with_rounding(answer: Diagnosis, logs: Iterable[Log], base: Candidate) -> Diagnosis:

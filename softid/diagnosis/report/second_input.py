@@ -21,7 +21,7 @@ from softid.quality.wording import NAMED
 Array = npt.NDArray[np.float64]
 
 FOLLOWS_SECOND_INPUT = "follows-second-input"
-"""Code of the remark."""
+"""Code of the remark that a misfit goes with another channel."""
 
 LAGS = (0.0, 0.3, 1.0, 3.0)
 """Time constants of the lags behind which the other channel is looked for, in units of the

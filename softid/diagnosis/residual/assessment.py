@@ -42,7 +42,8 @@ SMALLEST_EXCESS = 0.15
 noise leaves less."""
 
 EXCESS_SDS = 3.0
-"""And by so many deviations of the estimate of the noise more."""
+"""Standard deviations of the estimate of the noise variance that are added to the least excess at
+which a residual is larger than the noise."""
 
 LEAST_COLOUR = 0.5
 """Noise that lasts as long as a motion is looked for where its power would be this share of the
@@ -53,8 +54,9 @@ LITTLE_EXPLAINED = 0.8
 """Causes that explain less than this share of a misfit explain little."""
 
 FEWER_SDS = 2.0
-"""Where little is explained so many deviations are enough: a rest of coloured noise knows its
-variance to a third only, and a law that is not the right one leaves what that hides."""
+"""Standard deviations of the estimate of the noise variance that are enough where little is
+explained: a rest of coloured noise knows its variance to a third only, and a law that is not the
+right one leaves what that hides."""
 
 
 def assess(

@@ -36,7 +36,7 @@ FEWEST_MEANS = 200
 """The widest means are so many. Fewer do not tell one kind of residual from the other."""
 
 ENOUGH = 0.8
-"""This share of them is enough, for lost samples and the ends of logs take some."""
+"""Share of `FEWEST_MEANS` that is enough, for lost samples and the ends of logs take some."""
 
 LONGEST_S, LONGEST_TIMES = 2.0, 2.0
 """Noise with a correlation time up to this, or so many time constants of the motion, is colour.
@@ -57,8 +57,9 @@ p-value is that of two coefficients; white noise tells only their sum, so it is 
 small."""
 
 NOT_NORMAL = 1e-6
-"""So are those of a less likely skewness and kurtosis. Their p-value is that of many samples: one
-draw in 1300 of two hundred normal numbers lies beyond this, one in 10,000 of eight hundred."""
+"""Innovations of a less likely skewness and kurtosis are those of a misfit. The p-value is that of
+many samples: one draw in 1300 of two hundred normal numbers lies beyond this, one in 10,000 of
+eight hundred."""
 
 FOLLOWS = 0.04
 """The size of the innovations follows from the motion where that predicts so large a share of its
@@ -72,7 +73,7 @@ AT_REST = 0.01
 """Speeds below this share of their mean are no more telling than it is."""
 
 SMALLEST = 1e-4
-"""The same for the squares of innovations."""
+"""Squares of innovations below this share of their mean are no more telling than it is."""
 
 ROUNDS = 2
 """The noise and the errors of the parameters are fitted in turn so many times."""

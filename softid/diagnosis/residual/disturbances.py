@@ -33,7 +33,8 @@ NEIGHBOURS = 25
 """A line is held against so many bins of the spectrum on either side, where noise is as loud."""
 
 SIGNIFICANCE = 1e-4
-"""Noise as loud as those bins gives such a line in one of so many logs."""
+"""Chance of a line anywhere in the spectrum of noise that is as loud as the bins beside it: one log
+in 10,000."""
 
 OF_THE_INPUT = 0.02
 """The input has a line of its own where a bin holds so much of the power of its strongest one: then
@@ -44,19 +45,21 @@ FEWEST_PERIODS = 10
 """A periodic input goes round so often that half of the bins lie away from its multiples."""
 
 MIXED_LINES = 5
-"""So many of the strongest have sums and differences that count; those of more are everywhere."""
+"""Most lines of the input, the strongest, whose sums and differences count; those of more are
+everywhere."""
 
 ORDERS = ((1, 1), (1, 2), (2, 1))
 """How often two lines count in a sum or a difference up to the third order."""
 
 ABOVE_BESIDE = 12.0
-"""And where it holds so many times the power of the bins beside it."""
+"""Times the power of the bins beside it that a line of the input holds at least."""
 
 QUARTERS = 4
 """Parts of a log, in all but one of which a line must be as strong as on the whole."""
 
 AS_STRONG = 0.5
-"""As strong is half of its amplitude."""
+"""Share of a line's amplitude on the whole log that it has in a quarter which shows it as
+strong."""
 
 LEAST_SHARE = 0.02
 """Share of the rest's power that a line holds at least."""
@@ -65,13 +68,15 @@ QUIET_TIMES = 5.0
 """An event does not follow from a move of the input in so many of the last time constants."""
 
 QUIET_MOVE = 0.02
-"""A move is so large, as a share of the range of the input."""
+"""Least move of the input from which an event may follow, as a share of the input's range."""
 
 LOOKED_AT = 0.2
-"""Whether it moves is looked at over this share of that time, so that little of a rest is lost."""
+"""Share of the time that the input must have rested over which it is looked at for a move, so that
+little of a rest is lost."""
 
 FEWEST_LOOKED_AT = 10
-"""And over so many samples, whose median is a third of the gauge's noise."""
+"""Fewest samples over which the input is looked at for a move: their median errs by a third of the
+gauge's noise."""
 
 BETWEEN_BINS = np.linspace(-1.0, 1.0, 41)
 """Places about the best bin, in bins, among which the line has its largest amplitude."""
@@ -83,10 +88,10 @@ LOUD = 16.0
 """Windows count as events when their power is so many times the median one."""
 
 MOST_EVENTS = 0.05
-"""Not when a larger share of them is so loud: then that is how the rest is."""
+"""Largest share of the windows that are events: where more are so loud, that is how the rest is."""
 
 EVENTS_SHARE = 0.2
-"""Nor when all together hold less than this share of the rest's power at rest."""
+"""Least share of the rest's power at rest that all events hold together."""
 
 MOST_TOLD = 3
 """Moments that are told; of more their number is."""

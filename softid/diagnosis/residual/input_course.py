@@ -27,13 +27,14 @@ difference over it: a step anywhere in an interval, which changes it by twice it
 mean over that interval by a standard deviation of 1/√12 of the height."""
 
 ABOVE_NOISE = 8.0
-"""An input bends where that change is so many times its median size."""
+"""An input bends where the change of its second difference is so many times the median size of such
+a change."""
 
 LEAST_READINGS = 4
-"""So few tell no bend."""
+"""Fewest readings of an input that tell a bend."""
 
 SEED = 0
-"""Of what it did meanwhile, which nobody knows."""
+"""Seed of the draws of what the input did between its samples, which nobody knows."""
 
 
 def moved_by_courses(

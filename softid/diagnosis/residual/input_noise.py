@@ -32,11 +32,11 @@ DRAWS = 12
 """Draws of a noise that nobody knows; the mean square of what they make varies by a tenth."""
 
 LEAST_COURSE = 0.02
-"""Share of the noise of the output from which on the unknown course is drawn: where it is sampled
-well it makes less, and every draw is a simulation."""
+"""Share of the output's noise from which on the unknown course of the input is drawn `DRAWS` times:
+where the input is sampled well the course makes less, and every draw is a simulation."""
 
 SEED = 0
-"""Of those draws, the same in every log."""
+"""Seed of the draws of the input's noise, the same in every log."""
 
 _LEFT: WeakKeyDictionary[Log, tuple[GaugeErrors, Array]] = WeakKeyDictionary()
 """Log → errors of its gauge and what `_left_of` found: all models are asked the same,

@@ -41,7 +41,8 @@ TRIED = 0.25
 """Share of a jump by which the input is moved within its interval to see what its moment does."""
 
 KNOTS = np.array([0.0, 0.25, 0.75, 1.0])
-"""Places within the interval between which it goes straight. It is moved at the inner two."""
+"""Places within the interval of a jump between which its pulse goes straight; the input is moved at
+the inner two."""
 
 MOST_TO_ONE_SIDE = 3.0
 """Standard deviations that the mean of the moments is off the middles at most by chance."""
@@ -64,13 +65,13 @@ class Pulse(NamedTuple):
 
 
 PULSES = (Pulse(1.0, 1.0, 0.75, 12.0**-0.5), Pulse(-1.0, 1.0, 0.125, 720.0**-0.5))
-"""An even one and an odd one."""
+"""The even and the odd pulse by which the input is moved within the interval of a jump."""
 
 TOGETHER = 4
 """Jumps are shared out among so many simulations, neighbours to different ones."""
 
 SETTLING = 4
-"""So many times moments beside a misfit are estimated anew."""
+"""Rounds in which moments beside a misfit are estimated anew."""
 
 FADED = 0.1
 """Share of its largest that a response has at most when the next begins in the same simulation, and

@@ -26,14 +26,15 @@ STILL = 0.02
 """The input rests while it stays within this share of its span over all logs."""
 
 MOST_OF_IT, SPREAD = 0.8, 1.5
-"""Of a piece so many samples lie within so many times the tolerance, as of noise with a deviation
-of the tolerance itself: with half of that, a few samples of a piece do not go beyond by chance."""
+"""Share of the samples of a still piece, and most tolerances that they lie off its middle, as of
+noise with a deviation of the tolerance itself: with half of that deviation, a few samples of a
+piece do not go beyond by chance."""
 
 BRIEF = 0.04
-"""The rest of them may be noise, but no more than so many lie far off: a spike or two."""
+"""Largest share of a still piece of the input that lies far off its middle: a spike or two."""
 
 FAR_OFF = 3.0
-"""That is so many times the tolerance."""
+"""Distance from the middle of a piece that is far off, in tolerances."""
 
 LOOK_S = 0.5
 """Length of the pieces in which the input is looked at."""
@@ -42,7 +43,7 @@ PIECE_S = 4.0
 """Length of the pieces of a rest that are held against each other."""
 
 FEWEST_PIECES = 4
-"""Fewer do not say what the usual one is."""
+"""Fewest pieces of a rest that show what the usual one is."""
 
 EVENTFUL = 10.0
 """In a piece something happened that is no noise when it holds so many times the power of the usual

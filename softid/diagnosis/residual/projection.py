@@ -17,8 +17,8 @@ SEEN = 1e-10
 """Directions that are weaker than this share of the strongest are rounding."""
 
 DISTINCT = 1e-6
-"""So are columns of which others leave less than this share, and directions within what they leave:
-to take out those others has cost digits."""
+"""Columns of which others leave less than this share are rounding, and so are directions within
+what they leave: to take out those others has cost digits."""
 
 
 @dataclass(frozen=True, eq=False)

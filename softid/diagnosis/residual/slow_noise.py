@@ -30,7 +30,8 @@ LIMIT_S = 2.0
 """Noise with a correlation time up to this is colour; blocks are so long."""
 
 LIMIT_TIMES = 2.0
-"""The same in time constants of the motion, where that is longer."""
+"""Longest correlation time of colour in time constants of the motion, where that is longer than
+`LIMIT_S`."""
 
 SLOWER = 3.0
 """A wander is so many times slower than the limit at least: 6 s or more."""
@@ -65,16 +66,16 @@ EXCURSION = 0.75
 """One excursion holds so much of the slow power."""
 
 BRIEF = 0.25
-"""And takes this share of the blocks, in a row."""
+"""Largest share of the blocks, in a row, that one excursion takes."""
 
 TENS_S = 15.0
-"""From here on a time is called tens of seconds."""
+"""Time in s from which on a wander is called one of tens of seconds."""
 
 MINUTES_S = 90.0
-"""From here on it is called minutes."""
+"""Time in s from which on a wander is called one of minutes."""
 
 LEAST_SEEN = 0.5
-"""A block counts when so much of it was measured."""
+"""Share of a block that was measured at least where it counts."""
 
 
 @dataclass(frozen=True)

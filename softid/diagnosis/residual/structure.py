@@ -26,17 +26,18 @@ SHIFTS = 199
 """Circular shifts of the residual that make up the null distribution."""
 
 NULL_QUANTILE = 0.95
-"""What shifted residuals reach in so many cases is chance."""
+"""Quantile of the shares predicted of shifted residuals that chance does not go beyond."""
 
 WANDERING_QUANTILE = 0.99
-"""The same where nothing pulls the motion back: a residual that adds up disturbances resembles
-every slow variable."""
+"""Quantile of the shares predicted of shifted residuals that chance does not go beyond where
+nothing pulls the motion back: a residual that adds up disturbances resembles every slow
+variable."""
 
 KNOTS = 7
 """Knots of the smooth function of one variable."""
 
 FINE_KNOTS = 21
-"""Those of the function of position: a thread, a rack or pleats repeat within the stroke."""
+"""Knots of the smooth function of position: a thread, a rack or pleats repeat within the stroke."""
 
 RIDGE = 1e-3
 """Penalty of the smooth function, as a share of the data's weight."""

@@ -25,11 +25,12 @@ from softid.effects.base import Effect
 from softid.effects.scale import Scale
 
 TRIED = 3
-"""So many of the most promising other effects are tried as the first cause."""
+"""Most promising other effects that are tried as the first cause."""
 
 MUCH = 0.3
-"""One that takes away this share of the sum of squares is tried even where its BIC does not fall:
-what a second cause leaves beside it, slow as a drift, passes for noise that could be anything."""
+"""A first cause that takes away this share of the sum of squares is tried even where its BIC does
+not fall: what a second cause leaves beside it, slow as a drift, passes for noise that could be
+anything."""
 
 LEAST_PROMISE = 0.3
 """Where two causes explain all, the second promises most of what the first leaves; below this share

@@ -17,11 +17,12 @@ WHITE_ROUNDS = (8, 16)
 """Evaluations of the rounds under the noise model; who cannot catch up stays out of them."""
 
 LAST_ROUND = 32
-"""And of one more for those that are still on their way: a motion that adds up its force bends so
-much that they are soon nowhere near their optimum under another noise model."""
+"""Evaluations of one more round under the noise model, for candidates that are still on their way:
+a motion that adds up its force bends so much that they are soon nowhere near their optimum under
+another noise model."""
 
 ON_ITS_WAY = 1.0
-"""A candidate is when it is so many standard errors away from its optimum."""
+"""Standard errors from its optimum beyond which a candidate is still on its way."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,19 +13,22 @@ NEAR = 0.3
 little where none explains the misfit."""
 
 REACH = 4.0
-"""So may one that would be there if its sum of squares fell by so many times what its quadratic
-model predicts; one for which that is all of the sum may come from anywhere."""
+"""A candidate may catch up with the leader also where it would be there if its sum of squares fell
+by so many times what its quadratic model predicts; one for which that is all of the sum may come
+from anywhere."""
 
 PACE = 3.0
-"""And one whose distance is less than so many times what it gained in the round."""
+"""A candidate may catch up with the leader also where its distance is less than so many times what
+it gained in the round."""
 
 STANDS_STILL = 0.1
-"""One that gained less in the round than this share of what its quadratic model still predicts goes
-nowhere: a bound, or a curve of the cost that no parabola is like, holds it."""
+"""A candidate that gained less in the round than this share of what its quadratic model still
+predicts goes nowhere: a bound, or a curve of the cost that no parabola is like, holds it."""
 
 SAME_PLACE = 2.0
-"""Two with the same effects stand at one optimum when they are less than so many standard errors
-apart, root mean square over the unknowns: each may be one away from it where it counts as there."""
+"""Two candidates with the same effects stand at one optimum when they are less than so many
+standard errors apart, root mean square over the unknowns: each may be one away from it where it
+counts as there."""
 
 SMALLEST_GAIN = 4.0
 """When nobody has lowered n ln(S) by this much after two rounds, the race is over."""

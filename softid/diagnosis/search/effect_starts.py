@@ -43,7 +43,7 @@ INERTIA_SHARES = (1.0, 0.1, 0.01)
 """Shares of the base's inertia with which an effect that takes time begins."""
 
 LIGHT = 0.1
-"""The same where it begins slow."""
+"""Share of the base's inertia with which an effect begins that begins slow."""
 
 LOST = 1e6
 """A response so many times the output's own scale away is lost. Beyond 1e16 the sensor's zero would

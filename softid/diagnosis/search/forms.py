@@ -18,7 +18,8 @@ BY_ITSELF = 3.0
 base may do all that the plain one can."""
 
 OF_THE_BEST = 0.3
-"""And this share of what the best effect promises."""
+"""Share of what the best effect promises that a richer form of a law must promise to run by
+itself."""
 
 MANY_MORE = 3
 """A law with so many parameters more than another one can bend to what that one does."""

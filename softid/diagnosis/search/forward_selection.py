@@ -41,13 +41,14 @@ class Acceptance:
 
 
 FIRST = Acceptance(predicted_fall=6.0, bic=18.0, share=0.0)
-"""Of a first cause."""
+"""What a first cause must gain to be accepted."""
 
 FURTHER = Acceptance(predicted_fall=15.0, bic=30.0, share=0.01)
-"""Of a further one: small errors of the first one's law would else be taken for a cause."""
+"""What a further cause must gain to be accepted: small errors of the first one's law would else be
+taken for a cause."""
 
 BEHIND_NOISE = Acceptance(predicted_fall=60.0, bic=60.0, share=0.02)
-"""Of a further one where what is left already looks like noise."""
+"""What a further cause must gain to be accepted where what is left already looks like noise."""
 
 MAX_LINKS = 3
 """A fourth cause would be fitted to what three have left, which is their own errors as a rule."""
@@ -59,10 +60,12 @@ CONVERGING = 40
 """Evaluations that bring a model to its optimum."""
 
 CONVERGING_ROUNDS = 3
-"""How often they are granted while it is more than a standard error away."""
+"""Rounds of `CONVERGING` evaluations that a model gets while it is more than a standard error away
+from its optimum."""
 
 STILL_FALLS = 0.999
-"""It is granted them again only if its sum of squares fell below this share."""
+"""Share of its sum of squares below which a model must fall in one round of `CONVERGING`
+evaluations to get another."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,8 @@ NEARLY_AS_MUCH = 0.01
 gains: rounding, and what the input does between its samples, make as much of a difference."""
 
 BETTER_ELSEWHERE = 0.97
-"""What is held out prefers it when it leaves less than this share of the error there."""
+"""Share of a cause's error on what is held out that a rival must stay below to be preferred
+there."""
 
 
 def with_rivals_held_out(

@@ -25,16 +25,16 @@ from softid.parallel import in_parallel
 from softid.segment import Segment
 
 PLACES = 3
-"""So many of the best start values of the base are tried with every start of an effect."""
+"""Best start values of the base that are tried with every start of an effect."""
 
 STARTS = 2
-"""And so many of those are led on."""
+"""Most promising combinations of a start of the base and one of an effect that are led on."""
 
 ENOUGH = 3000
 """Samples that lead the candidates where a log cannot be averaged."""
 
 OVER_ALL = 5
-"""Evaluations over all samples that follow."""
+"""Evaluations over all samples that follow those over averages."""
 
 VANISHED = 1e-3
 """A term has vanished when a factor of e in it changes the output by less than this share of the

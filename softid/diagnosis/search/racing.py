@@ -58,45 +58,48 @@ SECOND_SURVIVORS = 7
 """Candidates that stay in the race for the second round."""
 
 LAST_SURVIVORS = 4
-"""Those that stay for the last one. All of them also start with the times of inertia and lag
-exchanged, for which of two poles is whose has nothing to do with who leads."""
+"""Candidates that stay in the race for the last round. All of them also start with the times of
+inertia and lag exchanged, for which of two poles is whose has nothing to do with who leads."""
 
 ALIKE = 24.0
-"""So do all whose n ln(S) is less above the leader's: a parameter more costs 8, and 12 of BIC tell
-no cause from another, so that a tie is not missed for the fifth of them."""
+"""Distance from the leader, in n ln(S), up to which candidates stay for the last round beyond their
+number: a parameter more costs 8, and 12 of BIC tell no cause from another, so that a tie is not
+missed for the fifth of them."""
 
 FORM_SURVIVORS = 2
-"""Those that also start with the base's terms in another form."""
+"""Candidates of the last round that also start with the base's terms in another form."""
 
 MULTISTART_ROUNDS = (8, 8, 16)
-"""Evaluations of the rounds of those that begin elsewhere."""
+"""Evaluations of the rounds of candidates from a multistart."""
 
 MULTISTART_SURVIVORS = 8
-"""How many of those join the race."""
+"""Candidates from a multistart that join the race."""
 
 PROMISING_SIGNATURES = 5
 """Effects of the best signatures stay for the second round however far the first one brought them:
 a motion that integrates its force answers violently to a start that is a little off."""
 
 FAR = 5.0
-"""So do those that are still so many standard errors away."""
+"""Standard errors from its optimum beyond which a candidate stays for the second round in any
+case."""
 
 UNCONVERGED = 1.0
-"""Those that are more standard errors away from their optimum after the second round run it again
-before anyone drops out: some begin worse than the base."""
+"""Candidates that are more standard errors away from their optimum after the second round run it
+again before anyone drops out: some begin worse than the base."""
 
 EXTRA_ROUNDS = 2
-"""So many times at most."""
+"""Most further rounds of candidates that are not settled."""
 
 FAVOURITES = 2
 """The effects of so many best signatures that are still not settled run the last round too."""
 
 CLEAR_LEAD = 0.2
-"""One whose sum of squares above the leader's is more than this share of the base's misfit above
-the leader's drops out before the last round."""
+"""A candidate whose sum of squares above the leader's is more than this share of the base's misfit
+above the leader's drops out before the last round."""
 
 UNCONVERGED_LEAD = 0.5
-"""The same for one that is not settled."""
+"""Share of the base's misfit above the leader's beyond which a candidate that is not settled drops
+out before the last round."""
 
 
 def race(

@@ -20,10 +20,11 @@ RACING_TOLERANCE = 0.2
 """A candidate in the race rests within a fifth of a standard error of its optimum."""
 
 SECOND_ROUND = 8
-"""Evaluations of the second one."""
+"""Evaluations of the second round of a race."""
 
 FAR_ROUND = 24
-"""Evaluations of those that began elsewhere, or that follow where another law has led."""
+"""Evaluations of the second round of candidates that began elsewhere, or that follow where another
+law has led."""
 
 
 def run_round(

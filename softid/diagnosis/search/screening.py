@@ -32,7 +32,8 @@ SMALLEST_AMPLITUDE = 0.05
 """Smallest factor by which a start's amplitude is scaled to what the residual asks for."""
 
 LARGEST_AMPLITUDE = 5.0
-"""Largest of these factors: a signature is a straight line, and says little so far out."""
+"""Largest factor by which a start's amplitude is scaled to what the residual asks for: a signature
+is linear, and says little so far out."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,19 +20,20 @@ from softid.effects.base import Effect
 from softid.parallel import in_parallel
 
 NEARLY, HOPEFUL, TAKES = 0.5, 0.8, 0.9
-"""Such a law takes away so much of the misfit above the noise: soon, at its optimum over averages,
-and in the end."""
+"""Share of the misfit above the noise that a law in no catalogue takes away: soon, at its optimum
+over averages, and in the end."""
 
 CARRIES = 0.8
-"""And so much of it on what is held out."""
+"""Share of the misfit above the noise on what is held out that a law in no catalogue takes away."""
 
 WHOLE, CLEARLY = 0.96, 0.9
-"""It is all that is missing when it takes so much on both, and outdoes a cause when it leaves less
-than this share of what the cause does."""
+"""A law in no catalogue is all that is missing when it takes so much on fitted and held-out
+samples, and outdoes a cause when it leaves less than this share of what the cause does."""
 
 AS_NOISE = 1.3
-"""It leaves nothing to look for where its mean square is at most so many times that of the noise:
-of a misfit that is large beside the noise a twenty-fifth may still be a cause of its own."""
+"""A law in no catalogue leaves nothing to look for where its mean square is at most so many times
+that of the noise: of a misfit that is large beside the noise a twenty-fifth may still be a cause of
+its own."""
 
 
 @dataclass(frozen=True)

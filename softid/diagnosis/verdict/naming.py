@@ -24,10 +24,12 @@ adds up. Where the rest follows from nothing that moves, causes may be named fro
 share on."""
 
 DOMINANT = 0.3
-"""Each of them must then take away at least this share of the misfit by itself."""
+"""Least share of the misfit that each cause takes away by itself where a rest follows from nothing
+that moves."""
 
 HALF = 0.5
-"""And all together this share of the error on what is held out."""
+"""Least share of the error on what is held out that all causes take away together where a rest
+follows from nothing that moves."""
 
 LEAST_GAIN = 0.01
 """Share of the held-out error that a cause takes away at least, and a chain of them, too."""
@@ -39,20 +41,21 @@ BARELY = 0.1
 """Share of a gain to which the ends of its interval are known: a log of steps makes few blocks."""
 
 UNKNOWN_SIZE = 30.0
-"""One of slight gain is not named when the upper end of its size's interval is more than so many
-times the lower one, or the lower one is not above zero: it is the last corner of a law that another
-one fits. Nor is any other whose size trades so with a parameter that has run into its upper bound:
-only that corner of its law is like what the log holds."""
+"""A cause of slight gain is not named when the upper end of its size's interval is more than so
+many times the lower one, or the lower one is not above zero: it is the last corner of a law that
+another one fits. Nor is any other whose size trades so with a parameter that has run into its upper
+bound: only that corner of its law is like what the log holds."""
 
 NO_EFFECT = 0.05
 """Zero sizes that are no less likely than this are no effect."""
 
 VARIES = 0.03
-"""Where letting its size vary takes away so much beside what a cause takes away, it is another one:
-its own size has settled between what the log asks for here and there."""
+"""Share of what a cause takes away that letting its size vary takes away beside it from which on it
+is another cause: its own size has settled between what the log asks for here and there."""
 
 VARIES_BESIDE = 0.1
-"""The same where something else is left, whose law the size may follow a little."""
+"""Share of what a cause takes away that letting its size vary takes away beside it from which on it
+is another cause, where something else is left, whose law the size may follow a little."""
 
 SAME = 0.05
 """A size whose standard deviation throughout the logs is a smaller share of it is the same: beside

@@ -46,7 +46,7 @@ ACCURACY = 0.01
 four of them are lost."""
 
 LEAST_REST, MOST_REST = 1e-2, 0.3
-"""Bounds of how many standard errors from its optimum that is."""
+"""Bounds of how many standard errors from its optimum a refit rests."""
 
 FIRST_STEP = 0.5
 """First step along a parameter of which the covariance says nothing: in logarithms on such a scale,

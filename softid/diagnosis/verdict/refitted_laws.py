@@ -28,7 +28,8 @@ FIRST, REFITTING = 8, 40
 optimum of what has come near by then, over averages and from there over all samples."""
 
 NEAR = 2.0
-"""It has where it leaves less than so many times what the causes leave."""
+"""Most times the sum of squares that the causes leave which what is put in their place may leave
+after its first evaluations."""
 
 CURVED = ("input_limit", "relief_leak", "dead_zone")
 """Laws of the input that bend the static curve."""

@@ -41,7 +41,7 @@ either was refitted to the other's data: for each of `EXPERIMENTS` on simulated 
 delay and a lag 6.5 in a chirp, 2.9 in fast steps) and the same experiment."""
 
 SEPARATIONS = {frozenset(pair): values for pair, values in _SEPARATIONS.items()}
-"""The same whichever cause is named first."""
+"""Rms differences of two causes by the unordered pair of their names, for each of `EXPERIMENTS`."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ LARGEST = 0.8
 """Bound of what has changed by the end of the longest log, as a share of the force or the input."""
 
 START = 0.1
-"""Start of that, either way."""
+"""Start of what has changed by the end of the longest log, either way."""
 
 SETTLING, SETTLING_STARTS = (0.03, 1.0), (0.1, 0.3)
 """Bounds and starts of a time in which something settles, as shares of the longest log."""

@@ -267,8 +267,8 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     InputPlay,
     OutputPlay,
 )
-"""All that may stand in the place of all causes."""
+"""All laws of no catalogue that may stand in the place of all causes."""
 
 BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law not in (ReliefLeak, UnevenReading))
-"""Those that no single cause can do as well: a leak may be next to none, and is a lag then, and a
-sensor may lag up and down alike."""
+"""Laws of no catalogue that no single cause can do as well: a leak may be next to none, and is a
+lag then, and a sensor may lag up and down alike."""

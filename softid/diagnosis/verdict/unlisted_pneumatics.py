@@ -23,7 +23,7 @@ SHORTEST, LONGEST = 1e-3, 0.25
 share of the longest log."""
 
 START_TIMES = (0.2, 0.7, 2.5)
-"""Starts of it, in times of the motion."""
+"""Starts of the time that a limit makes the whole range take, in times of the motion."""
 
 LEAST_LOST, MOST_LOST, START_LOST = 1e-3, 20.0, 0.3
 """Bounds and start of what a leak loses of the pressure beyond that at which it opens."""
@@ -32,10 +32,11 @@ LIMITED_AT = (0.5, 0.75, 0.9)
 """Starts of the pressure that a supply does not exceed, as shares of the input's range."""
 
 CORNER = 0.005
-"""Width of the corner there, as a share of the range: an edge has no slope to follow."""
+"""Width of the corner at the pressure that a supply does not exceed, as a share of the range: an
+edge has no slope to follow."""
 
 OPENS_AT = (0.3, 0.6)
-"""Starts of the pressure at which it opens, as shares of the input's range."""
+"""Starts of the pressure at which a leak opens, as shares of the input's range."""
 
 
 @dataclass(frozen=True)
