@@ -24,23 +24,27 @@ SHORTEST_HOLD = 0.3
 """Least length of a hold, as a share of the longer of the moves beside it."""
 
 SHORTEST_HOLD_AT_TURN = 0.5
-"""The same where the input turns round: a sine is within a tube for 0.2 to 0.3 of its moves."""
+"""Least length of a hold where the input turns round, as a share of the longer of the moves beside
+it: a sine is within a tube for 0.2 to 0.3 of its moves."""
 
 SHORTEST_HOLD_AT_END = 0.15
-"""The same at an end of the log, which may have cut off half of the hold."""
+"""Least length of a hold at an end of the log, which may have cut off half of it, as a share of the
+move beside it."""
 
 SHORTEST_UNEVEN_HOLD = 1.0
-"""The same for one that is still settling: a hold that takes less time than the move to it, and has
-not arrived, is a part of the move."""
+"""Least length of a hold that is still settling, as a share of the longer of the moves beside it:
+one that takes less time than the move to it, and has not arrived, is a part of the move."""
 
 LIKE_HOLD = 0.25
 """A move ends at the next hold of this share of the hold's length; a shorter one is part of it."""
 
 PAUSE = 5.0
-"""A hold between two that last so many times as long may be a pause of one slow change …"""
+"""A hold between two that last so many times as long may be a pause of one slow change, unless
+holds take up `MOST_PAUSED` of that."""
 
 MOST_PAUSED = 0.65
-"""… unless holds take up this share of the change: those of a staircase take up nearly all."""
+"""Share of a change of level taken up by holds from which they are no pauses of it: those of a
+staircase take up nearly all."""
 
 LEVEL_SPREAD = 2.0
 """Tolerances about its median within which a hold's samples make its level; others are glitches."""
@@ -49,7 +53,8 @@ WANDER = 2.0
 """Distance of two levels, in the widths of either, up to which they are one that wanders."""
 
 WIDEST_WANDER = 4.0
-"""The same in tolerances, whatever the widths: beyond, the input was moved."""
+"""Distance of two levels, in tolerances, up to which they may be one that wanders, whatever their
+widths: beyond, the input was moved."""
 
 GREATEST_EXCURSION = 3.0
 """Tolerances beyond both levels that the input may go between two parts of one hold: more is a move

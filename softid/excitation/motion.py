@@ -27,7 +27,8 @@ NOISE_SIGMAS = 2.2
 white noise, so that these are four of its own, which one sample in 25,000 exceeds."""
 
 NOISE_STEPS = 0.5
-"""What rounding to a grid adds to that, in steps of the grid: half a step on either side."""
+"""What rounding to a grid adds to the noise on either side of a level, in steps of the grid: half a
+step."""
 
 STILL = 4.5
 """Range of an input, in spreads of its noise, up to which all of it is one level. White noise of

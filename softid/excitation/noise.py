@@ -39,10 +39,10 @@ LONGEST_WINDOW = 4.0
 """A window that lasts so many times what it should spans a gap."""
 
 ROUNDING = 1e-9
-"""Noise as a share of the range that is no more than the rounding of the file …"""
+"""Noise as a share of the range that is no more than the rounding of the file."""
 
 TINY = 1e-12
-"""… or, as a share of the values, of their arithmetic."""
+"""Noise as a share of the values that is no more than the rounding of their arithmetic."""
 
 EVEN = 1e-6
 """Relative spread of the sampling intervals up to which all windows share one set of weights."""

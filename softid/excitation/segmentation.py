@@ -32,7 +32,8 @@ LONGEST_TRANSITION = 1.5
 """A change that takes longer than so many times the longer hold beside it is no step."""
 
 LONGEST_CUT_TRANSITION = 1.0
-"""The same where the log begins or ends in the change, of which a part is missing."""
+"""Longest change in which the log begins or ends that may be a step, in times the longer hold
+beside it: a part of the change is missing."""
 
 SAME_LEVEL = 2.0
 """Tolerances up to which two levels are one: each may be one tolerance off."""

@@ -18,7 +18,8 @@ CYCLE_SPREAD = 0.2
 the time of a crossing is blurred by noise and by a few samples a cycle."""
 
 HEIGHT_SPREAD = 0.25
-"""The same of their heights, of which the first and the last are often smaller."""
+"""Difference of a cycle's height from the usual one, as a share of it, up to which cycles are
+equally high; the first and the last are often smaller."""
 
 TREND = 0.15
 """Change of the length of the cycles, over all of them and as a share, up to which they are equally
@@ -31,7 +32,8 @@ CHIRP_STEP = 0.08
 """Share of a cycle by which the next may go against the drift: blurred crossings."""
 
 CHIRP_SAMPLES = 2.5
-"""Samples by which it may, too: either crossing of a short cycle may be one sample off."""
+"""Samples by which a cycle may go against the drift as well: either crossing of a short cycle may
+be one sample off."""
 
 CHIRP_HEIGHT = 1.8
 """Largest ratio of the heights of neighbouring half cycles of a chirp; a valve follows its fast end
@@ -55,17 +57,20 @@ SINE_R2 = 0.95
 fit worse itself."""
 
 TRIANGLE_R2 = 0.97
-"""The same of straight lines between the turning points; it is 0.95 of a sine."""
+"""Share of the variance that straight lines between the turning points of a triangle explain at
+least; it is 0.95 of a sine."""
 
 RAMP_R2 = 0.985
-"""The same of one line; it is 0.96 of a quarter of a cosine, which bends one way; half of one, with
-0.9855, is a ramp with rounded ends."""
+"""Share of the variance that one straight line explains of a ramp at least; it is 0.96 of a quarter
+of a cosine, which bends one way; half of one, with 0.9855, is a ramp with rounded ends."""
 
 SHORT_SINE_R2 = 0.98
-"""The same of a sine through less than two cycles, which has three unknowns for few bends."""
+"""Share of the variance that a sine through less than two cycles explains at least: it has three
+unknowns for few bends."""
 
 SHORT_TRIANGLE_R2 = 0.98
-"""The same of straight lines through as little."""
+"""Share of the variance that straight lines between the turning points of less than two cycles
+explain at least."""
 
 MIN_TURNS = 4
 """Turning points from which there is a whole cycle between two crossings."""
@@ -77,10 +82,11 @@ LEAST_OF_A_CYCLE = 0.75
 """A sine of which less is there is any smooth bend."""
 
 SHORT_SPREAD = 0.4
-"""Share by which the frequency of a short sine may differ from that of its turning points …"""
+"""Share by which the frequency of a short sine may differ from that of its turning points."""
 
 LONG_SPREAD = 0.05
-"""… and of a long one from that of its crossings, whose mean is better known."""
+"""Share by which the frequency of a long sine may differ from that of its crossings, whose mean is
+better known than that of a few turning points."""
 
 MOST_FITTED = 1000
 """Samples that a sine is fitted to: more cost time and tell its shape no better."""

@@ -23,7 +23,8 @@ LATTICE_TOLERANCE = 0.15
 without a grid lie within it by chance in 30 % of cases."""
 
 LATTICE_SHARE = 0.95
-"""Share of the values that must: the others are sentinels and means of two samples."""
+"""Share of the values that must lie on the grid: the others are sentinels and means of two
+samples."""
 
 ROUNDING = 1e-7
 """Values that differ by less than this share of the largest are one, printed twice."""
@@ -33,7 +34,8 @@ NEAR_SMALLEST = 1.2
 and the next on a grid is twice as large."""
 
 COMMON_BIN = 1.1
-"""Ratio of the increments that are counted as one to find the commonest: again rounding's tenth."""
+"""Ratio of the increments that are counted as one to find the commonest: rounding may make a tenth
+of one."""
 
 GRID_REFINEMENTS = (3.5, 10.5, np.inf)
 """Largest increments, in steps, that refine the step in turn: an error of a tenth miscounts those
@@ -53,10 +55,11 @@ FINE_STEPS = 20.0
 more often than once in twenty times."""
 
 LEAST_REPEATED = 0.25
-"""Share of the jumps that a repetition follows in a held channel on a coarse grid …"""
+"""Share of the jumps that a repetition follows in a held channel on a coarse grid."""
 
 LEAST_REPEATED_FINE = 0.12
-"""… and on a fine one, where chance makes less of them."""
+"""Share of the jumps that a repetition follows in a held channel on a fine grid, where chance makes
+less of them than on a coarse one."""
 
 REPEATED_OVER_ONE_STEP = 3.0
 """Repetitions on a coarse grid per move by one step up, or down: chance makes about as many of
@@ -86,7 +89,8 @@ LEAP = 1.5
 """Steps from which a change goes past the next grid point, which a slow ramp never does."""
 
 LEAPS = 0.2
-"""Share of such changes from which the channel is no slow ramp on a coarse grid."""
+"""Share of changes of `LEAP` steps and more from which the channel is no slow ramp on a coarse
+grid."""
 
 EVEN_JUMPS = 0.35
 """Interquartile range of log jumps up to which they are alike; that of a sine sampled at even times
@@ -103,14 +107,17 @@ LONGEST_HOLD_SAMPLES = 50
 """A sensor is not read so much faster than it delivers; such holds are levels that somebody set."""
 
 LONGEST_HOLD_SHARE = 0.015
-"""Neither is a log so short that a hold is this share of it: one of seventy values."""
+"""Longest hold of a slow sensor as a share of the log: none is so short that a hold is more of it,
+one of seventy values."""
 
 DELIBERATE_SAMPLES = 10.0
-"""Holds of more samples are levels that somebody set …"""
+"""Samples of a hold beyond which it is a level that somebody set, where the usual jump is
+`DELIBERATE_JUMP` of the range."""
 
 DELIBERATE_JUMP = 0.1
-"""… where the usual jump between them is this share of the range: no sensor is so slow that what it
-measures goes through its range in ten of its samples."""
+"""Usual jump between long holds, as a share of the range, beyond which they are levels that
+somebody set: no sensor is so slow that what it measures goes through its range in ten of its
+samples."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from softid.log import Log
 from softid.quality.lagged_correlation import GRID, common_grid, lagged_correlations, longest_lag_s
 
 LEADS = "output-leads"
-"""Code of the remark."""
+"""Code of the remark that an output leads the input."""
 
 LEAST_CORRELATION = 0.7
 """Below this correlation with the input a lead means nothing: half of the variance is something

@@ -27,7 +27,8 @@ SPIKE_OF_RANGE = 0.03
 """Share of the range that a spike lies off its neighbours at least: less spoils no fit."""
 
 SPIKE_STEPS = 5.0
-"""The same in steps of the grid, on which a value that hardly moves may jump by a few."""
+"""Steps of the grid that a spike lies off its neighbours at least: a value that hardly moves may
+jump by a few."""
 
 NEARBY = 4
 """Moves on either side that say how fast a channel is moving: few enough that one motion makes all,
@@ -47,13 +48,14 @@ LONGEST_SENTINEL_S = 2.0
 stands still."""
 
 GLITCH_OF_HOLD = 0.05
-"""Share of a usual hold that a glitch of a command may last …"""
+"""Longest glitch of a command as a share of its usual hold."""
 
 GLITCH_SAMPLES = 4
-"""… and samples: a level of a command is meant, and one that lasts longer was sent."""
+"""Longest glitch of a command in samples: a level of a command is meant, and one that lasts longer
+was sent."""
 
 LEADING_DIGIT = 10.0
-"""A smaller value has no digit before its last whole one that a line could lose."""
+"""Least size of a value with a digit before its last whole one, which a line could lose."""
 
 SHOWN_DIGITS = 9
 """Decimals to which values are compared as they were printed."""

@@ -8,7 +8,7 @@ from softid.errors import Issue
 from softid.log import Log
 
 ABSOLUTE = "absolute-pressure"
-"""Code of the issue."""
+"""Code of the issue that a pressure may be absolute, and not counted from that of the air."""
 
 AMBIENT_KPA = (85.0, 106.0)
 """Pressure of the air from 1400 m up to the deepest places and highest readings."""

@@ -19,30 +19,31 @@ LEAST_SAMPLES = 10
 
 SETTLED_OF_WAY = 0.05
 """Drift between the last two fifths that still counts as settled, as a share of the way since the
-hold before: an exponential passes from 3.4 of its time constants on …"""
+hold before: an exponential passes from 3.4 of its time constants on."""
 
 SETTLED_OF_RANGE = 0.005
-"""… and beside it, as a share of the output's range: after a small way noise alone drifts."""
+"""Drift between the last two fifths that counts as settled beside `SETTLED_OF_WAY`, as a share of
+the output's range: after a small way noise alone drifts."""
 
 MOVES_OF_RANGE = 0.15
 """Share of the output's range that it travels in the second half of a hold to move by itself. A
 judgement."""
 
 WANDERS_OF_RANGE = 0.1
-"""The same over a whole hold before which nothing moved, where no motion of this log can be dying
-out. A judgement."""
+"""Share of the output's range that it travels in a whole hold to move by itself, where nothing
+moved before and no motion of this log can be dying out. A judgement."""
 
 MIN_SIGMAS = 10.0
-"""Standard deviations of the noise that such a travel exceeds: 10,000 samples of white noise, in
-medians of five, span four."""
+"""Standard deviations of the noise that a travel exceeds to count: 10,000 samples of white noise,
+in medians of five, span four."""
 
 UNDIMINISHED = 0.7
 """Travel in the second half over that in the first from which it does not slow down. An exponential
 reaches it in a hold of less than 0.7 of its time constant."""
 
 STEADY_SPEED = 0.4
-"""Drift between the last two fifths over the travel in the second half, from which it does not slow
-down either: a straight line has just this."""
+"""Drift between the last two fifths over the travel in the second half, from which the travel does
+not slow down: a straight line has just this."""
 
 
 @dataclass(frozen=True)

@@ -31,17 +31,19 @@ NEIGHBOURS = 25
 is nearly as strong there."""
 
 LOWEST_HZ = 2.0
-"""Slower lines are what a motion leaves after the cubic is taken away, or drift."""
+"""Lowest frequency of a hum: slower lines are what a motion leaves after the cubic is taken away,
+or drift."""
 
 LEAST_CYCLES = 8.0
-"""The same in cycles, for a rest of less than 4 s; a judgement."""
+"""Fewest cycles of a hum in a rest of less than 4 s; a judgement."""
 
 LINE_WIDTH = 4
 """Lines from the top one at which the skirts are looked at: there a pure line under a window of
 Hann has fallen to 1e-4 of its power."""
 
 MOST_SKIRT = 0.1
-"""Share of its power up to which a line may have fallen there; what is broader is no hum."""
+"""Share of its power that a line's skirts may hold, `LINE_WIDTH` lines from the top one; what is
+broader is no hum."""
 
 LEAST_AMPLITUDE = 0.2
 """Amplitude of a line at least, in units of the noise: a fifth is 2 % of the noise's power."""

@@ -40,10 +40,11 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 MIN_CHANGES = 20
-"""Runs of equal values from which a quantised channel is alive and has a grid …"""
+"""Runs of equal values from which a quantised channel is alive and has a grid."""
 
 LEAST_CHANGING = 0.02
-"""… and the same as a share of the samples: a long record of a command has many runs, too."""
+"""Runs of equal values, as a share of the samples, from which a quantised channel is alive: a long
+record of a command has many runs, too."""
 
 LEAST_REST_SAMPLES = 100
 """Samples at rest from which noise is measured there alone: it is then known to about a tenth. With

@@ -27,7 +27,8 @@ FEW_BITS = 6.0
 """Bits below which a grid is told: 64 levels, whose rounding is 0.5 % of the range rms."""
 
 VERY_FEW_BITS = 4.0
-"""The same for a warning about an output: 16 levels, and 2 %."""
+"""Bits below which a grid of an output is a warning: 16 levels, whose rounding is 2 % of the range
+rms."""
 
 LITTLE_SIGNAL = 20.0
 """Range of an output over its noise below which it says little; white noise spans 5 to 8."""

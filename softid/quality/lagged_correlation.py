@@ -14,10 +14,10 @@ GRID = 2000
 the log."""
 
 LONGEST_LAG_S = 10.0
-"""Longest lag that is tried, a judgement …"""
+"""Longest lag that is tried, in s; a judgement."""
 
 LONGEST_LAG_OF_LOG = 0.1
-"""… and as a share of the log, nine tenths of which then still overlap."""
+"""Longest lag that is tried, as a share of the log, nine tenths of which then still overlap."""
 
 
 def common_grid(log: Log, first: str, second: str) -> tuple[float, Array, Array] | None:

@@ -14,10 +14,12 @@ from softid.log import Log
 Array = npt.NDArray[np.float64]
 
 GAP_PERIODS = 3.0
-"""Interval, in median ones, above which samples are missing: two of them at least …"""
+"""Interval, in median ones, above which samples are missing: two of them at least. Where
+`GAP_SIGMAS` asks for a longer one, that counts."""
 
 GAP_SIGMAS = 8.0
-"""… and in robust standard deviations above the median one; the longer of the two counts."""
+"""Interval, in robust standard deviations above the median one, above which samples are missing.
+Where `GAP_PERIODS` asks for a longer one, that counts."""
 
 CLOSE = 0.2
 """Interval, in median ones, below which a sample comes close behind another, as two messages do
@@ -28,7 +30,8 @@ COARSE_CLOCK = 0.02
 0.8 % rms."""
 
 FINE_CLOCK = 0.9
-"""The same up to which a tick is looked for: one of about a period is the sampling itself."""
+"""Tick of the time stamps, in periods, up to which one is looked for: one of about a period is the
+sampling itself."""
 
 ON_THE_TICK = 1e-3
 """Distance from a tick, in ticks, within which a time lies on it: the rounding of large times."""

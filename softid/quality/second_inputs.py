@@ -20,7 +20,8 @@ OF_RANGE = 0.25
 judgement between a leak from the input and a second drive."""
 
 TINY = 1e-12
-"""Least travel of such a channel, in its unit, where the input itself does not move."""
+"""Least travel of another channel that moves like an input, in its unit, where the input itself
+does not move."""
 
 OF_ITS_OWN = 0.5
 """Share of a channel's variance that no lag makes follow the input, from which it moves on its
@@ -28,7 +29,7 @@ own. A judgement: chambers that are driven alike follow each other far closer, a
 different chambers that take turns not at all."""
 
 SECOND_INPUT = "second-input"
-"""Code of the remark."""
+"""Code of the remark that another channel moves like a second input."""
 
 
 def other_inputs(log: Log, output: str) -> tuple[str, ...]:

@@ -13,13 +13,15 @@ from softid.quality.trace import MIN_DISTINCT, Runs, Trace, weighted_median
 Array = npt.NDArray[np.float64]
 
 FROZEN_SAMPLES = 30
-"""Samples, or holds, of one value from which a channel may be frozen …"""
+"""Samples, or holds, of one value from which a channel may be frozen."""
 
 FROZEN_S = 1.0
-"""… and the time, where it stands while the input moves: a late answer stands, too …"""
+"""Time in s of one value from which a channel may be frozen, where it stands while the input moves:
+a late answer stands, too."""
 
 NOISELESS_S = 0.2
-"""… and where its noise vanishes: of a fast log thirty samples are no time at all."""
+"""Time in s of one value from which a channel may be frozen, where its noise vanishes: of a fast
+log thirty samples are no time at all."""
 
 STALE_JUMP = 6.0
 """Noise, in standard deviations, by which the reading is elsewhere after a stretch without any: it
@@ -27,31 +29,35 @@ did not see where the actuator went, and nothing that stands still jumps. Nor di
 went elsewhere and came back."""
 
 FROZEN_OVER_USUAL = 20.0
-"""The same in usual runs of a noisy channel, which on a coarse grid are long."""
+"""Length of a run of one value, in usual runs of a noisy channel, from which it may be frozen: on a
+coarse grid these are long."""
 
 FROZEN_INPUT_MOVE = 0.15
-"""Share of the input's range by which it is elsewhere for most of a stretch on which an output
+"""Share of its range by which the input is elsewhere for most of a stretch on which an output
 cannot well stand still: creep, friction and a dead zone explain less."""
 
 FLAT_SAMPLES = 5
 """Samples, or holds, of the extreme value from which it may be a limit; a smooth extreme on a grid
-has as many where the grid is coarse, hence the next …"""
+has as many where the grid is coarse, hence `FLAT_OVER_USUAL`."""
 
 FLAT_OVER_USUAL = 10.0
-"""… so many times as long as a usual run of other values."""
+"""Length of a run of the extreme value, in usual runs of other values, from which it may be a
+limit."""
 
 ARRIVING = 6
 """Moves by which a channel without noise runs into a limit: enough for a usual one."""
 
 CUT_SHORT = 2
-"""Last moves of which one must be quick: the very last is cut short by the limit."""
+"""Last moves of a run into a limit of which one must be quick: the very last is cut short by the
+limit."""
 
 ARRIVAL_SPEED = 0.7
-"""Share of the usual move that it must have: a motion that comes to rest by itself slows down over
-all of them."""
+"""Share of the usual move that one of the last moves into a limit must have: a motion that comes to
+rest by itself slows down over all of them."""
 
 ARRIVAL_STEPS = 2.0
-"""Usual move, in steps of the grid, from which its speed is known at all."""
+"""Usual move, in steps of the grid, from which the speed of a channel that runs into a limit is
+known at all."""
 
 
 def may_be_stuck(values: Array, least: int = FLAT_SAMPLES) -> bool:

@@ -13,7 +13,7 @@ EXACT, SYNONYM, LOOKALIKE = 0, 1, 2
 """How well a name fits a channel: softid's own word, another word for it, a word beside others."""
 
 _PLAIN = (EXACT, SYNONYM)
-"""Either says plainly what the column is, so that two such columns are one question."""
+"""Fits of a name that say plainly what the column is, so that two such columns are one question."""
 
 _WORDS: dict[str, tuple[str, ...]] = {
     "time": ("time", "t", "timestamp", "datetime", "elapsed", "zeit"),

@@ -15,16 +15,17 @@ from softid.readers.columns import is_time_name
 from softid.readers.header import Heading, read_heading
 
 SAMPLE_LINES = 200
-"""The table must begin within that many lines that are neither blank nor comments."""
+"""Lines that are neither blank nor comments within which the table must begin."""
 
 TAIL_LINES = 10
-"""So many of the last of those lines decide the separator."""
+"""Lines at the end of the sampled ones that decide the separator."""
 
 DECISIVE_LINES = 3
-"""Of those, so many of the last decide the number of columns; a broken one is outvoted."""
+"""Lines at the end of the sampled ones that decide the number of columns; a broken one is
+outvoted."""
 
 SEPARATORS: tuple[str | None, ...] = (";", "\t", "|", ",", None)
-"""Tried in this order; None is any white space."""
+"""Separators of cells, tried in this order; None is any white space."""
 
 COMMENT_MARKS = ("#", "%", "//")
 

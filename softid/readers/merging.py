@@ -22,7 +22,7 @@ MERGED = 0.25
 rows in which the input was lost."""
 
 LEAST_ROWS = 10
-"""Fewer rows of the other recorder are no record."""
+"""Fewest rows of the other recorder that are a record."""
 
 
 def with_rows_joined(samples: Samples, roles: Sequence[str]) -> Samples:

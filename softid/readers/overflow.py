@@ -29,8 +29,8 @@ NEARLY_A_TURN = 0.9
 """Share of a turn that an angle jumps at least where it begins again."""
 
 SMOOTH = 0.1
-"""Share of a turn that it moves from sample to sample elsewhere at most: what jumps so far by
-itself is no motion."""
+"""Share of a turn that a wrapped angle moves at most from sample to sample elsewhere: what jumps so
+far by itself is no motion."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,10 +17,10 @@ LARGEST_NUMBER = 1e100
 """A larger number is an overflow of whatever wrote it, and counts as not recorded."""
 
 FAR = 3.0
-"""A mark for "nothing recorded" lies so many times beyond all other values …"""
+"""Least size of a mark for "nothing recorded", in times the largest of all other values."""
 
 LEAST_OTHERS = 10
-"""… of which there are at least so many different ones."""
+"""Fewest different values beside a mark for "nothing recorded"."""
 
 
 def finite(values: Array) -> Array:

@@ -17,10 +17,12 @@ HIGHEST_PRESSURE_KPA = 2000.0
 """No soft actuator is driven so high; a pressure in Pa read as kPa or bar is."""
 
 SMALLEST_SPAN_KPA = 0.05
-"""A pressure that moves, but less than this, was recorded in a larger unit than stated …"""
+"""Least move of a pressure in kPa: one that moves less was recorded in a larger unit than stated,
+unless it stays `REST_LEVEL_KPA` from zero."""
 
 REST_LEVEL_KPA = 1.0
-"""… unless it stays at least so far from zero, as that of a rig at rest does."""
+"""Distance from zero in kPa at which a pressure may move as little as it likes, as that of a rig at
+rest does."""
 
 LARGEST_ANGLE_RAD = 4.0 * math.pi
 """Two turns; degrees read as radians pass it."""
