@@ -27,7 +27,7 @@ Intersample = Literal["straight", "smooth", "held", "zoh"]
 every sample (zero-order hold)."""
 
 READINGS: tuple[Intersample, ...] = ("straight", "smooth", "held", "zoh")
-"""The plainest first."""
+"""What an input may do between its samples, the plainest first."""
 
 HELD: tuple[Intersample, ...] = ("held", "zoh")
 
@@ -35,10 +35,11 @@ FLAT = 0.1
 """Before and after a jump the input moves by less than this share of it."""
 
 ABOVE_NOISE = 8.0
-"""A jump is so many times as large as the median change between two samples."""
+"""Least size of a jump in times the median change between two samples."""
 
 SMALLEST = 0.005
-"""And at least this share of the input's range: smaller ones move nothing that could be seen."""
+"""Least size of a jump as a share of the input's range: smaller ones move nothing that could be
+seen."""
 
 BEFORE = 1e-3
 """A held input jumps this share of the interval before the next sample."""
@@ -47,8 +48,8 @@ GAP_PERIODS = 1.5
 """An interval has lost a sample when it is so many sampling periods long."""
 
 GAP_SPREADS = 3.0
-"""And so many of the usual spreads longer than one: where a clock trembles, long intervals are as
-usual as short ones."""
+"""Usual spreads by which an interval exceeds a sampling period where it has lost a sample: where a
+clock trembles, long intervals are as usual as short ones."""
 
 MAD_TO_STD = 1.4826
 """Standard deviation over median absolute deviation, for a normal law."""
@@ -73,7 +74,8 @@ OF_THIRD_DIFFERENCE = 6.0 / (0.6745 * 20.0**0.5)
 interval cubed; the third difference itself is six times that, and has 20 times the variance."""
 
 ABOVE_ITS_NOISE = 0.25
-"""That noise bends with an eighth of its standard deviation; twice as much is a bend."""
+"""Least bend in standard deviations of the input's noise: noise bends with an eighth of one; twice
+as much is a bend."""
 
 RESOLVED = 3.0
 """Largest ratio of the second derivatives at both ends of an interval: where a course is sampled
@@ -83,7 +85,7 @@ LONGEST_BENT = 10.0
 """No cubic spans an interval of more periods: the slopes beside it say nothing of its middle."""
 
 LEAST_READINGS = 4
-"""So many readings between two jumps make a cubic."""
+"""Fewest readings between two jumps that make a cubic."""
 
 
 def jumps(values: Array) -> IntArray:

@@ -24,8 +24,8 @@ STALL_MIN_S = 0.5
 moment; a judgement."""
 
 STALL_MIN_PERIODS = 10.0
-"""The same in sampling periods, where these are longer than 50 ms: a slow log is not cut where a
-few samples are lost, for each piece needs an initial state of its own."""
+"""Interval in sampling periods up to which no log is cut, where these are longer than 50 ms: a slow
+log is not cut where a few samples are lost, for each piece needs an initial state of its own."""
 
 
 def stall_of(period_s: float) -> float:

@@ -27,13 +27,13 @@ the elastic force is that of a base without friction, whose force may be too sma
 
 TURN = 0.8
 """Rate that the steps resolve while the speed goes through ±vs, in units of that at which it passes
-from zero to vs …"""
+from zero to vs, or of the rate at a jump (`SHARP`) where that is less."""
 
 SHARP = 190.0
-"""… or in that at which a motion that turns round leaves a range of positions, where the change is
-so sharp that it is a jump for the steps: a position is off by the square of a step times the
-acceleration. Up to `SHARPEST` that is less than 1e-4 of the range, and 2e-5 rms
-(`tests/effects/test_coulomb_friction.py`)."""
+"""Rate that the steps resolve where friction changes so sharply that it is a jump for them, in
+units of that at which a motion that turns round leaves a range of positions: a position is off by
+the square of a step times the acceleration. Up to `SHARPEST` that is less than 1e-4 of the range,
+and 2e-5 rms (`tests/effects/test_coulomb_friction.py`)."""
 
 SHARPEST = 5000.0
 """Largest v_max/vs. What sticks creeps at up to vs: at a fiftieth of it, by an error of the angle

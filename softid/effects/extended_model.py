@@ -29,7 +29,8 @@ DIFFERENCE = 1e-6
 """Relative step by which parameters of input and output effects are moved to differentiate."""
 
 ITERATED = 30.0
-"""The step is so much larger where the motion is found by iterations, whose ends differ."""
+"""Factor by which the step that differentiates is larger where the motion is found by iterations,
+whose ends differ."""
 
 
 @dataclass(frozen=True)

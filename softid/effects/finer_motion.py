@@ -13,7 +13,7 @@ PIECES = 4
 """Pieces of a sampling interval in which the motion counts as straight."""
 
 LEAST_SAMPLES = 3
-"""As many as a slope of second order takes."""
+"""Fewest samples whose motion is refined: as many as a slope of second order takes."""
 
 
 def finer_motion(time_s: Array, y: Array) -> tuple[Array, Array]:

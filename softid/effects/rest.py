@@ -27,7 +27,7 @@ TOLERANCE = 1e-12
 """The rest is found when a step is so small, in the scale of the states."""
 
 AT_REST = slice(2, 4)
-"""Of the coefficients m, n, q and f those that count at rest."""
+"""Those of the coefficients m, n, q and f that count at rest."""
 
 
 def rest(

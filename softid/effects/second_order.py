@@ -27,7 +27,7 @@ WELL_DAMPED = 0.7
 """From this damping ratio on a step overshoots by less than a twentieth: nobody sees it ring."""
 
 START_ZETA = 0.2
-"""A step overshoots by half."""
+"""Damping ratio at which a search begins: a step overshoots by half."""
 
 START_PERIODS = 6.0
 """Shortest start in sampling intervals, clear of the bound."""

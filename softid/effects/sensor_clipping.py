@@ -22,7 +22,7 @@ BEYOND = 1.0
 """How far beyond the range a limit may lie, in ranges; it cuts nothing there."""
 
 START_DEPTHS = (0.01, 0.1, 0.3)
-"""Starts, as shares of the range."""
+"""Starts of the depth of a cut, as shares of the output's range."""
 
 START_PAIRS = ((0.01, 0.01), (0.1, 0.1), (0.3, 0.1), (0.1, 0.3))
 """Starts of the upper and of the lower limit, as shares of the range."""

@@ -20,14 +20,14 @@ SHARES = (0.1, 0.25, 0.6, 1.5)
 """Starts of the period or the width, in times of the motion."""
 
 LONGEST = 0.1
-"""Bound of both, as a share of the longest log."""
+"""Bound of the period or the width, as a share of the longest log."""
 
 ORDER, MOST_ORDERS = 2.0, 8.0
 """Start and upper bound of the order: filters of the second order are the usual ones, and beyond
 the eighth all have the same edge."""
 
 BEYOND = 2.0
-"""A record goes on beyond its ends for so many periods, turned about them."""
+"""Periods by which a record is continued beyond its ends, turned about them."""
 
 ALIKE = 0.65
 """Second differences over so many periods are as large as those of white noise of the same power,

@@ -17,7 +17,7 @@ KNOTS = 6
 
 LAST = KNOTS - 1
 NAMES = tuple(f"k{i + 1}" for i in range(1, KNOTS))
-"""Of the knots behind the first."""
+"""Names of the values at the knots behind the first."""
 
 SHARE = 0.05
 """Size of the starts, as a share of the range of positions."""

@@ -12,14 +12,17 @@ from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
 
 SOFTEST = -0.3
-"""At −1/3 the spring would have no stiffness left at the end of the range of positions."""
+"""Lower bound of k3, in units of the k3 that doubles the force at the end of the range of
+positions: at −1/3 the spring would have no stiffness left there."""
 
 STIFFEST = 10.0
-"""At the end of the range of positions the force is eleven times that of the spring alone; what
-grows more steeply is an obstacle."""
+"""Upper bound of k3, in units of the k3 that doubles the force at the end of the range of
+positions: there the force is eleven times that of the spring alone; what grows more steeply is an
+obstacle."""
 
 SHARES = (0.1, -0.1)
-"""Starts, both in the k3 that doubles the force at the end of the range of positions."""
+"""Starts of k3, both in units of the k3 that doubles the force at the end of the range of
+positions."""
 
 
 @dataclass(frozen=True)

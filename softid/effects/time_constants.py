@@ -20,17 +20,18 @@ SETTLING_PERIODS = 5.0
 """Shortest relaxation in sampling intervals: one that is over sooner is part of the motion."""
 
 LEAST_FACTOR = 10.0
-"""Between both bounds of a time, that a search has some way even in a log of a few samples."""
+"""Least ratio of the bounds of a time, that a search has some way even in a log of a few
+samples."""
 
 FIRST_PERIODS = 2.0
-"""Starts begin at a time that two samples just show."""
+"""Shortest start of a time in sampling intervals: one that two samples just show."""
 
 FIRST_SHARE = 0.1
-"""In a short log they begin at so large a share of the longest time instead, to be spread at
-all."""
+"""Shortest start of a time as a share of the longest time, where that is less, in a short log, that
+starts are spread at all."""
 
 SPREAD = 8.0
-"""From the first to the last start at least, where the motion is quick."""
+"""Least ratio of the last to the first start of a time, where the motion is quick."""
 
 
 def time_bounds(scale: Scale, *, periods: float, share: float) -> tuple[float, float]:

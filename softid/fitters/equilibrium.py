@@ -27,12 +27,12 @@ __all__ = ["ByHand", "by_hand"]
 Array = npt.NDArray[np.float64]
 
 DAMPING_RATIOS: Array = np.geomspace(0.01, 3.0, 121)
-"""C_d that are tried, in units of the critical damping at the last level and 5 % apart. From a
-hundredth of it, where a swing loses 6 % from period to period, to where nothing swings."""
+"""Values of C_d that are tried, in units of the critical damping at the last level and 5 % apart.
+From a hundredth of it, where a swing loses 6 % from period to period, to where nothing swings."""
 
 MASSES: Array = np.geomspace(0.05, 20.0, 161)
-"""Constant C_m that are tried, 4 % apart; the period is interpolated between them. That of small
-swings goes nearly as √C_m, so that the grid spans a factor of 20 in it."""
+"""Constant values of C_m that are tried, 4 % apart; the period is interpolated between them. That
+of small swings goes nearly as √C_m, so that the grid spans a factor of 20 in it."""
 
 LEAST_SWING, NOISES = 0.05, 5.0
 """Extremes nearer to the final level than this share of the way to it, or than this many standard

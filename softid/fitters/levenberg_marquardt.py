@@ -64,8 +64,8 @@ STALL_GAIN = 1e-3
 along a valley in which the parameters make up for each other it would go on so without end."""
 
 STALL_OFFSET = 5e-2
-"""Largest `attainable_offset`, in standard errors, at which it stops for that. It is what a fit
-calls reached, so that a run which creeps far from an optimum goes on."""
+"""Largest `attainable_offset`, in standard errors, at which an iteration that creeps is stopped. It
+is what a fit calls reached, so that a run which creeps far from an optimum goes on."""
 
 DOUBLINGS = 40
 """Doublings of the damping that are tried to shorten a step: a factor of 1e12 in all. Where none

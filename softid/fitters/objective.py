@@ -27,8 +27,8 @@ SCOUT_EVALUATIONS = 30
 more is rough: it keeps the division of the steps with which it began."""
 
 DRAFT_EVALUATIONS = 60
-"""The same of a draft, twice those of a scout: it is compared with other drafts, or begins next to
-its optimum."""
+"""Evaluations of a draft, twice those of a scout: it is compared with other drafts, or begins next
+to its optimum."""
 
 TOLERANCE = 1e-3
 """`attainable_offset` at which a run ends: a thousandth of a standard error. A fit asks for fifty

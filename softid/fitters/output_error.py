@@ -60,8 +60,9 @@ BETTER = 1e-3
 """Share by which the cost of a rival is lower: a thousandth, below which rivals are alike."""
 
 BETTER_SAMPLES = 4.0
-"""The same in samples of white noise, where that is less, beyond 4000 samples: a cost lower by what
-four of them weigh is a χ² lower by 4, two standard errors of one parameter."""
+"""Samples of white noise whose weight a rival's cost is lower by at least, where that is less than
+`BETTER`, beyond 4000 samples: a cost lower by what four of them weigh is a χ² lower by 4, two
+standard errors of one parameter."""
 
 RELEASE_EVALUATIONS = 60
 """Evaluations of the last run, without the prior. It begins at the optimum with the prior, which

@@ -30,11 +30,11 @@ LOG_REACH = 2.0
 """Plausible move of a parameter on a logarithmic scale: a factor of e² = 7.4, a judgement."""
 
 LINEAR_REACH = 3.0
-"""The same on a linear scale, in units of the value or of 1, whichever is larger."""
+"""Plausible move of a parameter on a linear scale, in units of its value, at least 1."""
 
 FREE_REACH = 1e3
-"""The same of zeros and initial states, in their own units: meant never to count, since the data
-always pin them down."""
+"""Plausible move of zeros and initial states, in their own units: meant never to count, since the
+data always pin them down."""
 
 BOUNDED_REACH = 0.05
 """Share of the distance of its bounds that a value moves at most: a step that carries the place of

@@ -22,8 +22,8 @@ WHITE_SDS = 4.0
 """Standard deviations of the χ² statistic up to which a residual counts as white."""
 
 STRUCTURE_SDS = 6.0
-"""The same beyond which it has structure. Between the two a fit is not settled by its residual, and
-no ringing rival is looked for."""
+"""Standard deviations of the χ² statistic beyond which a residual has structure. Between this and
+`WHITE_SDS` a fit is not settled by its residual, and no ringing rival is looked for."""
 
 
 def largest_sum(sds: float) -> float:

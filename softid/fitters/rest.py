@@ -16,15 +16,16 @@ REST_WINDOW_S = 0.3
 over which the outputs are averaged; a judgement."""
 
 REST_MIN_SAMPLES = 5
-"""The same in samples, where the sampling is so slow that 0.3 s hold fewer."""
+"""Fewest samples over which a segment is looked at for rest, where the sampling is so slow that 0.3
+s hold fewer."""
 
 REST_FRACTION = 0.02
 """Share of its span in the log within which the input stays at rest, and the outputs until the
 input first moves, or within less where noise lets less be seen."""
 
 LEAST_FRACTION, SURE = 0.005, 4.0
-"""Less is so many standard errors of what the output moved, and never below this share of its span:
-slow noise moves, too."""
+"""Least share of its span in the log that an output may move at rest, since slow noise moves, too,
+and how many standard errors of what it moved count otherwise, up to `REST_FRACTION`."""
 
 
 def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:

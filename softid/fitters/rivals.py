@@ -70,9 +70,9 @@ LEAST_SWING = 0.2
 of its power is ringing."""
 
 SWING_ERRORS = 4.0
-"""The same in standard errors of an autocorrelation, 1/√n for n samples of white noise; it counts
-below 400 samples. Over a hundred lags white noise often rises by as much: only a residual that has
-structure is asked."""
+"""Rise of a residual's autocorrelation after a fall from which it swings, in standard errors of an
+autocorrelation, 1/√n for n samples of white noise; it counts below 400 samples. Over a hundred lags
+white noise often rises by as much: only a residual that has structure is asked."""
 
 LAG_SHARE = 0.25
 """Largest lag that is looked at, as a share of a segment: what swings less than some three times in

@@ -22,7 +22,8 @@ POORLY_KNOWN = 0.5
 then reaches down to zero."""
 
 UNKNOWN = 10.0
-"""The same above which it is told in words: a number of over 1000 % says no more."""
+"""Relative standard error of a parameter above which the user is told in words: a number of over
+1000 % says no more."""
 
 SAME_LEVEL = 0.01
 """Pressures closer than this share of their range are one level."""

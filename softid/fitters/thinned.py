@@ -59,13 +59,14 @@ LEVELS = 5
 """Inputs at which the time constant of a start is looked at."""
 
 LEAST_SAVING = 4
-"""How many times that a problem must hold for windows to be worth their own initial states."""
+"""Times the samples of all windows together that a problem must hold for windows to be worth their
+own initial states."""
 
 ROUGH_TOLERANCE = 0.1
 """`attainable_offset` at which a run over fewer samples ends: their optimum is another one."""
 
 LEADERS = 2
-"""So many starts go through the windows at a time."""
+"""Starts that go through the windows at a time."""
 
 LEAST_BLOCKS = 20
 """Fewest blocks of a segment; the averages of shorter ones would lose their transients."""

@@ -18,7 +18,8 @@ BLURRED = 0.4
 left of each counts as noise already."""
 
 LEAST_RUNS = 20
-"""So few values one after the other are the levels of a command, not of a gauge."""
+"""Fewest changes of value that a gauge shows: so few values one after the other are the levels of a
+command."""
 
 TO_NEXT = 0.5
 """Share of the changes that lead to a neighbouring step: a gauge passes them one by one, and a
@@ -89,7 +90,7 @@ class GaugeErrors:
 
 
 NO_ERRORS = GaugeErrors()
-"""Those of a gauge of which nothing is known."""
+"""Errors of a gauge of which nothing is known."""
 
 
 def gauge_errors(log: Log) -> GaugeErrors:

@@ -29,14 +29,14 @@ REACH = 10
 """Samples to either side through which a parabola goes at most where the input moves."""
 
 PASSES = 2
-"""Times that it is smoothed; the second tells edges from an input that has less noise."""
+"""Times that an input is smoothed; the second tells edges from an input that has less noise."""
 
 SIGMAS = 5.0
 """Pairs count as far as both samples lie within so many standard deviations of the one between
 them, so that edges stay. Of white noise one difference in 2500 is larger."""
 
 LONGER_REACHES = (14, 20, 28, 40, 56, 80)
-"""The same where it is held."""
+"""Samples to either side through which a parabola goes where the input is held, tried in turn."""
 
 SAME_LEVEL = 3.0
 """The input is held as far as the samples that a longer reach adds lie, on the average, within so

@@ -19,10 +19,10 @@ BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
 
 INTERPOLATED = "interpolated-output"
-"""Code of the remark that an output was."""
+"""Code of the remark that an output was interpolated between its sensor's readings."""
 
 RECOVERED = "recovered-readings"
-"""Code of the remark that it was, and that its readings are known."""
+"""Code of the remark that an output was interpolated and that its sensor's readings are known."""
 
 LARGE, STRAIGHT = 0.95, 0.01
 """A sample lies on the line through its neighbours when it is off by less than this share of how
@@ -32,16 +32,20 @@ STILL = 1e-6
 """Where the neighbours differ by less than this share of the range nothing moves."""
 
 LOOKS = 2000
-"""About so many samples are looked at first, and show in most logs that it is none."""
+"""Samples, about, that are looked at first, and show in most logs that an output is not
+interpolated."""
 
 MOVING = 0.25
-"""Of the samples so many must move: one that stands still lies on a line, too."""
+"""Least share of the samples at which an output moves: one that stands still lies on a line,
+too."""
 
 LEAST_SHARE = 0.18
-"""Share of those that lie on a line: of 2.5 samples a reading a fifth do or more."""
+"""Least share of the moving samples of an interpolated output that lie on a line: of 2.5 samples a
+reading a fifth do or more."""
 
 ALIKE = 0.8
-"""Share of the runs of such samples whose length is that of the usual one, or one more or less."""
+"""Least share of the runs of samples on a line whose length is that of the usual one, or one more
+or less."""
 
 AT_SAMPLES = 0.9
 """Readings are at samples where so many of the corners are single ones; a reading between two

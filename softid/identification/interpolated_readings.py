@@ -20,17 +20,18 @@ LEAST_CORNERS = 20
 """Corners that a clock is found from."""
 
 FIRST = 64
-"""So many corners are looked at first, then twice as many, and so on: the period gets sharper."""
+"""Corners that are looked at first, then twice as many, and so on: the period gets sharper."""
 
 TIMED, AT_TIMES = 0.25, 0.5
 """A corner is at a time of the clock when it misses it by less than this share of a sampling
 interval, and so many of them must be: where values are rounded lines meet a little beside it."""
 
 SAMPLED = 0.02
-"""Samples, as a share of the bends between readings, that the readings must lie within..."""
+"""Distance, as a share of the bends between readings, within which samples must lie of the
+readings."""
 
 MOST = 0.98
-"""...at this share of them."""
+"""Share of the samples that must lie within `SAMPLED` of the readings."""
 
 TOLD = 0.05
 """A reading that samples beside it hold less of than this, all together, is unknown: squared

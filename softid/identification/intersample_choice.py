@@ -38,7 +38,8 @@ LOOKS = 2
 """Evaluations before the promise of the normal equations is asked."""
 
 TRUSTED = 3.0
-"""They may promise too little; three times their promise is taken for possible."""
+"""Times what the normal equations promise that is taken for possible: they may promise too
+little."""
 
 
 def held_readings(logs: Iterable[Log]) -> tuple[Intersample, ...]:

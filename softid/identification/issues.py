@@ -22,8 +22,8 @@ POOR_FIT_PERCENT = 70.0
 its variance. A judgement of what is worth a look at the residual."""
 
 LEAST_R2, CHANCE = 0.02, 3.0
-"""Less than a fiftieth of an output's variance, a fit of 1 %, or than three times what so many
-unknowns take away from noise, is nothing."""
+"""Least share of an output's variance that a model explains, a fit of 1 %, and the times of what so
+many unknowns take away from noise that it must explain: less is nothing."""
 
 SERIOUS_FIRST: tuple[Severity, ...] = ("error", "warning", "info")
 """In which order issues are told."""

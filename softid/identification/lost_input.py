@@ -30,7 +30,8 @@ MATTERS = 0.5
 """Share of the output's noise that the course of the input in the gaps may change."""
 
 MOST_LEFT_OUT = 0.2
-"""Where more than this share of the samples depends on it, those are left out that do the most."""
+"""Largest share of the samples left out because they depend on the lost input: where more do, those
+that depend on it the most."""
 
 
 def without_lost_input(log: Log, model: Model, values: Mapping[str, float]) -> Log:

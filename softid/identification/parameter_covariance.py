@@ -57,10 +57,11 @@ NOTHING = 1e-6
 """Share of the largest derivative by a limit that is rounding."""
 
 EXACTLY = 100.0
-"""One reading there tells the limit so many times as well as one elsewhere would."""
+"""Weight of the one reading at a clipped limit of the sensor, in times that of one elsewhere: it
+tells the limit so much better."""
 
 LEAST_THERE = 0.5
-"""A mean counts where so large a share of the samples is there that the fullest one has."""
+"""Least share of the samples of the fullest mean that a mean must hold to count."""
 
 
 @dataclass(frozen=True, eq=False)

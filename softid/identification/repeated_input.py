@@ -26,10 +26,12 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 RARELY = 0.02
-"""Share of the rows without news of the outputs in which the input may change …"""
+"""Share of the rows without news of the outputs in which the input may change at most, where
+`EXPECTED_CHANGES` would be expected in them."""
 
 EXPECTED_CHANGES = 20.0
-"""… where it changes so often elsewhere that so many changes would be expected in them."""
+"""Changes of the input that rows without news of the outputs must be expected to hold, as often as
+it changes elsewhere, to show that it repeats there."""
 
 REPEATED_INPUT = "repeated-input"
 """Code of the remark that repeats of the input were bridged."""

@@ -21,8 +21,8 @@ LEAST_FACTOR = 1.5
 brings news at every sample, repeat as many values, but not each."""
 
 LEAST_OF_LOST = 1.1
-"""The same where values do not come again: then no repeat is by chance, and one sample in eleven
-whose reading was lost counts."""
+"""Samples for which a value is repeated at least where values do not come again: then no repeat is
+by chance, and one sample in eleven whose reading was lost counts."""
 
 NEW_VALUES = 0.75
 """Share of the runs of equal values with a value of their own from which values do not come again;

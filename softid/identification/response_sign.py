@@ -22,25 +22,29 @@ from softid.segment import Segment
 Array = npt.NDArray[np.float64]
 
 CLEAR = 0.5
-"""From this correlation on an output goes one way with the input, as logs are compared."""
+"""Correlation from which on an output goes one way with the input, where logs are compared."""
 
 UNDOUBTED = 0.9
-"""From this one on it rises with it: past its natural frequency an actuator moves less and less. So
-it does where it goes so with the input behind a lag, with which one that falls goes the less."""
+"""Correlation from which on an output rises with the input: past its natural frequency an actuator
+moves less and less. So it does where it goes so with the input behind a lag, with which one that
+falls goes the less."""
 
 LAGS = 9
-"""Lags that are tried for that, from one sample to `LONGEST_LAG` of the longest segment."""
+"""Lags behind which an output is looked at for rising with the input, from one sample to
+`LONGEST_LAG` of the longest segment."""
 
 LONGEST_LAG = 0.25
-"""A step is then nearly done at its end."""
+"""Longest lag behind which an output is looked at for rising with the input, as a share of the
+longest segment: a step is then nearly done at its end."""
 
 NO_RIVAL = 3.0
-"""Where it goes with the input so clearly, and the start values of a falling model leave so many
-times the squares of those of a rising one, none of the two is fitted: under steps, ramps and slow
-sines they leave 7 to 90 times as many, past the natural frequency of one that falls 0.1 to 1.2."""
+"""Where an output goes with the input so clearly, and the start values of a falling model leave so
+many times the squares of those of a rising one, none of the two is fitted: under steps, ramps and
+slow sines they leave 7 to 90 times as many, past the natural frequency of one that falls 0.1 to
+1.2."""
 
 ENOUGH = 20_000
-"""Samples of a log that are looked at for that; of a longer one, a beginning."""
+"""Samples at the beginning of a log that show in which direction its output goes."""
 
 CLEARLY_LESS = 0.5
 """Share of the squares of the other model that one leaves which is clearly better: else both are

@@ -20,7 +20,7 @@ from softid.models.base import Model
 from softid.units import CHANNEL_QUANTITY, Quantity, factor_to_canonical
 
 UNIT_SLIP = "unit-slip"
-"""Code of the remark."""
+"""Code of the remark that a log seems to have a channel in another unit."""
 
 USUAL_UNITS: Mapping[Quantity, tuple[str, ...]] = {
     "pressure": ("kPa", "bar", "psi", "MPa", "mbar", "Pa"),
@@ -35,10 +35,12 @@ MISSES = 0.3
 """A log is looked into when a model misses so much of it, as a share of its output's spread."""
 
 FAR_LESS = 0.25
-"""Another unit is right when with it the model misses less than this share of that …"""
+"""Another unit is right when with it the model misses less than this share of what it misses with
+the recorded one, and no more than `FITS`."""
 
 FITS = 0.15
-"""… and no more of the output's spread than this, or twice as much as of what was fitted."""
+"""Share of the output's spread that a model misses at most with the right unit, or twice as much as
+of what was fitted."""
 
 
 def unit_slips(

@@ -96,4 +96,5 @@ take longer than its arithmetic, so it must not make any: no views, copies or ne
 on disk as part of the kernel that calls it."""
 
 inlined: Any = njit(inline="always", **_OPTIONS)
-"""The same, written out where it is called, and nowhere compiled by itself."""
+"""For a function that is written out where it is called, and nowhere compiled by itself; as
+`inner`, it must not make any arrays."""

@@ -22,14 +22,14 @@ SMALL = 0.1
 
 C2, C3, C4, C5 = 1 / 2, 1 / 6, 1 / 24, 1 / 120
 C6, C7, C8 = 1 / 720, 1 / 5040, 1 / 40320
-"""Those terms' coefficients."""
+"""Coefficients of the last terms of the series of e^x − 1."""
 
 
 HALVINGS = 50
-"""A time within a step is then known to rounding."""
+"""Halvings of a step after which a time within it is known to rounding."""
 
 MOST_PARTS = 4
-"""A step along a straight input passes a level fewer times."""
+"""Most parts of a step along a straight input: it passes a level fewer times."""
 
 EASE = 0.5
 """A rate is taken to change by so large a share at most on the way to the middle of a step."""

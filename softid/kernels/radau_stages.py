@@ -30,8 +30,8 @@ SLOWEST = 0.2
 """An old inverse must shrink Newton's moves by this factor at least."""
 
 LEFT = 0.1
-"""Newton's moves shrink by a factor, so what is left after a move is known before the next one: so
-much of the tolerance."""
+"""Share of the tolerance that Newton's moves may leave, as is known from the factor by which they
+shrink, to need no further one."""
 
 DIFFERENCE = 1e-7
 """Relative step of the numerical derivatives at the stages, and of Newton's last one."""

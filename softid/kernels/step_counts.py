@@ -27,7 +27,8 @@ RINGING = 0.15
 rule's steps are then shorter by (ζ/0.15)^(1/4), down to half."""
 
 MOST_RINGING = 2.0
-"""The half, as a factor of the rate: reached at a damping ratio of 0.15/16 = 0.01."""
+"""Largest factor by which ringing shortens the Radau rule's steps: reached at a damping ratio of
+0.15/16 = 0.01."""
 
 STIFF_RATIO = 200.0
 """An overdamped fast mode is resolved with a step of 0.8·(fast/slow)^¼ of its time constant up to
@@ -38,7 +39,7 @@ RK4_MAX_PHASE = 0.3
 """Largest h·ω at which the explicit rule is used at all."""
 
 RK4_MAX_DECAY = 1.5
-"""Largest h·d of the same: it is unstable from 2.79 on."""
+"""Largest h·d at which the explicit rule is used: it is unstable from 2.79 on."""
 
 RK4_SHARE = 0.0845
 """Largest h²·ω·d of the explicit rule: its error in a jump is 0.007·(h²·ω·d)² of the motion."""
@@ -47,14 +48,15 @@ RK4_RINGING = 30.0
 """Largest (hω)⁴/ζ of the explicit rule, inverse: oscillations err by 0.0015·(hω)⁴/ζ."""
 
 LEAST_RATIO = 0.01
-"""Least d/ω in that limit, a damping ratio of 0.005: without any damping the steps would have no
-length at all."""
+"""Least d/ω for which the explicit rule's steps are shortened, a damping ratio of 0.005: without
+any damping they would have no length at all."""
 
 MAX_EXPONENT_PER_STEP = 0.8
 """Largest change of an exponent of the coefficients within a step of the Radau rule: 2.2 times."""
 
 RK4_MAX_EXPONENT = 0.5
-"""The same of the explicit rule: 1.6 times."""
+"""Largest change of an exponent of the coefficients within a step of the explicit rule: 1.6
+times."""
 
 BRIEF = 1e-3
 """Product of an interval and the rate of the motion below which the coefficients may bend as they
@@ -65,7 +67,7 @@ MAX_SUBSTEPS = 64
 the Radau rule, which is stable at any step, takes so many and is less exact."""
 
 _HUGE = 1e300
-"""A rate that is not below it is infinite or no number, and asks for one step."""
+"""Least rate that is taken for infinite, and asks for one step, as one that is no number does."""
 
 
 @njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING, forceinline=True)

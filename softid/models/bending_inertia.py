@@ -22,7 +22,7 @@ INERTIAS: tuple[Inertia, ...] = ("root-moment", "lagrangian")
 KERNELS: tuple[Kernels, ...] = ("exact", "taylor")
 
 N_TERMS = 23
-"""At a full circle the first term left out is below 1e-17 of the largest."""
+"""Terms of the series: at a full circle the first one left out is below 1e-17 of the largest."""
 
 TAYLOR = ((1 / 2, -1 / 24, -1 / 72, 1 / 576), (0.0, -1 / 12, 1 / 36, -1 / 288))
 """Coefficients of M and D by θ⁰, θ², …: sin u ≈ u − u³/6 and cos u ≈ 1 − u²/2 + u⁴/24 multiplied

@@ -30,11 +30,12 @@ NODES_PER_STEP = 16
 """Nodes within a step at which effects on the input act, which may put a corner into it."""
 
 SMOOTH_NODES = 4
-"""The same where what arrives has no corner within a step, and hardly bends."""
+"""Nodes within a step at which effects on the input act where what arrives has no corner within a
+step, and hardly bends."""
 
 SMOOTH_STEPS = 2.0
-"""So many steps in the shortest time in which it bends, and it hardly does within one: four nodes
-of a step then show the same as sixteen to 1e-4 of a jump of the input."""
+"""Steps in the shortest time in which what arrives bends from which on it hardly does within one:
+four nodes of a step then show the same as sixteen to 1e-4 of a jump of the input."""
 
 _CHUNK = 1 << 13
 

@@ -42,8 +42,8 @@ MAX_FADING_PER_STEP = 1.5
 below 1e-4 of the motion, and the rule is stable up to 2.8."""
 
 MAX_SUBSTEPS = 16
-"""A swing at half the sampling rate, the fastest that samples can show, takes π/0.2 steps. A motion
-that is stiffer than that ends in NaN, which a fit rejects."""
+"""Most steps in a sampling interval. A swing at half the sampling rate, the fastest that samples
+can show, takes π/0.2 steps. A motion that is stiffer than that ends in NaN, which a fit rejects."""
 
 OVERSHOOT = 2.0
 N_ANGLES = 9

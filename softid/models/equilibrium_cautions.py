@@ -15,8 +15,9 @@ Array = npt.NDArray[np.float64]
 COMPENSATION = ("a", "b", "c")
 SEPARATED = ("C_d", *COMPENSATION)
 CONDITION_LIMIT = 100.0
-"""Of the Jacobian with relative parameters. One step of 0.7 rad has 166, one of half that 537, and
-a large one with a small one 65: then a and b are known to a hundredth."""
+"""Largest condition number of the Jacobian with relative parameters that is not remarked on. One
+step of 0.7 rad has 166, one of half that 537, and a large one with a small one 65: then a and b are
+known to a hundredth."""
 
 STIFFNESS_FACTOR = 2.0
 """A stiffness scale further from 1 than this says more about the geometry than about the rubber."""

@@ -26,14 +26,15 @@ STATIC_POINTS = 200
 N_STARTS = 4
 
 BEST_MASSES = 8
-"""So many are tried with all dampings: how fast a motion swings is seen with any."""
+"""Masses, the best ones, that are tried with all dampings: how fast a motion swings is seen with
+any."""
 
 MOST_SAMPLES = 1600
 """Samples at which a simulation of the grid is compared; of more, every k-th is taken."""
 
 ROUGH_PHASE = 0.6
-"""Largest product of step and natural frequency there: the swing is then late by a hundredth of a
-period in each, and the grid is far coarser."""
+"""Largest product of step and natural frequency in a simulation of the grid: the swing is then late
+by a hundredth of a period in each, and the grid is far coarser."""
 
 
 def equilibrium_starts(

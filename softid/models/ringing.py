@@ -34,7 +34,7 @@ from softid.segment import Segment
 Array = npt.NDArray[np.float64]
 
 STEEPNESS = np.geomspace(0.5, 18.0, 12)
-"""b1 times the range of the pressure."""
+"""Steepnesses that are tried: b1 times the range of the pressure."""
 
 SHORTEST_WINDOW_PERIODS = 16.0
 """Shortest window, in sampling periods: over fewer the sums of φ″ no longer stand for its integral
@@ -45,8 +45,8 @@ LONGEST_WINDOW = 1.0 / 6.0
 judgement: long windows average ringing away."""
 
 N_LENGTHS = 6
-"""Lengths of windows between the two: which one sees the motion best depends on its frequency,
-which is what is sought."""
+"""Lengths of windows from the shortest to the longest: which one sees the motion best depends on
+its frequency, which is what is sought."""
 
 N_WINDOWS = 200
 """Windows of one length over all segments together, overlapping. They are rows for four
@@ -56,8 +56,8 @@ MIN_SAMPLES_PER_WINDOW = 8
 """Samples in a window at least, where the sampling leaves gaps: half of the usual fewest."""
 
 MAX_SAMPLES_PER_WINDOW = 256
-"""Above twice as many, means of consecutive samples are taken: a smooth φ needs no more, and the
-moments cost less."""
+"""Most samples in a window: of twice as many means of consecutive samples are taken, for a smooth φ
+needs no more, and the moments cost less."""
 
 N_KEPT = 3
 """Motions that are kept, each of another kind; with every shape of the damping, nine starts."""

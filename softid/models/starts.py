@@ -23,10 +23,10 @@ from softid.segment import Segment
 Array = npt.NDArray[np.float64]
 
 STEEPNESS = (0.7, 2.0, 4.0, 8.0, 16.0)
-"""b1 times the range of the pressure."""
+"""Steepnesses that are tried: b1 times the range of the pressure."""
 
 MIDPOINTS = (-0.5, 0.0, 0.25, 0.5, 0.75, 1.0, 1.5)
-"""p50 as a fraction of the range of the pressure."""
+"""Midpoints that are tried: p50 as a fraction of the range of the pressure."""
 
 DAMPING_RATIOS = (0.15, 0.4, 1.0, 3.0)
 """Damping ratio at the midpoint on the second grid, next to `N_FREQUENCIES` natural frequencies."""

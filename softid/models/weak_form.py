@@ -27,7 +27,7 @@ MAX_WINDOWS = 400
 and cost a pass over their samples each."""
 
 LEAST_WINDOWS = 8
-"""Twice as many as there are coefficients."""
+"""Fewest windows of a start: twice as many as there are coefficients."""
 
 
 def weak_form_coefficients(

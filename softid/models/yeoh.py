@@ -30,7 +30,8 @@ WIDTH_MM = 14.7
 _ZHAO = "Zhao et al. 2021"
 _STARTING_SAMPLES = 400
 _NEWTON_STEPS = 3
-"""The table starts them 1e-5 from the solution, and each step squares the error."""
+"""Newton's steps from the table, which starts them 1e-5 from the solution; each squares the
+error."""
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ FEW_NUMBERS = 64
 """Numbers of an array that count in the digest: all of parameters, some of a signal."""
 
 DIGEST_BYTES = 8
-"""Length of the digest: two that differ are taken for the same once in 10¹⁹."""
+"""Length of the digest: two objects that differ are taken for the same once in 10¹⁹."""
 
 
 class NotKnownError(Exception):

@@ -30,14 +30,15 @@ NUMBER_BYTES = 2
 """A task is claimed by its number in so many bytes."""
 
 NO_MORE = (1 << 8 * NUMBER_BYTES) - 1
-"""In place of a number: nothing is left to claim."""
+"""Number that says that no task is left to claim."""
 
 PATIENCE = 20.0
 """The first process waits for a copy so many times as long as its own part took. A copy that takes
 longer hangs: where the program has other threads, one may have held a lock when it was copied."""
 
 LEAST_PATIENCE_S = 300.0
-"""And as long at least; a judgement, as on a busy machine a copy may not have a core."""
+"""Shortest time in s that the first process waits for a copy; a judgement, as on a busy machine a
+copy may not have a core."""
 
 LOOKS_UP_S = 1.0
 """How often a copy that waits looks whether the first process is still there."""

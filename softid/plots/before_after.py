@@ -33,7 +33,7 @@ Array = npt.NDArray[np.float64]
 
 BEFORE = "#c8641e"
 AFTER = SIMULATED
-"""In grey the residual of the base is the pale one."""
+"""Colour of the extended model; in grey the residual of the base is the pale one."""
 BEFORE_DASHES = (0, (4, 1.5))
 
 

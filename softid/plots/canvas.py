@@ -32,7 +32,8 @@ SIMULATED = "#003f7f"
 ACCENT = "#b03a00"
 PALE = "#ececec"
 FAINT = "#c9c9c9"
-"""Lightness falls from `PALE` to `INK`; blue and vermilion differ for colour-blind eyes too."""
+"""Colour of what stands behind the data. From `PALE` by this one to `INK` lightness falls; blue and
+vermilion differ for colour-blind eyes too."""
 
 BY_ORDER: tuple[tuple[str, str | tuple[int, tuple[float, ...]]], ...] = (
     (INK, "-"),

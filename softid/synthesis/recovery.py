@@ -15,7 +15,7 @@ FROM_TRUTH = 0.2
 """A parameter counts as recovered within its interval or a fifth of the truth."""
 
 KNOTS = 4
-"""So many parameters or more are the knots of a curve."""
+"""Fewest parameters that are taken for the knots of a curve."""
 
 
 def is_recovered(cause: Cause, truth: Mapping[str, float]) -> bool | None:

@@ -43,16 +43,16 @@ SCALE_STEP = 4
 """Each coarser time scale averages this many samples of the one before."""
 
 MIN_STRETCHES = 50
-"""A time scale is used when its averages number at least this …"""
+"""Averages from which on a time scale is used."""
 
 MIN_STRETCHES_PER_PARAMETER = 10
-"""… and at least this many times the parameters."""
+"""Averages from which on a time scale is used, in times the parameters."""
 
 MIN_FREEDOM = 2.0
 """Fewest degrees of freedom of an interval; below, its width says nothing but "unknown"."""
 
 MAX_LOG_HALF_WIDTH = 700.0
-"""Beyond this the upper limit of a logarithmic interval overflows."""
+"""Half width of a logarithmic interval beyond which its upper limit overflows."""
 
 DIFFERENCE_STEP = 1e-3
 """Step in artanh k for the sensitivity of a variance to the noise model."""

@@ -21,8 +21,8 @@ WEAK_BELOW = 1.0
 """Relative standard deviation below which it is weakly identified: its size is roughly known."""
 
 STRONG_CORRELATION = 0.95
-"""Correlation beyond which the partner is named: given the partner, the standard deviation would
-be less than a third."""
+"""Correlation of two parameters beyond which the partner is named: given the partner, the standard
+deviation would be less than a third."""
 
 
 def condition_number(jacobian: Array) -> float:

@@ -10,7 +10,7 @@ MANY = 16.0
 expansion in 1/ν are exact to 1e-10; Abramowitz and Stegun, 26.7.5, and the term behind theirs."""
 
 FEW = 4.0
-"""Degrees of freedom beyond which the same expansion is a start within a few per cent."""
+"""Degrees of freedom beyond which the expansion in 1/ν is a start within a few per cent."""
 
 EXPANSION = (
     (4.0, (1.0, 1.0)),
