@@ -39,7 +39,7 @@ EVEN = 0.01
 
 @dataclass(frozen=True)
 class _Smoothed(OutputEffect):
-    """What all filters do that know what comes after a sample."""
+    """What the forms share; their words are those of a filter that ran over the finished record."""
 
     meaning: ClassVar[str] = (
         "The output was filtered there and back, or averaged about every sample, after it was "
@@ -124,14 +124,15 @@ class Smoothing(_Smoothed):
 class MeanSmoothing(_Smoothed):
     """A centred mean, y(t) = mean of x from t − w/2 to t + w/2.
 
-    Source: the same, for a filter whose weights are all alike.
+    Source: Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed. 2010, §2.2, the moving
+    average with as many samples before as after.
     """
 
     name: ClassVar[str] = "smoothing"
     variant: ClassVar[str] = "mean"
     title: ClassVar[str] = "Centred mean over the record"
     law: ClassVar[str] = "recorded y(t) = mean of y from t - width/2 to t + width/2"
-    source: ClassVar[str] = "Gustafsson 1996, doi 10.1109/78.492552"
+    source: ClassVar[str] = "Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., §2.2"
     amplitude: ClassVar[str] = "width"
     essential: ClassVar[tuple[str, ...]] = ("width",)
 
@@ -159,7 +160,8 @@ class PastSmoothing(MeanSmoothing):
 
     Before the first sample the motion rests. It is a delay by w/2 and a centred mean.
 
-    Source: the same, for weights that are alike and none of what is still to come.
+    Source: Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed. 2010, §2.2, the moving
+    average that is causal.
     """
 
     variant: ClassVar[str] = "past"
