@@ -269,6 +269,8 @@ class FitResult:
     ----------
     model
         The model and its options.
+    input, outputs
+        Channels that the fitted logs have in these roles.
     status, message
         How the optimisation ended, in a word and in a sentence.
     parameters
@@ -306,6 +308,9 @@ class FitResult:
         Why this model, when softid chose it.
     fingerprints
         Log name → sha256 of its file ("" for arrays).
+    options
+        How the fit was made: ``seed`` of its random draws; ``intersample``, how the input was read
+        between its samples, None for straight; ``input_noise``, ``"averaged"`` or missing.
     """
 
     model: ModelSpec
@@ -371,12 +376,15 @@ class Validation:
         Whether every channel of every log reached the bar; True without a bar.
     statistics, nuisances, simulations
         As in `FitResult`, one entry per log.
+    input, outputs
+        Channels that the scored logs have in these roles.
     issues
         Extrapolation, logs that were in the fit, and the like.
+    fingerprints
+        Log name → sha256 of its file ("" for arrays), of the scored logs.
     fitted_range
-        Channel → smallest and largest value in the fitted logs, where the model states it.
-    fitted_range
-        Channel → smallest and largest value in the logs that were fitted.
+        Channel → (smallest, largest) value that the fitted logs reached, canonical unit; empty
+        where the model does not state it.
     """
 
     model: ModelSpec

@@ -41,8 +41,9 @@ class Yeoh(Model):
     V is the strain energy of the bulging walls, E that of the column bent about its far face,
     S = ½·(k/w)·(a·Φ/2)² that of the spring, all per unit width, with the Yeoh material in plane
     strain. The paper's energies as printed do not reproduce its Table 2 (see
-    `softid.models.zhao2021.printed_energy_pressure`); this closure does to 12.8 % with a width w
-    that is FITTED, for the paper prints none. Only k/w enters, so a wrong k shows as a wrong w.
+    `softid.models.zhao2021_theory.printed_energy_pressure`); this closure does to 12.8 % with a
+    width w that is FITTED, for the paper prints none. Only k/w enters, so a wrong k shows as a
+    wrong w.
 
     The pressure is linear in C10, C20 and k/w. C10 and C20 are held at the paper's values; freeing
     them asks for a range of angles over which wall and column stiffen. Below zero pressure the
@@ -55,6 +56,11 @@ class Yeoh(Model):
         Dimensions, see `BulgeGeometry`; by default Table 1 of the paper.
     spring_n_per_mm
         k of the spring in the column. The paper prints 1.1 without unit; N/mm is an ASSUMPTION.
+
+    Raises
+    ------
+    UsageError
+        The number of chambers is not whole, the spring not positive, or the dimensions impossible.
 
     Source: Zhao et al. 2021, doi 10.1155/2021/6623059, §3, with the repairs told above.
 
