@@ -291,13 +291,7 @@ class Log:
         return self._taking((self.time_s >= start_s) & (self.time_s < stop_s))
 
     def every(self, step: int) -> Log:
-        """Every so many-th sample as a log of its own.
-
-        Parameters
-        ----------
-        step
-            One or more.
-        """
+        """Every ``step``-th sample as a log of its own; ``step`` is one or more."""
         return self._taking(slice(None, None, step))
 
     def _taking(self, rows: BoolArray | slice) -> Log:
@@ -329,6 +323,11 @@ class Log:
             Roles; without outputs the first known output channel is taken.
         name
             Name shown in tables.
+
+        Raises
+        ------
+        InputError, UsageError
+            As `Log`; a unit does not measure its channel; no output is named or recognised.
 
         Examples
         --------

@@ -42,6 +42,12 @@ class Parameter:
         One sentence for people.
     source
         Paper and equation.
+
+    Raises
+    ------
+    UsageError
+        The bounds are crossed, the value lies outside them, or a bound on a logarithmic scale is
+        negative.
     """
 
     name: str
@@ -93,6 +99,11 @@ class Parameter:
 @dataclass(frozen=True)
 class ParameterSet(Mapping[str, Parameter]):
     """Parameters in a fixed order.
+
+    Raises
+    ------
+    UsageError
+        A parameter is declared twice.
 
     Examples
     --------
@@ -155,7 +166,14 @@ class ParameterSet(Mapping[str, Parameter]):
         )
 
     def with_fixed(self, values: Mapping[str, float]) -> ParameterSet:
-        """Hold the named parameters at the given values, moving a bound that is in the way."""
+        """Hold the named parameters at the given values, moving a bound that is in the way.
+
+        Raises
+        ------
+        UsageError
+            A parameter is unknown, or cannot take its value: not finite, or negative on a
+            logarithmic scale.
+        """
         self._known(values)
 
         def hold(p: Parameter) -> Parameter:
@@ -169,7 +187,13 @@ class ParameterSet(Mapping[str, Parameter]):
         return ParameterSet(tuple(hold(p) for p in self.parameters))
 
     def replacing(self, parameter: Parameter) -> ParameterSet:
-        """The same set with one parameter exchanged for another of the same name."""
+        """The same set with one parameter exchanged for another of the same name.
+
+        Raises
+        ------
+        UsageError
+            There is no parameter of that name.
+        """
         self._known({parameter.name: 0.0})
         return ParameterSet(
             tuple(parameter if p.name == parameter.name else p for p in self.parameters)

@@ -62,6 +62,8 @@ def simulate(
 
     Raises
     ------
+    UsageError
+        A parameter is missing or unknown.
     IdentificationError
         The response is not finite.
     """

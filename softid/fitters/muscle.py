@@ -165,6 +165,11 @@ def sequential(
     damping, output, geometry, zero, window_s
         As in the three stages; the zero is taken over to the sine log.
 
+    Raises
+    ------
+    IdentificationError, UsageError
+        As `levels`, `extremes` and `damping_surface`.
+
     Source: Ru et al. 2019, section "Parameter identification".
     """
     static = levels(step_logs, output=output, geometry=geometry, zero=zero)
@@ -182,7 +187,13 @@ def dynamics(
     geometry: ArcGeometry | None = None,
     window_s: float | None = None,
 ) -> SequentialFit:
-    """The last two stages on a static curve that is already there, as from `levels_from_arrays`."""
+    """The last two stages on a static curve that is already there, as from `levels_from_arrays`.
+
+    Raises
+    ------
+    IdentificationError, UsageError
+        As `extremes` and `damping_surface`.
+    """
     inertia = extremes(sine_log, static, output=output, geometry=geometry, window_s=window_s)
     mass = max(inertia.mass, 0.0)
     surface = damping_surface(

@@ -136,6 +136,13 @@ def quartics(
     tuple of PolynomialFit
         Chambers in the order of their first sample, up before down. A branch without a sample
         is not there.
+
+    Raises
+    ------
+    IdentificationError
+        A chamber or branch has fewer different pressures than coefficients.
+    InputError, UsageError
+        The arrays differ in shape, or there is not one label per sample; the order is no order.
     """
     pressure, y = pressure_pairs(pressure_kpa, output)
     labels: list[str | None] = [None] * pressure.size if chambers is None else list(chambers)

@@ -67,6 +67,8 @@ def bootstrap_parameters(
     ------
     UsageError
         Fewer than 20 draws, or nothing was free.
+    InputError
+        A log lacks a channel of the model.
     IdentificationError
         More than a tenth of the refits failed.
 

@@ -50,6 +50,8 @@ def profile_parameter(result: FitResult, logs: Log | Sequence[Log], name: str) -
     ------
     UsageError
         The parameter is unknown or was not free.
+    InputError
+        A log lacks a channel of the model.
     IdentificationError
         The parameter does not change the response at all.
     """

@@ -194,6 +194,11 @@ def load_actuator(path: Path | str) -> Actuator:
 def read_actuator(text: str, *, where: str) -> Actuator:
     r"""Geometry and material from the text of a TOML file; see `load_actuator`.
 
+    Raises
+    ------
+    InputError
+        The text is no TOML, a key is unknown or missing, or a value has no proper unit.
+
     Examples
     --------
     >>> lengths = "chamber_width='20mm'\nchamber_height='1.2 cm'\nwall='2mm'\nlayer='0.5mm'"

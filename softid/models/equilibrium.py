@@ -73,6 +73,13 @@ class Equilibrium(Actuator, Model):
     inverted
         Whether the recorded angle falls as the pressure rises.
 
+    Raises
+    ------
+    UsageError
+        An option is none of its choices, or the Taylor kernels are asked of the Lagrangian inertia.
+    InputError
+        A dimension or a material value is none that an actuator can have.
+
     Source: DEE 2022, Eq 13 and 14.
     """
 

@@ -53,6 +53,11 @@ class Muscle(Model):
         Whether the recorded output goes against x: an angle that falls as the pressure rises, or a
         length that grows, L = L0 + x, as that of a bellows or an extending muscle.
 
+    Raises
+    ------
+    UsageError
+        An option is none of its choices, or one of the two lengths is missing.
+
     Source: Ru et al. 2019, Eq 3 to 7; geometry Eq 1 and 2.
     """
 

@@ -98,6 +98,11 @@ class Oscillator(Model):
         Units of output and input.
     inverted
         Whether the output falls as the input rises; G is then −1.
+
+    Raises
+    ------
+    UsageError
+        An option is none of its choices.
     """
 
     order: Order = "second"

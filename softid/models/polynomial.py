@@ -149,6 +149,11 @@ class Polynomial(Model):
     output_unit, input_unit
         Units of y and x, for the units of the coefficients.
 
+    Raises
+    ------
+    UsageError
+        The order is no whole number, or too small or large.
+
     Source: Zhao et al. 2021, doi 10.1155/2021/6623059, Eq 23.
     """
 

@@ -77,7 +77,13 @@ class SavedModel:
     data_fingerprints: Mapping[str, str | None] = field(default_factory=dict)
 
     def build_model(self) -> Model:
-        """The model with its options, ready for `softid.simulate`."""
+        """The model with its options, ready for `softid.simulate`.
+
+        Raises
+        ------
+        InputError
+            This softid has no such model, option or effect.
+        """
         return _build(self.model, where=self.path)
 
     def nuisance_for(self, log: Log) -> LogNuisance:
