@@ -72,7 +72,7 @@ def register_effect(effect_class: Kind) -> Kind:
     ... class SensorGlow(OutputEffect):
     ...     name, title, amplitude = "sensor_glow", "Sensor that glows", "k"
     ...     law, source = "y (1 + k y)", "own"
-    ...     meaning, signature = "The sensor is not straight.", "A parabola against the output."
+    ...     meaning, signature = "The sensor is nonlinear.", "A parabola against the output."
     ...     shown_by = "the full range"
     ...
     ...     def parameters(self, scale):

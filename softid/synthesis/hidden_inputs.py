@@ -25,7 +25,7 @@ from softid.synthesis.hidden_base import (
 Generator = np.random.Generator
 ATMOSPHERE_KPA = 101.325
 LAMINAR = 0.999
-"""Ratio of pressures above which the flow of ISO 6358 is straight, so that its slope is finite."""
+"""Ratio of pressures above which the flow of ISO 6358 is linear, so that its slope is finite."""
 
 SNAP = 2.0 / (3.0 * sqrt(3.0))
 """Push at which w − w³ + push loses one of its two stable zeros."""
@@ -72,7 +72,7 @@ def _resonance(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
 
 
 def flow_share(ratio: float, critical: float) -> float:
-    """Flow over choked flow after ISO 6358; straight to zero above a ratio of `LAMINAR`.
+    """Flow over choked flow after ISO 6358; linear to zero above a ratio of `LAMINAR`.
 
     Parameters
     ----------

@@ -220,7 +220,7 @@ def _mass(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
 
 
 def _draw_curve(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
-    """A random mixture of a bow and an S that no straight line explains."""
+    """A random mixture of a bow and an S that no linear function explains."""
     at = np.linspace(-1.0, 1.0, KNOTS)
     bow, bend = at**2 - np.mean(at**2), at**3 - at * np.sum(at**4) / np.sum(at**2)
     angle = rng.uniform(0.0, 2.0 * np.pi)

@@ -58,7 +58,7 @@ def true_values(cause: Cause, pair: HiddenPair, extended: FitResult) -> Mapping[
 
     A power of the speed is written with the largest speed, v_m, of which the fit has its own: the
     same law has d2 v_m^(2 − n) in common. So is a lag that differs by level with the range of the
-    pressure: ln τ is the same straight line over the pressure.
+    pressure: ln τ is the same linear function of the pressure.
 
     Parameters
     ----------

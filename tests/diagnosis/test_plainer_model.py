@@ -27,7 +27,7 @@ SOME = ("contact", "creep", "delay", "static_curve", "stiffening")
 def test_a_plainer_model_with_its_cause_takes_the_place_of_one_that_bends_to_it(
     effect: str,
 ) -> None:
-    """Known truth: an oscillator that meets a wall, or whose spring is not straight.
+    """Known truth: an oscillator that meets a wall, or whose spring is nonlinear.
 
     By itself a muscle, whose spring is curved, predicts both better.
     """

@@ -114,7 +114,7 @@ WORDS: dict[str, Any] = {
     "name": "sensor_glow",
     "title": "Sensor that glows",
     "law": "y (1 + k y)",
-    "meaning": "The sensor is not straight.",
+    "meaning": "The sensor is nonlinear.",
     "signature": "A parabola against the output.",
     "shown_by": "the full range",
     "source": "own",

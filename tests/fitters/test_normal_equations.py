@@ -138,7 +138,7 @@ def test_bend_is_the_second_derivative_seen_from_the_parameters(name: str) -> No
     assert found is not None
     np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
     summed = linearise(p, z, sigma, plans=plans, keep=0)
-    assert summed.kept == (name == "geometry")  # a distance, no line in x, is never only summed
+    assert summed.kept == (name == "geometry")  # a distance, nonlinear in x, is never only summed
     again = bend(p, summed, summed.point, step, sigma, plans=plans, fraction=0.1)
     assert again is not None
     np.testing.assert_allclose(again, expected, atol=1e-6 * np.abs(expected).max())

@@ -73,7 +73,7 @@ def with_shared_scale(found: Diagnosis, *, linear_in: str | None) -> Diagnosis:
 
     M ẍ + N ẋ + Q (x − s(u)) = F(u) with all three k times as large and
     s(u) + (1 − 1/k) F(u)/Q in place of s(u) is the same motion: only how well a spline draws that
-    tells k. Where F is a straight line nothing does.
+    tells k. Where F is linear nothing does.
     The intervals hold for just such a spline, which no actuator has: none is identified.
 
     Parameters

@@ -61,7 +61,7 @@ def _experiment(cause: Cause) -> str:
     """What tells a cause from what another model makes of it."""
     stage = EFFECTS[cause.key].stage if cause.key in EFFECTS else "state"
     if stage == "output":
-        return "the sensor beside another one that is faster and straight"
+        return "the sensor beside another one that is faster and linear"
     if stage == "input":
         return "the pressure at the actuator itself"
     return "small fast steps about several levels, whose time constants tell the models apart"

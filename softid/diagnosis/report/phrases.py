@@ -60,7 +60,7 @@ DOUBTS = {
     Doubt.CANCELS: "nearly cancels another of these laws, and what both leave of each other is the "
     "shape of a third",
     Doubt.DISPLACES: "moves as the actuator itself does, of whose own motion nothing is left",
-    Doubt.ACTS_BEHIND: "acts behind that motion, as a sensor that is not straight does",
+    Doubt.ACTS_BEHIND: "acts behind that motion, as a nonlinear sensor does",
     Doubt.DWARFED: "may be what the law of the largest cause leaves, as small as it is",
 }
 """Why a description is no cause, after its title; the others are told by sentences of their own."""

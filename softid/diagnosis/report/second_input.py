@@ -31,7 +31,7 @@ LEAST_SHARE = 0.1
 """A channel of which less of the misfit follows is not told."""
 
 AS_MUCH = 0.5
-"""Causes are no more than descriptions where the channel alone accounts, by a straight line, for so
+"""Causes are no more than descriptions where a linear function of the channel alone accounts for so
 much of what they explain: a law of the motion would account for more. A judgement."""
 
 

@@ -38,8 +38,8 @@ in 10,000."""
 
 OF_THE_INPUT = 0.02
 """The input has a line of its own where a bin holds so much of the power of its strongest one: then
-the motion brings it, and a law that is not straight makes of it and of others up to the third
-harmonic, their sums and their differences."""
+the motion brings it, and a nonlinear law makes of it and of others up to the third harmonic, their
+sums and their differences."""
 
 FEWEST_PERIODS = 10
 """A periodic input goes round so often that half of the bins lie away from its multiples."""
@@ -311,7 +311,7 @@ def _beside(power: Array, places: npt.NDArray[np.intp]) -> Array:
 
 
 def _harmonics_of(driven: Array) -> BoolArray:
-    """Bins in which the input has a line, or a law that is not straight makes one of its lines."""
+    """Bins in which the input has a line, or a nonlinear law makes one of its lines."""
     strong = np.flatnonzero(driven > OF_THE_INPUT * driven.max(initial=0.0))
     strong = strong[driven[strong] > ABOVE_BESIDE * _beside(driven, strong)]
     taken = np.zeros(driven.size, bool)

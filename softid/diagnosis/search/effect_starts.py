@@ -59,7 +59,7 @@ def candidate_from(
 ) -> Candidate:
     """A candidate at the best of a few fractions of the start that a signature proposes.
 
-    A signature is a straight line; where the motion bends it, a shorter step along it is better.
+    A signature is linear; where the motion bends it, a shorter step along it is better.
 
     Parameters
     ----------

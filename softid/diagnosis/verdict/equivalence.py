@@ -51,7 +51,7 @@ CLASSES: tuple[EquivalenceClass, ...] = (
         "close the valve and watch whether the pressure in the actuator falls",
     ),
     EquivalenceClass(
-        ("a spring that is not straight", "a load that goes with the position, such as a weight"),
+        ("a nonlinear spring", "a load that goes with the position, such as a weight"),
         ("stiffening",),
         "Both pull with a force that depends on the position alone.",
         "record the same with the load taken off, or with the actuator turned over",
@@ -168,7 +168,7 @@ SETTLING = EquivalenceClass(
     "A refit with such a stiffness in its place explains these logs better",
     "the same two levels again and again, for long, and the same log after a rest",
 )
-"""A course in time that is no straight line."""
+"""A course in time that is not linear."""
 
 LOWER_END = EquivalenceClass(
     ("a lower limit of the sensor", "a dead zone of the input"),

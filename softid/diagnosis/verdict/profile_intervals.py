@@ -1,4 +1,4 @@
-"""Intervals of what a cause is made of, where the response is not straight within them.
+"""Intervals of what a cause is made of, where the response is not linear within them.
 
 The size of an effect is told well as a rule, and so is its interval from the covariance. The speed,
 the time or the softness that rounds its law is often known to an order of magnitude, or to one side

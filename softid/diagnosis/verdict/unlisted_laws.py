@@ -57,13 +57,13 @@ MOST_PLAY, START_PLAY = 0.6, (0.04, 0.16)
 
 @dataclass(frozen=True)
 class BentReading(OutputEffect):
-    """A sensor that is not straight, y + y_span Σ bₖ sin(kπξ), k from 1 to 3.
+    """A nonlinear sensor, y + y_span Σ bₖ sin(kπξ), k from 1 to 3.
 
     ξ is y within its range, from 0 to 1: the ends stay, for the model takes up zero and gain.
     """
 
     name: ClassVar[str] = "bent_reading"
-    title: ClassVar[str] = "Sensor that is not straight"
+    title: ClassVar[str] = "Nonlinear sensor"
     law: ClassVar[str] = "recorded y = y + y_span sum of bk sin(k pi xi), xi y within its range"
     meaning: ClassVar[str] = (
         "The gain of the sensor differs from one end of its range to the other."
@@ -110,7 +110,7 @@ class BentReading(OutputEffect):
 class PositionDamping(StateEffect):
     """A damping that goes with the position, (1 + d(ξ)) times the model's, ξ from 0 to 1.
 
-    d is straight between `DAMPING_KNOTS` values at equal distances, and constant beyond them.
+    d is linear between `DAMPING_KNOTS` values at equal distances, and constant beyond them.
     """
 
     name: ClassVar[str] = "position_damping"

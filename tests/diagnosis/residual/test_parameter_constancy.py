@@ -68,7 +68,7 @@ def fitted(logs: list[Log], effect: Effect) -> Candidate:
 
 @dataclass(frozen=True)
 class Curved(Bow):
-    """A reading that is not straight, + c y²: no linear motion can mimic it."""
+    """A nonlinear reading, + c y²: no linear motion can mimic it."""
 
     name: ClassVar[str] = "curved"
 
@@ -80,7 +80,7 @@ class Curved(Bow):
 
 
 def log_of(size: Array | float, seed: int, noise: Array | None = None) -> Log:
-    """A log of a reading that is not straight, whose size may vary with the time."""
+    """A log of a nonlinear reading, whose size may vary with the time."""
     own = NOISE * np.random.default_rng(seed).normal(size=N) if noise is None else noise
     return linear_log(added=size * ANGLE**2 + own, seed=seed)
 
