@@ -81,11 +81,11 @@ class Effect(ABC):
         How many times the time constant of a lag its amplitude is, where that is a time and both
         are as late.
     has_one_form
-        Whether its law is exact, so that it mends the form of no other and needs no mending.
+        Whether the law is exact: it corrects the form of no other law, and none corrects its own.
     begins_with_log
         Whether it goes on from the beginning of every log, as if nothing had been before.
     readings
-        Parameters that are told less the sensor zero of a log, as positions and readings are.
+        Parameters stored without the sensor zero of a log, as positions and readings are.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one; None for others.
     """
@@ -132,7 +132,7 @@ class Effect(ABC):
         return None
 
     def differs_within(self, values: Mapping[str, float]) -> float:
-        """Time in s within which alone it differs from that simpler effect; infinite without one.
+        """Time scale in s on which it still differs from `simpler`; infinite without one.
 
         Parameters
         ----------

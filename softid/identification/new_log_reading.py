@@ -65,7 +65,7 @@ def input_as_fitted(log: Log, reading: InputReading) -> Log:
     log
         As it was recorded.
     reading
-        How that of the fitted logs was taken: one that is held goes on nowhere.
+        How the fitted logs' input was taken; a held input is not bridged between readings.
     """
     whole = log if reading.intersample in HELD else without_repeats(log)
     return without_input_noise(whole) if reading.noise == AVERAGED else whole

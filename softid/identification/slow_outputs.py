@@ -48,7 +48,7 @@ class SlowOutputLog(Log):
 
     @property
     def as_recorded(self) -> Log:
-        """The other one: the input has its extremes between the readings."""
+        """The log with all its rows: the input has extremes between the output samples."""
         return self.recorded
 
     def at_samples_alone(self) -> Log:

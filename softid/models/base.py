@@ -131,7 +131,7 @@ class Model(ABC):
     sticks
         Whether it may rest off its equilibrium, held by dry friction.
     is_linear
-        Whether its coefficients stay whatever the input does.
+        Whether the law is linear with constant coefficients, whatever the input.
     inertia_parameter, stiffness_parameter
         Parameters that are the inertia and the stiffness; None where none of them is.
     force_unit

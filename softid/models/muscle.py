@@ -34,9 +34,10 @@ GROWING = 0.1
 class Muscle(Model):
     """M·ẍ + N(p)·ẋ + Q(p)·x = P(p) with P = exp(b1·p), Q = a1·P + c1, N = a2·exp(b2·p) + c2.
 
-    x is the contraction L0 − L, p the pressure in bar. P has no factor of its own, which fixes the
-    scale: M, N and Q are not in SI units. At rest x∞(p) = 1/(a1 + c1·exp(−b1·p)), a sigmoid that
-    does not pass through zero at p = 0.
+    x is the recorded angle, contraction or position; with the arc geometry, the contraction L0 − L.
+    p is the pressure in bar. P has no factor of its own, which fixes the scale: M, N and Q are not
+    in SI units. At rest x∞(p) = 1/(a1 + c1·exp(−b1·p)), a sigmoid that does not pass through zero
+    at p = 0.
 
     Attributes
     ----------
@@ -144,7 +145,7 @@ class Muscle(Model):
         x = self.x_unit
         declared = (
             _positive("M", 1e-3, f"s²/{x}", "inertia", "Eq 4"),
-            _positive("a1", 1e-2, f"1/{x}", "inverse of the largest contraction", "Eq 5"),
+            _positive("a1", 1e-2, f"1/{x}", "inverse of the largest x", "Eq 5"),
             _positive("b1", 2.0, "1/bar", "steepness of the static curve", "Eq 5", 1e-3, 300.0),
             _positive("c1", 1.0, f"1/{x}", "pressure-independent part of the stiffness", "Eq 5"),
             _positive("a2", 1e-4, f"s/{x}", "damping that changes with pressure", "Eq 6"),
@@ -283,7 +284,7 @@ class Muscle(Model):
         zero: float,
         keep: int,
     ) -> Products | None:
-        """Summed unless the output is a distance, no line in x; see `Model.products`."""
+        """Summed unless the output is a distance, nonlinear in x; see `Model.products`."""
         if channel == "distance" and self.geometry is not None:
             return None
         (level,), (gain,) = self.observed(np.zeros(1), channel)

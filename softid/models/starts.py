@@ -1,6 +1,6 @@
 """Start values of the muscle law from data alone.
 
-With a1 = 1 the law answers with x/X, where X = 1/a1 is the largest contraction, so that for given
+With a1 = 1 the law answers with x/X, where X = 1/a1 is the largest x, so that for given
 steepness b1, midpoint p50 and time constant the measured output is linear in X and in one sensor
 zero per segment. With that linear solve inside, a coarse grid over the three finds the static
 curve, a grid over frequency and damping ratio the motion, and a few variants how the damping goes

@@ -298,24 +298,24 @@ def _fall(candidate: Candidate, other: Candidate) -> float:
 
 
 def with_intersample(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
-    """The logs with a declared reading of the input in place of another; a held one is told."""
+    """The logs with this intersample behaviour; a held one gets an issue that says so."""
     read = tuple(_quietly_read_as(log, reading) for log in logs)
     return as_held(read, reading) if reading in HELD and read else read
 
 
 def _quietly_read_as(log: Log, reading: Intersample) -> Log:
-    """The log with another reading of the input, and no word of it."""
+    """The log with this intersample behaviour, without the issue that says so."""
     issues = tuple(issue for issue in log.issues if issue.code != HELD_INPUT)
     return replace(read_as(log, reading), issues=issues)
 
 
 def recordings_read_as(recordings: Recordings, reading: Intersample) -> Recordings:
-    """As `with_intersample`, of the logs to explain; those that judge are read alike.
+    """Fitted and held-out logs with this intersample behaviour; an issue is on the fitted alone.
 
     Parameters
     ----------
     recordings
-        Both.
+        The logs.
     reading
         What the input does between its samples.
     """

@@ -96,12 +96,12 @@ def is_regular(log: Log) -> bool:
 class AveragedLog(KnottedLog):
     """A log with a value from every few samples of another one in their place.
 
-    Its input goes straight between its samples; ``intersample`` is the reading of the other one.
+    Its input goes straight between its samples; ``intersample`` is the reading of ``recorded``.
 
     Attributes
     ----------
     recorded
-        The other one.
+        The log whose samples were averaged.
     count
         Samples in a value.
     knots
@@ -118,11 +118,14 @@ class AveragedLog(KnottedLog):
 
     @property
     def as_recorded(self) -> Log:
-        """The other one: nodes of a straight input lie beyond its extremes."""
+        """The log before averaging: the nodes of the averaged input overshoot its extremes.
+
+        So ranges are read there.
+        """
         return self.recorded
 
     def at_samples(self) -> Log:
-        """The other one, read as this one is, without the samples of values that do not count."""
+        """The log before averaging, read as this one is, without the samples of masked values."""
         masked = np.repeat(self.masked, self.count)
         rest = np.ones(len(self.recorded) - masked.size, bool)
         recorded = self.recorded.with_masked(np.concatenate((masked, rest)))

@@ -174,7 +174,7 @@ class WhitenedObjective(Objective):
         return self._with_prior(whitened)
 
     def bend(self, z: Array, step: Array, normal: NormalEquations) -> Array | None:
-        """As for white noise; what is whitened goes straight."""
+        """Geodesic acceleration for white noise; None for whitened residuals: no step is corrected."""
         return super().bend(z, step, normal) if self.whitener is None else None
 
 
