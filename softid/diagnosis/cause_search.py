@@ -275,7 +275,7 @@ class CauseSearch:
         return replace(found, is_named=(False,) * len(found.is_named))
 
     def without_causes(self) -> SearchResult | None:
-        """The base alone, if it leaves no more than what tells the noise.
+        """The base alone, if its residual shows nothing but noise.
 
         What explains a part of that, and may not be named, is no more than chance then.
         """

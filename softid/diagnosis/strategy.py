@@ -29,13 +29,13 @@ BETTER_BASE = 0.98
 
 
 class Explanations(Protocol):
-    """What else explains a misfit than a cause."""
+    """Explanations of a misfit other than a cause."""
 
     def all(self, base: BaseFit) -> Sequence[object]:
-        """Other explanations of what a base leaves; nothing where there is none."""
+        """All explanations of what a base leaves; empty where there is none."""
 
     def outdo(self, base: BaseFit, cause: Candidate) -> bool:
-        """Whether they leave nothing to look for beside the best cause."""
+        """Whether an explanation is so much better than the best cause that no search is needed."""
 
 
 def search_causes(

@@ -47,7 +47,7 @@ class GaugeErrors:
 
     @property
     def are_there(self) -> bool:
-        """Whether there are any."""
+        """Whether the gauge has noise or steps."""
         return self.sd > 0.0 or self.step > 0.0
 
     def rounding(self, time_s: Array, rng: np.random.Generator) -> Array:

@@ -147,7 +147,7 @@ class Explained:
 
     @classmethod
     def by(cls, problem: Problem, optimum: Optimum) -> Explained:
-        """What an optimum explains; of long logs, what one of a part of them does.
+        """From a fit at its optimum; of long logs, from the optimum over a part of them.
 
         Parameters
         ----------

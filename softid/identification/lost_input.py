@@ -94,7 +94,7 @@ def apart(one: Simulation, other: Simulation, log: Log) -> Array:
 
 
 def with_course(log: Log, change: Callable[[Log], Log]) -> Log:
-    """The log with another course of its input, which that of a slow output has in its recording.
+    """The log with another course of its input; a log of a slow output keeps it with all its rows.
 
     Parameters
     ----------

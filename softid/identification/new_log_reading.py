@@ -74,7 +74,7 @@ def input_as_fitted(log: Log, reading: InputReading) -> Log:
 def read_as_fitted(
     logs: Sequence[Log], reading: object, model: Model, values: Mapping[str, float]
 ) -> tuple[Log, ...]:
-    """Logs that were not fitted, with the reading of those that were, or held in the other way.
+    """New logs with the intersample behaviour of the fitted ones, or the other way of holding.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def read_as_fitted(
 
 
 def explained_best(versions: Sequence[Log], model: Model, values: Mapping[str, float]) -> Log:
-    """The first reading of a log, or another held one that explains it better, which is told.
+    """The first version of a log, or another that is explained better, with an issue saying so.
 
     Steps do not tell whether an input is held at every sample or jumps within one; a sine that is
     not fitted does, by half a sampling interval. Its zero and initial state are found alongside.

@@ -36,7 +36,7 @@ def repeated_readings(log: Log) -> BoolArray:
 
 
 def rows_without_news(log: Log) -> BoolArray:
-    """The same with what is masked, shape (n,)."""
+    """As `repeated_readings`, masked rows included, shape (n,)."""
     every = np.ones(len(log), bool)
     for name in log.outputs:
         if name == COMMAND:
@@ -46,7 +46,7 @@ def rows_without_news(log: Log) -> BoolArray:
 
 
 def _repeated(time_s: Array, values: Array) -> BoolArray:
-    """At which rows one channel does; missing ones say nothing."""
+    """At which rows one channel repeats the value before; a missing value repeats none."""
     known = np.flatnonzero(np.isfinite(values))
     found = np.zeros(values.size, bool)
     hold = hold_of(time_s[known], values[known])

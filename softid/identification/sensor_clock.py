@@ -37,9 +37,9 @@ class SensorClock:
     Attributes
     ----------
     first_s
-        One of the times.
+        Time of one reading.
     period_s
-        Their distance.
+        Time between two readings.
     allowance_s
         How much earlier than its reading a row may be by the rounding of a log's times.
     """

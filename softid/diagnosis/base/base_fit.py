@@ -189,12 +189,12 @@ class BaseFit:
     is_read_openly: bool = False
 
     def judged_by(self, logs: Sequence[Log]) -> BaseFit:
-        """The same fit, judged by logs that are read otherwise.
+        """The same fit with other held-out logs, such as those with another intersample behaviour.
 
         Parameters
         ----------
         logs
-            The logs that judge.
+            The held-out logs.
         """
         identified = replace(self.identified, hold_out=tuple(logs))
         held_out = HeldOutLogs(identified.hold_out, self.gauges)
@@ -246,7 +246,7 @@ class Recordings:
     hold_out: tuple[Log, ...]
 
     def each(self, change: Callable[[Log], Log]) -> Recordings:
-        """Every log changed alike; the same object where none is."""
+        """Fitted and held-out logs, each with the change; the same object where none differs."""
         logs, hold_out = [change(log) for log in self.logs], [change(log) for log in self.hold_out]
         pairs = zip((*self.logs, *self.hold_out), (*logs, *hold_out), strict=True)
         if all(before is after for before, after in pairs):

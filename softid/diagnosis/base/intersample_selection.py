@@ -252,7 +252,9 @@ def _independent_share(candidate: Candidate) -> float:
 def refitted_as(
     candidate: Candidate, sigma: Mapping[str, float], reading: Intersample
 ) -> Candidate | None:
-    """The model refitted with another reading of the input; None where that does not go.
+    """The model refitted with another intersample behaviour of the input.
+
+    None where its unknowns differ with that, or the response is not finite.
 
     Parameters
     ----------

@@ -156,7 +156,7 @@ class _Change:
     values: Mapping[str, float]
 
     def is_small(self, size: float) -> bool:
-        """Whether a change may be that of one rig; its bounds alone limit one in seconds."""
+        """Whether the change is small enough for one rig; only its bounds limit a delay."""
         return self.kind == DELAY or abs(size) <= LARGEST_SHARE
 
     def on(self, log: Log) -> tuple[float, float | None]:

@@ -36,7 +36,7 @@ class Probe(Effect):
     kinds: ClassVar[Mapping[str, tuple[str, float]]]
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The sizes, about zero."""
+        """Sizes of the changes, with bounds that are symmetric about zero."""
         del scale
         return ParameterSet(
             tuple(
@@ -46,7 +46,7 @@ class Probe(Effect):
         )
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Nothing changed."""
+        """One start, at which nothing is changed."""
         del scale
         return (dict.fromkeys(self.kinds, 0.0),)
 

@@ -195,7 +195,7 @@ class _Jumps:
 
     @classmethod
     def of(cls, log: Log, *, most: float) -> _Jumps:
-        """Those of a log, none where there are too many; held ones take next to no time."""
+        """Jumps of a log's input, none if there are more than ``most``; held ones are instant."""
         values, reading = log.channels[log.input].values, log.between_samples
         read_s, read = log.time_s, values
         if log.input_read_s is not None:
@@ -209,7 +209,7 @@ class _Jumps:
         return cls(begin_s, end_s, np.diff(read)[at])
 
     def is_in_one(self, time_s: Array) -> Array:
-        """1 for the last sample before each, the first one after it and what is between, else 0."""
+        """1 from the last sample before each jump to the first one after it, else 0."""
         first = np.searchsorted(time_s, self.begin_s, side="right") - 1
         last = np.searchsorted(time_s, self.end_s)
         inside = np.zeros(time_s.size + 1)
@@ -219,7 +219,7 @@ class _Jumps:
         return inside_any
 
     def until(self, time_s: Array) -> Array:
-        """What all of them add to the input at some times."""
+        """Sum of the heights of all jumps up to some times, in part for one under way there."""
         if self.heights.size == 0:
             return np.zeros(time_s.size)
         risen = np.cumsum(self.heights)
@@ -227,7 +227,7 @@ class _Jumps:
         return np.interp(time_s, ends, np.column_stack((risen - self.heights, risen)).ravel())
 
     def knots_beside(self, time_s: Array) -> Array:
-        """When they begin and end, but at none of some times, in order."""
+        """Times at which jumps begin and end, in order, without those at given times."""
         knot_s = np.concatenate((self.begin_s, self.end_s))
         return absent_times(time_s, knot_s, APART * float(np.median(np.diff(time_s))))
 

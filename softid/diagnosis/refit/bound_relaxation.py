@@ -37,9 +37,10 @@ NEAR = 1e-3
 
 
 def with_own_bounds(candidate: Candidate) -> Candidate:
-    """The candidate with bounds that go by its own sizes where an effect is held at one.
+    """The candidate with wider bounds where a parameter of an effect lies on one.
 
-    Bounds of forces go by its elastic force, those of readings by its sensor zeros.
+    They follow from the candidate's own sizes in place of the base's: bounds of forces from its
+    elastic force, those of readings from its sensor zeros.
 
     Parameters
     ----------
@@ -95,7 +96,7 @@ def _with_own_zeros(candidate: Candidate, scale: Scale) -> Scale:
 def released(
     candidate: Candidate, earlier: Sequence[Effect], sigma: Mapping[str, float]
 ) -> Candidate:
-    """The candidate, or what a start away from the bounds of its earlier effects leads to.
+    """The candidate refitted from a start off the bounds of its earlier effects, if that is better.
 
     Parameters
     ----------

@@ -106,7 +106,7 @@ class Candidate:
 
     @property
     def is_pulled(self) -> bool:
-        """Whether the prior holds it back from where the logs want it."""
+        """Whether the prior keeps it away from the optimum of the logs alone."""
         return self.prior.cost(self.minimum.point) > PULLS * self.prior.variance
 
     @property
@@ -131,7 +131,7 @@ class Candidate:
 
     @property
     def at_upper_bound(self) -> frozenset[str]:
-        """Those of them that lie on their upper bound."""
+        """Free parameters that lie on their upper bound where it stands."""
         values, rows = self.parameters, self.problem.parameters
         nearer = {n for n in self.at_bound if values[n] > 0.5 * (rows[n].lower + rows[n].upper)}
         return frozenset(nearer)
@@ -174,7 +174,7 @@ class WhitenedObjective(Objective):
         return self._with_prior(whitened)
 
     def bend(self, z: Array, step: Array, normal: NormalEquations) -> Array | None:
-        """Geodesic acceleration for white noise; None for whitened residuals: no step is corrected."""
+        """Geodesic acceleration for white noise; None, so no correction, for whitened residuals."""
         return super().bend(z, step, normal) if self.whitener is None else None
 
 
@@ -340,7 +340,7 @@ def limited_plans(problem: Problem, unknowns: Array, substeps: int) -> list[Divi
 def limited_plan(
     plan: Division | None, segment: Segment, law: Law | None, substeps: int
 ) -> Division | None:
-    """One of `limited_plans`.
+    """The division of one segment's sampling intervals, as in `limited_plans`.
 
     Parameters
     ----------

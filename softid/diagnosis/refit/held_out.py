@@ -84,7 +84,7 @@ class HeldOut(ABC):
         """
 
     def judging(self, candidate: Candidate) -> list[HeldOutErrors]:
-        """The same at the samples that can judge, which all can unless said otherwise.
+        """Measured values and residual at the held-out samples that count; by default all do.
 
         Parameters
         ----------
@@ -98,14 +98,14 @@ class HeldOut(ABC):
         return _joined(self.errors(candidate), candidate)
 
     def rms(self, candidate: Candidate) -> float:
-        """Root mean square of the first output's residual over what can judge.
+        """Root mean square of the first output's residual over the held-out samples that count.
 
-        NaN where nothing can; infinite where the candidate runs away there.
+        NaN where none does; infinite where the candidate runs away there.
         """
         return float(np.sqrt(mean_power([_joined(self.judging(candidate), candidate)])))
 
     def runs(self, candidate: Candidate) -> list[Array]:
-        """Residuals of the first output over what can judge, by log and segment."""
+        """Residuals of the first output at the samples that count, by log and segment."""
         first = candidate.problem.outputs[0]
         return [row.residual for row in self.judging(candidate) if row.channel == first]
 
@@ -123,9 +123,9 @@ class HeldOut(ABC):
 
     @abstractmethod
     def slopes(self, candidate: Candidate) -> Array:
-        """How what can judge follows the free parameters, shape (m, F).
+        """Derivatives of the samples that count by the free parameters, shape (m, F).
 
-        Derivatives of the first output, F in the order and on the scales of ``problem.free``, as
+        Of the first output, F in the order and on the scales of ``problem.free``, as
         far as sensor zeros and initial states of what is held out do not make up for them.
 
         Parameters

@@ -37,7 +37,7 @@ SPLITS = ". What splits them: "
 
 
 def is_linear(base: FitResult) -> bool:
-    """Whether a model's coefficients stay whatever the input does."""
+    """Whether a model is linear with constant coefficients, whatever the input."""
     return MODELS[base.model.name].is_linear
 
 

@@ -82,7 +82,7 @@ class OtherExplanations:
         return found is not None and found.outdoes(cause)
 
     def all(self, base: BaseFit) -> tuple[Issue, ...]:
-        """Any of these, or a law in no catalogue.
+        """The events, or where there is none a law in no catalogue.
 
         Parameters
         ----------

@@ -385,7 +385,7 @@ def what_it_may_be(remainder: Remainder) -> str:
 
 
 def with_open_moments(count: int) -> str:
-    """That it does so with the moments of so many jumps left open; empty for none.
+    """End of a sentence: that something holds once the moments of jumps are free; else empty.
 
     Parameters
     ----------

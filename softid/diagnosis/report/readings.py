@@ -18,7 +18,7 @@ MOST_LOGS = 3
 
 
 def reading_issues(found: Diagnosis) -> tuple[Issue, ...]:
-    """At which readings causes act whose parameters are told less the sensor zeros.
+    """Readings at which causes act whose parameters are stored without the sensor zeros.
 
     Parameters
     ----------

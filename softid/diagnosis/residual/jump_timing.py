@@ -179,7 +179,7 @@ class JumpResponses:
         variance: float,
         slopes: Sequence[Array],
     ) -> JumpResponses | None:
-        """Those of a model where it stands; None where no input jumps.
+        """Responses of a model, at its present parameters, to all jumps; None where none jumps.
 
         Parameters
         ----------
@@ -228,7 +228,10 @@ class JumpResponses:
         return OpenJumps(tuple(left), integrals)
 
     def with_misfit(self) -> OpenJumps:
-        """As `opened`, where a misfit hides the moments: as much of it as is left beside them."""
+        """As `opened`, with the variance of what is left beside the moments, found by iteration.
+
+        A misfit hides the moments, as noise of its size would.
+        """
         least = float(np.finfo(float).tiny)
         found = self.opened(max(mean_square(self.parts), least))
         for _ in range(SETTLING):

@@ -59,7 +59,7 @@ def mean_square(parts: Sequence[ResidualContext]) -> float:
 
 
 def samples_alike(candidate: Candidate) -> int:
-    """How many samples apart the noise is another one.
+    """Distance in samples from which on the noise of two readings is independent.
 
     An effect may make neighbours alike, and those that were interpolated share a reading.
 

@@ -90,7 +90,7 @@ class NoiseFloor:
 
     @property
     def is_known(self) -> bool:
-        """Whether it does not depend on what the motion leaves."""
+        """Whether rests or rounding told the noise, which no misfit of the motion changes."""
         return self.from_rest or self.from_rounding
 
 

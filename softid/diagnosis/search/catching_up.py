@@ -64,10 +64,8 @@ def is_at_same_place(candidate: Candidate, other: Candidate) -> bool:
 
     Parameters
     ----------
-    candidate
-        Where it stands.
-    other
-        The other one.
+    candidate, other
+        Two candidates, each at its present unknowns.
     """
     mine, problem = candidate.problem, other.problem
     if candidate.keys != other.keys or mine.free != problem.free or mine.size != problem.size:
@@ -115,7 +113,7 @@ def can_catch_up(candidate: Candidate, leader: float, *, gained: float = 0.0) ->
 
 
 def is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: float) -> bool:
-    """Whether a better one with the same effects will not be left behind by this one.
+    """Whether another candidate with the same effects is better, and this one cannot pass it.
 
     Of one law only the best optimum counts, so being near is not enough, nor is a promise that a
     round did not begin to keep.

@@ -140,7 +140,7 @@ def candidate_at(
     scale: Scale,
     sigma: Mapping[str, float],
 ) -> tuple[float, Candidate]:
-    """The sum of squares at one start of an effect over a base that stands anywhere, and there.
+    """The sum of squares at one start of an effect added to the base, and the candidate there.
 
     Parameters
     ----------

@@ -79,7 +79,7 @@ def is_richer(effect: Effect, plain: Effect, scale: Scale) -> bool:
 
 
 def is_twin(effect: Effect, other: Effect, scale: Scale) -> bool:
-    """Whether one acts on the input and one on the reading, with the same parameters.
+    """Whether two effects have the same parameters, one on the input and one on the reading.
 
     Parameters
     ----------

@@ -114,12 +114,12 @@ class Link:
 
     @property
     def extending(self) -> tuple[Ranked, ...]:
-        """All that were ranked but what they extend."""
+        """The ranked models without the one that they extend."""
         return tuple(row for row in self.ranked if row is not self.before)
 
     @property
     def contenders(self) -> tuple[Candidate, ...]:
-        """The same at their optimum for white noise."""
+        """The ranked models without the one that they extend, at their optimum for white noise."""
         return tuple(row.plain for row in self.extending)
 
     @property

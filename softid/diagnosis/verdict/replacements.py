@@ -53,7 +53,7 @@ class Replacement:
     behind
         A BIC that is less above that of the causes says as much.
     beside
-        Name of another cause beside which alone that is done; empty for any.
+        Name of another cause that must be named as well; empty where none must.
     """
 
     causes: tuple[str, ...]
@@ -66,7 +66,7 @@ class Replacement:
         return effect.name in self.causes or effect.key in self.causes
 
     def asks(self, named: Sequence[Effect]) -> bool:
-        """Whether one of its causes is named, beside the other that it wants.
+        """Whether one of `causes` is named, and `beside` too where it is given.
 
         Parameters
         ----------

@@ -63,7 +63,7 @@ class ConstantRate(Effect):
         return one_parameter("rate", start, unit, -bound, bound, "rate of change", self.source)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Either way."""
+        """Two starts: a rate of either sign."""
         rate = START * self.largest(scale)[0]
         return ({"rate": rate}, {"rate": -rate})
 

@@ -92,7 +92,7 @@ class BentReading(OutputEffect):
         return ParameterSet(tuple(wave(k, name) for k, name in enumerate(self.amplitudes, 1)))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Bent either way."""
+        """Two starts: the reading bends to either side."""
         del scale
         straight = dict.fromkeys(self.amplitudes, 0.0)
         return tuple({**straight, "b1": bend} for bend in (START_BENT, -START_BENT))
@@ -139,7 +139,7 @@ class PositionDamping(StateEffect):
         return ParameterSet(tuple(declared))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """The same everywhere."""
+        """One start: a damping that is the same at every position."""
         del scale
         return (dict.fromkeys(self.amplitudes, 0.0),)
 
@@ -232,7 +232,7 @@ class SecondCreep(StateEffect):
     follows_position: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """Those of a creep."""
+        """Stiffness and time of a creep."""
         return effect_of("creep").parameters(scale)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
