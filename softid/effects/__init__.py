@@ -3,7 +3,12 @@
 from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.building import effect_of, effects_of, model_of
 from softid.effects.catalogue import EFFECTS
-from softid.effects.extended_model import ExtendedModel, belongs_to, extended_name, own_values
+from softid.effects.extension.extended_model import (
+    ExtendedModel,
+    belongs_to,
+    extended_name,
+    own_values,
+)
 from softid.effects.registration import register_effect
 from softid.effects.scale import Scale
 

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from softid.effects.base import Effect
 from softid.effects.catalogue import EFFECTS
-from softid.effects.extended_model import ExtendedModel
+from softid.effects.extension.extended_model import ExtendedModel
 from softid.effects.scale import Scale
 from softid.errors import UsageError
 from softid.models import MODELS, Model

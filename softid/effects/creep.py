@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from softid.effects.base import LEAST_AMPLITUDE, StateEffect
 from softid.effects.scale import Scale
-from softid.effects.settling import SettlingShare, settling_starts, settling_time
+from softid.effects.shared_laws.settling import SettlingShare, settling_starts, settling_time
 from softid.kernels.terms import FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
 

@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import InputEffect
+from softid.effects.extension.stage_input import holds_jumps
 from softid.effects.scale import Scale
-from softid.effects.stage_input import holds_jumps
-from softid.effects.time_constants import first_time
+from softid.effects.shared_laws.time_constants import first_time
 from softid.kernels.earlier_input import means_between, read_at
 from softid.parameters import Parameter, ParameterSet
 

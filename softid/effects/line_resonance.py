@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.effects.base import InputEffect
 from softid.effects.scale import Scale
-from softid.effects.second_order import (
+from softid.effects.shared_laws.second_order import (
     as_lag,
     ringing_parameters,
     ringing_starts,

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.effects.base import InputEffect
 from softid.effects.scale import Scale
-from softid.effects.time_constants import lag_bounds, lag_times
+from softid.effects.shared_laws.time_constants import lag_bounds, lag_times
 from softid.kernels.filters import lag, lag_by_level
 from softid.parameters import Parameter, ParameterSet
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from softid.effects.settling import SettlingShare
+from softid.effects.shared_laws.settling import SettlingShare
 
 SHARES = (1e-4, 1.0)
 """Bounds of the share by which a reading returns: less is lost in any noise, and a sensor whose

@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import OutputEffect
-from softid.effects.finer_motion import PIECES, finer_motion
+from softid.effects.extension.finer_motion import PIECES, finer_motion
 from softid.effects.scale import Scale
-from softid.effects.time_constants import lag_bounds, lag_times
+from softid.effects.shared_laws.time_constants import lag_bounds, lag_times
 from softid.kernels.filters import lag
 from softid.parameters import Parameter, ParameterSet
 

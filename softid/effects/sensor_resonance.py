@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import OutputEffect
-from softid.effects.finer_motion import PIECES, finer_motion
+from softid.effects.extension.finer_motion import PIECES, finer_motion
 from softid.effects.scale import Scale
-from softid.effects.second_order import (
+from softid.effects.shared_laws.second_order import (
     as_lag,
     ringing_parameters,
     ringing_starts,

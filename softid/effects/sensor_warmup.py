@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.effects.base import OutputEffect
 from softid.effects.scale import Scale
-from softid.effects.time_constants import SETTLING_PERIODS, start_times, time_bounds
+from softid.effects.shared_laws.time_constants import SETTLING_PERIODS, start_times, time_bounds
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from softid.effects.base import InputEffect
 from softid.effects.pneumatic_lag import RATIOS, ratio_of_times
 from softid.effects.scale import Scale
-from softid.effects.time_constants import lag_bounds, lag_times
+from softid.effects.shared_laws.time_constants import lag_bounds, lag_times
 from softid.kernels.valve import valve_flow
 from softid.parameters import Parameter, ParameterSet
 

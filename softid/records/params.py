@@ -124,7 +124,7 @@ def effect_entries(spec: ModelSpec) -> list[Plain]:
         return []
     from softid.effects import Scale  # only an extended model needs the catalogue
     from softid.effects.building import effect_of
-    from softid.effects.extended_model import extended_name
+    from softid.effects.extension.extended_model import extended_name
 
     scale = Scale(**spec.scale)  # type: ignore[arg-type]
     return [

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from softid.effects import EFFECTS, ExtendedModel, Scale
-from softid.effects.motion import simulate_motion
+from softid.effects.extension.motion import simulate_motion
 from softid.log import Log
 from softid.models import Equilibrium
 from softid.segment import Segment

@@ -12,9 +12,9 @@ from io_rig import SCALE, extended, pressure, segment
 from softid.effects import Scale
 from softid.effects.base import InputEffect
 from softid.effects.delay import Delay
-from softid.effects.extended_model import ExtendedModel
+from softid.effects.extension.extended_model import ExtendedModel
+from softid.effects.extension.stage_input import arriving_input
 from softid.effects.pneumatic_lag import LevelPneumaticLag, PneumaticLag, SeparatePneumaticLag
-from softid.effects.stage_input import arriving_input
 from softid.kernels.radau import STAGES
 from softid.log import Log
 from softid.models.division import divided

@@ -12,7 +12,7 @@ from softid.diagnosis import diagnose
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis_results import Verdict
 from softid.effects import effects_of
-from softid.effects.extended_model import ExtendedModel
+from softid.effects.extension.extended_model import ExtendedModel
 from softid.fitters.problem import Problem
 from softid.kernels.filters import lag
 from softid.log import Log

@@ -11,7 +11,7 @@ from slow_camera import slow
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.effects import effects_of
-from softid.effects.extended_model import ExtendedModel
+from softid.effects.extension.extended_model import ExtendedModel
 from softid.identification.lost_input import MATTERS
 from softid.identification.slow_outputs import SlowOutputLog, at_readings
 from softid.identification.stalls import MOST_LEFT_OUT, across_stalls, as_remembered

@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import STAGES, Effect, InputEffect, OutputEffect, StateEffect
-from softid.effects.motion import simulate_motion
-from softid.effects.rest import rest
+from softid.effects.extension.motion import simulate_motion
+from softid.effects.extension.rest import rest
+from softid.effects.extension.stage_input import arriving_input
 from softid.effects.scale import Scale
-from softid.effects.stage_input import arriving_input
 from softid.kernels.step_counts import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
 from softid.models.base import Model, MotionTerm, Response
 from softid.models.division import Division, divide, divided

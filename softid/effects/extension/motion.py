@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import StateEffect
-from softid.effects.rest import rest_by, rest_position
+from softid.effects.extension.rest import rest_by, rest_position
+from softid.effects.extension.terms import Terms, terms_of
 from softid.effects.scale import Scale
-from softid.effects.terms import Terms, terms_of
 from softid.kernels.small_matrix import LANES
 from softid.models.arrived_input import observed, simulate_law_through
 from softid.models.base import Model, Response

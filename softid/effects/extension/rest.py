@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import StateEffect
+from softid.effects.extension.terms import DIFFERENCE, Terms, terms_of
 from softid.effects.scale import Scale
-from softid.effects.terms import DIFFERENCE, Terms, terms_of
 from softid.models.base import Model
 from softid.models.second_order import Law
 
@@ -43,7 +43,7 @@ def rest(
     Parameters
     ----------
     model, effects, scale, theta, eta
-        As in `softid.effects.motion.simulate_motion`.
+        As in `softid.effects.extension.motion.simulate_motion`.
     u
         The input.
     """

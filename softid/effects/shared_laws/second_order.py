@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from softid.effects.scale import Scale
-from softid.effects.time_constants import first_time, last_time
+from softid.effects.shared_laws.time_constants import first_time, last_time
 from softid.parameters import Parameter, ParameterSet
 
 SHORTEST_PERIODS = 4.0

@@ -1,0 +1,1 @@
+"""A model with effects as one model: what moves it, and how it is simulated with derivatives."""

@@ -1,0 +1,1 @@
+"""Laws, and starts of their parameters, that several effects have in common."""
