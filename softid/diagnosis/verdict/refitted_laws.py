@@ -27,6 +27,10 @@ FIRST, REFITTING = 8, 40
 """Evaluations from where a cause stood: of all that is put in its place, over averages, and to the
 optimum of what has come near by then, over averages and from there over all samples."""
 
+MORE_ROUNDS, STILL_FALLS = 3, 0.8
+"""Further rounds of as many evaluations that are granted, as long as each leaves less than this
+share of the one before: the edge of a limit moves over the samples one by one."""
+
 NEAR = 2.0
 """Most times the sum of squares that the causes leave which what is put in their place may leave
 after its first evaluations."""
@@ -133,7 +137,14 @@ def refitted_with(
         ]
     z = min(starts, key=lambda start: squares_at(problem, start, sigma))
     found = advance(begun(known, effects, problem, z), sigma, FIRST, substeps=COARSE)
-    if not found.squares - known.squares <= near - standing.model.squares:
+    limit = known.squares + near - standing.model.squares
+    for _ in range(MORE_ROUNDS):
+        if found.squares <= limit:
+            break
+        before, found = found, advance(found, sigma, FIRST, substeps=COARSE)
+        if not found.squares < STILL_FALLS * before.squares:
+            break
+    if not found.squares <= limit:
         return None
     found = advance(found, sigma, REFITTING, substeps=COARSE)
     if found.squares - known.squares > enough - standing.model.squares:

@@ -129,15 +129,15 @@ def with_replacements(
     asked = _asked(named, is_linear=final.problem.model.is_linear) if named else []
     if not asked:
         return list(links)
-
-    standing = standing_of(final, base)
-
-    def refitted(replacement: Replacement, laws: Sequence[Effect]) -> Candidate | None:
-        out = {effect.key for effect in named if replacement.takes(effect)}
-        kept = [effect for effect in final.acting if effect.key not in out]
-        return refitted_with(standing, kept, laws, near=NEAR * final.squares)
-
-    others = in_parallel(lambda pair: refitted(*pair), asked)
+    beside = [[e for e in final.acting if e not in named or not row.takes(e)] for row, _ in asked]
+    if len(named) < len(final.effects):  # what is described may come of the wrong name
+        alone = [(row, laws) for row, laws in asked if all(row.takes(effect) for effect in named)]
+        asked, beside = asked + alone, beside + [[]] * len(alone)
+    standing, near = standing_of(final, base), NEAR * final.squares
+    others = in_parallel(
+        lambda place: refitted_with(standing, beside[place], asked[place][1], near=near),
+        range(len(asked)),
+    )
     ranked = rank([final, *(other for other in others if other is not None)], base.sigma)
     bic = {id(row.plain): row.bic for row in ranked}
     found, best = list(links), ranked[0].bic + INDISTINCT
