@@ -162,6 +162,16 @@ def _rate_limit(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
     return InputLaw(act, _same)
 
 
+def _supply_limit(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
+    del sizes, occasion
+    top = values["top"]
+
+    def act(t: float, p: float, z: States) -> tuple[float, Rates]:
+        return min(p, top), NO_RATES
+
+    return InputLaw(act)
+
+
 def _input_backlash(values: Values, sizes: Sizes, occasion: Occasion) -> InputLaw:
     del sizes, occasion
     band = values["band"]
@@ -290,6 +300,11 @@ INPUTS: tuple[Hidden, ...] = (
         "rate_limit", "input", "pa' never beyond a limit either way", "limit kPa/s",
         lambda s, rng, size: {"limit": about(rng, 0.8 * s.p_span / (size * s.motion_s))},
         _rate_limit, relation="outside",
+    ),
+    entry(
+        "supply_limit", "input", "pa = min(p, top)", "top kPa",
+        lambda s, rng, size: {"top": (1.0 - min(about(rng, 0.12 * size), 0.5)) * s.p_high},
+        _supply_limit, relation="outside",
     ),
     entry(
         "input_backlash", "input", "pa follows only when p is a band away from it", "band kPa",

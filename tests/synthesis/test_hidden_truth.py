@@ -189,6 +189,14 @@ def test_static_laws_of_the_input() -> None:
     assert shut_kpa == pytest.approx(70.0, rel=5e-3)
 
 
+def test_a_supply_gives_no_more_than_its_limit() -> None:
+    """Below it what comes out of the valve arrives, and 40 kPa of 100 above it."""
+    whole = response("supply_limit", {"top": 200.0}, step(), TIME_S).arriving_kpa
+    limited = response("supply_limit", {"top": 40.0}, step(), TIME_S).arriving_kpa
+    np.testing.assert_allclose(limited, np.minimum(whole, 40.0), atol=1e-6)
+    assert whole[-1] == pytest.approx(100.0)
+
+
 def test_rate_limit_and_backlash() -> None:
     """A straight rise at the limit; a band that stays open on either side."""
     found = response("rate_limit", {"limit": 60.0}, step(), TIME_S)

@@ -29,6 +29,7 @@ def base_over(*names: str, seed: int) -> BaseFit:
         ("input_backlash", "input_play"),
         ("output_backlash", "output_play"),
         ("rate_limit", "rate_limit"),
+        ("supply_limit", "input_limit"),
         ("self_heating", "recovering_softening"),
     ],
 )
