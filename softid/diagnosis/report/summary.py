@@ -285,6 +285,8 @@ def _partial(teller: ErrorTexts, remainder: Remainder, *, is_tied: bool) -> list
         explained += (
             f" on the fitted samples and {percent(remainder.held_out_share)} on those held out"
         )
+    elif remainder.explained_share >= 1.0:  # and yet it may follow from the motion
+        explained = "What is left has no more power than the noise"
     more = teller.more_held_out(remainder, is_tied=is_tied)
     if remainder.structured:
         more = more if remainder.misses_held_out else ""

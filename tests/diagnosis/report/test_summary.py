@@ -127,6 +127,8 @@ def test_partial_names_the_rest() -> None:
     missing = told(replace(found, remainder=elsewhere))
     assert "on the fitted samples and 80 % on those held out." in missing
     assert "The held-out samples keep more" in missing
+    whole = told(replace(found, remainder=replace(found.remainder, explained_share=1.0)))
+    assert "What is left has no more power than the noise. What is left" in whole
 
 
 def test_ambiguous_names_the_set_and_what_splits_it() -> None:
