@@ -98,9 +98,7 @@ class CauseSearch:
         if self._is_astray:
             return self.grow(self._nothing, max_links=1, extra=self.multistart)
         chain = self._first_where_base_stands
-        if chain.bends:
-            return self._raced_with_multistart(chain, NEAR_CURVE)
-        return chain
+        return self._raced_with_multistart(chain, NEAR_CURVE) if chain.bends else chain
 
     @cached_property
     def _first_where_base_stands(self) -> Chain:
@@ -238,7 +236,9 @@ class CauseSearch:
                 continue  # it was raced with its own forms only
             left = self.remainder_of(longer.final)
             if not left.structured and left.explained_share > EXPLAINED:
-                found = self.search(longer)
+                longer = self._of_first_order(longer)  # it leaves noise: no third one is looked for
+                longer = self._revise(longer) if len(longer.links) > 1 else longer
+                found = self.judged(longer, other.final)
                 if found.is_sure:
                     return found
                 self._unsure.append(found.chain.final)
