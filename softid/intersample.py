@@ -26,7 +26,7 @@ Intersample = Literal["straight", "smooth", "held", "zoh"]
 """Straight (first-order hold), smooth where it bends, that and held where it jumps, or held at
 every sample (zero-order hold)."""
 
-READINGS: tuple[Intersample, ...] = ("straight", "smooth", "held", "zoh")
+INTERSAMPLE_CHOICES: tuple[Intersample, ...] = ("straight", "smooth", "held", "zoh")
 """What an input may do between its samples, the plainest first."""
 
 HELD: tuple[Intersample, ...] = ("held", "zoh")

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from softid.channels import Channel, default_outputs, make_channel, read_only
 from softid.errors import InputError, Issue, UsageError
-from softid.intersample import READINGS, Intersample
+from softid.intersample import INTERSAMPLE_CHOICES, Intersample
 from softid.segment import Segment, with_knots
 
 Array = npt.NDArray[np.float64]
@@ -243,14 +243,14 @@ class Log:
         )
 
     @property
-    def reading(self) -> Intersample:
+    def effective_intersample(self) -> Intersample:
         """What the input is taken to have done between the samples that were recorded."""
         return self.intersample or "straight"
 
     @property
     def between_samples(self) -> Intersample:
         """What it is taken to do between the samples of this log, which may be averages."""
-        return self.reading
+        return self.effective_intersample
 
     @property
     def as_recorded(self) -> Log:
@@ -264,14 +264,14 @@ class Log:
         )
 
     def with_intersample(self, intersample: object) -> Log:
-        """The same recording with a reading of its input, if nothing declared one before.
+        """The same recording with an intersample behaviour, if nothing declared one before.
 
         Parameters
         ----------
         intersample
-            One of `READINGS`, as the record of a fit may say; anything else changes nothing.
+            One of `INTERSAMPLE_CHOICES`, as a record of a fit may say; else nothing changes.
         """
-        known = next((name for name in READINGS if name == intersample), None)
+        known = next((name for name in INTERSAMPLE_CHOICES if name == intersample), None)
         if self.intersample is not None or known is None:
             return self
         return replace(self, intersample=known)

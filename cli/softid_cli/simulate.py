@@ -82,7 +82,7 @@ def load_driving(source: Path, channel: tuple[str, ...], saved: SavedModel) -> L
     import numpy as np
 
     from softid.channels import make_channel
-    from softid.identification.new_log_reading import InputReading, input_as_fitted
+    from softid.identification.input_treatment import InputTreatment, input_as_fitted
     from softid.readers import load
 
     columns = assignments(channel, option="--channel", form="NAME=COL:UNIT")
@@ -99,5 +99,5 @@ def load_driving(source: Path, channel: tuple[str, ...], saved: SavedModel) -> L
         if name not in log.channels
     }
     driving = replace(log, channels={**log.channels, **missing}, outputs=saved.outputs)
-    reading = InputReading(saved.intersample, saved.input_noise)
-    return input_as_fitted(driving, reading).with_intersample(saved.intersample)
+    treatment = InputTreatment(saved.intersample, saved.input_noise)
+    return input_as_fitted(driving, treatment).with_intersample(saved.intersample)

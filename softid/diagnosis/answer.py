@@ -15,7 +15,7 @@ from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.report.changes import held_out_change_issues
 from softid.diagnosis.report.issues import refusal_issues, unsure_input_issues
-from softid.diagnosis.report.open_reading import with_open_reading
+from softid.diagnosis.report.open_intersample import with_open_intersample
 from softid.diagnosis.report.other_forms import with_other_forms
 from softid.diagnosis.report.tied_values import with_tied_values
 from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
@@ -123,7 +123,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     )
     answer = with_tied_values(answer, named, len(chain.final.effects))
     answer = with_other_forms(answer, named, chain.final, base)
-    return with_open_reading(answer, chain.final, base)
+    return with_open_intersample(answer, chain.final, base)
 
 
 def _issues_of_rest(

@@ -8,10 +8,10 @@ from typing import Protocol
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.base.intersample_selection import (
-    hold_out_read_as_explained,
+    hold_out_as_explained,
     intersample_after_all_causes,
     intersample_after_first_cause,
-    recordings_read_as,
+    recordings_with_intersample,
 )
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
@@ -124,19 +124,19 @@ def search_with_intersample(
         As in `search_causes`.
     """
     base, first = search.base, first or search.first_cause()
-    now = base.candidate.problem.logs[0].reading
+    now = base.candidate.problem.logs[0].effective_intersample
 
-    def judges_of(reading: Intersample, known: Candidate) -> tuple[Log, ...]:
+    def judges_of(intersample: Intersample, known: Candidate) -> tuple[Log, ...]:
         """What is held out, read as a model with what is known explains it."""
-        changed = recordings_read_as(recordings, reading)
-        return hold_out_read_as_explained(known, reading, base.sigma, changed.hold_out)
+        changed = recordings_with_intersample(recordings, intersample)
+        return hold_out_as_explained(known, intersample, base.sigma, changed.hold_out)
 
-    def searched_as(reading: Intersample | None, known: Candidate) -> Searched:
-        reading = reading or now
-        judges = judges_of(reading, known)
-        if reading == now and _readings(judges) == _readings(base.identified.hold_out):
+    def searched_as(intersample: Intersample | None, known: Candidate) -> Searched:
+        intersample = intersample or now
+        judges = judges_of(intersample, known)
+        if intersample == now and _intersamples(judges) == _intersamples(base.identified.hold_out):
             return search_causes(recordings, request, search, others, first, is_in_doubt=True)
-        changed = replace(recordings_read_as(recordings, reading), hold_out=judges)
+        changed = replace(recordings_with_intersample(recordings, intersample), hold_out=judges)
         again = request.fit_base(changed.logs, judges, thorough=False)
         over = replace(search, base=again)
         return search_causes(changed, request, over, others, is_in_doubt=True)
@@ -147,21 +147,23 @@ def search_with_intersample(
     )
     if len(found.chain.links) > 1:
         final = found.chain.final
-        reading = intersample_after_all_causes(final, last.base.sigma, found.remainder.excess)
-        if reading is not None:
-            return searched_as(reading, final)
-        judges = judges_of(last.base.candidate.problem.logs[0].reading, final)
-        if _readings(judges) != _readings(last.base.identified.hold_out):
+        intersample = intersample_after_all_causes(final, last.base.sigma, found.remainder.excess)
+        if intersample is not None:
+            return searched_as(intersample, final)
+        judges = judges_of(last.base.candidate.problem.logs[0].effective_intersample, final)
+        if _intersamples(judges) != _intersamples(last.base.identified.hold_out):
             other = replace(last, base=last.base.judged_by(judges))
             again = other.judged(found.chain, found.first)
             return replace(again, met_multistart=found.met_multistart), other
     elif last.promising is not None:
         model = last.promising
-        reading = model.problem.logs[0].reading
-        if _readings(judges_of(reading, model)) != _readings(last.base.identified.hold_out):
-            return searched_as(reading, model)
+        intersample = model.problem.logs[0].effective_intersample
+        if _intersamples(judges_of(intersample, model)) != _intersamples(
+            last.base.identified.hold_out
+        ):
+            return searched_as(intersample, model)
     return found, last
 
 
-def _readings(logs: Iterable[Log]) -> list[Intersample]:
-    return [log.reading for log in logs]
+def _intersamples(logs: Iterable[Log]) -> list[Intersample]:
+    return [log.effective_intersample for log in logs]

@@ -17,8 +17,8 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import Recordings, Request
 from softid.diagnosis.base.intersample_selection import (
-    reading_unless_held,
-    recordings_read_as,
+    choice_unless_held,
+    recordings_with_intersample,
     refitted_as,
 )
 from softid.diagnosis.cause_search import CauseSearch
@@ -65,7 +65,7 @@ def search_with_jump_moments(
         Causes in the logs as they were recorded, and the search over these; None where there are
         none that are sure, or no jumps whose moments hide anything.
     """
-    plain = recordings_read_as(recordings, reading_unless_held(recordings.logs))
+    plain = recordings_with_intersample(recordings, choice_unless_held(recordings.logs))
     whole: CauseSearch | None = None
     for chain in _chains(plain, request, search, known):
         meant = {name for link in chain.links for name in (link.added.name, *link.rivals)}
@@ -82,7 +82,7 @@ def _chains(
 ) -> Iterator[Chain]:
     """The known chain, where jumps were held in it, and those that timed jumps lead to."""
     chain = known
-    if _reading(plain.logs) != _reading(chain.final.problem.logs):
+    if _intersample(plain.logs) != _intersample(chain.final.problem.logs):
         yield chain
     for _ in range(ROUNDS):
         timed = timed_recordings(plain, search, chain.final)
@@ -95,13 +95,13 @@ def _chains(
         yield chain
 
 
-def _reading(logs: Iterable[Log]) -> Intersample:
-    return next(iter(logs)).reading
+def _intersample(logs: Iterable[Log]) -> Intersample:
+    return next(iter(logs)).effective_intersample
 
 
 def _over(recordings: Recordings, request: Request, search: CauseSearch) -> CauseSearch:
     """The search over the logs as they are read here."""
-    if _reading(recordings.logs) == _reading(search.base.candidate.problem.logs):
+    if _intersample(recordings.logs) == _intersample(search.base.candidate.problem.logs):
         return search
     base = request.fit_base(recordings.logs, recordings.hold_out, thorough=False)
     return replace(search, base=base)
@@ -119,7 +119,7 @@ def timed_recordings(
     search
         The search over the base that the model extends.
     model
-        The base with causes, whatever the reading of its logs.
+        The base with causes, whatever the intersample behaviour of its logs.
 
     Returns
     -------
@@ -127,7 +127,7 @@ def timed_recordings(
         None where no input jumps, the moments lie otherwise than by chance, or they hide little.
     """
     base = search.base
-    read = refitted_as(model, base.sigma, _reading(recordings.logs))
+    read = refitted_as(model, base.sigma, _intersample(recordings.logs))
     if read is None:
         return None
     parts, noise = residual_context(read), noise_variance(base.candidate, base.scale)

@@ -20,12 +20,12 @@ from softid.diagnosis.base.base_fit import (
     require_moving,
 )
 from softid.diagnosis.base.intersample_selection import (
+    choice_unless_held,
     is_measured,
     is_open,
-    reading_unless_held,
-    recordings_read_as,
+    recordings_with_intersample,
 )
-from softid.diagnosis.base.judged_intersample import read_as_judged
+from softid.diagnosis.base.judged_intersample import with_judged_intersample
 from softid.diagnosis.base.reduced_base import reduced_if_better
 from softid.diagnosis.base.spikes import without_spikes
 from softid.diagnosis.cause_search import CauseSearch
@@ -157,7 +157,7 @@ def diagnose(
     is_in_doubt = is_open(recorded)
     recordings = Recordings(recorded, as_logs(hold_out)).each(_cleaned)
     if is_measured(recorded):
-        usual = reading_unless_held(recorded)
+        usual = choice_unless_held(recorded)
         recordings = recordings.each(lambda log: log.with_intersample(usual))
     require_enough(recordings.logs, recordings.hold_out)
     require_moving(recordings.logs, recordings.hold_out)
@@ -169,11 +169,11 @@ def diagnose(
         lambda m, fraction: report(m, 0.3 * fraction),
         preferred=preferred,
         gauges={log.name: gauge_errors(log) for log in (*as_logs(hold_out), *recorded)},
-        is_read_openly=is_in_doubt,
+        is_intersample_open=is_in_doubt,
     )
     whole, (recordings, base, count) = recordings.logs, _prepared(recordings, request)
     if is_in_doubt:
-        recordings, base = read_as_judged(recordings, request, base)
+        recordings, base = with_judged_intersample(recordings, request, base)
     request, base = reduced_if_better(recordings, request, base)
     search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
     others = OtherExplanations()
@@ -340,7 +340,9 @@ def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, Bas
     )
     if count > 1:
         if kept.logs.logs[0].intersample is None:
-            kept = recordings_read_as(kept, base.candidate.problem.logs[0].reading)
+            kept = recordings_with_intersample(
+                kept, base.candidate.problem.logs[0].effective_intersample
+            )
         kept = kept.each(partial(decimated, count=count, keeps_jumps=True))
     if base.candidate.has_spring:  # without one there is no rest, and no beginning is forgotten
         states = len(problem.model.start_states)

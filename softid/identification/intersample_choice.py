@@ -28,7 +28,7 @@ SMOOTH_INPUT = "smooth-input"
 """Code of the remark that an input is taken as smooth."""
 
 BETTER_BY = 10.0
-"""n·ln(mean square) must fall by this much: both readings have the same number of unknowns."""
+"""n·ln(mean square) must fall by this much: both ways have the same number of unknowns."""
 
 LONG = 100_000
 """Where the logs have more samples, beginnings of together so many are looked at: how an input is
@@ -42,7 +42,7 @@ TRUSTED = 3.0
 little."""
 
 
-def held_readings(logs: Iterable[Log]) -> tuple[Intersample, ...]:
+def held_choices(logs: Iterable[Log]) -> tuple[Intersample, ...]:
     """In which ways the input may have been held; none where that is settled or no matter.
 
     At its jumps, if it has any, and a command or an input that jumps at every sample.
@@ -106,18 +106,18 @@ def with_bends_told(logs: LogSet) -> LogSet:
     return LogSet((replace(first, issues=(*first.issues, issue)), *others))
 
 
-def as_held(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
+def as_held(logs: Sequence[Log], intersample: Intersample) -> tuple[Log, ...]:
     """The logs with an input that is held, and the remark that says so.
 
     Parameters
     ----------
     logs
         Logs to fit; the input of those that say what it does between samples stays as it is.
-    reading
+    intersample
         Where it is held.
     """
     first = logs[0]
-    what = "is held at every sample" if reading == "zoh" else "jumps within single samples"
+    what = "is held at every sample" if intersample == "zoh" else "jumps within single samples"
     issue = Issue(
         HELD_INPUT,
         "info",
@@ -125,7 +125,7 @@ def as_held(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
         "straight lines between samples, and is taken so",
         "if it is not a command, record it faster, or declare it with --intersample straight",
     )
-    changed = [log.with_intersample(reading) for log in logs]
+    changed = [log.with_intersample(intersample) for log in logs]
     return (replace(changed[0], issues=(*changed[0].issues, issue)), *changed[1:])
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from softid.errors import UsageError
 from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
-from softid.identification.new_log_reading import InputReading, prepared
+from softid.identification.input_treatment import InputTreatment, prepared
 from softid.identification.preparation import as_log_set
 from softid.log import Log
 from softid.parameters import ParameterSet
@@ -38,9 +38,9 @@ def refitted(result: FitResult, logs: Log | Sequence[Log]) -> tuple[Problem, Opt
 
     for log in as_log_set(logs):
         _require_fitted(result, log)
-    reading = InputReading.of(result.options)
-    read = [prepared(log, reading) for log in as_log_set(logs)]
-    read = [log.with_intersample(reading.intersample) for log in read]
+    treatment = InputTreatment.of(result.options)
+    read = [prepared(log, treatment) for log in as_log_set(logs)]
+    read = [log.with_intersample(treatment.intersample) for log in read]
     model = model_of(result.model)
     problem = Problem(model, _as_fitted(model.parameters(), result), read)
     return problem, draft_fit(problem, [result.values], far=False)

@@ -12,20 +12,20 @@ from softid.errors import IdentificationError, Issue, UsageError
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.identification.assembly import OptimisedProblem, assemble
+from softid.identification.input_treatment import taken_as_fitted
 from softid.identification.intersample_choice import (
     BETTER_BY,
     Explained,
     as_held,
     as_smooth,
     explains_better,
-    held_readings,
+    held_choices,
     is_smooth,
     with_bends_told,
 )
 from softid.identification.issues import fitted_range, most_serious_first, require_explained
 from softid.identification.model_reduction import simpler_model
 from softid.identification.model_selection import ModelChoice, choose_model
-from softid.identification.new_log_reading import read_as_fitted
 from softid.identification.parameter_constraints import ParameterConstraints
 from softid.identification.preparation import (
     adapted_model,
@@ -238,11 +238,11 @@ def identify(
             found = _identify(adapted, read, constraints, starts, rng, report, thorough=thorough)
         elif _is_straight(other) and not explains_better(own, other, -BETTER_BY):
             read = with_bends_told(read)
-    reading = read.logs[0].intersample
-    if reading is not None:
+    intersample = read.logs[0].intersample
+    if intersample is not None:
         problem, unknowns = found.problem, found.optimum.unknowns
-        judges = recorded_held if reading in HELD else held
-        held = read_as_fitted(judges, reading, problem.model, problem.values(unknowns))
+        judges = recorded_held if intersample in HELD else held
+        held = taken_as_fitted(judges, intersample, problem.model, problem.values(unknowns))
     return Identification(found, read, held, choice)
 
 
@@ -251,11 +251,11 @@ def _at_readings(logs: Iterable[Log]) -> tuple[Log, ...]:
 
 
 def _otherwise_read(bridged: Sequence[Log], recorded: Sequence[Log]) -> Iterator[LogSet]:
-    """The logs with other readings of the input; a held one is held as it was recorded."""
+    """The logs with other intersample behaviours; a held one is held as it was recorded."""
     if is_smooth(bridged):
         yield LogSet(tuple(log.with_intersample("straight") for log in bridged))
-    for reading in held_readings(recorded):
-        yield LogSet(as_held(recorded, reading))
+    for intersample in held_choices(recorded):
+        yield LogSet(as_held(recorded, intersample))
 
 
 def _is_straight(logs: LogSet) -> bool:

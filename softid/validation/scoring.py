@@ -11,8 +11,8 @@ from softid.errors import Issue, UsageError
 from softid.fingerprint import data_fingerprint
 from softid.identification.assembly import held_out
 from softid.identification.estimates import scores
+from softid.identification.input_treatment import InputTreatment, prepared, taken_as_fitted
 from softid.identification.issues import extrapolation
-from softid.identification.new_log_reading import InputReading, prepared, read_as_fitted
 from softid.identification.preparation import as_log_set
 from softid.identification.stalls import as_remembered
 from softid.identification.unit_slips import unit_slips
@@ -36,7 +36,7 @@ class _Scored:
     data_fingerprints: Mapping[str, str | None]
     fitted_logs: tuple[str, ...]
     issues: tuple[Issue, ...]
-    reading: InputReading
+    treatment: InputTreatment
 
     def was_fitted(self, log: Log, simulation: Simulation) -> bool:
         """Whether a log was fitted, by the fingerprint of its file or of its samples."""
@@ -83,7 +83,7 @@ def validate(
         The response is not finite on a log.
     """
     scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
-    given = LogSet(tuple(prepared(log, scored.reading) for log in as_log_set(logs)))
+    given = LogSet(tuple(prepared(log, scored.treatment) for log in as_log_set(logs)))
     for log in given:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
             raise UsageError(
@@ -92,7 +92,7 @@ def validate(
                 where=log.place,
                 remedy="choose the roles with --input and --output",
             )
-    read = read_as_fitted(given.logs, scored.reading.intersample, scored.model, scored.values)
+    read = taken_as_fitted(given.logs, scored.treatment.intersample, scored.model, scored.values)
     log_set = LogSet(tuple(as_remembered(log, scored.model, scored.values) for log in read))
     nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)
     in_sample = [
@@ -137,7 +137,7 @@ def _from_fit(result: FitResult) -> _Scored:
         {s.log: data_fingerprint(s.time_s, s.measured) for s in result.simulations},
         fitted,
         (),
-        InputReading.of(result.options),
+        InputTreatment.of(result.options),
     )
 
 
@@ -152,7 +152,7 @@ def _from_file(saved: SavedModel) -> _Scored:
         saved.data_fingerprints,
         saved.fitted_logs,
         saved.issues,
-        InputReading(saved.intersample, saved.input_noise),
+        InputTreatment(saved.intersample, saved.input_noise),
     )
 
 

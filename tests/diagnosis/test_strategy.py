@@ -154,19 +154,19 @@ def test_what_judges_is_read_anew_when_all_causes_are_known(
 
     def judged_by(*logs: Any) -> Any:
         base = base_fit()
-        base.candidate.problem.logs = [SimpleNamespace(reading="zoh")]
+        base.candidate.problem.logs = [SimpleNamespace(effective_intersample="zoh")]
         base.identified = SimpleNamespace(hold_out=logs)
         base.judged_by = lambda others: judged_by(*others)
         return base
 
-    held, by_all = (SimpleNamespace(reading=reading) for reading in ("held", "zoh"))
+    held, by_all = (SimpleNamespace(effective_intersample=each) for each in ("held", "zoh"))
     monkeypatch.setattr(strategy, "intersample_after_first_cause", lambda *args: None)
     monkeypatch.setattr(strategy, "intersample_after_all_causes", lambda *args: None)
     read: Any = SimpleNamespace(hold_out=())
-    monkeypatch.setattr(strategy, "recordings_read_as", lambda recordings, reading: read)
+    monkeypatch.setattr(strategy, "recordings_with_intersample", lambda *args: read)
     monkeypatch.setattr(
         strategy,
-        "hold_out_read_as_explained",
+        "hold_out_as_explained",
         lambda known, *args: (held if known is first.final else by_all,),
     )
     search = search_over(judged_by(held))

@@ -16,7 +16,7 @@ from softid.identification.intersample_choice import (
     LONG,
     Explained,
     explains_better,
-    held_readings,
+    held_choices,
 )
 from softid.log import Log, LogSet
 from softid.models import Oscillator
@@ -104,7 +104,7 @@ def test_steps_behind_a_valve_are_smooth(seed: int) -> None:
 def test_a_log_that_says_it_is_believed() -> None:
     """Declared as straight, a held input is not looked at again."""
     log = replace(stepped(0, is_held=True), intersample="straight")
-    assert held_readings(LogSet((log,))) == ()
+    assert held_choices(LogSet((log,))) == ()
     assert fit(log, model="oscillator").options["intersample"] == "straight"
 
 

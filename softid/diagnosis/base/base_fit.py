@@ -176,7 +176,7 @@ class BaseFit:
         The fit of the model that was asked for, where this one takes its place.
     gauges
         Log → errors of the input that was recorded.
-    is_read_openly
+    is_intersample_open
         Whether nobody said what the input does between its samples.
     """
 
@@ -186,7 +186,7 @@ class BaseFit:
     held_out: HeldOut
     instead_of: BaseFit | None = None
     gauges: Mapping[str, GaugeErrors] = field(default_factory=dict)
-    is_read_openly: bool = False
+    is_intersample_open: bool = False
 
     def judged_by(self, logs: Sequence[Log]) -> BaseFit:
         """The same fit with other held-out logs, such as those with another intersample behaviour.
@@ -266,7 +266,7 @@ class Request:
         The fit of the model that the user asked for, where ``model`` is another.
     preferred
         As in `diagnose`.
-    gauges, is_read_openly
+    gauges, is_intersample_open
         As in `BaseFit`.
     """
 
@@ -277,7 +277,7 @@ class Request:
     instead_of: BaseFit | None = None
     preferred: Sequence[Model] = ()
     gauges: Mapping[str, GaugeErrors] = field(default_factory=dict)
-    is_read_openly: bool = False
+    is_intersample_open: bool = False
 
     def fit_base(self, logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> BaseFit:
         """Fit the base.
@@ -319,7 +319,7 @@ class Request:
             held_out,
             self.instead_of,
             self.gauges,
-            self.is_read_openly,
+            self.is_intersample_open,
         )
 
 

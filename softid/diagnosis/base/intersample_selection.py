@@ -2,8 +2,8 @@
 
 A misfit of the base decides wrongly what an input does: a late motion asks for a late input, and
 one that swings for an input that is cut short. So a measured input is smooth where it bends, and
-straight else, until a cause is known that explains the logs better with another reading, while a
-command is read as the base has it.
+straight else, until a cause is known that explains the logs better with another intersample
+behaviour, while a command keeps that of the base.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from dataclasses import replace
 import numpy as np
 
 from softid.diagnosis.base.base_fit import Recordings
-from softid.diagnosis.logs.decimation import read_as
+from softid.diagnosis.logs.decimation import with_other_intersample
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.effects import ExtendedModel, effect_of, own_values
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.fitters.residual_whiteness import residuals_by_channel, squared_autocorrelation
+from softid.identification.input_treatment import explained_best
 from softid.identification.intersample_choice import (
     BETTER_BY,
     COMMAND,
     HELD_INPUT,
     as_held,
-    held_readings,
+    held_choices,
     is_smooth,
 )
-from softid.identification.new_log_reading import explained_best
 from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
 from softid.parallel import in_parallel
@@ -45,26 +45,26 @@ SINGLE_DELAYS = ("delay", "pneumatic_lag", "sensor_lag")
 """Causes that make the response late by a single number."""
 
 REFITTING = 15
-"""Evaluations from the optimum of one reading to that of the other."""
+"""Evaluations from the optimum of one intersample behaviour to that of the other."""
 
 REFITTING_FROM_AFAR = 60
-"""Evaluations from the optimum of one reading to that of another with a delay, from a base that has
-made room for what the delay explains."""
+"""Evaluations from the optimum of one intersample behaviour to that of another with a delay, from a
+base that has made room for what the delay explains."""
 
 LEAST_OF_REST = 0.25
-"""Share of what causes leave above the noise that another reading of the input takes away."""
+"""Share of what causes leave above the noise that another intersample behaviour takes away."""
 
 MOST_LAGS = 1000
 """Samples over which what is left may go on; beyond them its correlations hardly add."""
 
 
 def is_open(logs: LogSet) -> bool:
-    """Whether an input has several readings, and no log declares one.
+    """Whether an input may do several things between its samples, and no log declares one.
 
     It may have been held where it jumps as recorded, and where it is a command; and where it bends
     it may go straight all the same.
     """
-    return all(log.intersample is None for log in logs) and len(readings_of(logs)) > 1
+    return all(log.intersample is None for log in logs) and len(choices_of(logs)) > 1
 
 
 def is_measured(logs: Iterable[Log]) -> bool:
@@ -72,25 +72,25 @@ def is_measured(logs: Iterable[Log]) -> bool:
     return all(log.input != COMMAND for log in logs)
 
 
-def readings_of(logs: Iterable[Log]) -> tuple[Intersample, ...]:
+def choices_of(logs: Iterable[Log]) -> tuple[Intersample, ...]:
     """What the inputs may do between their samples, whatever was declared; what bends is smooth."""
     opened = [replace(log.as_recorded, intersample=None) for log in logs]
     plain: tuple[Intersample, ...] = ("straight", "smooth") if is_smooth(opened) else ("straight",)
-    return (*plain, *held_readings(opened))
+    return (*plain, *held_choices(opened))
 
 
-def reading_unless_held(logs: Iterable[Log]) -> Intersample:
+def choice_unless_held(logs: Iterable[Log]) -> Intersample:
     """What a measured input does as long as nothing tells otherwise."""
-    return "smooth" if "smooth" in readings_of(logs) else "straight"
+    return "smooth" if "smooth" in choices_of(logs) else "straight"
 
 
 def better_intersample(
     candidate: Candidate, sigma: Mapping[str, float], *, least: float = 0.0
 ) -> Intersample | None:
-    """Another reading of the input where it explains the logs better with the same effects.
+    """Another intersample behaviour where it explains the logs better with the same effects.
 
-    What another reading leaves may go on for long, as what no cause has explained yet does: the
-    sums of its squares then differ by little for nothing.
+    What it leaves may go on for long, as what no cause has explained yet does: the sums of its
+    squares then differ by little for nothing.
 
     Parameters
     ----------
@@ -99,23 +99,23 @@ def better_intersample(
     sigma
         Output channel → scale that its residual is divided by.
     least
-        Share of the sum of squares that another reading has to take away.
+        Share of the sum of squares that another intersample behaviour has to take away.
 
     Returns
     -------
     str or None
-        None where the reading of the candidate stays.
+        None where that of the candidate stays.
     """
     logs = candidate.problem.logs
-    now = logs[0].reading
-    others = [reading for reading in readings_of(logs) if reading != now]
+    now = logs[0].effective_intersample
+    others = [intersample for intersample in choices_of(logs) if intersample != now]
     if not others:
         return None
 
     needed = -candidate.problem.n_samples * float(np.log1p(-least))
 
-    def fall(reading: Intersample) -> float:
-        read = refitted_as(candidate, sigma, reading)
+    def fall(intersample: Intersample) -> float:
+        read = refitted_as(candidate, sigma, intersample)
         if read is None:
             return -np.inf
         found = _fall(candidate, read)
@@ -148,17 +148,17 @@ def intersample_after_first_cause(
     sigma
         Output channel → scale that its residual is divided by.
     """
-    reading, is_late = better_intersample(candidate, sigma), _is_late(candidate)
+    intersample, is_late = better_intersample(candidate, sigma), _is_late(candidate)
     if not is_measured(candidate.problem.logs):
-        return reading
-    if reading in (None, "zoh") and is_late:
+        return intersample
+    if intersample in (None, "zoh") and is_late:
         return _held_with_less(base, candidate, scale, sigma)
-    if reading != "zoh":
-        return reading
-    read, other = refitted_as(candidate, sigma, reading), _delayed(candidate, scale, sigma)
+    if intersample != "zoh":
+        return intersample
+    read, other = refitted_as(candidate, sigma, intersample), _delayed(candidate, scale, sigma)
     if read is None or _fall(read, other) * _independent_share(other) > BETTER_BY:
         return None
-    return reading
+    return intersample
 
 
 def _held_with_less(
@@ -168,15 +168,15 @@ def _held_with_less(
     gained = max(_fall(base, candidate), 0.0)
     needed = max(BETTER_BY / _independent_share(candidate), LITTLE_OF_GAIN * gained)
     delay_s = _delay_of_second_order(candidate)
-    for reading in (r for r in readings_of(candidate.problem.logs) if r in HELD):
-        held = refitted_as(base, sigma, reading)
+    for intersample in (r for r in choices_of(candidate.problem.logs) if r in HELD):
+        held = refitted_as(base, sigma, intersample)
         if held is None:
             continue
         if _fall(held, candidate) <= needed:
-            return reading
+            return intersample
         late = [_delayed(held, scale, sigma, name, delay_s) for name in SINGLE_DELAYS if delay_s]
         if any(_fall(model, candidate) <= needed for model in late):
-            return reading
+            return intersample
     return None
 
 
@@ -217,7 +217,8 @@ def intersample_after_all_causes(
     """As `better_intersample` with all causes known; a measured input is held if that is better.
 
     Nor is it held at every sample beside a cause that takes time, as after the first cause. Where
-    more than noise is left a reading takes away a fair part of that, or it is not what is missing.
+    more than noise is left another behaviour takes away a fair part of that, or it is not what is
+    missing.
 
     Parameters
     ----------
@@ -228,14 +229,14 @@ def intersample_after_all_causes(
     """
     logs = candidate.problem.logs
     if logs[0].intersample in HELD and is_measured(logs):
-        plain = reading_unless_held(logs)
+        plain = choice_unless_held(logs)
         read = refitted_as(candidate, sigma, plain)
         return plain if read and _fall(candidate, read) > -BETTER_BY else None
     above = max(excess, 0.0)
-    reading = better_intersample(candidate, sigma, least=LEAST_OF_REST * above / (1.0 + above))
-    if reading == "zoh" and is_measured(logs) and _is_late(candidate):
+    intersample = better_intersample(candidate, sigma, least=LEAST_OF_REST * above / (1.0 + above))
+    if intersample == "zoh" and is_measured(logs) and _is_late(candidate):
         return None
-    return reading
+    return intersample
 
 
 def _independent_share(candidate: Candidate) -> float:
@@ -250,7 +251,7 @@ def _independent_share(candidate: Candidate) -> float:
 
 
 def refitted_as(
-    candidate: Candidate, sigma: Mapping[str, float], reading: Intersample
+    candidate: Candidate, sigma: Mapping[str, float], intersample: Intersample
 ) -> Candidate | None:
     """The model refitted with another intersample behaviour of the input.
 
@@ -260,11 +261,11 @@ def refitted_as(
     ----------
     candidate, sigma
         As in `better_intersample`.
-    reading
+    intersample
         What the input does between its samples.
     """
     problem = candidate.problem
-    logs = [read_as(log, reading) for log in problem.logs]
+    logs = [with_other_intersample(log, intersample) for log in problem.logs]
     changed = Problem(problem.model, problem.parameters, logs)
     if changed.size != problem.size:
         return None
@@ -274,13 +275,13 @@ def refitted_as(
 
 
 def explained_alike(
-    candidate: Candidate, sigma: Mapping[str, float], reading: Intersample
+    candidate: Candidate, sigma: Mapping[str, float], intersample: Intersample
 ) -> Candidate | None:
-    """The model refitted with another reading of the input that its logs do not tell from its own.
+    """The model refitted with an intersample behaviour that its logs do not tell from its own.
 
     Parameters
     ----------
-    candidate, sigma, reading
+    candidate, sigma, intersample
         As in `refitted_as`.
 
     Returns
@@ -288,7 +289,7 @@ def explained_alike(
     Candidate or None
         None where the logs tell, or the refit does not go.
     """
-    read = refitted_as(candidate, sigma, reading)
+    read = refitted_as(candidate, sigma, intersample)
     if read is None or _fall(read, candidate) * _independent_share(candidate) > BETTER_BY:
         return None
     return read
@@ -299,36 +300,39 @@ def _fall(candidate: Candidate, other: Candidate) -> float:
     return candidate.problem.n_samples * float(np.log(candidate.squares / other.squares))
 
 
-def with_intersample(logs: Sequence[Log], reading: Intersample) -> tuple[Log, ...]:
+def with_intersample(logs: Sequence[Log], intersample: Intersample) -> tuple[Log, ...]:
     """The logs with this intersample behaviour; a held one gets an issue that says so."""
-    read = tuple(_quietly_read_as(log, reading) for log in logs)
-    return as_held(read, reading) if reading in HELD and read else read
+    read = tuple(_with_intersample(log, intersample) for log in logs)
+    return as_held(read, intersample) if intersample in HELD and read else read
 
 
-def _quietly_read_as(log: Log, reading: Intersample) -> Log:
+def _with_intersample(log: Log, intersample: Intersample) -> Log:
     """The log with this intersample behaviour, without the issue that says so."""
     issues = tuple(issue for issue in log.issues if issue.code != HELD_INPUT)
-    return replace(read_as(log, reading), issues=issues)
+    return replace(with_other_intersample(log, intersample), issues=issues)
 
 
-def recordings_read_as(recordings: Recordings, reading: Intersample) -> Recordings:
+def recordings_with_intersample(recordings: Recordings, intersample: Intersample) -> Recordings:
     """Fitted and held-out logs with this intersample behaviour; an issue is on the fitted alone.
 
     Parameters
     ----------
     recordings
         The logs.
-    reading
+    intersample
         What the input does between its samples.
     """
     return Recordings(
-        LogSet(with_intersample(recordings.logs.logs, reading)),
-        tuple(_quietly_read_as(log, reading) for log in recordings.hold_out),
+        LogSet(with_intersample(recordings.logs.logs, intersample)),
+        tuple(_with_intersample(log, intersample) for log in recordings.hold_out),
     )
 
 
-def hold_out_read_as_explained(
-    candidate: Candidate, reading: Intersample, sigma: Mapping[str, float], hold_out: Sequence[Log]
+def hold_out_as_explained(
+    candidate: Candidate,
+    intersample: Intersample,
+    sigma: Mapping[str, float],
+    hold_out: Sequence[Log],
 ) -> tuple[Log, ...]:
     """The logs that judge, each held as the model explains it better where the fitted are held.
 
@@ -337,21 +341,25 @@ def hold_out_read_as_explained(
     Parameters
     ----------
     candidate
-        A model with what is known of its causes, whatever the reading of its logs.
-    reading
+        A model with what is known of its causes, whatever the intersample behaviour of its logs.
+    intersample
         What the input of the fitted logs does between its samples.
     sigma
         Output channel → scale that its residual is divided by.
     hold_out
-        Logs with that reading.
+        Logs with that intersample behaviour.
     """
-    if reading not in HELD:
+    if intersample not in HELD:
         return tuple(hold_out)
-    now = candidate.problem.logs[0].reading
-    read = candidate if reading == now else refitted_as(candidate, sigma, reading) or candidate
+    now = candidate.problem.logs[0].effective_intersample
+    read = (
+        candidate if intersample == now else refitted_as(candidate, sigma, intersample) or candidate
+    )
     model, values = read.problem.model, read.parameters
-    others = [other for other in HELD if other != reading]
+    others = [other for other in HELD if other != intersample]
     return tuple(
-        explained_best((log, *(read_as(log, other) for other in others)), model, values)
+        explained_best(
+            (log, *(with_other_intersample(log, other) for other in others)), model, values
+        )
         for log in hold_out
     )

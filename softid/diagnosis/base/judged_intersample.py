@@ -11,9 +11,9 @@ from dataclasses import replace
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.base.intersample_selection import (
+    choices_of,
     is_measured,
-    readings_of,
-    recordings_read_as,
+    recordings_with_intersample,
 )
 from softid.errors import Issue
 from softid.identification.intersample_choice import BETTER_BY, HELD_INPUT, misfit_of
@@ -24,8 +24,8 @@ MORE = 1.25
 """What is held out is looked at where its error is so many times that of the fitted samples."""
 
 TELLS = 0.5
-"""Largest share of the mean square of what is held out that another reading leaves: errors of the
-parameters, which are others with every reading, make less of a difference."""
+"""Largest share of the mean square of what is held out that another intersample behaviour leaves:
+errors of the parameters, which are others with every one, make less of a difference."""
 
 WAYS: dict[Intersample, str] = {
     "straight": "going straight from sample to sample",
@@ -35,10 +35,10 @@ WAYS: dict[Intersample, str] = {
 """What a command may do."""
 
 
-def read_as_judged(
+def with_judged_intersample(
     recordings: Recordings, request: Request, base: BaseFit
 ) -> tuple[Recordings, BaseFit]:
-    """The logs and their fit with the reading of a command that what is held out asks for.
+    """The logs and their fit with the intersample behaviour that what is held out asks for.
 
     The fitted logs must not tell it from the one that the base has.
 
@@ -57,12 +57,12 @@ def read_as_judged(
     if not before > MORE * base.rms:
         return recordings, base
     misfit = misfit_of(base.candidate.problem, base.candidate.minimum.point)
-    now = recordings.logs.logs[0].reading
+    now = recordings.logs.logs[0].effective_intersample
     best, least = (recordings, base), TELLS**0.5 * before
-    for reading in readings_of(recordings.logs):
-        if reading == now or reading not in WAYS:
+    for intersample in choices_of(recordings.logs):
+        if intersample == now or intersample not in WAYS:
             continue
-        changed = _told(recordings_read_as(recordings, reading), reading)
+        changed = _told(recordings_with_intersample(recordings, intersample), intersample)
         other = request.fit_base(changed.logs, changed.hold_out, thorough=False)
         model = other.candidate
         rms = other.held_out.rms(model)
@@ -71,15 +71,15 @@ def read_as_judged(
     return best
 
 
-def _told(recordings: Recordings, reading: Intersample) -> Recordings:
-    """The logs with the remark that what is held out tells their reading."""
+def _told(recordings: Recordings, intersample: Intersample) -> Recordings:
+    """The logs with the remark that what is held out tells the intersample behaviour."""
     first, *others = recordings.logs
     issue = Issue(
         HELD_INPUT,
         "info",
-        f"{first.input} {WAYS[reading]} explains what is held out far better, while the fitted "
+        f"{first.input} {WAYS[intersample]} explains what is held out far better, while the fitted "
         "logs do not tell what it does between its samples, and is taken so",
-        f"declare it with --intersample {reading}",
+        f"declare it with --intersample {intersample}",
     )
     kept = (known for known in first.issues if known.code != HELD_INPUT)
     told = replace(first, issues=(*kept, issue))

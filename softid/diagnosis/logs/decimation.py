@@ -96,7 +96,7 @@ def is_regular(log: Log) -> bool:
 class AveragedLog(KnottedLog):
     """A log with a value from every few samples of another one in their place.
 
-    Its input goes straight between its samples; ``intersample`` is the reading of ``recorded``.
+    Its input goes straight between its samples; ``intersample`` is that of ``recorded``.
 
     Attributes
     ----------
@@ -196,7 +196,7 @@ class _Jumps:
     @classmethod
     def of(cls, log: Log, *, most: float) -> _Jumps:
         """Jumps of a log's input, none if there are more than ``most``; held ones are instant."""
-        values, reading = log.channels[log.input].values, log.between_samples
+        values, intersample = log.channels[log.input].values, log.between_samples
         read_s, read = log.time_s, values
         if log.input_read_s is not None:
             read_s, read = log.input_read_s, np.interp(log.input_read_s, log.time_s, values)
@@ -204,7 +204,7 @@ class _Jumps:
         at = at if at.size <= most else at[:0]
         begin_s, end_s = read_s[at], read_s[at + 1]
         if log.input_read_s is None:
-            is_held = np.isin(at, jumps(values)) & (reading == "held") | (reading == "zoh")
+            is_held = np.isin(at, jumps(values)) & (intersample == "held") | (intersample == "zoh")
             begin_s = np.where(is_held, end_s - BEFORE * (end_s - begin_s), begin_s)
         return cls(begin_s, end_s, np.diff(read)[at])
 
@@ -232,35 +232,35 @@ class _Jumps:
         return absent_times(time_s, knot_s, APART * float(np.median(np.diff(time_s))))
 
 
-def read_as(log: Log, reading: Intersample) -> Log:
-    """The log with another reading of its input; one of averages is averaged anew.
+def with_other_intersample(log: Log, intersample: Intersample) -> Log:
+    """The log with another intersample behaviour of its input; one of averages is averaged anew.
 
     Parameters
     ----------
     log
         The log.
-    reading
+    intersample
         What the input does between its samples as they were recorded.
     """
     if not isinstance(log, AveragedLog):
-        return replace(log, intersample=reading)
-    whole = replace(log.recorded, intersample=reading)
+        return replace(log, intersample=intersample)
+    whole = replace(log.recorded, intersample=intersample)
     again = decimated(whole, log.count, keeps_jumps=bool(log.knots[0].size))
     assert isinstance(again, AveragedLog)
     channels = {**log.channels, log.input: again.channels[log.input]}
-    return replace(log, channels=channels, intersample=reading, knots=again.knots)
+    return replace(log, channels=channels, intersample=intersample, knots=again.knots)
 
 
-def _about_samples(values: Array, reading: Intersample) -> Array:
+def _about_samples(values: Array, intersample: Intersample) -> Array:
     """Means of the input from half an interval before every sample to half an interval behind it.
 
     A held input has the value before until the sample. What goes straight or bends has the value of
     the sample but for what bends within an interval, which is far less than what does within all
     that are averaged; and so has a jump, since it takes from one sample what it gives to the next.
     """
-    if reading not in HELD:
+    if intersample not in HELD:
         return values
-    changes = jumps(values) if reading == "held" else np.arange(values.size - 1)
+    changes = jumps(values) if intersample == "held" else np.arange(values.size - 1)
     about = values.copy()
     about[changes + 1] = 0.5 * (values[changes] + values[changes + 1])
     return about

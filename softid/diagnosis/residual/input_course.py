@@ -53,7 +53,9 @@ def moved_by_courses(
     """
     problem = model.problem
     still = [
-        None if problem.logs[problem.owner[k]].reading in HELD else simulated(model, k, segment)
+        None
+        if problem.logs[problem.owner[k]].effective_intersample in HELD
+        else simulated(model, k, segment)
         for k, segment in enumerate(problem.segments)
     ]
 

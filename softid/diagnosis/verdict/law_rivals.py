@@ -127,7 +127,7 @@ def own_time(final: Candidate) -> float:
 def _may_be_held(late: Cause, final: Candidate) -> bool:
     """Whether what makes an input late that goes on between its samples is half of an interval."""
     log, tau = final.problem.logs[0], late.parameters[0]
-    if tau.ci95 is None or log.reading in HELD:
+    if tau.ci95 is None or log.effective_intersample in HELD:
         return False
     half_s = 0.5 * log.as_recorded.period_s
     return (1.0 - ABOUT) * tau.ci95[0] <= half_s <= (1.0 + ABOUT) * tau.ci95[1]

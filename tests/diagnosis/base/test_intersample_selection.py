@@ -1,4 +1,4 @@
-"""The reading of the input between its samples, looked at again with a cause in the model."""
+"""The intersample of the input between its samples, looked at again with a cause in the model."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ import softid
 from softid.diagnosis.base import intersample_selection
 from softid.diagnosis.base.intersample_selection import (
     better_intersample,
-    hold_out_read_as_explained,
+    choice_unless_held,
+    choices_of,
+    hold_out_as_explained,
     intersample_after_all_causes,
     intersample_after_first_cause,
     is_measured,
     is_open,
-    reading_unless_held,
-    readings_of,
     with_intersample,
 )
 from softid.diagnosis.refit.candidates import Candidate
@@ -103,14 +103,15 @@ def test_a_reading_that_takes_little_of_what_is_left_is_not_what_is_missing(
     held, straight = (
         converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
         for problem in (
-            linear_problem(with_intersample([command], reading)) for reading in ("held", "straight")
+            linear_problem(with_intersample([command], intersample))
+            for intersample in ("held", "straight")
         )
     )
     assert 0.1 < 1.0 - straight.squares / held.squares < 0.2
     assert (intersample_after_all_causes(held, SIGMA, excess) == "straight") is counts
 
 
-def late(seconds: float, *, held: bool, reading: Intersample) -> tuple[Candidate, Candidate]:
+def late(seconds: float, *, held: bool, intersample: Intersample) -> tuple[Candidate, Candidate]:
     """Base and delayed model of a log whose input goes on so late, straight or held, at the truth.
 
     The pressure jumps once, and changes at every sample.
@@ -130,7 +131,7 @@ def late(seconds: float, *, held: bool, reading: Intersample) -> tuple[Candidate
         "angle": replace(LOG.channels["angle"], values=angle),
     }
     log = replace(LOG, channels=channels)
-    base = linear_problem(with_intersample([log], reading))
+    base = linear_problem(with_intersample([log], intersample))
     z = base.unknowns(TRUTH)
     effect = effect_of("delay")
     problem = extend(base, (effect,), scale_of(base, z))
@@ -142,7 +143,7 @@ def late(seconds: float, *, held: bool, reading: Intersample) -> tuple[Candidate
 
 def test_half_an_interval_late_is_held() -> None:
     """The base alone explains the log then; beside a cause that takes time it is not held."""
-    base, delayed = late(0.0, held=True, reading="straight")
+    base, delayed = late(0.0, held=True, intersample="straight")
     assert better_intersample(delayed, SIGMA) == "zoh"
     scale = scale_of(base.problem, base.minimum.point)
     assert intersample_after_first_cause(base, delayed, scale, SIGMA) == "zoh"
@@ -155,7 +156,7 @@ def test_a_cause_that_takes_time_keeps_its_time(monkeypatch: pytest.MonkeyPatch)
 
     Nor is it before the delay is known: one explains more than half an interval.
     """
-    base, delayed = late(0.05, held=False, reading="straight")
+    base, delayed = late(0.05, held=False, intersample="straight")
     scale = scale_of(base.problem, base.minimum.point)
     monkeypatch.setattr(intersample_selection, "better_intersample", lambda candidate, sigma: "zoh")
     assert intersample_after_first_cause(base, delayed, scale, SIGMA) is None
@@ -170,7 +171,7 @@ def test_an_input_that_may_be_held_needs_no_delay_of_half_an_interval(
 
     More than half an interval is no holding.
     """
-    base, delayed = late(seconds, held=is_held, reading="straight")
+    base, delayed = late(seconds, held=is_held, intersample="straight")
     scale = scale_of(base.problem, base.minimum.point)
     monkeypatch.setattr(intersample_selection, "better_intersample", lambda candidate, sigma: None)
     assert intersample_after_first_cause(base, delayed, scale, SIGMA) == found
@@ -248,15 +249,15 @@ def test_a_sine_that_judges_fitted_steps_tells_how_it_was_held() -> None:
 
 def test_a_judge_is_not_held_later_for_want_of_a_delay() -> None:
     """With the delay known a sine is read as the fitted steps; the base would hold it longer."""
-    base, delayed = late(0.05, held=False, reading="held")
+    base, delayed = late(0.05, held=False, intersample="held")
     late_sine = 50.0 - 40.0 * np.cos(2.0 * np.pi * 0.4 * (LOG.time_s - 0.05))
     sine = 50.0 - 40.0 * np.cos(2.0 * np.pi * 0.4 * LOG.time_s)
     channels = {"pressure": sine, "angle": linear_angle(LOG.time_s, late_sine)}
     (judge,) = with_intersample([Log.from_arrays(LOG.time_s, channels)], "held")
     for model, found in ((base, "zoh"), (delayed, "held")):
-        (read,) = hold_out_read_as_explained(model, "held", SIGMA, [judge])
+        (read,) = hold_out_as_explained(model, "held", SIGMA, [judge])
         assert read.intersample == found
-        (read,) = hold_out_read_as_explained(model, "straight", SIGMA, [LOG])
+        (read,) = hold_out_as_explained(model, "straight", SIGMA, [LOG])
         assert read is LOG
 
 
@@ -290,26 +291,26 @@ def test_a_command_is_not_measured() -> None:
 def test_a_measured_input_that_bends_is_smooth() -> None:
     """A command is not, nor is an input that is sampled many times as fast as it swings."""
     logs = [swinging_log(1)]
-    assert readings_of(logs) == ("straight", "smooth")
-    assert reading_unless_held(logs) == "smooth"
+    assert choices_of(logs) == ("straight", "smooth")
+    assert choice_unless_held(logs) == "smooth"
     assert is_open(LogSet(tuple(logs)))
     slow = [LOG.between(1.2, 3.4)]
-    assert readings_of(slow) == ("straight",)
-    assert reading_unless_held(slow) == "straight"
+    assert choices_of(slow) == ("straight",)
+    assert choice_unless_held(slow) == "straight"
     own = logs[0].channels
     channels = {"pressure_command": own["pressure"], "angle": own["angle"]}
     command = replace(logs[0], channels=channels, input="pressure_command")
-    assert "smooth" not in readings_of([command])
+    assert "smooth" not in choices_of([command])
 
 
 def test_straight_lines_are_found_where_an_input_bends() -> None:
     """What went straight is told from what was smooth, both ways, by the motion."""
     for polyline, truth in ((True, "straight"), (False, "smooth")):
         log = swinging_log(1, polyline=polyline)
-        for reading in ("straight", "smooth"):
-            problem = linear_problem(with_intersample([log], reading))
+        for intersample in ("straight", "smooth"):
+            problem = linear_problem(with_intersample([log], intersample))
             found = converged(standing(problem, problem.unknowns(TRUTH)), SIGMA)
-            assert better_intersample(found, SIGMA) == (None if reading == truth else truth)
+            assert better_intersample(found, SIGMA) == (None if intersample == truth else truth)
 
 
 @pytest.mark.parametrize("delay_s", [pytest.param(0.0, marks=pytest.mark.slow), 0.02])

@@ -12,8 +12,8 @@ from softid.diagnosis.logs.decimation import (
     SAMPLES_PER_MOTION,
     AveragedLog,
     decimated,
-    read_as,
     samples_to_average,
+    with_other_intersample,
 )
 from softid.identification.issues import extrapolation, fitted_range
 from softid.intersample import Intersample
@@ -163,17 +163,17 @@ def test_averages_of_a_held_input_come_when_it_does(reading: Intersample) -> Non
     log = moved(reading)
     short = decimated(log, 5, keeps_jumps=True)
     assert short.intersample == reading
-    assert (short.reading, short.between_samples) == (reading, "straight")
+    assert (short.effective_intersample, short.between_samples) == (reading, "straight")
     assert left_by(short) < 1e-3
     other: Intersample = "zoh" if reading == "straight" else "straight"
-    wrong = read_as(short, other)
+    wrong = with_other_intersample(short, other)
     assert wrong.intersample == other
     assert left_by(wrong) > 2.0 * left_by(short)
-    again = read_as(wrong, reading).channels["pressure"].values
+    again = with_other_intersample(wrong, reading).channels["pressure"].values
     assert again.tolist() == short.channels["pressure"].values.tolist()
     assert short.as_recorded is log
     assert log.as_recorded is log
-    assert read_as(log, other).intersample == other
+    assert with_other_intersample(log, other).intersample == other
 
 
 def stepping(pieces: int, length: int = 100) -> Log:
@@ -200,7 +200,7 @@ def test_a_jump_stays_where_it_was(reading: Intersample, count: int) -> None:
         known = log.channels["pressure"].values[np.floor(inside_s / 0.01 + 1e-9).astype(int)]
     drawn = np.interp(inside_s, segment.time_s, segment.input)
     assert np.allclose(drawn, known, rtol=0.0, atol=1e-6)
-    other = read_as(read_as(short, "straight"), reading).segments()[0]
+    other = with_other_intersample(with_other_intersample(short, "straight"), reading).segments()[0]
     assert np.array_equal(other.input, segment.input)
     samples = np.arange(100, len(log), 100)
     holding = np.unique(np.concatenate((samples - 1, samples)) // count)

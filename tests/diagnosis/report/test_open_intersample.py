@@ -8,7 +8,7 @@ from linear_motion import TRUTH
 from scipy import signal
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.report.open_reading import OPEN_READING
+from softid.diagnosis.report.open_intersample import OPEN_READING
 from softid.log import Log
 
 RATE_HZ = 25.0

@@ -24,7 +24,7 @@ HELD_OTHERWISE = "held-otherwise"
 
 
 @dataclass(frozen=True)
-class InputReading:
+class InputTreatment:
     """How a finished fit took the input of its logs, as its record says.
 
     Attributes
@@ -39,23 +39,23 @@ class InputReading:
     noise: object = None
 
     @classmethod
-    def of(cls, options: Mapping[str, object]) -> InputReading:
+    def of(cls, options: Mapping[str, object]) -> InputTreatment:
         """From the options of a `FitResult`."""
         return cls(options.get("intersample"), options.get("input_noise"))
 
 
-def prepared(log: Log, reading: InputReading) -> Log:
+def prepared(log: Log, treatment: InputTreatment) -> Log:
     """A log with what a fit leaves out of its residuals, and with its input as a fit takes it.
 
     Parameters
     ----------
-    log, reading
+    log, treatment
         As in `input_as_fitted`.
     """
-    return at_readings(input_as_fitted(without_dropouts(log), reading))
+    return at_readings(input_as_fitted(without_dropouts(log), treatment))
 
 
-def input_as_fitted(log: Log, reading: InputReading) -> Log:
+def input_as_fitted(log: Log, treatment: InputTreatment) -> Log:
     """The log with an input that goes on between the readings of a gauge that repeats its values.
 
     And without the noise of its input, where it was averaged in the fitted logs.
@@ -64,15 +64,15 @@ def input_as_fitted(log: Log, reading: InputReading) -> Log:
     ----------
     log
         As it was recorded.
-    reading
+    treatment
         How the fitted logs' input was taken; a held input is not bridged between readings.
     """
-    whole = log if reading.intersample in HELD else without_repeats(log)
-    return without_input_noise(whole) if reading.noise == AVERAGED else whole
+    whole = log if treatment.intersample in HELD else without_repeats(log)
+    return without_input_noise(whole) if treatment.noise == AVERAGED else whole
 
 
-def read_as_fitted(
-    logs: Sequence[Log], reading: object, model: Model, values: Mapping[str, float]
+def taken_as_fitted(
+    logs: Sequence[Log], intersample: object, model: Model, values: Mapping[str, float]
 ) -> tuple[Log, ...]:
     """New logs with the intersample behaviour of the fitted ones, or the other way of holding.
 
@@ -80,15 +80,15 @@ def read_as_fitted(
     ----------
     logs
         Logs; the input of those that say what it does between samples stays as it is.
-    reading
+    intersample
         As the record of a fit may say.
     model, values
         The fit.
     """
     found = []
     for log in logs:
-        others = HELD if log.intersample is None and reading in HELD else ()
-        versions = (log.with_intersample(each) for each in (reading, *others))
+        others = HELD if log.intersample is None and intersample in HELD else ()
+        versions = (log.with_intersample(each) for each in (intersample, *others))
         found.append(explained_best(tuple(versions), model, values))
     return tuple(found)
 
@@ -102,7 +102,7 @@ def explained_best(versions: Sequence[Log], model: Model, values: Mapping[str, f
     Parameters
     ----------
     versions
-        The same log with several readings of its input, that of the fitted logs first.
+        The same log with several intersample behaviours, that of the fitted logs first.
     model, values
         The fit.
     """

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.base.intersample_selection import (
+    choices_of,
     explained_alike,
     is_measured,
-    readings_of,
 )
 from softid.diagnosis.base.judged_intersample import WAYS
 from softid.diagnosis.refit.candidates import Candidate
@@ -20,12 +20,12 @@ OPEN_READING = "open-reading"
 """Code of the remark that parameters hang on what a command does between its samples."""
 
 
-def with_open_reading(found: Diagnosis, final: Candidate, base: BaseFit) -> Diagnosis:
-    """The diagnosis with what another reading of a command would make of its parameters.
+def with_open_intersample(found: Diagnosis, final: Candidate, base: BaseFit) -> Diagnosis:
+    """The diagnosis with what another intersample behaviour would make of its parameters.
 
     A command that is held at every sample is half an interval later than one that goes straight,
     and inertia and damping make up for that. Where the logs do not tell, an interval holds for the
-    reading that was taken only: what leaves it with another one is known less well than it says.
+    behaviour that was taken only: what leaves it with another one is known less well than it says.
 
     Parameters
     ----------
@@ -37,29 +37,29 @@ def with_open_reading(found: Diagnosis, final: Candidate, base: BaseFit) -> Diag
         What that extends.
     """
     logs = final.problem.logs
-    if not base.is_read_openly or is_measured(logs):
+    if not base.is_intersample_open or is_measured(logs):
         return found
     told = (found.extended or found.base).parameters
-    others = [r for r in readings_of(logs) if r in WAYS and r != logs[0].reading]
-    for reading in others:
-        read = explained_alike(final, base.sigma, reading)
+    others = [r for r in choices_of(logs) if r in WAYS and r != logs[0].effective_intersample]
+    for intersample in others:
+        read = explained_alike(final, base.sigma, intersample)
         if read is None:
             continue
         moved = outside_intervals(told, read.parameters)
         if not moved:
             continue
-        way = f"{logs[0].input} {WAYS[reading]}"
+        way = f"{logs[0].input} {WAYS[intersample]}"
         found = less_sure(
             found,
             moved,
             f"it is another one with {way}, which explains these logs as well",
-            f"declare it with --intersample {reading}, or as it is",
+            f"declare it with --intersample {intersample}, or as it is",
         )
         issue = Issue(
             OPEN_READING,
             "warning",
             f"{way} explains these logs as well, and makes {other_values(told, moved)}",
-            f"declare it with --intersample {reading}, or as it is",
+            f"declare it with --intersample {intersample}, or as it is",
         )
         found = replace(found, issues=(*found.issues, issue))
     return found
