@@ -1,1 +1,1 @@
-"""What is done to the logs before the search: noise and gaps of the input, decimation, a set."""
+"""What a diagnosis alone does to its logs: means, even sampling, moving starts, timed jumps."""

@@ -1,4 +1,4 @@
-"""The intersample of the input between its samples, looked at again with a cause in the model."""
+"""What the input does between its samples, looked at again with a cause in the model."""
 
 from __future__ import annotations
 
