@@ -25,7 +25,8 @@ def fields_of(log: Log) -> dict[str, Any]:
     Examples
     --------
     >>> log = Log.from_arrays([0.0, 0.1], {"pressure": [0.0, 1.0], "angle": [0.0, 2.0]})
-    >>> KnottedLog(**fields_of(log), knots=([0.05], [1.0])).segments()[0].input.tolist()
+    >>> knots = (np.array([0.05]), np.array([1.0]))
+    >>> KnottedLog(**fields_of(log), knots=knots).segments()[0].input.tolist()
     [0.0, 1.0, 1.0]
     """
     return {each.name: getattr(log, each.name) for each in fields(Log)}
