@@ -128,7 +128,7 @@ def test_a_sensor_slower_than_its_actuator_is_found(seed: int, tau: float) -> No
     assert cause.parameters[0].value == pytest.approx(tau, rel=0.02)
 
 
-def with_other_intersample(pair: HiddenPair, read: Callable[[Array], Array]) -> tuple[Log, Log]:
+def with_pressure_read_by(pair: HiddenPair, read: Callable[[Array], Array]) -> tuple[Log, Log]:
     """The two logs with a pressure that is read otherwise."""
 
     def other(log: Log) -> Log:
@@ -150,9 +150,9 @@ def test_the_rounding_of_the_pressure_is_no_misfit(seed: int) -> None:
         coarse: Array = step * np.round(values / step)
         return coarse
 
-    train, hold_out = with_other_intersample(hidden_pair([], seed=seed), rounded)
+    train, hold_out = with_pressure_read_by(hidden_pair([], seed=seed), rounded)
     assert diagnose(train, hold_out=[hold_out], model="muscle").verdict is Verdict.ADEQUATE
-    train, hold_out = with_other_intersample(hidden_pair(["creep"], seed=seed), rounded)
+    train, hold_out = with_pressure_read_by(hidden_pair(["creep"], seed=seed), rounded)
     (cause,) = diagnose(train, hold_out=[hold_out], model="muscle").causes
     assert cause.effect == "creep"
 
@@ -167,7 +167,7 @@ def test_a_pressure_smoothed_afterwards_is_no_resonance(seed: int) -> None:
     def smoothed(values: Array) -> Array:
         return np.convolve(np.pad(values, 2, "edge"), np.full(5, 0.2), "valid")
 
-    train, hold_out = with_other_intersample(hidden_pair([], seed=seed), smoothed)
+    train, hold_out = with_pressure_read_by(hidden_pair([], seed=seed), smoothed)
     found = diagnose(train, hold_out=[hold_out], model="muscle")
     assert found.verdict in (Verdict.AMBIGUOUS, Verdict.ADEQUATE)
     assert {c.effect for c in found.causes} <= {"line_resonance"}
