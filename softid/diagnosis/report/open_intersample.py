@@ -16,7 +16,7 @@ from softid.diagnosis.report.parameter_doubts import less_sure, other_values, ou
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
 
-OPEN_READING = "open-reading"
+OPEN_INTERSAMPLE = "open-reading"
 """Code of the remark that parameters hang on what a command does between its samples."""
 
 
@@ -40,12 +40,13 @@ def with_open_intersample(found: Diagnosis, final: Candidate, base: BaseFit) -> 
     if not base.is_intersample_open or is_measured(logs):
         return found
     told = (found.extended or found.base).parameters
-    others = [r for r in choices_of(logs) if r in WAYS and r != logs[0].effective_intersample]
+    now = logs[0].effective_intersample
+    others = [other for other in choices_of(logs) if other in WAYS and other != now]
     for intersample in others:
-        read = explained_alike(final, base.sigma, intersample)
-        if read is None:
+        refitted = explained_alike(final, base.sigma, intersample)
+        if refitted is None:
             continue
-        moved = outside_intervals(told, read.parameters)
+        moved = outside_intervals(told, refitted.parameters)
         if not moved:
             continue
         way = f"{logs[0].input} {WAYS[intersample]}"
@@ -56,7 +57,7 @@ def with_open_intersample(found: Diagnosis, final: Candidate, base: BaseFit) -> 
             f"declare it with --intersample {intersample}, or as it is",
         )
         issue = Issue(
-            OPEN_READING,
+            OPEN_INTERSAMPLE,
             "warning",
             f"{way} explains these logs as well, and makes {other_values(told, moved)}",
             f"declare it with --intersample {intersample}, or as it is",

@@ -25,7 +25,7 @@ from softid.diagnosis.report.evidence_text import evidence_text
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
-from softid.diagnosis.report.open_intersample import OPEN_READING
+from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
 from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW, UNLISTED_LAW
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
@@ -124,8 +124,8 @@ def write_summary(found: Diagnosis) -> Diagnosis:
 def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
     """Codes of the remarks on the logs that belong into the paragraph: a cause explains a set."""
     if verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
-        return LEADS, ONE_FREQUENCY, NEARLY_STATIC, RESIDUAL_SET, OPEN_READING
-    return LEADS, ONE_FREQUENCY, OPEN_READING
+        return LEADS, ONE_FREQUENCY, NEARLY_STATIC, RESIDUAL_SET, OPEN_INTERSAMPLE
+    return LEADS, ONE_FREQUENCY, OPEN_INTERSAMPLE
 
 
 def _remedy_of_disturbance(found: Diagnosis) -> str | None:

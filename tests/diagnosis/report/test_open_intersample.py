@@ -1,4 +1,4 @@
-"""A command whose reading the logs do not tell, and what hangs on it."""
+"""A command of which the logs do not tell how it is held, and what hangs on that."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from linear_motion import TRUTH
 from scipy import signal
 
 from softid.diagnosis import diagnose
-from softid.diagnosis.report.open_intersample import OPEN_READING
+from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
 from softid.log import Log
 
 RATE_HZ = 25.0
@@ -26,11 +26,11 @@ def ramps(seed: int, name: str = "pressure_command") -> Log:
     return Log.from_arrays(time_s, channels, input=name, name=f"ramps-{seed}")
 
 
-def test_what_hangs_on_an_open_reading_is_weakly_identified() -> None:
+def test_what_hangs_on_an_open_intersample_is_weakly_identified() -> None:
     """Straight lines are half an interval of 40 ms early, so N takes up about Q · 20 ms of the
-    truth; the remark has the value that the true reading gives, within 3 %."""
+    truth; the remark has the value that the true behaviour gives, within 3 %."""
     found = diagnose(ramps(0), hold_out=[ramps(1)], model="oscillator", effects=["creep"])
-    (told,) = (issue for issue in found.issues if issue.code == OPEN_READING)
+    (told,) = (issue for issue in found.issues if issue.code == OPEN_INTERSAMPLE)
     damping = found.base.parameter("N")
     assert damping.value > TRUTH["N"] + 0.5 * 0.02 * TRUTH["Q"]
     assert damping.verdict == "weakly identified"
@@ -41,10 +41,10 @@ def test_what_hangs_on_an_open_reading_is_weakly_identified() -> None:
 
 
 @pytest.mark.parametrize("how", ["declared", "measured"])
-def test_a_reading_that_is_known_is_not_asked(how: str) -> None:
+def test_a_behaviour_that_is_known_is_not_asked(how: str) -> None:
     """One that is declared, and that of a gauge, which is smooth unless the logs say otherwise."""
     logs = [ramps(k, "pressure" if how == "measured" else "pressure_command") for k in (0, 1)]
     if how == "declared":
         logs = [log.with_intersample("zoh") for log in logs]
     found = diagnose(logs[0], hold_out=logs[1:], model="oscillator", effects=["creep"])
-    assert OPEN_READING not in {issue.code for issue in found.issues}
+    assert OPEN_INTERSAMPLE not in {issue.code for issue in found.issues}
