@@ -309,7 +309,7 @@ class FitResult:
     fingerprints
         Log name → sha256 of its file ("" for arrays).
     options
-        How the fit was made: ``seed`` of its random draws; ``intersample``, how the input was read
+        How the fit was made: ``seed`` of its random draws; ``intersample``, what the input does
         between its samples, None for straight; ``input_noise``, ``"averaged"`` or missing.
     """
 

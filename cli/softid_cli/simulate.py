@@ -42,7 +42,7 @@ def simulate(
     """Predict the response of the model in PARAMS (a params.json) to the input of a log.
 
     The CSV has time_s, the input as the model takes it (without its noise where the fitted logs
-    were read so), the simulated outputs in the units of the fitted logs, and the measured ones
+    were taken so), the simulated outputs in the units of the fitted logs, and the measured ones
     where the log has them. A log that was fitted gets its own sensor zero and initial state back;
     any other starts at rest with the mean sensor zero of the fitted logs.
     """

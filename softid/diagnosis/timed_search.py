@@ -100,7 +100,7 @@ def _intersample(logs: Iterable[Log]) -> Intersample:
 
 
 def _over(recordings: Recordings, request: Request, search: CauseSearch) -> CauseSearch:
-    """The search over the logs as they are read here."""
+    """The search over the logs with the intersample behaviour that they have here."""
     if _intersample(recordings.logs) == _intersample(search.base.candidate.problem.logs):
         return search
     base = request.fit_base(recordings.logs, recordings.hold_out, thorough=False)
@@ -115,7 +115,7 @@ def timed_recordings(
     Parameters
     ----------
     recordings
-        The logs, read without a jump that is held.
+        The logs, without a jump that is held.
     search
         The search over the base that the model extends.
     model
@@ -127,18 +127,18 @@ def timed_recordings(
         None where no input jumps, the moments lie otherwise than by chance, or they hide little.
     """
     base = search.base
-    read = refitted_as(model, base.sigma, _intersample(recordings.logs))
-    if read is None:
+    refitted = refitted_as(model, base.sigma, _intersample(recordings.logs))
+    if refitted is None:
         return None
-    parts, noise = residual_context(read), noise_variance(base.candidate, base.scale)
-    responses = JumpResponses.of(read, parts, noise, slopes_of(read))
+    parts, noise = residual_context(refitted), noise_variance(base.candidate, base.scale)
+    responses = JumpResponses.of(refitted, parts, noise, slopes_of(refitted))
     found = None if responses is None else responses.with_misfit()
     if found is None or not found.scatter:
         return None
     if mean_square(found.parts) > (1.0 - LEAST_HIDDEN) * mean_square(parts):
         return None
-    logs = _timed(recordings.logs, read.problem.segments, found.shares)
-    return Recordings(LogSet(logs), _timed_to_judge(recordings.hold_out, read, noise))
+    logs = _timed(recordings.logs, refitted.problem.segments, found.shares)
+    return Recordings(LogSet(logs), _timed_to_judge(recordings.hold_out, refitted, noise))
 
 
 def _timed_to_judge(logs: tuple[Log, ...], model: Candidate, noise: float) -> tuple[Log, ...]:

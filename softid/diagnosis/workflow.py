@@ -205,15 +205,15 @@ def diagnose(
     )
     answer = replace(
         answer,
-        base=_as_read(answer.base),
-        extended=answer.extended and _as_read(answer.extended),
+        base=_with_input_treatment(answer.base),
+        extended=answer.extended and _with_input_treatment(answer.extended),
         issues=(*answer.issues, *issues),
     )
     return write_summary(with_sample_remainder(answer) if count > 1 else answer)
 
 
-def _as_read(fit: FitResult) -> FitResult:
-    """The fit whose record says how its input was read, for those who take the model elsewhere."""
+def _with_input_treatment(fit: FitResult) -> FitResult:
+    """The fit whose record says how its input was taken, for those who take the model elsewhere."""
     return replace(fit, options={**fit.options, "input_noise": AVERAGED})
 
 

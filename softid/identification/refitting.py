@@ -25,7 +25,7 @@ def refitted(result: FitResult, logs: Log | Sequence[Log]) -> tuple[Problem, Opt
     result
         A successful fit.
     logs
-        The logs that were fitted, in any order; they are prepared and read as they were then.
+        The logs that were fitted, in any order; they are prepared and taken as they were then.
 
     Raises
     ------
@@ -39,10 +39,10 @@ def refitted(result: FitResult, logs: Log | Sequence[Log]) -> tuple[Problem, Opt
     for log in as_log_set(logs):
         _require_fitted(result, log)
     treatment = InputTreatment.of(result.options)
-    read = [prepared(log, treatment) for log in as_log_set(logs)]
-    read = [log.with_intersample(treatment.intersample) for log in read]
+    taken = [prepared(log, treatment) for log in as_log_set(logs)]
+    taken = [log.with_intersample(treatment.intersample) for log in taken]
     model = model_of(result.model)
-    problem = Problem(model, _as_fitted(model.parameters(), result), read)
+    problem = Problem(model, _as_fitted(model.parameters(), result), taken)
     return problem, draft_fit(problem, [result.values], far=False)
 
 

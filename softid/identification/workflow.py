@@ -230,27 +230,28 @@ def identify(
         require_channels(named, log_set)
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
     found = _identify(adapted, log_set, constraints, starts, rng, report, thorough=thorough)
-    read, own = log_set, None
-    for other in _otherwise_read(bridged, recorded) if np.isfinite(found.optimum.cost) else ():
+    taken, own = log_set, None
+    is_finite = np.isfinite(found.optimum.cost)
+    for other in _with_other_intersamples(bridged, recorded) if is_finite else ():
         own = own or Explained.by(found.problem, found.optimum)
         if explains_better(own, other):
-            read, own = other, None
-            found = _identify(adapted, read, constraints, starts, rng, report, thorough=thorough)
+            taken, own = other, None
+            found = _identify(adapted, taken, constraints, starts, rng, report, thorough=thorough)
         elif _is_straight(other) and not explains_better(own, other, -BETTER_BY):
-            read = with_bends_told(read)
-    intersample = read.logs[0].intersample
+            taken = with_bends_told(taken)
+    intersample = taken.logs[0].intersample
     if intersample is not None:
         problem, unknowns = found.problem, found.optimum.unknowns
         judges = recorded_held if intersample in HELD else held
         held = taken_as_fitted(judges, intersample, problem.model, problem.values(unknowns))
-    return Identification(found, read, held, choice)
+    return Identification(found, taken, held, choice)
 
 
 def _at_readings(logs: Iterable[Log]) -> tuple[Log, ...]:
     return tuple(at_readings(log) for log in logs)
 
 
-def _otherwise_read(bridged: Sequence[Log], recorded: Sequence[Log]) -> Iterator[LogSet]:
+def _with_other_intersamples(bridged: Sequence[Log], recorded: Sequence[Log]) -> Iterator[LogSet]:
     """The logs with other intersample behaviours; a held one is held as it was recorded."""
     if is_smooth(bridged):
         yield LogSet(tuple(log.with_intersample("straight") for log in bridged))

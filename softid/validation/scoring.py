@@ -92,8 +92,8 @@ def validate(
                 where=log.place,
                 remedy="choose the roles with --input and --output",
             )
-    read = taken_as_fitted(given.logs, scored.treatment.intersample, scored.model, scored.values)
-    log_set = LogSet(tuple(as_remembered(log, scored.model, scored.values) for log in read))
+    taken = taken_as_fitted(given.logs, scored.treatment.intersample, scored.model, scored.values)
+    log_set = LogSet(tuple(as_remembered(log, scored.model, scored.values) for log in taken))
     nuisances, simulations = held_out(scored.model, scored.values, log_set.logs)
     in_sample = [
         scored.was_fitted(log, simulation)

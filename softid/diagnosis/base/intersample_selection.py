@@ -35,7 +35,7 @@ from softid.log import Log, LogSet
 from softid.parallel import in_parallel
 
 ALIKE = 1.0
-"""Readings whose n·ln(mean square) differ by less explain alike, and the plainest is taken."""
+"""Behaviours whose n·ln(mean square) differ by less explain alike, and the plainest is taken."""
 
 LITTLE_OF_GAIN = 0.02
 """Share of what a cause that takes time gains, in n·ln(mean square), that is as much as nothing
@@ -115,16 +115,17 @@ def better_intersample(
     needed = -candidate.problem.n_samples * float(np.log1p(-least))
 
     def fall(intersample: Intersample) -> float:
-        read = refitted_as(candidate, sigma, intersample)
-        if read is None:
+        refitted = refitted_as(candidate, sigma, intersample)
+        if refitted is None:
             return -np.inf
-        found = _fall(candidate, read)
-        return found * _independent_share(read) if found >= needed else -np.inf
+        found = _fall(candidate, refitted)
+        return found * _independent_share(refitted) if found >= needed else -np.inf
 
     falls = in_parallel(fall, others)
     if max(falls) <= BETTER_BY:
         return None
-    return next(r for r, found in zip(others, falls, strict=True) if found > max(falls) - ALIKE)
+    alike = max(falls) - ALIKE
+    return next(one for one, found in zip(others, falls, strict=True) if found > alike)
 
 
 def intersample_after_first_cause(
@@ -155,8 +156,8 @@ def intersample_after_first_cause(
         return _held_with_less(base, candidate, scale, sigma)
     if intersample != "zoh":
         return intersample
-    read, other = refitted_as(candidate, sigma, intersample), _delayed(candidate, scale, sigma)
-    if read is None or _fall(read, other) * _independent_share(other) > BETTER_BY:
+    held, other = refitted_as(candidate, sigma, intersample), _delayed(candidate, scale, sigma)
+    if held is None or _fall(held, other) * _independent_share(other) > BETTER_BY:
         return None
     return intersample
 
@@ -168,7 +169,7 @@ def _held_with_less(
     gained = max(_fall(base, candidate), 0.0)
     needed = max(BETTER_BY / _independent_share(candidate), LITTLE_OF_GAIN * gained)
     delay_s = _delay_of_second_order(candidate)
-    for intersample in (r for r in choices_of(candidate.problem.logs) if r in HELD):
+    for intersample in (one for one in choices_of(candidate.problem.logs) if one in HELD):
         held = refitted_as(base, sigma, intersample)
         if held is None:
             continue
@@ -230,8 +231,8 @@ def intersample_after_all_causes(
     logs = candidate.problem.logs
     if logs[0].intersample in HELD and is_measured(logs):
         plain = choice_unless_held(logs)
-        read = refitted_as(candidate, sigma, plain)
-        return plain if read and _fall(candidate, read) > -BETTER_BY else None
+        refitted = refitted_as(candidate, sigma, plain)
+        return plain if refitted and _fall(candidate, refitted) > -BETTER_BY else None
     above = max(excess, 0.0)
     intersample = better_intersample(candidate, sigma, least=LEAST_OF_REST * above / (1.0 + above))
     if intersample == "zoh" and is_measured(logs) and _is_late(candidate):
@@ -289,10 +290,10 @@ def explained_alike(
     Candidate or None
         None where the logs tell, or the refit does not go.
     """
-    read = refitted_as(candidate, sigma, intersample)
-    if read is None or _fall(read, candidate) * _independent_share(candidate) > BETTER_BY:
+    refitted = refitted_as(candidate, sigma, intersample)
+    if refitted is None or _fall(refitted, candidate) * _independent_share(candidate) > BETTER_BY:
         return None
-    return read
+    return refitted
 
 
 def _fall(candidate: Candidate, other: Candidate) -> float:
@@ -302,8 +303,8 @@ def _fall(candidate: Candidate, other: Candidate) -> float:
 
 def with_intersample(logs: Sequence[Log], intersample: Intersample) -> tuple[Log, ...]:
     """The logs with this intersample behaviour; a held one gets an issue that says so."""
-    read = tuple(_with_intersample(log, intersample) for log in logs)
-    return as_held(read, intersample) if intersample in HELD and read else read
+    changed = tuple(_with_intersample(log, intersample) for log in logs)
+    return as_held(changed, intersample) if intersample in HELD and changed else changed
 
 
 def _with_intersample(log: Log, intersample: Intersample) -> Log:
@@ -352,10 +353,9 @@ def hold_out_as_explained(
     if intersample not in HELD:
         return tuple(hold_out)
     now = candidate.problem.logs[0].effective_intersample
-    read = (
-        candidate if intersample == now else refitted_as(candidate, sigma, intersample) or candidate
-    )
-    model, values = read.problem.model, read.parameters
+    refitted = None if intersample == now else refitted_as(candidate, sigma, intersample)
+    known = refitted or candidate
+    model, values = known.problem.model, known.parameters
     others = [other for other in HELD if other != intersample]
     return tuple(
         explained_best(

@@ -125,7 +125,7 @@ class AveragedLog(KnottedLog):
         return self.recorded
 
     def at_samples(self) -> Log:
-        """The log before averaging, read as this one is, without the samples of masked values."""
+        """The log before averaging, its input held as here, without samples of masked values."""
         masked = np.repeat(self.masked, self.count)
         rest = np.ones(len(self.recorded) - masked.size, bool)
         recorded = self.recorded.with_masked(np.concatenate((masked, rest)))

@@ -279,11 +279,11 @@ class HeldOutBlocks(HeldOut):
         """Log, segment, held-out samples of it and the response to the whole of it."""
         fitted, z = candidate.problem, candidate.minimum.point
         theta = fitted.theta(z)
-        read = [
+        taken = [
             whole.with_intersample(log.intersample)
             for whole, log in zip(self.whole, fitted.logs, strict=True)
         ]
-        segments = [(k, segment) for k, log in enumerate(read) for segment in log.segments()]
+        segments = [(k, segment) for k, log in enumerate(taken) for segment in log.segments()]
         for at, (log, segment) in enumerate(segments):
             with np.errstate(all="ignore"):
                 response = fitted.model.response(

@@ -240,7 +240,7 @@ HELD_INPUT = EquivalenceClass(
     "So late, by half a sampling interval, is a valve that holds its value until the next sample",
     "the pressure at the actuator, several times as fast",
 )
-"""A measured input that is read as going straight is late by half of its interval."""
+"""A measured input that is taken as going straight is late by half of its interval."""
 
 _FASTER = "the sensor beside a faster one, or the pressure at the actuator itself"
 """What splits a filter before the actuator from one behind it."""
