@@ -145,7 +145,7 @@ def test_other_first_causes_are_tried_where_a_curve_leaves_something(
 @pytest.mark.parametrize(
     ("keys", "anew"), [(("delay", "creep"), True), (("delay",), False)], ids=["two", "one"]
 )
-def test_what_judges_is_read_anew_when_all_causes_are_known(
+def test_what_judges_is_held_anew_when_all_causes_are_known(
     keys: tuple[str, ...], anew: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A model without its second cause held it otherwise; with a single one that was asked."""
@@ -162,8 +162,8 @@ def test_what_judges_is_read_anew_when_all_causes_are_known(
     held, by_all = (SimpleNamespace(effective_intersample=each) for each in ("held", "zoh"))
     monkeypatch.setattr(strategy, "intersample_after_first_cause", lambda *args: None)
     monkeypatch.setattr(strategy, "intersample_after_all_causes", lambda *args: None)
-    read: Any = SimpleNamespace(hold_out=())
-    monkeypatch.setattr(strategy, "recordings_with_intersample", lambda *args: read)
+    changed: Any = SimpleNamespace(hold_out=())
+    monkeypatch.setattr(strategy, "recordings_with_intersample", lambda *args: changed)
     monkeypatch.setattr(
         strategy,
         "hold_out_as_explained",

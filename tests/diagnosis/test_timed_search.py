@@ -112,7 +112,7 @@ def test_a_cause_behind_jumps_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert without.verdict is Verdict.PARTIAL
 
 
-def test_a_declared_reading_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_declared_intersample_behaviour_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whoever says that the input is held until the next sample knows when it jumped."""
     asked: list[Any] = []
     monkeypatch.setattr(strategy, "search_with_jump_moments", lambda *args: asked.append(args))

@@ -247,7 +247,7 @@ def test_the_file_alone_simulates(tmp_path) -> None:
     save_fit(result, tmp_path / "params.json")
     saved = load_params(tmp_path / "params.json")
     assert saved.build_model() == model
-    read = log.with_intersample(saved.intersample)
-    again = simulate(saved.build_model(), saved.values, read, nuisance=saved.nuisance_for(read))
+    taken = log.with_intersample(saved.intersample)
+    again = simulate(saved.build_model(), saved.values, taken, nuisance=saved.nuisance_for(taken))
     there = result.simulations[0].outputs["angle"]
     np.testing.assert_allclose(again.outputs["angle"], there, rtol=1e-12, atol=1e-13)

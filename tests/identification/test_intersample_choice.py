@@ -47,9 +47,9 @@ def stepped(seed: int, *, is_held: bool, levels: int = 16, rest: int = 0) -> Log
 
 
 @pytest.mark.parametrize("is_held", [True, False])
-def test_the_true_reading_is_taken(is_held: bool, tmp_path: Path) -> None:
+def test_the_true_intersample_behaviour_is_taken(is_held: bool, tmp_path: Path) -> None:
     """Known truth: the time constant within its interval, the residual at the noise, and the same
-    reading for another log, also from the file. Straight in place of held is 10 ms early."""
+    behaviour for another log, also from the file. Straight in place of held is 10 ms early."""
     found = fit(
         stepped(0, is_held=is_held), model="oscillator", hold_out=stepped(1, is_held=is_held)
     )
@@ -108,8 +108,10 @@ def test_a_log_that_says_it_is_believed() -> None:
     assert fit(log, model="oscillator").options["intersample"] == "straight"
 
 
-@pytest.mark.parametrize(("name", "reading"), [("pressure_command", "zoh"), ("pressure", "smooth")])
-def test_a_command_may_be_held_at_every_sample(name: str, reading: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "intersample"), [("pressure_command", "zoh"), ("pressure", "smooth")]
+)
+def test_a_command_may_be_held_at_every_sample(name: str, intersample: str) -> None:
     """A held sine has no jump, but half a sample of it is many times the noise, and the truth is
     found with it; a measured pressure is not asked, for no actuator sees samples of a gauge."""
     time_s = PERIOD_S * np.arange(1500)
@@ -121,10 +123,10 @@ def test_a_command_may_be_held_at_every_sample(name: str, reading: str) -> None:
     y = 0.01 * x + np.random.default_rng(0).normal(0.0, NOISE, x.size)
     log = Log.from_arrays(time_s, {name: u, "angle": y}, input=name)
     found = fit(log, model=Oscillator(order="first"))
-    assert found.options["intersample"] == reading
+    assert found.options["intersample"] == intersample
     interval = found.parameter("N").ci95
     assert interval is not None
-    assert (interval[0] <= 100.0 * TAU_S <= interval[1]) is (reading == "zoh")
+    assert (interval[0] <= 100.0 * TAU_S <= interval[1]) is (intersample == "zoh")
 
 
 def swung(seed: int, *, is_held: bool) -> Log:
@@ -170,7 +172,7 @@ def test_a_long_log_is_told_by_a_beginning_that_moves(is_held: bool, rest: int) 
 
 
 def test_the_same_logs_explain_nothing_better() -> None:
-    """No gain without a jump that is read otherwise."""
+    """No gain without a jump that is taken otherwise."""
     logs = LogSet((stepped(0, is_held=False),))
     model = Oscillator(order="first", x_unit="rad", u_unit="kPa")
     problem = Problem(model, model.parameters(), logs.logs)

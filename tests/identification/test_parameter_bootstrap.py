@@ -79,9 +79,9 @@ def test_several_logs_and_samples_that_are_missing() -> None:
 
 
 def test_a_held_input_stays_held() -> None:
-    """The fit found that its input is held at every sample: refits, and a profile, read it so.
+    """The fit found that its input is held at every sample: refits, and a profile, take it so.
 
-    Read as straight lines the response comes half an interval late, and N with it.
+    Taken as straight lines the response comes half an interval late, and N with it.
     """
     pressure, fine = steps(3), 20
     pressure += 3.0 * np.random.default_rng(5).standard_normal(N)

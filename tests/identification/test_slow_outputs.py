@@ -17,8 +17,8 @@ from softid.validation import validate
 
 def test_samples_are_the_readings_and_the_response_is_that_of_all_rows() -> None:
     """Residuals of the log as it was recorded, whatever the input is taken to do."""
-    for reading in (None, "smooth", "held", "zoh"):
-        log = replace(slow(linear_log(noise=0.01)), intersample=reading)
+    for intersample in (None, "smooth", "held", "zoh"):
+        log = replace(slow(linear_log(noise=0.01)), intersample=intersample)
         found = at_readings(log)
         assert isinstance(found, SlowOutputLog)
         np.testing.assert_array_equal(found.time_s, log.time_s[::EVERY])

@@ -98,8 +98,8 @@ def test_other_roles_are_refused(fitted: FitResult) -> None:
 
 
 def test_a_model_of_a_diagnosis_takes_the_input_as_it_was_fitted(tmp_path: Path) -> None:
-    """Its input was read without the noise of the gauge, which softening takes for motion: with the
-    noise the fitted log is missed by far more. The record says it, so that a file scores as the
+    """Its input was taken without the noise of the gauge, which softening takes for motion: with
+    the noise the fitted log is missed by far more. The record says it, so that a file scores as the
     diagnosis does."""
     rig = replace(Rig(), pressure_noise_kpa=1.5, noise=0.002)
     log, hold_out = hidden_pair(["softening"], seed=3, model="oscillator", rig=rig).logs

@@ -47,7 +47,7 @@ LOG = linear_log(noise=0.01)
 """Its pressure jumps every 5 s, and its answer is exact for straight lines between samples."""
 
 
-def test_a_wrong_reading_is_left_for_the_true_one() -> None:
+def test_a_wrong_intersample_behaviour_is_left_for_the_true_one() -> None:
     """Stands on the truth of the log, at the true parameters."""
     held = linear_problem(with_intersample([LOG], "held"))
     z = held.unknowns(TRUTH)
@@ -57,7 +57,7 @@ def test_a_wrong_reading_is_left_for_the_true_one() -> None:
 
 
 def test_a_measured_input_is_straight_where_that_does_as_well() -> None:
-    """Readings that explain alike: noise of the size of the motion hides what lies between."""
+    """Two of them explain alike: noise of the size of the motion hides what lies between."""
     log = linear_log(noise=1.0)
     held = linear_problem(with_intersample([log], "held"))
     z = held.unknowns(TRUTH)
@@ -91,7 +91,7 @@ def test_what_is_left_for_long_counts_for_few_samples(
 
 
 @pytest.mark.parametrize(("excess", "counts"), [(0.0, True), (0.05, True), (20.0, False)])
-def test_a_reading_that_takes_little_of_what_is_left_is_not_what_is_missing(
+def test_a_behaviour_that_takes_little_of_what_is_left_is_not_what_is_missing(
     excess: float, counts: bool
 ) -> None:
     """Straight lines take away 10 to 20 % of what a held input leaves: all of what is 5 % above the
@@ -248,21 +248,21 @@ def test_a_sine_that_judges_fitted_steps_tells_how_it_was_held() -> None:
 
 
 def test_a_judge_is_not_held_later_for_want_of_a_delay() -> None:
-    """With the delay known a sine is read as the fitted steps; the base would hold it longer."""
+    """With the delay known a sine is held as the fitted steps; the base would hold it longer."""
     base, delayed = late(0.05, held=False, intersample="held")
     late_sine = 50.0 - 40.0 * np.cos(2.0 * np.pi * 0.4 * (LOG.time_s - 0.05))
     sine = 50.0 - 40.0 * np.cos(2.0 * np.pi * 0.4 * LOG.time_s)
     channels = {"pressure": sine, "angle": linear_angle(LOG.time_s, late_sine)}
     (judge,) = with_intersample([Log.from_arrays(LOG.time_s, channels)], "held")
     for model, found in ((base, "zoh"), (delayed, "held")):
-        (read,) = hold_out_as_explained(model, "held", SIGMA, [judge])
-        assert read.intersample == found
-        (read,) = hold_out_as_explained(model, "straight", SIGMA, [LOG])
-        assert read is LOG
+        (judged,) = hold_out_as_explained(model, "held", SIGMA, [judge])
+        assert judged.intersample == found
+        (judged,) = hold_out_as_explained(model, "straight", SIGMA, [LOG])
+        assert judged is LOG
 
 
 def test_only_what_nobody_declared_is_open() -> None:
-    """Declared readings stay, and an input without a jump has but one."""
+    """What is declared stays, and an input without a jump does but one thing."""
     assert is_open(LogSet((LOG,)))
     assert not is_open(LogSet(with_intersample([LOG], "straight")))
     smooth = LOG.between(1.2, 3.4)
@@ -270,7 +270,7 @@ def test_only_what_nobody_declared_is_open() -> None:
     assert not is_open(LogSet((LOG, replace(linear_log(seed=1), intersample="held"))))
 
 
-def test_a_reading_takes_the_place_of_another() -> None:
+def test_an_intersample_behaviour_takes_the_place_of_another() -> None:
     """What the first one told goes with it."""
     held = with_intersample([LOG], "zoh")
     assert [issue.code for issue in held[0].issues] == ["held-input"]

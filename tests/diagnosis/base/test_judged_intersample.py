@@ -1,4 +1,4 @@
-"""A reading of a command that only the logs that judge tell."""
+"""What a command does between its samples, where only the logs that judge tell."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ def test_what_is_held_out_tells_how_a_command_is_held(held: bool) -> None:
     assert bool(said) is held
 
 
-def test_a_reading_that_is_declared_stays() -> None:
-    """Then what is held out misses something, whatever another reading explains."""
+def test_what_is_declared_stays() -> None:
+    """Then what is held out misses something, whatever another behaviour explains."""
     fitted = commanded("sines", held=True, seed=1, declared="straight")
     judge = commanded("steps", held=True, seed=2, declared="straight")
     found = softid.diagnose(fitted, hold_out=[judge], model="oscillator")

@@ -136,23 +136,23 @@ def test_what_bends_within_a_mean_is_not_lost(hertz: float) -> None:
     assert means == pytest.approx(wave.reshape(-1, count).mean(axis=1)[1:-1])
 
 
-def moved(reading: Intersample) -> Log:
+def moved(intersample: Intersample) -> Log:
     """A linear actuator under steps on a sine at 100 Hz, what lies between the samples as said."""
     time_s = 0.01 * np.arange(6000)
     steps = np.repeat(np.random.default_rng(1).uniform(0.0, 40.0, 60), 100)
-    pressure = steps if reading == "held" else steps + 30.0 * np.sin(3.0 * time_s)
+    pressure = steps if intersample == "held" else steps + 30.0 * np.sin(3.0 * time_s)
     system = ([1.0], [TRUTH["M"], TRUTH["N"], TRUTH["Q"]])
-    x = signal.lsim(system, pressure, time_s, interp=reading == "straight")[1]
+    x = signal.lsim(system, pressure, time_s, interp=intersample == "straight")[1]
     log = Log.from_arrays(time_s, {"pressure": pressure, "angle": x}, outputs=("angle",))
-    return log.with_intersample(reading)
+    return log.with_intersample(intersample)
 
 
-@pytest.mark.parametrize("reading", ["straight", "held", "zoh"])
-def test_averages_of_a_held_input_come_when_it_does(reading: Intersample) -> None:
+@pytest.mark.parametrize("intersample", ["straight", "held", "zoh"])
+def test_averages_of_a_held_input_come_when_it_does(intersample: Intersample) -> None:
     """Stands on lsim: 1e-3 of the angle's spread is left; half an interval late would be 2.5 times.
 
-    That is 5 ms of a motion of 0.2 s. Read otherwise the averages leave it, and read again as what
-    they are they are the same.
+    That is 5 ms of a motion of 0.2 s. Taken otherwise the averages leave it, and taken again as
+    what they are they are the same.
     """
 
     def left_by(log: Log) -> float:
@@ -160,16 +160,16 @@ def test_averages_of_a_held_input_come_when_it_does(reading: Intersample) -> Non
         (block,) = problem.blocks(problem.unknowns(TRUTH), derivatives=False)
         return float(np.std(block.residual[100:]) / np.ptp(log.channels["angle"].values))
 
-    log = moved(reading)
+    log = moved(intersample)
     short = decimated(log, 5, keeps_jumps=True)
-    assert short.intersample == reading
-    assert (short.effective_intersample, short.between_samples) == (reading, "straight")
+    assert short.intersample == intersample
+    assert (short.effective_intersample, short.between_samples) == (intersample, "straight")
     assert left_by(short) < 1e-3
-    other: Intersample = "zoh" if reading == "straight" else "straight"
+    other: Intersample = "zoh" if intersample == "straight" else "straight"
     wrong = with_other_intersample(short, other)
     assert wrong.intersample == other
     assert left_by(wrong) > 2.0 * left_by(short)
-    again = with_other_intersample(wrong, reading).channels["pressure"].values
+    again = with_other_intersample(wrong, intersample).channels["pressure"].values
     assert again.tolist() == short.channels["pressure"].values.tolist()
     assert short.as_recorded is log
     assert log.as_recorded is log
@@ -185,23 +185,24 @@ def stepping(pieces: int, length: int = 100) -> Log:
 
 
 @pytest.mark.parametrize("count", [2, 3, 5])
-@pytest.mark.parametrize("reading", ["straight", "held", "zoh"])
-def test_a_jump_stays_where_it_was(reading: Intersample, count: int) -> None:
-    """Known truth: steps are drawn as recorded, to rounding; read again they are where those are.
+@pytest.mark.parametrize("intersample", ["straight", "held", "zoh"])
+def test_a_jump_stays_where_it_was(intersample: Intersample, count: int) -> None:
+    """Known truth: steps are drawn as recorded, to rounding; taken again they are where those are.
 
     The means that hold one are left out, and no others; averages that only choose keep all.
     """
-    log = stepping(12).with_intersample(reading)
+    log = stepping(12).with_intersample(intersample)
     short = decimated(log, count, keeps_jumps=True)
     (segment,) = short.segments()
     inside_s = np.arange(segment.time_s[0], segment.time_s[-1], 0.0007)
     known = np.interp(inside_s, log.time_s, log.channels["pressure"].values)
-    if reading != "straight":
+    if intersample != "straight":
         known = log.channels["pressure"].values[np.floor(inside_s / 0.01 + 1e-9).astype(int)]
     drawn = np.interp(inside_s, segment.time_s, segment.input)
     assert np.allclose(drawn, known, rtol=0.0, atol=1e-6)
-    other = with_other_intersample(with_other_intersample(short, "straight"), reading).segments()[0]
-    assert np.array_equal(other.input, segment.input)
+    straight = with_other_intersample(short, "straight")
+    (again,) = with_other_intersample(straight, intersample).segments()
+    assert np.array_equal(again.input, segment.input)
     samples = np.arange(100, len(log), 100)
     holding = np.unique(np.concatenate((samples - 1, samples)) // count)
     expected = [k not in holding for k in range(len(short))]

@@ -73,11 +73,12 @@ def test_neighbours_of_a_sample_left_out_are_left_out() -> None:
 
 
 @pytest.mark.parametrize(
-    ("reading", "is_read"), [("straight", True), ("smooth", True), ("held", False), ("zoh", False)]
+    ("intersample", "is_evened"),
+    [("straight", True), ("smooth", True), ("held", False), ("zoh", False)],
 )
-def test_a_held_input_is_not_moved(reading: Intersample, is_read: bool) -> None:
-    log = replace(uneven_log(), intersample=reading)
-    assert (evenly_sampled(log) is not None) is is_read
+def test_a_held_input_is_not_moved(intersample: Intersample, is_evened: bool) -> None:
+    log = replace(uneven_log(), intersample=intersample)
+    assert (evenly_sampled(log) is not None) is is_evened
 
 
 def test_a_log_that_stalls_is_not_bridged() -> None:

@@ -227,8 +227,8 @@ def test_what_runs_away_on_what_is_held_out_is_worse_than_all_else() -> None:
     assert RunningAway((linear_log(),)).rms(model) == np.inf
 
 
-@pytest.mark.parametrize("reading", ["held", "zoh"])
-def test_blocks_are_judged_with_the_reading_of_the_fit(reading: Intersample) -> None:
+@pytest.mark.parametrize("intersample", ["held", "zoh"])
+def test_blocks_are_judged_with_the_input_of_the_fit(intersample: Intersample) -> None:
     """Known truth: an input held at every sample, whose exact answer leaves nothing in the blocks.
 
     Straight lines between the samples come half an interval early.
@@ -240,7 +240,7 @@ def test_blocks_are_judged_with_the_reading_of_the_fit(reading: Intersample) -> 
     angle = linear_angle(fine_s, held_fine)[::50]
     log = with_angle(driven(pressure), angle)
     trained, held = hold_out_blocks(LogSet((log,)))
-    fitted = [one.with_intersample(reading) for one in trained]
+    fitted = [one.with_intersample(intersample) for one in trained]
     problem = linear_problem(fitted)
     rms = held.rms(standing(problem, problem.unknowns(TRUTH)))
     straight = linear_problem(trained.logs)

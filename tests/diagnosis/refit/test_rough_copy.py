@@ -77,7 +77,7 @@ def test_a_time_constant_holds_three_averages(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_bend_of_the_input_within_a_mean_counts_once() -> None:
-    """The nodes of the averages hold it already; a smooth reading of them would put it in again.
+    """The nodes of the averages hold it already; a cubic through them would put it in again.
 
     A sine of 2.5 Hz under means over 40 ms, once the start has died away: (2π f T)²/12 of it would
     be too much, and (π f T)⁴ is what averages leave of it at most.

@@ -138,7 +138,7 @@ def test_friction_that_comes_up_slowly_may_be_a_damping(share: float, rivals: in
 
 
 @pytest.mark.parametrize(
-    ("interval", "reading", "is_tied"),
+    ("interval", "intersample", "is_tied"),
     [
         ((0.008, 0.012), None, True),
         ((0.0093, 0.0097), None, True),
@@ -149,10 +149,10 @@ def test_friction_that_comes_up_slowly_may_be_a_damping(share: float, rivals: in
 )
 @pytest.mark.parametrize("name", ["delay", "sensor_lag", "pneumatic_lag"])
 def test_what_is_late_by_half_an_interval_may_be_a_held_input(
-    name: str, interval: tuple[float, float] | None, reading: str | None, is_tied: bool
+    name: str, interval: tuple[float, float] | None, intersample: str | None, is_tied: bool
 ) -> None:
-    """At 50 Hz half an interval is 0.01 s; an input that is read as held has it already."""
-    final, scale = linear_with(name, tau=0.01, intersample=reading)
+    """At 50 Hz half an interval is 0.01 s; an input that is taken as held has it already."""
+    final, scale = linear_with(name, tau=0.01, intersample=intersample)
     tau = replace(estimate(f"{name}_tau", 0.01, "s"), ci95=interval)
     told = cause(name, [tau], before=2.0, after=1.0)
     found = with_law_rivals(link_of(name), told, name, final, scale).rivals
