@@ -40,10 +40,7 @@ from softid.diagnosis.verdict.held_out_runs import held_out_lengths
 from softid.diagnosis.verdict.law_rivals import with_rivals
 from softid.diagnosis.verdict.naming import asks_for_the_others, verdict_of
 from softid.diagnosis.verdict.profile_intervals import with_intervals
-from softid.diagnosis.verdict.sample_errors import (
-    held_out_at_samples,
-    with_sample_statistics,
-)
+from softid.diagnosis.verdict.sample_errors import held_out_at_samples, with_sample_statistics
 from softid.diagnosis_results import Cause, Diagnosis, Remainder, Variation
 from softid.errors import Issue
 from softid.identification.assembly import OptimisedProblem, assemble
@@ -184,15 +181,7 @@ def _variations(chain: Chain, base: BaseFit, remainder: Remainder) -> Sequence[V
 def _fit_of_base(base: BaseFit, seed: int, least_sd: Mapping[str, float]) -> FitResult:
     """The base that was asked for as a fit with errors and scores."""
     asked_for = base.asked_for.identified
-    found = assemble(
-        asked_for.found,
-        asked_for.logs,
-        asked_for.hold_out,
-        choice=asked_for.choice,
-        seed=seed,
-        least_sd=least_sd,
-    )
-    return with_sample_statistics(found, asked_for)
+    return _assembled(asked_for.found, asked_for, seed, least_sd)
 
 
 def _fit_of(
@@ -203,7 +192,14 @@ def _fit_of(
     optimum = optimum_of(final, identified.found.optimum.sigma)
     constraints = ParameterConstraints.of(problem.model.parameters(), None)
     found = OptimisedProblem(problem, optimum, identified.found.unseen, constraints)
-    extended = assemble(
+    return _assembled(found, identified, seed, least_sd)
+
+
+def _assembled(
+    found: OptimisedProblem, identified: Identification, seed: int, least_sd: Mapping[str, float]
+) -> FitResult:
+    """What was found over the logs of an identification, scored at their samples."""
+    fit = assemble(
         found,
         identified.logs,
         identified.hold_out,
@@ -211,4 +207,4 @@ def _fit_of(
         seed=seed,
         least_sd=least_sd,
     )
-    return with_sample_statistics(extended, identified)
+    return with_sample_statistics(fit, identified)

@@ -127,7 +127,7 @@ def search_with_intersample(
     now = base.candidate.problem.logs[0].effective_intersample
 
     def judges_of(intersample: Intersample, known: Candidate) -> tuple[Log, ...]:
-        """What is held out, each log held as a model with what is known explains it."""
+        """What is held out, with the intersample behaviour that what is known asks for."""
         changed = recordings_with_intersample(recordings, intersample)
         return hold_out_as_explained(known, intersample, base.sigma, changed.hold_out)
 

@@ -23,6 +23,7 @@ from softid.effects.scale import Scale
 from softid.uncertainty.autoregression import autocovariance, fit_ar
 
 Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
 MOMENTS = 48
 """Moments that are tried over a log."""
@@ -45,7 +46,8 @@ USUAL = 0.75
 below: what goes on throughout a log, such as a drift, is made up for by a change at any moment."""
 
 GRADUAL = 0.9
-"""Nor does it begin at a moment if what goes evenly with the time takes so much of that."""
+"""Share of what a change takes away from which on a weight that goes evenly with the time speaks
+against a moment."""
 
 CHANCE = 0.01
 """Odds of a change somewhere in a log that takes as much of mere noise, above which it is none."""
@@ -145,7 +147,7 @@ class _ScoreTest:
         if most < TAKES * misfit or float(np.median(taken)) > USUAL * most:
             return None
         at = float(moments[int(taken.argmax())])
-        variance = max(noise / self.left.size, self.slow_variance(log, at))
+        variance = max(noise / self.left.size, self.long_run_variance(log, at))
         if MOMENTS * chi_square_tail(most / variance, 1 + self.columns.shape[1]) > CHANCE:
             return None
         near = at + np.linspace(-step, step, 2 * FINER + 1)
@@ -160,32 +162,36 @@ class _ScoreTest:
 
     def taken(self, columns: Array, log: int, time_s: float) -> float:
         """Fall of the sum of squares when the weights of columns change at a moment of a log."""
-        after = (self.log == log) & (self.time_s > time_s)
-        return float(np.sum(self._share_of(columns * after[:, None]) ** 2))
+        return self._fall(columns * self._is_after(log, time_s)[:, None])
 
     def taken_gradually(self, log: int, begin_s: float, length_s: float) -> float:
         """The most that the weight of one kind alone takes that goes with the time of a log."""
         since = np.clip((self.time_s - begin_s) / length_s, 0.0, 1.0) * (self.log == log)
-        falls = [np.sum(self._share_of((c * since)[:, None]) ** 2) for c in self.kinds.values()]
-        return float(max(falls))
+        return max(self._fall((column * since)[:, None]) for column in self.kinds.values())
 
-    def slow_variance(self, log: int, time_s: float) -> float:
-        """Variance times correlated samples of what a change at a moment leaves.
+    def long_run_variance(self, log: int, time_s: float) -> float:
+        """Sum of all autocovariances of what a change of everything at a moment leaves.
 
         A change holds on, so slow noise counts for as many samples fewer as are alike in it.
         """
-        after = (self.log == log) & (self.time_s > time_s)
-        pair = np.column_stack((self.rate, self.columns * after[:, None]))
-        rest = project_out(added_basis(self.basis, pair), self.left)
+        directions = self._directions(self.columns * self._is_after(log, time_s)[:, None])
+        rest = project_out(directions, self.left)
         ar = fit_ar(np.split(rest, np.cumsum([row.residual.size for row in self.rows])[:-1]))
         gamma = autocovariance(ar, rest.size)
         return float(gamma[0] + 2.0 * gamma[1:].sum())
 
-    def _share_of(self, columns: Array) -> Array:
-        """What columns beside the rate explain of the residual, along directions of their own."""
-        pair = np.column_stack((self.rate, columns))
-        found: Array = added_basis(self.basis, pair).T @ self.left
-        return found
+    def _is_after(self, log: int, time_s: float) -> BoolArray:
+        """Which samples come behind a moment of a log."""
+        after: BoolArray = (self.log == log) & (self.time_s > time_s)
+        return after
+
+    def _directions(self, columns: Array) -> Array:
+        """What columns, and the rate, span beside the derivatives of the response."""
+        return added_basis(self.basis, np.column_stack((self.rate, columns)))
+
+    def _fall(self, columns: Array) -> float:
+        """Fall of the sum of squares with columns, and the rate, in the regression."""
+        return float(np.sum((self._directions(columns).T @ self.left) ** 2))
 
     def kind_of(self, log: int, time_s: float, most: float) -> str:
         """What alone takes nearly as much, the simplest first."""

@@ -125,11 +125,15 @@ class AveragedLog(KnottedLog):
         return self.recorded
 
     def at_samples(self) -> Log:
-        """The log before averaging, its input held as here, without samples of masked values."""
-        masked = np.repeat(self.masked, self.count)
-        rest = np.ones(len(self.recorded) - masked.size, bool)
-        recorded = self.recorded.with_masked(np.concatenate((masked, rest)))
-        return recorded.with_intersample(self.intersample)
+        """The log before averaging with this intersample behaviour, its samples masked alike."""
+        masked = self.marks_of_samples(self.masked, rest=True)
+        return self.recorded.with_masked(masked).with_intersample(self.intersample)
+
+    def marks_of_samples(self, marks: BoolArray, *, rest: bool) -> BoolArray:
+        """Marks of values as those of the samples in them; ``rest`` for samples in none."""
+        found = np.full(len(self.recorded), rest)
+        found[: marks.size * self.count] = np.repeat(marks, self.count)
+        return found
 
 
 def decimated(log: Log, count: int, *, keeps_jumps: bool = False) -> Log:

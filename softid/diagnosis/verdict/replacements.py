@@ -2,7 +2,7 @@
 
 Some causes of the catalogue follow what a law in no catalogue does, or two causes together do. Each
 of these is refitted in their place, with all other causes kept; and each law in no catalogue alone
-in the place of all.
+in the place of all, with what is described kept and without.
 """
 
 from __future__ import annotations
@@ -129,19 +129,18 @@ def with_replacements(
     asked = _asked(named, is_linear=final.problem.model.is_linear) if named else []
     if not asked:
         return list(links)
-    beside = [[e for e in final.acting if e not in named or not row.takes(e)] for row, _ in asked]
+    tries = [
+        (row, laws, [e for e in final.acting if e not in named or not row.takes(e)])
+        for row, laws in asked
+    ]
     if len(named) < len(final.effects):  # what is described may come of the wrong name
-        alone = [(row, laws) for row, laws in asked if all(row.takes(effect) for effect in named)]
-        asked, beside = asked + alone, beside + [[]] * len(alone)
+        tries += [(row, laws, []) for row, laws in asked if all(map(row.takes, named))]
     standing, near = standing_of(final, base), NEAR * final.squares
-    others = in_parallel(
-        lambda place: refitted_with(standing, beside[place], asked[place][1], near=near),
-        range(len(asked)),
-    )
+    others = in_parallel(lambda each: refitted_with(standing, each[2], each[1], near=near), tries)
     ranked = rank([final, *(other for other in others if other is not None)], base.sigma)
     bic = {id(row.plain): row.bic for row in ranked}
     found, best = list(links), ranked[0].bic + INDISTINCT
-    for (row, laws), other in zip(asked, others, strict=True):
+    for (row, laws, _), other in zip(tries, others, strict=True):
         if other is not None and bic[id(other)] < min(best, bic[id(final)] + row.behind):
             found = [_with_rivals(link, row, laws, other) for link in found]
     return found

@@ -104,7 +104,4 @@ class _RecordedBlocks(HeldOutBlocks):
 
 def _block_samples(log: Log, block: BoolArray) -> BoolArray:
     """Which samples of the recording were held out with a block of averages."""
-    if not isinstance(log, AveragedLog):
-        return block
-    held = np.repeat(block, log.count)
-    return np.concatenate((held, np.zeros(len(log.recorded) - held.size, bool)))
+    return log.marks_of_samples(block, rest=False) if isinstance(log, AveragedLog) else block

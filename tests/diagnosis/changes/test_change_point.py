@@ -145,7 +145,7 @@ def slow_noise(seed: int) -> Array:
     ids=["nothing", "drift", "gain drift"],
 )
 def test_slow_noise_begins_at_no_moment(added: Array, most: int) -> None:
-    """Of 20 draws, with the noise known: by white statistics 3, 2 and 5 would begin at a moment."""
+    """Of 20 draws, with the noise known; to the statistics of white noise more of them would."""
     found = []
     for seed in range(20):
         base = fitted(linear_log(noise=0.0, samples=N, added=added + slow_noise(seed)))
