@@ -158,7 +158,7 @@ def _with_errors_without(
         if len(causes) > 1 and asks_for_the_others(cause, chain.links[position].added):
             model = refit_without(chain, position, base.candidate, base.scale, base.sigma)
             gained = gain_interval(held_out.first_errors(model), whole, lengths)
-            if gained is None or gained[0] > 0.0:
+            if gained is None or gained[0] >= 0.0:
                 cause = replace(cause, holdout_rmse_without=held_out.rms(model))
         found.append(cause)
     return tuple(found)

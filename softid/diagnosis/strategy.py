@@ -15,7 +15,9 @@ from softid.diagnosis.base.intersample_selection import (
 )
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.search.forward_selection import Chain
+from softid.diagnosis.residual.assessment import SMALLEST_EXCESS
+from softid.diagnosis.search.bic_ranking import is_likelier
+from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.timed_search import search_with_jump_moments
 from softid.intersample import Intersample
@@ -80,7 +82,7 @@ def search_causes(
         if timed is not None:
             return timed
     if not found.came_to_nothing:
-        return _without_a_curve(found, search) or found, search
+        return _from_another_cause(found, search) or found, search
     alone = search.without_causes()
     if alone is not None and alone.remainder.open_jumps > 0:
         return alone, search
@@ -96,14 +98,25 @@ def search_causes(
     return other or found, search
 
 
-def _without_a_curve(found: SearchResult, search: CauseSearch) -> SearchResult | None:
-    """What is sure from another first cause, where a curve leaves something.
+def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResult | None:
+    """What is sure from another first cause, where a chain with a name may be the wrong one.
 
-    Its free values have taken what a second cause does, which pays no more beside it then.
+    Where a curve leaves something, its free values have taken what a second cause does, which pays
+    no more beside it then. The first of three causes may stand for two others, which two more make
+    up for, and so may that of two which leave more than the fastest part of the noise: what is
+    likelier takes their place.
     """
-    if not (found.chain.bends and found.remainder.leaves_something):
+    links, left = found.chain.links, found.remainder
+    if found.chain.bends and left.leaves_something:
+        return search.search_from_other_causes(found.chain)
+    is_louder = left.excess > SMALLEST_EXCESS and not left.noise_is_known
+    if len(links) < MAX_LINKS and not (len(links) > 1 and is_louder):
         return None
-    return search.search_from_other_causes(found.chain)
+    other = search.search_from_other_causes(found.chain)
+    if other is None:
+        return None
+    sigma = search.base.sigma
+    return other if is_likelier(other.chain.final, found.chain.final, sigma) else None
 
 
 def search_with_intersample(

@@ -21,6 +21,7 @@ from handmade_searches import (
 
 from softid.diagnosis import strategy
 from softid.diagnosis.cause_search import CauseSearch
+from softid.diagnosis.residual.assessment import SMALLEST_EXCESS
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import BETTER_BASE, search_causes, search_with_intersample
@@ -104,6 +105,52 @@ def test_a_law_that_outdoes_the_first_cause_ends_the_search(
     unused: Any = None
     answer, _ = search_causes(unused, unused, search_over(), others)
     assert answer is (NOTHING if ends else NAMED)
+
+
+LOUD = replace(NOISE, excess=1.1 * SMALLEST_EXCESS, noise_from_rest=False)
+THREE = ("delay", "creep", "ageing")
+
+
+@pytest.mark.parametrize(
+    ("keys", "left", "other", "likelier", "asks", "replaced"),
+    [
+        (THREE, NOISE, NAMED, True, True, True),
+        (THREE, NOISE, NAMED, False, True, False),
+        (THREE, NOISE, None, True, True, False),
+        (("delay", "creep"), LOUD, NAMED, True, True, True),
+        (("delay", "creep"), replace(LOUD, noise_from_rest=True), NAMED, True, False, False),
+        (("delay", "creep"), NOISE, NAMED, True, False, False),
+        (("delay",), LOUD, NAMED, True, False, False),
+    ],
+    ids=["three", "less likely", "none", "louder", "known noise", "noise", "one"],
+)
+def test_what_is_likelier_takes_the_place_of_three_causes_and_of_two_that_leave_more_than_noise(
+    keys: tuple[str, ...],
+    left: Remainder,
+    other: SearchResult | None,
+    likelier: bool,
+    asks: bool,
+    replaced: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first may stand for two others. Where rests tell the noise, what is above it is structure
+    in any case."""
+    named = SearchResult(chain_of(*keys), left, (True,) * len(keys))
+    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
+    monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
+    monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": named}, by=[]))
+    monkeypatch.setattr(strategy, "is_likelier", lambda one, other, sigma: likelier)
+    asked: list[Chain] = []
+
+    def from_another(self: CauseSearch, known: Chain) -> SearchResult | None:
+        asked.append(known)
+        return other
+
+    monkeypatch.setattr(CauseSearch, "search_from_other_causes", from_another)
+    unused: Any = None
+    answer, _ = search_causes(unused, unused, search_over(), others)
+    assert asked == ([named.chain] if asks else [])
+    assert answer is (other if replaced else named)
 
 
 @pytest.mark.parametrize("sure", [NAMED, None])
