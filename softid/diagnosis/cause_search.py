@@ -225,9 +225,9 @@ class CauseSearch:
         known
             The chain from the best first cause.
         """
-        name = known.links[0].added.name if known.links else None
+        best = known.links[0].added if known.links else None
         base = self.base
-        others = alternative_first_links(name, base.candidate, self.effects, base.scale, base.sigma)
+        others = alternative_first_links(best, base.candidate, self.effects, base.scale, base.sigma)
         for other in that_promise_the_rest(
             others, self.remainder_of, self.effects, base.scale, base.sigma
         ):

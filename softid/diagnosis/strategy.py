@@ -102,15 +102,15 @@ def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResul
     """What is sure from another first cause, where a chain with a name may be the wrong one.
 
     Where a curve leaves something, its free values have taken what a second cause does, which pays
-    no more beside it then. The first of three causes may stand for two others, which two more make
-    up for, and so may that of two which leave more than the fastest part of the noise: what is
-    likelier takes their place.
+    no more beside it then. A first cause that stands for two others leaves more than noise, or two
+    more make up for it, or what it leaves is larger than the fastest part of the noise: what is
+    likelier takes its place.
     """
     links, left = found.chain.links, found.remainder
     if found.chain.bends and left.leaves_something:
         return search.search_from_other_causes(found.chain)
     is_louder = left.excess > SMALLEST_EXCESS and not left.noise_is_known
-    if len(links) < MAX_LINKS and not (len(links) > 1 and is_louder):
+    if not (left.structured or len(links) == MAX_LINKS or (len(links) > 1 and is_louder)):
         return None
     other = search.search_from_other_causes(found.chain)
     if other is None:

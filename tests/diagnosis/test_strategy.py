@@ -121,10 +121,22 @@ THREE = ("delay", "creep", "ageing")
         (("delay", "creep"), replace(LOUD, noise_from_rest=True), NAMED, True, False, False),
         (("delay", "creep"), NOISE, NAMED, True, False, False),
         (("delay",), LOUD, NAMED, True, False, False),
+        (("delay",), STRUCTURE, NAMED, True, True, True),
+        (("delay",), STRUCTURE, NAMED, False, True, False),
     ],
-    ids=["three", "less likely", "none", "louder", "known noise", "noise", "one"],
+    ids=[
+        "three",
+        "less likely",
+        "none",
+        "louder",
+        "known noise",
+        "noise",
+        "one",
+        "structure",
+        "less likely without structure",
+    ],
 )
-def test_what_is_likelier_takes_the_place_of_three_causes_and_of_two_that_leave_more_than_noise(
+def test_what_is_likelier_takes_the_place_of_three_causes_and_of_what_leaves_more_than_noise(
     keys: tuple[str, ...],
     left: Remainder,
     other: SearchResult | None,
@@ -160,7 +172,7 @@ def test_what_is_likelier_takes_the_place_of_three_causes_and_of_two_that_leave_
         (("static_curve", "delay"), STRUCTURE, True),
         (("delay", "static_curve"), replace(NOISE, misses_held_out=True), True),
         (("static_curve",), NOISE, False),
-        (("stiffening", "delay"), STRUCTURE, False),
+        (("stiffening", "delay"), replace(NOISE, misses_held_out=True), False),
     ],
     ids=["left in sample", "left elsewhere", "nothing left", "no curve"],
 )

@@ -38,18 +38,20 @@ none is raced."""
 
 
 def alternative_first_links(
-    known: str | None,
+    known: Effect | None,
     base: Candidate,
     effects: Sequence[Effect],
     scale: Scale,
     sigma: Mapping[str, float],
 ) -> Iterator[Chain]:
-    """Chains of one link each, the most promising first.
+    """Chains of one link each: other effects, the most promising first, and other forms of one.
+
+    A second cause makes a richer form of the first the better one, as long as it is missing.
 
     Parameters
     ----------
     known
-        Name of the first cause of the search that came to nothing, None if it found none.
+        The first cause of the search that came to nothing, None if it found none.
     base
         What it began with.
     effects
@@ -60,9 +62,10 @@ def alternative_first_links(
         Output channel → scale that its residual is divided by.
     """
     promising = screen(base, effects, scale, sigma)
-    names = dict.fromkeys(s.effect.name for s in promising if s.effect.name != known)
-    for name in list(names)[:TRIED]:
-        forms = [effect for effect in effects if effect.name == name]
+    names = dict.fromkeys(s.effect.name for s in promising)
+    tried = [name for name in names if known is None or name != known.name][:TRIED]
+    for name in [*tried, *([] if known is None else [known.name])]:
+        forms = [effect for effect in effects if effect.name == name and effect != known]
         link = next_link(base, forms, scale, sigma, FIRST, screened=promising)
         if link is not None and (is_accepted(link, FIRST) or _takes_much(link)):
             found = converged(link.chosen.plain, sigma)

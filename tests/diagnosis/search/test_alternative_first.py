@@ -18,16 +18,27 @@ from softid.diagnosis.search.forward_selection import FIRST, converged, is_accep
 from softid.effects import effect_of
 
 
+class OtherBow(Bow):
+    """Another form of the same effect."""
+
+    variant = "other"
+
+
 def test_the_others_begin_in_the_order_of_their_promise() -> None:
     """Known truth: a drift and a small parabola. Either pays; a delay does not, and the known first
-    cause is not asked again."""
+    cause is not asked again, but other forms of it are."""
     time_s = linear_log().time_s
     bow = 0.04 * (time_s / time_s[-1]) ** 2
     problem = linear_problem([linear_log(noise=0.01, added=0.01 * time_s + bow)])
     z = problem.unknowns(TRUTH)
     base, scale = converged(standing(problem, z), SIGMA), scale_of(problem, z)
-    effects = (effect_of("delay"), effect_of("sensor_drift"), Bow())
-    for known, begun in ((None, ["sensor_drift", "bow"]), ("sensor_drift", ["bow"])):
+    drift, other_bow = effect_of("sensor_drift"), OtherBow()
+    effects = (effect_of("delay"), drift, Bow())
+    for known, begun in (
+        (None, ["sensor_drift", "bow"]),
+        (drift, ["bow"]),
+        (other_bow, ["sensor_drift", "bow"]),
+    ):
         chains = list(alternative_first_links(known, base, effects, scale, SIGMA))
         assert [chain.final.keys[-1] for chain in chains] == begun
         assert all(chain.final.squares < base.squares for chain in chains)
