@@ -19,6 +19,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from softid.even_times import even_interval_s
+
 Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
@@ -194,7 +196,7 @@ def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array
     whole = at[~is_lost]
     stop_s = time_s[whole + 1]
     parts = [(stop_s - BEFORE * (stop_s - time_s[whole]), values[whole])]
-    period_s = float(np.median(np.diff(time_s)))
+    period_s = even_interval_s(time_s)
     parts += [_staircase(time_s[k : k + 2], values[k : k + 2], period_s) for k in at[is_lost]]
     if intersample == "held":
         parts.append(_bends(time_s, values))

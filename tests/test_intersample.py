@@ -166,6 +166,15 @@ def test_a_jump_while_samples_were_lost_is_expected_in_their_middle(
         assert np.interp(when, course_s, course) == pytest.approx(value, abs=1e-9)
 
 
+def test_pairs_of_samples_have_few_knots() -> None:
+    """Pairs 1 µs apart every 0.4 s: between two pairs a step every 20 ms, a tenth of the mean
+    interval, where one every microsecond would make 400,000 of them."""
+    first_s = 0.4 * np.arange(100)
+    time_s = np.sort(np.concatenate((first_s, first_s + 1e-6)))
+    knot_s, level = knots(time_s, np.sin(time_s), "zoh")
+    assert knot_s.size == level.size == 100 + 99 * (2 * 20 - 1)
+
+
 def test_an_irregular_clock_has_lost_nothing() -> None:
     """Written when it changes: intervals are of all lengths, and it is held over each."""
     time_s = np.cumsum(np.random.default_rng(0).uniform(0.1, 2.0, 40))

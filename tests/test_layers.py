@@ -19,7 +19,7 @@ SOURCES = {"softid": ROOT / "softid", "softid_cli": ROOT / "cli" / "softid_cli"}
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors",),
-    ("units", "kernels", "parallel"),
+    ("units", "kernels", "parallel", "even_times"),
     ("channels", "chi_square", "fingerprint", "intersample"),
     ("segment",),
     ("log", "parameters", "results"),

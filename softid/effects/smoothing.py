@@ -12,6 +12,7 @@ import numpy.typing as npt
 from softid.effects.base import OutputEffect
 from softid.effects.scale import Scale
 from softid.effects.wording import Wording
+from softid.even_times import even_interval_s
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
@@ -105,10 +106,10 @@ class Smoothing(_Smoothed):
         """Filter the reading; uneven samples are straight lines."""
         del scale
         period, order = float(eta[0]), float(eta[1])
-        step_s = float(np.median(np.diff(time_s)))
-        count = round((time_s[-1] - time_s[0]) / step_s) + 1
-        if period <= 0.0 or count < 3:
+        if period <= 0.0 or y.size < 3:
             return np.array(y, np.float64)
+        step_s = even_interval_s(time_s)
+        count = round((time_s[-1] - time_s[0]) / step_s) + 1
         even_s = time_s[0] + step_s * np.arange(count)
         is_even = count == y.size and bool(np.all(np.abs(even_s - time_s) < EVEN * step_s))
         even = y if is_even else np.interp(even_s, time_s, y)
@@ -182,7 +183,7 @@ class PastSmoothing(MeanSmoothing):
         """Means over what has passed."""
         del scale
         window_s = float(eta[0])
-        if window_s <= 0.0:
+        if window_s <= 0.0 or y.size < 2:
             return np.array(y, np.float64)
         begin_s = time_s - window_s
         area = _areas(time_s, y)
@@ -215,6 +216,8 @@ def _turned_about_its_ends(y: Array, beyond: int) -> Array:
 
 def _centred_means(time_s: Array, y: Array, window_s: float) -> Array:
     """Means of straight lines over a window about each time, of which the ends cut off a part."""
+    if y.size < 2:
+        return np.array(y, np.float64)
     area = _areas(time_s, y)
     begin_s, end_s = (
         np.clip(time_s + side * window_s, time_s[0], time_s[-1]) for side in (-0.5, 0.5)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from softid.even_times import even_interval_s
 from softid.identification.sensor_clock import SensorClock
 
 Array = npt.NDArray[np.float64]
@@ -60,7 +61,7 @@ def reading_clock(time_s: Array, values: Array, straight: BoolArray) -> SensorCl
     corners_s = _corners(time_s, values, straight)
     if corners_s.size < LEAST_CORNERS:
         return None
-    row_s = float(np.median(np.diff(time_s)))
+    row_s = even_interval_s(time_s)
     clock = _first_clock(corners_s[:FIRST], row_s)
     doublings = int(np.ceil(np.log2(max(corners_s.size / FIRST, 1.0))))
     for count in (FIRST * 2 ** np.arange(doublings + 2)).tolist():

@@ -7,6 +7,7 @@ import pytest
 from io_rig import SCALE, extended, jacobian_error, segment, times, vanishes
 from scipy.signal import butter, filtfilt
 
+from softid.effects import OutputEffect
 from softid.effects.smoothing import MeanSmoothing, PastSmoothing, Smoothing
 
 
@@ -101,3 +102,37 @@ def test_a_moving_average_is_a_late_centred_mean() -> None:
 def test_the_cut_off_is_told() -> None:
     told = Smoothing().wording({"period": 0.2, "order": 2.0})
     assert "cut-off is 5 Hz" in told.meaning
+
+
+def test_pairs_of_samples_are_smoothed_as_others_are() -> None:
+    """Pairs 10 µs apart every 50 ms: the share 1/(1 + (fT)⁴) of a swing, as lines between the pairs
+    leave it, 5e-3; over a grid of median intervals it would take 3,000,000 values."""
+    first_s, period = 0.05 * np.arange(600), 2.0
+    time_s = np.sort(np.concatenate((first_s, first_s + 1e-5)))
+    swing = np.cos(2.0 * np.pi * 0.4 * time_s)
+    found = Smoothing().apply(np.array([period, 2.0]), time_s, swing, SCALE)
+    inner = (time_s > 4.0) & (time_s < time_s[-1] - 4.0)
+    left = 1.0 / (1.0 + (0.4 * period) ** 4)
+    np.testing.assert_allclose(found[inner], left * swing[inner], rtol=0.0, atol=5e-3)
+
+
+@pytest.mark.parametrize("seconds_apart", [1e-5, 1.0])
+def test_the_grid_of_the_filter_is_bounded(
+    seconds_apart: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ten values per sample and two periods beyond either end, as many again at most."""
+    sizes: list[int] = []
+    transform = np.fft.rfft
+    monkeypatch.setattr(np.fft, "rfft", lambda y: sizes.append(y.size) or transform(y))
+    time_s = np.sort(np.concatenate([4.0 * np.arange(50), 4.0 * np.arange(50) + seconds_apart]))
+    Smoothing().apply(np.array([500.0, 2.0]), time_s, np.sin(time_s), SCALE)
+    assert max(sizes) <= 3 * (10 * time_s.size + 1)
+
+
+@pytest.mark.parametrize("law", [Smoothing(), MeanSmoothing(), PastSmoothing()])
+@pytest.mark.parametrize("count", [1, 2])
+def test_one_sample_stays_as_it_is(law: OutputEffect, count: int) -> None:
+    """What rests before and after is its own mean, at the first sample of two as well."""
+    eta = np.array([0.3, 2.0][: len(law.parameters(SCALE))])
+    found = law.apply(eta, np.array([1.0, 9.0])[:count], np.array([0.7, 0.7])[:count], SCALE)
+    np.testing.assert_allclose(found, np.full(count, 0.7))

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.logs.decimation import is_regular
+from softid.even_times import even_interval_s
 from softid.identification.slow_outputs import SlowOutputLog
 from softid.intersample import HELD
 from softid.log import Log
@@ -25,8 +26,9 @@ WIDEST = 2.5
 def evenly_sampled(log: Log) -> Log | None:
     """The log at even times, a median interval apart; itself where it is even already.
 
-    None for a log that stalls, and for an input that is held between its samples: where it changes
-    would move. Of one whose outputs are slow, what the input does between them is left out.
+    None for a log that stalls or is sampled in bursts, and for an input that is held between its
+    samples: where it changes would move. Of one whose outputs are slow, what the input does between
+    them is left out.
 
     Parameters
     ----------
@@ -48,6 +50,8 @@ def evenly_sampled(log: Log) -> Log | None:
     if is_regular(log):
         return log
     if len(log.segments()) > 1 or log.between_samples in HELD:
+        return None
+    if even_interval_s(log.time_s) > log.period_s:
         return None
     count = int((log.time_s[-1] - log.time_s[0]) / log.period_s) + 1
     time_s = log.time_s[0] + log.period_s * np.arange(count)

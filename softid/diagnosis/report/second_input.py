@@ -14,6 +14,7 @@ from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis.residual.structure import predicted_beyond_chance
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
+from softid.even_times import even_interval_s
 from softid.log import Log
 from softid.quality.second_inputs import independent_inputs
 from softid.quality.wording import NAMED
@@ -100,11 +101,12 @@ def _lagged(log: Log, name: str, time_s: Array, motion_s: float) -> Array:
 
     values = log.channels[name].values
     finite = np.isfinite(values)
-    grid = np.arange(log.time_s[0], log.time_s[-1] + log.period_s, log.period_s)
+    step_s = even_interval_s(log.time_s)
+    grid = np.arange(log.time_s[0], log.time_s[-1] + step_s, step_s)
     regular = np.interp(grid, log.time_s[finite], values[finite])
     rows = []
     for lag in LAGS:
-        decay = np.exp(-log.period_s / (lag * motion_s)) if lag else 0.0
+        decay = np.exp(-step_s / (lag * motion_s)) if lag else 0.0
         start = [decay * regular[0]]
         lagged, _ = lfilter([1.0 - decay], [1.0, -decay], regular, zi=start)
         rows.append(np.interp(time_s, grid, lagged))

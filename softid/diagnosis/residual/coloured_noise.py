@@ -19,6 +19,7 @@ from softid.chi_square import chi_square_tail
 from softid.diagnosis.residual.single_spikes import spikes_in
 from softid.diagnosis.residual.structure import ResidualContext, predicted_beyond_chance
 from softid.diagnosis_results import NotNoise
+from softid.even_times import even_interval_s
 from softid.residuals import ljung_box
 from softid.uncertainty.autoregression import fit_ar, run_slices, whiten
 
@@ -154,7 +155,7 @@ def colour_test(
     Statistical Review* 55 (1987), Eq (5).
     """
     length_s = sum(float(part.time_s[-1] - part.time_s[0]) for part in parts)
-    period_s = float(np.median(np.concatenate([np.diff(part.time_s) for part in parts])))
+    period_s = even_interval_s(*(part.time_s for part in parts))
     columns = slopes or [np.empty((int(np.isfinite(p.residual).sum()), 0)) for p in parts]
     activities = _activities(parts)
     times_s: list[float] = []

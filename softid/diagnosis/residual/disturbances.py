@@ -19,6 +19,7 @@ from softid.diagnosis.residual.slow_noise import CODE, slow_noise_issues
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.diagnosis_results import Remainder
 from softid.errors import Issue
+from softid.even_times import even_interval_s
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -290,8 +291,7 @@ def _regular(part: ResidualContext) -> tuple[Array, Array, Array]:
     known = np.isfinite(part.residual)
     if int(known.sum()) < LEAST_SAMPLES:
         return part.time_s[:0], part.time_s[:0], part.time_s[:0]
-    period_s = float(np.median(np.diff(part.time_s)))
-    time_s = np.arange(part.time_s[0], part.time_s[-1], period_s)
+    time_s = np.arange(part.time_s[0], part.time_s[-1], even_interval_s(part.time_s))
     residual = np.interp(time_s, part.time_s[known], part.residual[known])
     return time_s, residual - residual.mean(), np.interp(time_s, part.time_s, part.u)
 
@@ -369,8 +369,8 @@ def _amplitude(time_s: Array, residual: Array, frequency_hz: float) -> float:
 
 def _at_rest(part: ResidualContext, since_s: float, least: float) -> BoolArray:
     """Samples before which the input has not moved by more than ``least`` for a while."""
-    period_s = float(np.median(np.diff(part.time_s)))
-    look_s = max(min(LOOK_S, LOOKED_AT * since_s), FEWEST_LOOKED_AT * period_s)
+    least_s = FEWEST_LOOKED_AT * even_interval_s(part.time_s)
+    look_s = max(min(LOOK_S, LOOKED_AT * since_s), least_s)
     still = np.zeros(part.time_s.size, np.bool_)
     for span in still_spans(part.u, part.time_s, least, look_s=look_s):
         still[span] = part.time_s[span] - part.time_s[span.start] >= since_s

@@ -85,3 +85,12 @@ def test_a_log_that_stalls_is_not_bridged() -> None:
     log = uneven_log(lost=slice(150, 300))
     assert len(log.segments()) > 1
     assert evenly_sampled(log) is None
+
+
+def test_a_log_in_bursts_has_no_even_times() -> None:
+    """Pairs 1 µs apart every 0.1 s: lines at median intervals would be 50,000 times as many."""
+    first_s = 0.1 * np.arange(200)
+    time_s = np.sort(np.concatenate((first_s, first_s + 1e-6)))
+    log = Log.from_arrays(time_s, {"pressure": 2.0 * time_s, "angle": 5.0 - time_s})
+    assert len(log.segments()) == 1
+    assert evenly_sampled(log) is None

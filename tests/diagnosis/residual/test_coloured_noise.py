@@ -217,6 +217,19 @@ def test_too_few_samples_tell_nothing() -> None:
     assert colour_test([part], MOTION_S, rng=rng) == ColourTest()
 
 
+def test_noise_of_pairs_of_samples_is_told() -> None:
+    """Every second sample 1 µs before the next: means over median intervals would be 20,000 times
+    as many as the samples, and none of them has another beside it."""
+    rng = np.random.default_rng(3)
+    rows = coloured(rng, 0.5) + 0.3 * rng.standard_normal(TIME_S.size)
+    u = steps(rng)
+    x, v = lagging(u, MOTION_S), np.gradient(lagging(u, MOTION_S), TIME_S)
+    time_s = TIME_S.copy()
+    time_s[::2] = time_s[1::2] - 1e-6
+    found = colour_test([ResidualContext(time_s, x, v, u, rows)], MOTION_S, rng=rng)
+    assert found.correlation_s == pytest.approx(0.5, rel=0.5)
+
+
 def test_lost_samples_and_several_logs() -> None:
     """Blanks end a run of means; noise of two logs is told as that of one."""
     rng = np.random.default_rng(3)

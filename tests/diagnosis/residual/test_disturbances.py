@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from softid.diagnosis.residual.disturbances import Line, disturbance_issues, events_in, line_in
+from softid.diagnosis.residual.disturbances import (
+    Line,
+    _regular,
+    disturbance_issues,
+    events_in,
+    line_in,
+)
 from softid.diagnosis.residual.structure import ResidualContext
 
 TIME_S = np.arange(0.0, 40.0, 0.01)
@@ -46,6 +52,19 @@ def test_a_steady_line_is_found() -> None:
     assert found is not None
     assert found.frequency_hz == pytest.approx(1.3123, abs=0.001)
     assert found.amplitude == pytest.approx(0.5, rel=0.1)
+
+
+def test_a_line_in_pairs_of_samples_is_found() -> None:
+    """Every second sample 1 µs before the next: even times at median intervals would be 40 million
+    and the line is that of the pairs, 50 a second."""
+    time_s = TIME_S.copy()
+    time_s[::2] = time_s[1::2] - 1e-6
+    residual = noise(0) + np.sin(2.0 * np.pi * 1.3123 * time_s)
+    pairs = ResidualContext(time_s, STEPS, np.zeros_like(time_s), STEPS, residual)
+    assert _regular(pairs)[0].size <= 10 * time_s.size
+    found = line_in([pairs])
+    assert found is not None
+    assert found.frequency_hz == pytest.approx(1.3123, abs=0.001)
 
 
 def test_a_line_of_the_input_is_its_motion() -> None:
