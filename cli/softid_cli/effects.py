@@ -49,6 +49,8 @@ def example_scale() -> Scale:
 
 def describe(effect: Effect) -> dict[str, Any]:
     """An effect's entry in the catalogue as plain values."""
+    from softid.effects import confusable_with
+
     return {
         "name": effect.key,
         "stage": effect.stage,
@@ -56,7 +58,7 @@ def describe(effect: Effect) -> dict[str, Any]:
         "law": effect.law,
         "meaning": effect.meaning,
         "signature": effect.signature,
-        "neighbours": effect.neighbours,
+        "neighbours": confusable_with(effect),
         "shown_by": effect.shown_by,
         "remedy": effect.remedy or None,
         "source": effect.source,
@@ -90,6 +92,7 @@ def print_list(chosen: Sequence[Effect]) -> None:
 
 def print_description(effect: Effect, variants: list[str]) -> None:
     """Print one effect's entry."""
+    from softid.effects import confusable_with
     from softid_cli.tables import print_rows, print_text
 
     print_text(f"{effect.key}: {effect.title}")
@@ -102,8 +105,8 @@ def print_description(effect: Effect, variants: list[str]) -> None:
     print_text(effect.meaning)
     print_text(f"Signature: {effect.signature}")
     print_text(f"Shown by: {effect.shown_by}")
-    if effect.neighbours:
-        print_text(f"Easily confused with: {', '.join(effect.neighbours)}")
+    if confused := confusable_with(effect):
+        print_text(f"Easily confused with: {', '.join(confused)}")
     print_text(f"Remedy: {effect.remedy or 'none in hardware; keep it in the model'}")
     click.echo()
     rows = [

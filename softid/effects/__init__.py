@@ -2,7 +2,7 @@
 
 from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.building import effect_of, effects_of, model_of
-from softid.effects.catalogue import EFFECTS
+from softid.effects.catalogue import EFFECTS, confusable_with
 from softid.effects.extension.extended_model import (
     ExtendedModel,
     belongs_to,
@@ -21,6 +21,7 @@ __all__ = [
     "Scale",
     "StateEffect",
     "belongs_to",
+    "confusable_with",
     "effect_of",
     "effects_of",
     "extended_name",

@@ -53,7 +53,7 @@ class Effect(ABC):
     signature
         What it leaves in the residual of a model that ignores it.
     neighbours
-        Effects that it can be confused with.
+        Effects that it can be confused with; those that name it are added by `confusable_with`.
     draws
         Effects whose law this one can draw, so that both together stand for neither.
     remedy

@@ -79,3 +79,22 @@ OUTPUT: tuple[type[Effect], ...] = (
     ClockRate,
 )
 EFFECTS: dict[str, type[Effect]] = {effect().key: effect for effect in (*INPUT, *STATE, *OUTPUT)}
+
+
+def confusable_with(effect: Effect) -> tuple[str, ...]:
+    """Names of the effects that one can be confused with: its own neighbours, then whose it is.
+
+    To be confused is mutual, though one of two may name the other alone, as a new effect does.
+
+    Parameters
+    ----------
+    effect
+        An effect, which need not be in the table.
+
+    Examples
+    --------
+    >>> confusable_with(SensorLag())
+    ('pneumatic_lag', 'delay', 'clock_rate', 'sensor_resonance', 'line_resonance', 'smoothing')
+    """
+    naming = [other.name for other in EFFECTS.values() if effect.name in other.neighbours]
+    return tuple(dict.fromkeys((*effect.neighbours, *naming)))

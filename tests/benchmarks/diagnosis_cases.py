@@ -13,7 +13,7 @@ from softid.diagnosis import diagnose
 from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW
 from softid.diagnosis.report.summary import WHAT_IT_IS
 from softid.diagnosis_results import Diagnosis
-from softid.effects import EFFECTS
+from softid.effects import EFFECTS, confusable_with
 from softid.identification import fit
 from softid.synthesis import HiddenPair, hidden_pair
 from softid.synthesis.hidden import names_of
@@ -234,8 +234,8 @@ def _any_pairs(draws: int, seed: int) -> Iterator[tuple[tuple[str, ...], str, in
     rng = np.random.default_rng(seed)
     for k in range(draws * len(SINGLE)):
         name = SINGLE[k % len(SINGLE)]
-        near = {name, *EFFECTS[name].neighbours}
-        others = [o for o in SINGLE if o not in near and name not in EFFECTS[o].neighbours]
+        near = {name, *confusable_with(EFFECTS[name]())}
+        others = [o for o in SINGLE if o not in near]
         yield (name, str(rng.choice(others))), str(rng.choice(VARIED)), seed + k
 
 

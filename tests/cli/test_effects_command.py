@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 from desk import Outcome
 
-from softid.effects import EFFECTS
+from softid.effects import EFFECTS, confusable_with
 from softid_cli.effects import example_scale
 
 Cli = Callable[..., Outcome]
@@ -37,7 +37,7 @@ def test_an_effect_is_explained(softid: Cli, key: str) -> None:
     assert told.code == 0
     for text in (effect.law, effect.meaning, effect.signature, effect.shown_by, effect.remedy):
         assert " ".join(text.split()) in words
-    for neighbour in effect.neighbours:
+    for neighbour in confusable_with(effect):
         assert neighbour in words
     for parameter in effect.parameters(example_scale()).values():
         assert f"{parameter.name} {parameter.unit}" in words

@@ -16,7 +16,15 @@ from textbook_effects import (
     textbook_motion,
 )
 
-from softid.effects import EFFECTS, Effect, ExtendedModel, Scale, StateEffect, effects_of
+from softid.effects import (
+    EFFECTS,
+    Effect,
+    ExtendedModel,
+    Scale,
+    StateEffect,
+    confusable_with,
+    effects_of,
+)
 from softid.models.base import Model
 from softid.models.muscle import Muscle
 from softid.models.oscillator import Oscillator
@@ -89,13 +97,25 @@ def test_a_law_that_goes_by_sizes_tells_them(key: str, goes_by: list[str]) -> No
     assert EFFECTS["delay"]().law_at(scale) == EFFECTS["delay"].law
 
 
-def test_neighbours_are_mutual() -> None:
-    """Among the effects in the equation of motion, each names those that name it."""
-    for key in STATE:
-        for other in STATE:
-            mine, theirs = EFFECTS[key], EFFECTS[other]
-            if theirs.name in mine.neighbours:
-                assert mine.name in theirs.neighbours, (key, other)
+def test_effects_are_confused_with_each_other() -> None:
+    """Each with what any form of it names, and with those of which any form names it."""
+    confused = {
+        name: {n for key in EFFECTS if EFFECTS[key].name == name for n in names_of(key)}
+        for name in NAMES
+    }
+    for name, others in confused.items():
+        for other in others:
+            assert name in confused[other], (name, other)
+    assert "smoothing" not in EFFECTS["sensor_lag"].neighbours
+    assert names_of("sensor_lag")[-1] == "smoothing"
+    for key, effect in EFFECTS.items():
+        assert names_of(key)[: len(effect.neighbours)] == effect.neighbours
+        assert len(set(names_of(key)) - {effect.name}) == len(names_of(key))
+
+
+def names_of(key: str) -> tuple[str, ...]:
+    """What an effect of the catalogue can be confused with."""
+    return confusable_with(EFFECTS[key]())
 
 
 @pytest.mark.parametrize("key", EFFECTS)

@@ -19,6 +19,8 @@ from softid.effects import (
     InputEffect,
     OutputEffect,
     StateEffect,
+    confusable_with,
+    effect_of,
     model_of,
     register_effect,
 )
@@ -147,6 +149,15 @@ def test_a_registered_effect_is_in_the_table() -> None:
     spec = ModelSpec("oscillator", {}, ("sensor_glow",), vars(EXAMPLE))
     assert model_of(spec).parameters().names[-1] == "sensor_glow_k"
     assert register_effect(effect_class()) is not glow  # a cell of a notebook that runs twice
+
+
+def test_what_a_registered_effect_names_is_confused_with_it() -> None:
+    """Both ways, as long as it is in the table."""
+    assert "sensor_glow" not in confusable_with(effect_of("sensor_lag"))
+    glow = register_effect(effect_class(neighbours=("sensor_lag", "contact")))
+    assert confusable_with(glow()) == ("sensor_lag", "contact")
+    assert confusable_with(effect_of("sensor_lag"))[-1] == "sensor_glow"
+    assert confusable_with(effect_of("contact.lower"))[-1] == "sensor_glow"
 
 
 def no_end(self: Effect, scale: object) -> ParameterSet:

@@ -9,7 +9,7 @@ from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis.verdict.naming import EXPLAINED, carries_over_whole, explains_enough
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Doubt, NotNoise, Remainder
-from softid.effects import EFFECTS
+from softid.effects import EFFECTS, confusable_with
 from softid.results import ParameterEstimate
 from softid.uncertainty.profile import CI_METHOD as PROFILE
 
@@ -100,7 +100,7 @@ def titles_of(effects: Sequence[str], *, last: str = " and ") -> str:
 
 def neighbours_of(key: str) -> tuple[str, ...]:
     """Names of the effects that one is easily confused with."""
-    return EFFECTS[key].neighbours if key in EFFECTS else ()
+    return confusable_with(EFFECTS[key]()) if key in EFFECTS else ()
 
 
 def named_whole(cause: Cause, *, linear: bool) -> str:

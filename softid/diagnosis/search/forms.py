@@ -9,7 +9,7 @@ from softid.diagnosis.search.catching_up import SMALLEST_GAIN, best_of_each, gai
 from softid.diagnosis.search.effect_starts import forms_of
 from softid.diagnosis.search.rounds import FAR_ROUND, SECOND_ROUND, run_round, variance_of
 from softid.diagnosis.search.screening import Signature
-from softid.effects import own_values
+from softid.effects import confusable_with, own_values
 from softid.effects.base import Effect
 from softid.effects.scale import Scale
 
@@ -58,7 +58,7 @@ def may_imitate(effect: Effect, other: Effect, scale: Scale) -> bool:
     scale
         Sizes of the base fit.
     """
-    if other.name not in effect.neighbours:
+    if other.name not in confusable_with(effect):
         return False
     return len(effect.parameters(scale)) >= len(other.parameters(scale)) + MANY_MORE
 

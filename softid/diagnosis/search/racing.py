@@ -38,6 +38,7 @@ from softid.diagnosis.search.rounds import (
     variance_of,
 )
 from softid.diagnosis.search.screening import Signature, screen
+from softid.effects import confusable_with
 from softid.effects.base import Effect
 from softid.effects.scale import Scale
 from softid.parallel import in_parallel
@@ -295,7 +296,8 @@ def _last_survivors(
     """
     kept = []
     added = [candidate.effects[-1] for candidate in second]
-    neighbours = {n for effect in added if effect.name == added[0].name for n in effect.neighbours}
+    forms = [effect for effect in added if effect.name == added[0].name]
+    neighbours = {name for form in forms for name in confusable_with(form)}
     for k, candidate in enumerate(second):
         is_unconverged = _is_moving(candidate)
         asked = k < LAST_SURVIVORS or candidate.effects[-1].name in neighbours

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis_results import Cause
-from softid.effects import extended_name
+from softid.effects import confusable_with, extended_name
 from softid.effects.base import Effect
 
 SLIGHT = 0.03
@@ -74,7 +74,7 @@ def _pairs_alike(effects: Sequence[Effect]) -> list[tuple[int, int]]:
 
 
 def _alike(one: Effect, other: Effect) -> bool:
-    return other.name in one.neighbours or one.name in other.neighbours
+    return other.name in confusable_with(one)
 
 
 def _draws(one: Effect, other: Effect) -> bool:

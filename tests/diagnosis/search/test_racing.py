@@ -93,6 +93,14 @@ def test_neighbours_of_the_leader_stay() -> None:
     assert kept == list(keys[:4])
 
 
+def test_who_names_the_leader_stays() -> None:
+    """Smoothing names the sensor's lag as its neighbour, and not the other way round."""
+    keys = ("sensor_lag", "creep", "ageing", "softening", "sensor_drift", "smoothing")
+    field = [candidate((key,), 10.0 + k) for k, key in enumerate(keys)]
+    kept = [c.keys[0] for c in _last_survivors(field, (), 20.0, 20.0)]
+    assert kept == [*keys[:4], "smoothing"]
+
+
 @pytest.mark.parametrize(
     ("plain", "separate", "runs"),
     [(0.0, 31.0, True), (0.0, 29.0, False), (20.0, 61.0, True), (20.0, 59.0, False)],
