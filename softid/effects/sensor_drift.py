@@ -25,11 +25,11 @@ START_SHARE = 0.05
 
 @dataclass(frozen=True)
 class SensorDrift(OutputEffect):
-    """Drift at a constant rate, y + d t."""
+    """Drift at a constant rate r, y + r t."""
 
     name: ClassVar[str] = "sensor_drift"
     title: ClassVar[str] = "Drift of the sensor"
-    law: ClassVar[str] = "recorded y = y + d t"
+    law: ClassVar[str] = "recorded y = y + rate t"
     meaning: ClassVar[str] = "The sensor's reading wanders at a constant rate while nothing moves."
     signature: ClassVar[str] = "The residual is a straight line over the whole log."
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_warmup", "ageing", "creep")
@@ -40,7 +40,7 @@ class SensorDrift(OutputEffect):
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The rate d, at most twice the output's range within the log."""
+        """The rate r, at most twice the output's range within the log."""
         largest = LARGEST_SHARE * scale.y_span / scale.duration_s
         return ParameterSet(
             (
@@ -61,7 +61,7 @@ class SensorDrift(OutputEffect):
         return (self.parameters(scale).values_dict(),)
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
-        """Add d t."""
+        """Add r t."""
         del scale
         drifting: Array = y + eta[0] * time_s
         return drifting

@@ -52,8 +52,8 @@ class ValveFlow(InputEffect):
     name: ClassVar[str] = "valve_flow"
     title: ClassVar[str] = "Flow through a valve"
     law: ClassVar[str] = (
-        "pa' = C pu psi(pd/pu),  C = 1/tau;  pu, pd absolute pressure upstream and downstream (for "
-        "a pressure input, recorded + 101.325 kPa), psi the flow function of ISO 6358"
+        "pa' = C pu psi(pd/pu),  C = 1/tau,  psi(r) = sqrt(1 - (max(r - b, 0)/(1 - b))^2);  pu, pd "
+        "absolute pressure upstream and downstream (for a pressure input, recorded + 101.325 kPa)"
     )
     meaning: ClassVar[str] = (
         "A narrow valve limits the flow of air, so after a large step the pressure changes at a "
@@ -121,9 +121,9 @@ class SeparateValveFlow(ValveFlow):
     variant: ClassVar[str] = "separate"
     title: ClassVar[str] = "Flow through a valve that differs by direction"
     law: ClassVar[str] = (
-        "pa' = pu psi(pd/pu)/tau while filling, pu psi(pd/pu)/(ratio tau) while venting;  pu, pd "
-        "absolute pressure upstream and downstream (for a pressure input, recorded + 101.325 kPa), "
-        "psi the flow function of ISO 6358"
+        "pa' = pu psi(pd/pu)/tau while filling, pu psi(pd/pu)/(ratio tau) while venting,  psi(r) = "
+        "sqrt(1 - (max(r - b, 0)/(1 - b))^2);  pu, pd absolute pressure upstream and downstream "
+        "(for a pressure input, recorded + 101.325 kPa)"
     )
     meaning: ClassVar[str] = (
         "A narrow valve limits the flow of air, and lets it out through another opening than in, "

@@ -93,7 +93,8 @@ class Equilibrium(Actuator, Model):
     name: ClassVar[str] = "equilibrium"
     title: ClassVar[str] = "Bi-directional bending actuator in dynamic equilibrium"
     equation: ClassVar[str] = (
-        "(a θ² + b |θ| + c) (M(θ) θ'' + D(θ) θ'²) + C_d θ' + stiffness K(θ) + rest_torque = F(p)"
+        "(a θ² + b |θ| + c) (M(θ) θ'' + D(θ) θ'²) + C_d θ' + stiffness K(θ) + rest_torque "
+        "= drive F(p),  recorded θ + drift t"
     )
     source: ClassVar[str] = (
         "A Dynamic Modeling Method for the Bi-Directional Pneumatic Actuator Using Dynamic "

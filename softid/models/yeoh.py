@@ -82,7 +82,10 @@ class Yeoh(Model):
 
     name: ClassVar[str] = "yeoh"
     title: ClassVar[str] = "Bulging chambers on a column, Yeoh material, fitted width"
-    equation: ClassVar[str] = "2N P dA/dPhi = d(V + E)/dPhi + k a^2 Phi/(4 w)"
+    equation: ClassVar[str] = (
+        "2N P dA/dPhi = d(V + E)/dPhi + k a^2 Phi/(4 w),  V and E sums of C10 e^2 + C20 e^4, "
+        "e = stretch - 1/stretch"
+    )
     source: ClassVar[str] = "Zhao et al. 2021, doi 10.1155/2021/6623059, Eq 5 to 21, repaired"
     inputs: ClassVar[tuple[str, ...]] = ("pressure", "pressure_command")
     outputs: ClassVar[tuple[str, ...]] = ("angle",)

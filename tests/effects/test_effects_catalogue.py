@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from printed_laws import unnamed_in
 from textbook_effects import (
     LAWS,
     MUSCLE,
@@ -95,6 +96,14 @@ def test_a_law_that_goes_by_sizes_tells_them(key: str, goes_by: list[str]) -> No
     for name in goes_by:
         assert f"{getattr(scale, name):.5g}" in told
     assert EFFECTS["delay"]().law_at(scale) == EFFECTS["delay"].law
+
+
+@pytest.mark.parametrize("key", EFFECTS)
+def test_the_law_names_every_parameter(key: str) -> None:
+    """So that who reads the values below the law knows where they go; also with the sizes told."""
+    effect, scale = EFFECTS[key](), rig("muscle")[1]
+    for law in (effect.law, effect.law_at(scale)):
+        assert unnamed_in(law, effect.parameters(scale).names) == set()
 
 
 def test_effects_are_confused_with_each_other() -> None:

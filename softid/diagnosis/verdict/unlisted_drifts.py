@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp
 from typing import Any, ClassVar
 
@@ -70,11 +70,11 @@ class ConstantRate(Effect):
 
 @dataclass(frozen=True)
 class LoadDrift(ConstantRate, StateEffect):
-    """A load that changes at a constant rate, + f t."""
+    """A load that changes at a constant rate r, + r t."""
 
     name: ClassVar[str] = "load_drift"
     title: ClassVar[str] = "Load that changes"
-    law: ClassVar[str] = "+ f t"
+    law: ClassVar[str] = "+ rate t"
     meaning: ClassVar[str] = "What the actuator carries grows or shrinks at a constant rate."
     signature: ClassVar[str] = "The residual grows with time, most where the actuator is soft."
     remedy: ClassVar[str] = "weigh the load before and after"
@@ -85,17 +85,17 @@ class LoadDrift(ConstantRate, StateEffect):
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
-        """Resisting force f t."""
+        """Resisting force r t."""
         out[FORCE] += eta[0] * t
 
 
 @dataclass(frozen=True)
 class PressureGainDrift(ConstantRate, InputEffect):
-    """A pressure that falls behind the recorded one more and more, u (1 + g t)."""
+    """A pressure that falls behind the recorded one more and more, u (1 + r t)."""
 
     name: ClassVar[str] = "pressure_gain_drift"
     title: ClassVar[str] = "Pressure that falls behind"
-    law: ClassVar[str] = "arriving u = u (1 + g t)"
+    law: ClassVar[str] = "arriving u = u (1 + rate t)"
     meaning: ClassVar[str] = "A leak grows, or the gain of the pressure gauge drifts."
     signature: ClassVar[str] = "The residual grows with time and with the pressure."
     remedy: ClassVar[str] = "look for a leak, calibrate the gauge"
@@ -105,7 +105,7 @@ class PressureGainDrift(ConstantRate, InputEffect):
         return 1.0 / scale.duration_s, "1/s"
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
-        """Multiply by 1 + g t."""
+        """Multiply by 1 + r t."""
         del scale
         arriving: Array = u * (1.0 + eta[0] * time_s)
         return arriving
@@ -113,11 +113,11 @@ class PressureGainDrift(ConstantRate, InputEffect):
 
 @dataclass(frozen=True)
 class PressureDrift(ConstantRate, InputEffect):
-    """A pressure whose zero drifts, u + d t."""
+    """A pressure whose zero drifts, u + r t."""
 
     name: ClassVar[str] = "pressure_drift"
     title: ClassVar[str] = "Drift of the pressure's zero"
-    law: ClassVar[str] = "arriving u = u + d t"
+    law: ClassVar[str] = "arriving u = u + rate t"
     meaning: ClassVar[str] = "The zero of the pressure gauge drifts at a constant rate."
     signature: ClassVar[str] = "The residual grows with time, most where the output is steep."
     remedy: ClassVar[str] = "read the gauge vented before and after"
@@ -127,7 +127,7 @@ class PressureDrift(ConstantRate, InputEffect):
         return scale.u_span / scale.duration_s, f"{scale.u_unit}/s"
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
-        """Add d t."""
+        """Add r t."""
         del scale
         arriving: Array = u + eta[0] * time_s
         return arriving
@@ -135,11 +135,11 @@ class PressureDrift(ConstantRate, InputEffect):
 
 @dataclass(frozen=True)
 class DampingDrift(ConstantRate, StateEffect):
-    """A damping that changes at a constant rate, (1 + d t) times the model's."""
+    """A damping that changes at a constant rate, (1 + r t) times the model's."""
 
     name: ClassVar[str] = "damping_drift"
     title: ClassVar[str] = "Damping that changes"
-    law: ClassVar[str] = "damping (1 + d t)"
+    law: ClassVar[str] = "damping (1 + rate t)"
     meaning: ClassVar[str] = "A passage clogs or widens, a lubricant warms up."
     signature: ClassVar[str] = "The residual after a step grows or shrinks with time."
     remedy: ClassVar[str] = "repeat the first steps at the end"
@@ -151,7 +151,7 @@ class DampingDrift(ConstantRate, StateEffect):
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
-        """Relative change d t of the damping."""
+        """Relative change r t of the damping."""
         out[DAMPING] += eta[0] * t
 
 
@@ -161,12 +161,12 @@ class SettlingStiffness(StateEffect):
 
     name: ClassVar[str] = "settling_stiffness"
     title: ClassVar[str] = "Stiffness that settles"
-    law: ClassVar[str] = "Q (1 + s (1 - exp(-t / tau)))"
+    law: ClassVar[str] = "Q (1 + share (1 - exp(-t/tau)))"
     meaning: ClassVar[str] = "The actuator warms up or is worn in, and then stays as it is."
     signature: ClassVar[str] = "The residual grows with the position, at first and then no more."
     remedy: ClassVar[str] = "let it settle before the log begins"
     shown_by: ClassVar[str] = "the same two levels again and again, for long"
-    source: ClassVar[str] = "first order"
+    source: ClassVar[str] = "Incropera, Fundamentals of Heat and Mass Transfer, 6th ed., §5.1"
     amplitude: ClassVar[str] = "share"
     counts_position: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
@@ -174,13 +174,11 @@ class SettlingStiffness(StateEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The share s that is gained at last, and the time τ."""
-        shortest, longest = (share * scale.duration_s for share in SETTLING)
-        return ParameterSet(
-            (
-                Parameter("share", START, "1", -LARGEST, LARGEST, meaning="gained at last"),
-                Parameter("tau", (shortest * longest) ** 0.5, "s", shortest, longest, "log"),
-            )
+        gained = one_parameter(
+            "share", START, "1", -LARGEST, LARGEST, "gained at last", self.source
         )
+        tau = _settling_time(scale, "time in which it settles", self.source)
+        return ParameterSet((*gained.values(), tau))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Either way, within a tenth or a third of the log."""
@@ -199,14 +197,14 @@ class RecoveringSoftening(StateEffect):
 
     name: ClassVar[str] = "recovering_softening"
     title: ClassVar[str] = "Softening that recovers"
-    law: ClassVar[str] = "Q (1 - s (1 - exp(-w))),  w' = |v|/W0 - w/tau"
+    law: ClassVar[str] = "Q (1 - share (1 - exp(-w))),  w' = |v|/W0 - w/tau"
     meaning: ClassVar[str] = "The actuator warms up while it moves, and cools down while it rests."
     signature: ClassVar[str] = (
         "The residual grows with the position after much motion, not at rest."
     )
     remedy: ClassVar[str] = "let it cool down between the moves, or cycle it until it stays warm"
     shown_by: ClassVar[str] = "the same moves after a long rest and after many others"
-    source: ClassVar[str] = "first order"
+    source: ClassVar[str] = "Incropera, Fundamentals of Heat and Mass Transfer, 6th ed., §5.1"
     amplitude: ClassVar[str] = "share"
     counts_position: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
@@ -214,14 +212,14 @@ class RecoveringSoftening(StateEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The share s that is lost at most, the path W0 over which it goes, and the time τ."""
-        shortest, longest = (share * scale.duration_s for share in SETTLING)
         least, most = (share * scale.travel for share in PATHS)
-        unit = scale.x_unit
+        share = Parameter("share", START, "1", LEAST, LARGEST, "log", meaning="lost at most")
+        path = Parameter("W0", (least * most) ** 0.5, scale.x_unit, least, most, "log")
         return ParameterSet(
             (
-                Parameter("share", START, "1", LEAST, LARGEST, "log", meaning="lost at most"),
-                Parameter("W0", (least * most) ** 0.5, unit, least, most, "log"),
-                Parameter("tau", (shortest * longest) ** 0.5, "s", shortest, longest, "log"),
+                replace(share, source=self.source),
+                replace(path, meaning="path over which it is lost", source=self.source),
+                _settling_time(scale, "time in which it comes back at rest", self.source),
             )
         )
 
@@ -237,3 +235,9 @@ class RecoveringSoftening(StateEffect):
         """Relative change of the stiffness, and what has been gone and is not forgotten."""
         out[STIFFNESS] -= eta[0] * (1.0 - exp(-z))
         out[RATE] += abs(v) / eta[1] - z / eta[2]
+
+
+def _settling_time(scale: Scale, meaning: str, source: str) -> Parameter:
+    shortest, longest = (share * scale.duration_s for share in SETTLING)
+    middle = (shortest * longest) ** 0.5
+    return Parameter("tau", middle, "s", shortest, longest, "log", meaning=meaning, source=source)

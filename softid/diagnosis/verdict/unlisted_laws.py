@@ -64,7 +64,10 @@ class BentReading(OutputEffect):
 
     name: ClassVar[str] = "bent_reading"
     title: ClassVar[str] = "Nonlinear sensor"
-    law: ClassVar[str] = "recorded y = y + y_span sum of bk sin(k pi xi), xi y within its range"
+    law: ClassVar[str] = (
+        "recorded y = y + y_span (b1 sin(pi xi) + b2 sin(2 pi xi) + b3 sin(3 pi xi)), xi y within "
+        "its range"
+    )
     meaning: ClassVar[str] = (
         "The gain of the sensor differs from one end of its range to the other."
     )
@@ -115,7 +118,7 @@ class PositionDamping(StateEffect):
 
     name: ClassVar[str] = "position_damping"
     title: ClassVar[str] = "Damping that goes with the position"
-    law: ClassVar[str] = "damping (1 + d(xi)), xi the position within its range"
+    law: ClassVar[str] = "damping (1 + d(xi)), xi the position within its range, d through d0 … d10"
     meaning: ClassVar[str] = "Air has narrower ways, or folds rub more, the further it is bent."
     signature: ClassVar[str] = "The residual after a step lasts longer at some positions."
     remedy: ClassVar[str] = "push the actuator at one pressure, from several positions"
@@ -160,7 +163,7 @@ class PositionDamping(StateEffect):
 class Play(Effect):
     """Play of the width w, from one side to the other, as a share of the range."""
 
-    law: ClassVar[str] = "it follows only when it is half the play away"
+    law: ClassVar[str] = "it follows only when it is half the play w away"
     shown_by: ClassVar[str] = "small moves up and down"
     signature: ClassVar[str] = "The residual is flat for a while after every turn."
     source: ClassVar[str] = "Tao and Kokotović, Adaptive Control of Systems, Wiley 1996"

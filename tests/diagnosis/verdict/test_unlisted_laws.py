@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from extended_fits import scale_of as sizes_of
 from linear_motion import TRUTH, linear_log, linear_problem
+from printed_laws import unnamed_in
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
@@ -208,6 +209,15 @@ def test_starts_lie_within_the_bounds(law: Any) -> None:
         assert set(start) == set(declared.names)
         for name, value in start.items():
             assert declared[name].lower <= value <= declared[name].upper
+
+
+@pytest.mark.parametrize("law", [*UNLISTED_LAWS, SecondCreep], ids=lambda law: law.name)
+def test_the_law_names_every_parameter_and_says_what_it_is(law: Any) -> None:
+    declared = law().parameters(sizes_of("muscle"))
+    assert unnamed_in(law().law, declared.names) == set()
+    for p in declared.values():
+        assert p.meaning
+        assert p.source
 
 
 def test_they_are_told_and_are_in_no_catalogue() -> None:
