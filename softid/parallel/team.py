@@ -14,13 +14,13 @@ import gc
 import os
 import signal
 import sys
-import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from multiprocessing.connection import Connection, Pipe, wait
 from typing import Any, TypeVar
 
+from softid.interrupts import uninterrupted
 from softid.parallel.known_objects import KnownObjects, NotKnownError
 
 Item = TypeVar("Item")
@@ -69,7 +69,7 @@ class Team:
         self._process = os.getpid()
         self._pipe: tuple[int, int] | None = None
         try:
-            with contextlib.suppress(OSError), _uninterrupted():
+            with contextlib.suppress(OSError), uninterrupted():
                 self._pipe = os.pipe()
                 self._make_copies(size - 1)
         except BaseException:
@@ -245,23 +245,6 @@ def _fork() -> int:
         # Python warns of threads that hold locks, which no task takes
         warnings.simplefilter("ignore", DeprecationWarning)
         return os.fork()
-
-
-@contextlib.contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Keep an interrupt until the block ends: a copy does not know at once that it is one."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    process, noted = os.getpid(), []
-    before = signal.signal(signal.SIGINT, lambda number, _: noted.append(number))
-    try:
-        yield
-    finally:
-        if os.getpid() == process:
-            signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
-            if noted:
-                signal.raise_signal(signal.SIGINT)
 
 
 _unwritten: list[object] = []

@@ -7,13 +7,12 @@ import hashlib
 import os
 import secrets
 import shutil
-import signal
-import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from softid.errors import OutputError
+from softid.interrupts import uninterrupted
 
 _REMEDIES = {
     errno.ENOSPC: "free some space or name another folder with --out",
@@ -114,7 +113,7 @@ def write_folder(
                 (staged / name).parent.mkdir(exist_ok=True)
                 _write_synced(staged / name, data)
             old = _unchanged(real, superseded or {}) if overwrite else []
-            with _uninterrupted():
+            with uninterrupted():
                 _move_into_place(staged, real, files)
                 for path in old:
                     if path.name not in files:
@@ -144,22 +143,6 @@ def _unchanged(folder: Path, known: Mapping[str, str]) -> list[Path]:
         for path, sha256 in plain
         if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256
     ]
-
-
-@contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Let Ctrl-C wait, for only the main thread can be interrupted by it."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    pressed: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
-    if pressed:
-        raise KeyboardInterrupt
 
 
 def _remove_empty(folders: Sequence[Path]) -> None:
