@@ -30,8 +30,17 @@ Between = tuple[float, float, float, float]
 """Coefficients of `_between`."""
 
 LAMINAR_ABOVE = 0.999
+"""Ratio of the pressures above which the flow is laminar: ψ would end at 1 with an infinite slope,
+which no integrator follows. A judgement; a thousandth of an atmosphere is what a gauge resolves."""
+
 MAX_SWITCHES = 8
+"""Times that the flow may turn laminar or turbulent between two samples. On a straight supply three
+are the most: what vents turns laminar, then fills, and turns turbulent if the supply rises fast. So
+it stops nothing but a chatter by rounding on the border, where both laws are the same."""
+
 MAX_BISECTIONS = 60
+"""Rounds in which an instant is located: five to ten as a rule, and fifty in the worst of 200,000
+crossings, where one side is almost flat."""
 
 ALIKE = 1e-7
 """Difference of two intervals, in laminar time constants, up to which a straight line leads from

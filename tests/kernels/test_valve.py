@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from softid.kernels.valve import pressure_rate, valve_flow
+from softid.kernels import valve
+from softid.kernels.valve import MAX_SWITCHES, pressure_rate, valve_flow
 
 
 def behind(
@@ -141,3 +142,38 @@ def test_values_along_a_straight_supply_cost_no_accuracy(tau_s: float) -> None:
     np.testing.assert_allclose(behind(time_s, fine, tau_s, 0.3)[::16], coarse, atol=2e-5, rtol=0.0)
     between = behind(time_s[::4], fine[::4], tau_s, 0.3)
     np.testing.assert_allclose(behind(time_s, fine, tau_s, 0.3)[::4], between, atol=2e-5, rtol=0.0)
+
+
+def at_the_border(
+    rng: np.random.Generator, tau_s: float, b: float, p: float
+) -> tuple[float, float]:
+    """A supply and the time in which it gets there, so fast that the flow is just about laminar."""
+    laminar_per_s = 1.0 / valve._laminar_time(tau_s, b)
+    off = 1.0 + 10.0 ** rng.uniform(-16.0, -1.0) * rng.choice([-1.0, 1.0])
+    slope = 1e-3 * p * laminar_per_s * off
+    reached = p * 10.0 ** rng.uniform(-1.0, 1.0)
+    return reached, abs(reached - p) / slope
+
+
+@pytest.mark.parametrize("kind", ["wide", "narrow", "border"])
+def test_the_flow_turns_three_times_at_most(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two straight pieces of a supply with any valve, 700 draws: far fewer turns than are allowed,
+    so no flow is ever followed in the range that it has left."""
+    turns: list[int] = []
+    locate = valve._crossing
+    monkeypatch.setattr(valve, "_crossing", lambda *at: turns.append(1) or locate(*at))
+    rng, most = np.random.default_rng(7), 0
+    for _ in range(700):
+        tau_s, b = 10.0 ** rng.uniform(-4.0, 1.5), rng.uniform(0.1, 0.528)
+        ratio = 10.0 ** rng.uniform(-1.3, 1.3)
+        spread = 1.0 if kind == "wide" else 10.0 ** rng.uniform(-6.0, -2.0)
+        supply = 10.0 ** rng.uniform(0.0, 3.3) * 10.0 ** (spread * rng.uniform(-1.0, 1.0, 3))
+        step_s = 10.0 ** rng.uniform(-5.0, 2.0, 2) * tau_s
+        if kind == "border":
+            supply[2], step_s[1] = at_the_border(rng, tau_s, b, supply[1])
+            step_s[1] /= rng.choice([1.0, ratio])
+        turns.clear()
+        valve_flow.py_func(step_s, supply, tau_s, b, ratio, 1e-8 * np.ptp(supply))
+        assert np.isfinite(supply).all()
+        most = max(most, len(turns))
+    assert 2 <= most <= 3 < MAX_SWITCHES
