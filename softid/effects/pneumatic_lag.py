@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.effects.base import InputEffect
 from softid.effects.scale import Scale
-from softid.effects.shared_laws.time_constants import lag_bounds, lag_times
+from softid.effects.shared_laws.time_constants import lag_time, lag_times
 from softid.kernels.filters import lag, lag_by_level
 from softid.parameters import Parameter, ParameterSet
 
@@ -49,21 +49,8 @@ class PneumaticLag(InputEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time constant τ, up to a quarter of the log."""
-        shortest, longest = lag_bounds(scale)
-        return ParameterSet(
-            (
-                Parameter(
-                    "tau",
-                    lag_times(scale)[1],
-                    "s",
-                    shortest,
-                    longest,
-                    "log",
-                    meaning="time constant with which the pressure follows",
-                    source=self.source,
-                ),
-            )
-        )
+        meaning = "time constant with which the pressure follows"
+        return ParameterSet((lag_time(scale, meaning, self.source),))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """From two samples to the motion's own time."""

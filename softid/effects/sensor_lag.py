@@ -12,9 +12,9 @@ import numpy.typing as npt
 from softid.effects.base import OutputEffect
 from softid.effects.extension.finer_motion import PIECES, finer_motion
 from softid.effects.scale import Scale
-from softid.effects.shared_laws.time_constants import lag_bounds, lag_times
+from softid.effects.shared_laws.time_constants import lag_time, lag_times
 from softid.kernels.filters import lag
-from softid.parameters import Parameter, ParameterSet
+from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
 
@@ -52,21 +52,8 @@ class SensorLag(OutputEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time constant τ, up to a quarter of the log."""
-        shortest, longest = lag_bounds(scale)
-        return ParameterSet(
-            (
-                Parameter(
-                    "tau",
-                    lag_times(scale)[1],
-                    "s",
-                    shortest,
-                    longest,
-                    "log",
-                    meaning="time constant with which the reading follows",
-                    source=self.source,
-                ),
-            )
-        )
+        meaning = "time constant with which the reading follows"
+        return ParameterSet((lag_time(scale, meaning, self.source),))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """From two samples to the motion's own time."""

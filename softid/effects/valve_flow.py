@@ -12,7 +12,7 @@ import numpy.typing as npt
 from softid.effects.base import InputEffect
 from softid.effects.pneumatic_lag import RATIOS, ratio_of_times
 from softid.effects.scale import Scale
-from softid.effects.shared_laws.time_constants import lag_bounds, lag_times
+from softid.effects.shared_laws.time_constants import lag_time, lag_times
 from softid.kernels.valve import valve_flow
 from softid.parameters import Parameter, ParameterSet
 
@@ -74,20 +74,12 @@ class ValveFlow(InputEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time τ = 1/C, and the critical ratio b within those of real valves."""
-        shortest, longest = lag_bounds(scale)
+        choked = (
+            "time in which choked flow would raise the actuator's pressure by the upstream pressure"
+        )
         return ParameterSet(
             (
-                Parameter(
-                    "tau",
-                    lag_times(scale)[1],
-                    "s",
-                    shortest,
-                    longest,
-                    "log",
-                    meaning="time in which choked flow would raise the actuator's pressure by the "
-                    "upstream pressure",
-                    source=self.source,
-                ),
+                lag_time(scale, choked, self.source),
                 Parameter(
                     "b",
                     CRITICAL[1],

@@ -118,3 +118,18 @@ def lag_times(scale: Scale) -> tuple[float, ...]:
     shortest = first_time(scale, longest)
     slowest = last_time(scale.motion_s, shortest, longest)
     return tuple(np.geomspace(shortest, slowest, 3).tolist())
+
+
+def lag_time(scale: Scale, meaning: str, source: str) -> Parameter:
+    """The time constant τ of a lag, within `lag_bounds`; the middle one of `lag_times` at first.
+
+    Parameters
+    ----------
+    scale
+        Sizes of the logs.
+    meaning, source
+        What follows in that time, and where the law comes from.
+    """
+    shortest, longest = lag_bounds(scale)
+    middle = lag_times(scale)[1]
+    return Parameter("tau", middle, "s", shortest, longest, "log", meaning=meaning, source=source)
