@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softid.channels import read_only
 from softid.errors import IdentificationError, Issue
-from softid.fitters.static_levels import KPA_PER_BAR
+from softid.kernels.muscle import KPA_PER_BAR
 from softid.uncertainty import ResidualBlock, sandwich_covariance
 
 Array = npt.NDArray[np.float64]

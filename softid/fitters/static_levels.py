@@ -12,10 +12,10 @@ import numpy.typing as npt
 from softid.channels import read_only
 from softid.errors import IdentificationError, InputError, Issue
 from softid.excitation import distinct_levels
+from softid.kernels.muscle import KPA_PER_BAR
 
 Array = npt.NDArray[np.float64]
 
-KPA_PER_BAR = 100.0
 
 POORLY_KNOWN = 0.5
 """Relative standard error of a parameter above which the user is told: its interval of two of them

@@ -12,7 +12,10 @@ from softid.kernels.exponential import exponential
 
 Array = npt.NDArray[np.float64]
 
-_PER_KPA = 0.01
+KPA_PER_BAR = 100.0
+"""b1 and b2 are per bar, as in the paper; pressures are in kPa."""
+
+_PER_KPA = 1.0 / KPA_PER_BAR
 
 
 @kernel
@@ -87,7 +90,7 @@ def pack(pressure_kpa: Array, theta: Array, packed: Array, by: Array) -> None:
     wanted = by.shape[0] > 0
     for i in range(pressure_kpa.shape[0]):
         for c in range(3):
-            p = pressure_kpa[i, c] / 100.0
+            p = pressure_kpa[i, c] / KPA_PER_BAR
             e1, e2 = np.exp(b1 * p), np.exp(b2 * p)
             packed[i, c, 0] = mass
             packed[i, c, 1] = a2 * e2 + c2

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from softid.kernels.decorators import kernel
+from softid.kernels.decorators import inlined, kernel
 
 Array = npt.NDArray[np.float64]
 
@@ -50,6 +50,35 @@ def _invert3(w: Array, out: Array) -> None:
     out[2, 2] = (w[0, 0] * w[1, 1] - w[0, 1] * w[1, 0]) * scale
 
 
+@inlined
+def _solve_stages(
+    i: int,
+    h: float,
+    mh: float,
+    damping: Array,
+    stiffness: Array,
+    force: Array,
+    x: float,
+    v: float,
+    w: Array,
+    g: Array,
+    velocity: Array,
+) -> None:
+    """Velocities at the stages of step ``i`` of length h from (x, v); mh is m/h.
+
+    They are g (f − q x + m/h B1 v), with g the inverse of w = m/h B + h q A + n, which remains.
+    """
+    for r in range(3):
+        for c in range(3):
+            w[r, c] = mh * B[r, c] + h * stiffness[i, r] * A[r, c]
+        w[r, r] += damping[i, r]
+    _invert3(w, g)
+    for r in range(3):
+        velocity[r] = 0.0
+        for c in range(3):
+            velocity[r] += g[r, c] * (force[i, c] - stiffness[i, c] * x + mh * B1[c] * v)
+
+
 @kernel
 def propagate(
     step_s: Array,
@@ -82,15 +111,7 @@ def propagate(
     for i in range(step_s.size):
         h = step_s[i]
         mh = mass / h
-        for r in range(3):
-            for c in range(3):
-                w[r, c] = mh * B[r, c] + h * stiffness[i, r] * A[r, c]
-            w[r, r] += damping[i, r]
-        _invert3(w, g)
-        for r in range(3):
-            velocity[r] = 0.0
-            for c in range(3):
-                velocity[r] += g[r, c] * (force[i, c] - stiffness[i, c] * x + mh * B1[c] * v)
+        _solve_stages(i, h, mh, damping, stiffness, force, x, v, w, g, velocity)
         x += h * (A[2, 0] * velocity[0] + A[2, 1] * velocity[1] + A[2, 2] * velocity[2])
         v = velocity[2]
         states[i, 0] = x
@@ -141,15 +162,7 @@ def propagate_with_sensitivities(
     for i in range(step_s.size):
         h = step_s[i]
         mh = mass / h
-        for r in range(3):
-            for c in range(3):
-                w[r, c] = mh * B[r, c] + h * stiffness[i, r] * A[r, c]
-            w[r, r] += damping[i, r]
-        _invert3(w, g)
-        for r in range(3):
-            velocity[r] = 0.0
-            for c in range(3):
-                velocity[r] += g[r, c] * (force[i, c] - stiffness[i, c] * x + mh * B1[c] * v)
+        _solve_stages(i, h, mh, damping, stiffness, force, x, v, w, g, velocity)
         for r in range(3):
             position[r] = x
             inertia[r] = -B1[r] * v

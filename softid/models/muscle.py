@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import UsageError
+from softid.kernels.muscle import KPA_PER_BAR
 from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide
 from softid.models.geometry import ArcGeometry
-from softid.models.muscle_law import KPA_PER_BAR, NAMES, MuscleLaw
+from softid.models.muscle_law import NAMES, MuscleLaw
 from softid.models.products import Products
 from softid.models.ringing import ringing_starts
 from softid.models.second_order import ORDERS, Order, simulate_law, sum_law

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.affine_blocks import MUSCLE
-from softid.kernels.muscle import coefficient_derivatives, coefficients, pack
+from softid.kernels.muscle import KPA_PER_BAR, coefficient_derivatives, coefficients, pack
 from softid.kernels.small_matrix import LANES
 from softid.models.division import held
 from softid.models.second_order import AffineForm, Law
@@ -15,9 +15,6 @@ Array = npt.NDArray[np.float64]
 
 NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
 """The parameters, in the order of θ."""
-
-KPA_PER_BAR = 100.0
-"""b1 and b2 are per bar, as in the paper; pressures are in kPa."""
 
 _PER_KPA = np.array([1.0, 1.0, 1.0 / KPA_PER_BAR, 1.0, 1.0, 1.0 / KPA_PER_BAR, 1.0])
 _BY_THETA = np.diag(_PER_KPA)

@@ -18,6 +18,7 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels.muscle import KPA_PER_BAR
 from softid.models.second_order import Law
 from softid.models.starts import (
     Stretch,
@@ -111,7 +112,7 @@ def ringing_starts(
     list of dict
         Empty when no window length gives a motion that rings.
     """
-    pressures = np.concatenate([s.input for s in segments]) / 100.0
+    pressures = np.concatenate([s.input for s in segments]) / KPA_PER_BAR
     low, span = float(pressures.min()), float(np.ptp(pressures))
     if span <= 0.0:
         return []
@@ -136,7 +137,7 @@ def ringing_starts(
 
 def _rings(theta: Array, law: Callable[[Array], Law], low: float, span: float) -> bool:
     """Whether the damping ratio is below one at some pressure of the range."""
-    inputs = 100.0 * (low + span * np.linspace(0.0, 1.0, _PRESSURES))
+    inputs = KPA_PER_BAR * (low + span * np.linspace(0.0, 1.0, _PRESSURES))
     damping, stiffness, _ = law(theta).coefficients(inputs)
     return bool(np.any(damping**2 < 4.0 * theta[0] * stiffness))
 
@@ -170,7 +171,7 @@ def _windows(
         slope = 4.0 * product_s**3 * (1.0 - 2.0 * s) / length_s * width
         curve = 12.0 * product_s**2 * (1.0 - 2.0 * s) ** 2 - 8.0 * product_s**3
         curve = curve / length_s**2 * width
-        pressure_bar = stretch.input / 100.0
+        pressure_bar = stretch.input / KPA_PER_BAR
         found.append(_Windows(own, samples, bump, slope, curve, pressure_bar, stretch.motion))
     return found
 

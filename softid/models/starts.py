@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels.muscle import KPA_PER_BAR
 from softid.kernels.start_value_scores import add_products
 from softid.models.division import held
 from softid.models.second_order import Law
@@ -126,8 +127,8 @@ def hammerstein_starts(
         Empty when the pressure never changes.
     """
     stretches = thinned(segments, motions, output)
-    low = min(float(s.input.min()) for s in stretches) / 100.0
-    span = max(float(s.input.max()) for s in stretches) / 100.0 - low
+    low = min(float(s.input.min()) for s in stretches) / KPA_PER_BAR
+    span = max(float(s.input.max()) for s in stretches) / KPA_PER_BAR - low
     if span <= 0.0:
         return []
     speeds = np.array([0.0]) if static else _speeds(stretches)
