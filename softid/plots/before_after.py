@@ -11,25 +11,29 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from softid.plots.canvas import (
-    BOTTOM,
     FAINT,
     INK,
-    LEFT,
-    RIGHT,
     SIMULATED,
-    TOP,
     Display,
     add_note,
-    add_panel,
     finish,
     new_figure,
     shortened,
 )
-from softid.plots.response import RUNAWAY_SPANS, percent, residual_reach, spikes
+from softid.plots.response import (
+    RUNAWAY_SPANS,
+    add_response_panels,
+    percent,
+    residual_reach,
+    spikes,
+)
 from softid.plots.traces import broken_trace, decimate, padded_limits
 from softid.results import FitStatistics, Simulation
 
 Array = npt.NDArray[np.float64]
+
+EDGES = (0.775, 0.755, 0.40, 0.355)
+"""As those of `softid.plots.response`; the residuals of two models have more to show."""
 
 BEFORE = "#c8641e"
 AFTER = SIMULATED
@@ -73,26 +77,10 @@ def draw_before_after(before: Scored, after: Scored | None, *, title: str | None
     statistics, simulation = before.statistics, before.simulation
     shown = Display(statistics.channel, statistics.display_unit, statistics.display_factor)
     figure = new_figure()
-    top = add_panel(
-        figure,
-        (LEFT, 0.775, RIGHT, TOP),
-        y_label=Display(simulation.input_name, simulation.input_unit).two_lines,
-        y_ticks=3,
-    )
-    main = add_panel(figure, (LEFT, 0.40, RIGHT, 0.755), y_label=shown.label, share_x=top)
-    below = add_panel(
-        figure,
-        (LEFT, BOTTOM, RIGHT, 0.355),
-        x_label="time (s)",
-        y_label=shown.named("residual"),
-        share_x=top,
-        y_ticks=4,
-    )
+    top, main, below = add_response_panels(figure, simulation, shown, EDGES)
     top.plot(*_trace(simulation, simulation.input), color=INK, lw=1.2)
     handles = _draw_outputs(main, before, after, shown)
     _draw_residuals(below, before, after, shown)
-    duration = simulation.time_s[-1] - simulation.time_s[0]
-    top.set_xlim(simulation.time_s[0] - 0.01 * duration, simulation.time_s[-1] + 0.01 * duration)
     role = "fitted" if statistics.in_sample else "held out"
     heading = "Before and after" if after is not None else "Base model"
     finish(figure, title or f"{heading}: {shortened(statistics.log)}, {role}", handles)

@@ -35,6 +35,9 @@ Array = npt.NDArray[np.float64]
 RUNAWAY_SPANS = 1.0
 """A simulation may widen the plot by this many spans of the measurement to either side."""
 
+EDGES = (0.755, 0.735, 0.345, 0.31)
+"""Lower edge of the input, upper and lower edge of the output, upper edge of the residual."""
+
 HELD_OUT_DASHES = (0, (9, 2))
 
 SPIKE_RATIO, SPIKE_QUANTILE = 5.0, 0.99
@@ -68,30 +71,53 @@ def draw_response(
     """
     shown = Display(statistics.channel, statistics.display_unit, statistics.display_factor)
     figure = new_figure()
-    top = add_panel(
-        figure,
-        (LEFT, 0.755, RIGHT, TOP),
-        y_label=Display(simulation.input_name, simulation.input_unit).two_lines,
-        y_ticks=3,
-    )
-    main = add_panel(figure, (LEFT, 0.345, RIGHT, 0.735), y_label=shown.label, share_x=top)
-    below = add_panel(
-        figure,
-        (LEFT, BOTTOM, RIGHT, 0.31),
-        x_label="time (s)",
-        y_label=shown.named("residual"),
-        share_x=top,
-        y_ticks=4,
-    )
+    top, main, below = add_response_panels(figure, simulation, shown, EDGES)
     handles: list[Artist] = []
     handles += _draw_input(top, simulation, None if statistics.in_sample else fitted_range)
     handles[:0] = _draw_outputs(main, simulation, statistics, shown)
     _draw_residual(below, simulation, shown)
     handles += _mark_stalls((top, main, below), simulation)
-    duration = simulation.time_s[-1] - simulation.time_s[0]
-    top.set_xlim(simulation.time_s[0] - 0.01 * duration, simulation.time_s[-1] + 0.01 * duration)
     finish(figure, response_title(statistics), handles)
     return figure
+
+
+def add_response_panels(
+    figure: Figure, simulation: Simulation, shown: Display, edges: tuple[float, float, float, float]
+) -> tuple[Axes, Axes, Axes]:
+    """Empty panels for the input, the output and its residual, over the time of one log.
+
+    Parameters
+    ----------
+    figure
+        The figure to draw on.
+    simulation
+        Gives the input and the times.
+    shown
+        The output.
+    edges
+        As `EDGES`, shares of the figure.
+    """
+    below_input, above_output, below_output, above_residual = edges
+    top = add_panel(
+        figure,
+        (LEFT, below_input, RIGHT, TOP),
+        y_label=Display(simulation.input_name, simulation.input_unit).two_lines,
+        y_ticks=3,
+    )
+    output = (LEFT, below_output, RIGHT, above_output)
+    main = add_panel(figure, output, y_label=shown.label, share_x=top)
+    below = add_panel(
+        figure,
+        (LEFT, BOTTOM, RIGHT, above_residual),
+        x_label="time (s)",
+        y_label=shown.named("residual"),
+        share_x=top,
+        y_ticks=4,
+    )
+    first_s, last_s = float(simulation.time_s[0]), float(simulation.time_s[-1])
+    beside_s = 0.01 * (last_s - first_s)
+    top.set_xlim(first_s - beside_s, last_s + beside_s)
+    return top, main, below
 
 
 def response_title(statistics: FitStatistics) -> str:
