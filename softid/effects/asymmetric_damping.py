@@ -33,7 +33,7 @@ class AsymmetricDamping(StateEffect):
     Filling and venting take different paths, and a wall that is stretched loses more energy than
     one that comes back.
 
-    Source: Dixon, *The Shock Absorber Handbook* (different damping in bump and rebound).
+    Source: Dixon, *The Shock Absorber Handbook* (bump and rebound).
     """
 
     name: ClassVar[str] = "asymmetric_damping"

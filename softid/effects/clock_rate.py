@@ -33,6 +33,8 @@ class ClockRate(OutputEffect):
 
     Between samples the motion is the cubic through its four nearest samples. Before the first and
     after the last one it runs out from its speed there within the motion's own time.
+
+    Source: linear clock model; IEEE Std 1588-2019.
     """
 
     name: ClassVar[str] = "clock_rate"

@@ -63,7 +63,7 @@ class Contact(StateEffect):
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_clipping", "stiffening", "static_curve")
     remedy: ClassVar[str] = "clear the workspace, or stay below the position of contact"
     shown_by: ClassVar[str] = "steps to high pressure while you watch for the contact"
-    source: ClassVar[str] = "Johnson, Contact Mechanics, 4.3 (elastic foundation)"
+    source: ClassVar[str] = "Johnson, Contact Mechanics, §4.3 (elastic foundation)"
     readings: ClassVar[tuple[str, ...]] = ("xw",)
     amplitude: ClassVar[str] = "kw"
     essential: ClassVar[tuple[str, ...]] = ("xw",)

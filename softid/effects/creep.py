@@ -31,7 +31,7 @@ class Creep(StateEffect):
     A second spring stands in series with a damper beside the first: a fast motion feels both
     springs, and after a time τ only the first is left.
 
-    Source: standard linear solid (Zener); Christensen, *Theory of Viscoelasticity*, §1.
+    Source: Christensen, *Theory of Viscoelasticity*, §1 (standard linear solid).
     """
 
     name: ClassVar[str] = "creep"
@@ -48,7 +48,7 @@ class Creep(StateEffect):
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_warmup", "hysteresis", "sensor_drift")
     remedy: ClassVar[str] = "precondition the actuator, or use a less viscoelastic elastomer"
     shown_by: ClassVar[str] = "a hold of 20 s followed by a rest of 20 s"
-    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (standard linear solid)"
+    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, §1 (standard linear solid)"
     amplitude: ClassVar[str] = "k"
     essential: ClassVar[tuple[str, ...]] = ("tau",)
     has_state: ClassVar[bool] = True
@@ -93,7 +93,7 @@ class SeriesCreep(SettlingShare):
     nearly the creep of a standard linear solid; in others that one creeps less where they are
     stiff.
 
-    Source: Kelvin–Voigt element of Burgers' model; Christensen, *Theory of Viscoelasticity*, §1.
+    Source: Christensen, *Theory of Viscoelasticity*, §1 (Kelvin-Voigt element).
     """
 
     name: ClassVar[str] = "creep"
@@ -115,7 +115,7 @@ class SeriesCreep(SettlingShare):
         "creep"
     )
     shown_by: ClassVar[str] = "a hold of 20 s followed by a rest of 20 s, at two levels"
-    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (Kelvin-Voigt element)"
+    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, §1 (Kelvin-Voigt element)"
     shares: ClassVar[tuple[float, float]] = SERIES_SHARES
     meanings: ClassVar[tuple[str, str]] = (
         "fraction of a change by which the reading creeps on",

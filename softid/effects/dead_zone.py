@@ -34,6 +34,9 @@ class DeadZone(InputEffect):
     nothing arrives at p = 0. The width w of the bend is a multiple of p0, so that p0 = 0 is no
     effect. An input that never comes near zero shows the zone only if p0 lies within its range, so
     the bound lies there too.
+
+    Source: Tao and Kokotović, *Adaptive Control of Systems with Actuator and Sensor
+    Nonlinearities*, Wiley 1996.
     """
 
     name: ClassVar[str] = "dead_zone"

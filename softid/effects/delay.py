@@ -39,6 +39,8 @@ class Delay(InputEffect):
 
     The kinks of the recorded input stay kinks. A delay is never negative: an output whose clock
     runs ahead belongs to the offset between the clocks of the channels.
+
+    Source: Ljung, *System Identification*, 2nd ed. 1999, §4.2.
     """
 
     name: ClassVar[str] = "delay"

@@ -64,7 +64,9 @@ class Hysteresis(StateEffect):
     neighbours: ClassVar[tuple[str, ...]] = ("coulomb_friction", "creep", "pneumatic_lag")
     remedy: ClassVar[str] = "approach every position from the same side, or invert the loop"
     shown_by: ClassVar[str] = "the same path at two speeds, and small loops within large ones"
-    source: ClassVar[str] = "Dahl 1968; Ikhouane & Rodellar, Systems with Hysteresis"
+    source: ClassVar[str] = (
+        "Dahl 1968, A Solid Friction Model; Ikhouane & Rodellar, Systems with Hysteresis"
+    )
     essential: ClassVar[tuple[str, ...]] = ("zs",)
     amplitude: ClassVar[str] = "alpha"
     has_state: ClassVar[bool] = True

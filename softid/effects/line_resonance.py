@@ -30,6 +30,8 @@ class LineResonance(InputEffect):
     """Second-order resonance p̈a/ω² + 2ζ ṗa/ω + pa = p, exact for a straight input.
 
     It is written with the period 2π/ω, so that a period of zero is no resonance at all.
+
+    Source: Bergh and Tijdeman, NLR-TR F.238, 1965.
     """
 
     name: ClassVar[str] = "line_resonance"

@@ -26,7 +26,10 @@ RATIO_BOUNDS = (0.05, 20.0)
 
 @dataclass(frozen=True)
 class PneumaticLag(InputEffect):
-    """First-order lag of the pressure, τ ṗa + pa = p, exact for a straight input."""
+    """First-order lag of the pressure, τ ṗa + pa = p, exact for a straight input.
+
+    Source: Andersen, *The Analysis and Design of Pneumatic Systems*, Wiley 1967.
+    """
 
     name: ClassVar[str] = "pneumatic_lag"
     title: ClassVar[str] = "Lag of the pneumatics"
@@ -75,6 +78,8 @@ class SeparatePneumaticLag(PneumaticLag):
     The sign of p − pa decides, and where it changes between two times the instant is found
     exactly. A supply that sags by s of what it fills and recovers in a time T is such a lag,
     T ṗa + s T max(ṗa, 0) + pa = p: τ = (1 + s) T while filling, T while venting.
+
+    Source: Andersen, *The Analysis and Design of Pneumatic Systems*, Wiley 1967.
     """
 
     variant: ClassVar[str] = "separate"
@@ -130,6 +135,8 @@ class LevelPneumaticLag(PneumaticLag):
     where the time constant is τ: so τ is that of the plain lag, whatever the ratio ρ. A chamber or
     a tube that swells takes longer the fuller it is, air in a line that is driven by a liquid
     shorter, for it is compressed.
+
+    Source: Andersen, *The Analysis and Design of Pneumatic Systems*, Wiley 1967.
     """
 
     variant: ClassVar[str] = "level"

@@ -36,7 +36,7 @@ class QuadraticDamping(StateEffect):
 
     Turbulent flow through narrow channels, and the drag of the surrounding fluid, resist so.
 
-    Source: Morison et al. 1950 (drag term), doi 10.2118/950149-G.
+    Source: Morison et al. 1950, doi 10.2118/950149-G (drag term).
     """
 
     name: ClassVar[str] = "quadratic_damping"
@@ -97,7 +97,7 @@ class PowerDamping(QuadraticDamping):
     nearly independent. A drag that is turbulent in part, or a fluid whose viscosity grows with the
     rate of shear, resists so.
 
-    Source: Ostwald, Kolloid-Zeitschrift 36, 99, 1925 (power law of a fluid).
+    Source: Ostwald, *Kolloid-Zeitschrift* 36, 99, 1925 (power law of a fluid).
     """
 
     variant: ClassVar[str] = "power"

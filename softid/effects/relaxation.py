@@ -20,8 +20,7 @@ class Relaxation(SettlingShare):
     its torque, falls although the pressure stays. The stress of a solid of Maxwell's elements at a
     constant strain does so, by a share c in a time τ.
 
-    Source: stress relaxation of a standard linear solid; Christensen, *Theory of Viscoelasticity*,
-    §1.
+    Source: Christensen, *Theory of Viscoelasticity*, §1 (stress relaxation).
     """
 
     name: ClassVar[str] = "relaxation"
@@ -41,7 +40,7 @@ class Relaxation(SettlingShare):
         "use a less viscoelastic elastomer, or a sensor that holds a constant reading"
     )
     shown_by: ClassVar[str] = "a hold of 20 s followed by a rest of 20 s, at two levels"
-    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (stress relaxation)"
+    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, §1 (stress relaxation)"
     shares: ClassVar[tuple[float, float]] = SHARES
     meanings: ClassVar[tuple[str, str]] = (
         "fraction of a change by which the reading returns",

@@ -35,6 +35,8 @@ class SensorClipping(OutputEffect):
     The limit counts from the model's own zero, as y does: what was recorded is flat at the limit
     plus the sensor zero of the log. There is no amplitude: the effect
     vanishes when the limit lies beyond all of the motion.
+
+    Source: Doebelin, *Measurement Systems*, 5th ed. 2004, §3.2.
     """
 
     name: ClassVar[str] = "sensor_clipping"
@@ -75,7 +77,10 @@ class SensorClipping(OutputEffect):
 
 @dataclass(frozen=True)
 class LowerSensorClipping(SensorClipping):
-    """Reading that ends at a lower limit, max(y, yl)."""
+    """Reading that ends at a lower limit, max(y, yl).
+
+    Source: Doebelin, *Measurement Systems*, 5th ed. 2004, §3.2.
+    """
 
     variant: ClassVar[str] = "lower"
     title: ClassVar[str] = "Clipping of the sensor at its lower limit"
@@ -98,7 +103,10 @@ class LowerSensorClipping(SensorClipping):
 
 @dataclass(frozen=True)
 class BothSensorClipping(SensorClipping):
-    """Reading that ends at either end, max(min(y, ys), yl)."""
+    """Reading that ends at either end, max(min(y, ys), yl).
+
+    Source: Doebelin, *Measurement Systems*, 5th ed. 2004, §3.2.
+    """
 
     variant: ClassVar[str] = "both"
     title: ClassVar[str] = "Clipping of the sensor at both limits"

@@ -25,7 +25,10 @@ START_SHARE = 0.05
 
 @dataclass(frozen=True)
 class SensorDrift(OutputEffect):
-    """Drift at a constant rate r, y + r t."""
+    """Drift at a constant rate r, y + r t.
+
+    Source: Fraden, *Handbook of Modern Sensors*, 5th ed. 2016, ch. 3.
+    """
 
     name: ClassVar[str] = "sensor_drift"
     title: ClassVar[str] = "Drift of the sensor"
@@ -35,7 +38,7 @@ class SensorDrift(OutputEffect):
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_warmup", "ageing", "creep")
     remedy: ClassVar[str] = "let the sensor warm up, calibrate a gyro's bias at rest"
     shown_by: ClassVar[str] = "a rest at the beginning and at the end of a long record"
-    source: ClassVar[str] = "constant-rate drift"
+    source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     amplitude: ClassVar[str] = "rate"
     changes_sign: ClassVar[bool] = True
 

@@ -24,6 +24,8 @@ class SensorLag(OutputEffect):
     """First-order lag of the reading, τ ẏ + y = x, for a motion straight in quarter intervals.
 
     Behind an actuator that is itself linear it is the same as a lag before it.
+
+    Source: Doebelin, *Measurement Systems*, 5th ed. 2004, §3.3.
     """
 
     name: ClassVar[str] = "sensor_lag"

@@ -33,6 +33,8 @@ class SensorResonance(OutputEffect):
     Lightly damped it is a sensor on a flexible mount; near ζ = 0.8 it is close to a moving average
     or another smoothing filter. Behind an actuator that is itself linear it is the same as a
     resonance before it.
+
+    Source: Doebelin, *Measurement Systems*, 5th ed. 2004, §3.3.
     """
 
     name: ClassVar[str] = "sensor_resonance"

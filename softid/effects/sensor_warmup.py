@@ -36,6 +36,8 @@ class SensorWarmup(OutputEffect):
     """Exponential wander after switching on, y + D (1 − e^{−t/T}), t from the start of the log.
 
     D is its size and T its time.
+
+    Source: Fraden, *Handbook of Modern Sensors*, 5th ed. 2016, ch. 3.
     """
 
     name: ClassVar[str] = "sensor_warmup"

@@ -61,14 +61,16 @@ class Smoothing(_Smoothed):
     It delays nothing, and a half is left at the cut-off 1/T. Between the first and the third order
     it is close to a Gaussian, to a mean and to a moving polynomial.
 
-    Source: Gustafsson, IEEE Trans. Signal Process. 44, 988 (1996), doi 10.1109/78.492552, for the
-    way there and back; Butterworth, Wireless Engineer 7, 536 (1930), for the filter.
+    Source: Gustafsson, *IEEE Trans. Signal Process.* 44, 988 (1996), doi 10.1109/78.492552, for the
+    way there and back; Butterworth, *Wireless Engineer* 7, 536 (1930), for the filter.
     """
 
     name: ClassVar[str] = "smoothing"
     title: ClassVar[str] = "Smoothing of the record afterwards"
     law: ClassVar[str] = "recorded Y(f) = X(f)/(1 + (f period)^(2 order))"
-    source: ClassVar[str] = "Gustafsson 1996, doi 10.1109/78.492552"
+    source: ClassVar[str] = (
+        "Gustafsson, IEEE Trans. Signal Process. 44, 988 (1996), doi 10.1109/78.492552"
+    )
     amplitude: ClassVar[str] = "period"
     essential: ClassVar[tuple[str, ...]] = ("period",)
 
@@ -125,7 +127,7 @@ class Smoothing(_Smoothed):
 class MeanSmoothing(_Smoothed):
     """A centred mean, y(t) = mean of x from t − w/2 to t + w/2.
 
-    Source: Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed. 2010, §2.2, the moving
+    Source: Oppenheim and Schafer, *Discrete-Time Signal Processing*, 3rd ed. 2010, §2.2, the moving
     average with as many samples before as after.
     """
 
@@ -133,7 +135,9 @@ class MeanSmoothing(_Smoothed):
     variant: ClassVar[str] = "mean"
     title: ClassVar[str] = "Centred mean over the record"
     law: ClassVar[str] = "recorded y(t) = mean of y from t - width/2 to t + width/2"
-    source: ClassVar[str] = "Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., §2.2"
+    source: ClassVar[str] = (
+        "Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed. 2010, §2.2"
+    )
     amplitude: ClassVar[str] = "width"
     essential: ClassVar[tuple[str, ...]] = ("width",)
 
@@ -161,7 +165,7 @@ class PastSmoothing(MeanSmoothing):
 
     Before the first sample the motion rests. It is a delay by w/2 and a centred mean.
 
-    Source: Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed. 2010, §2.2, the moving
+    Source: Oppenheim and Schafer, *Discrete-Time Signal Processing*, 3rd ed. 2010, §2.2, the moving
     average that is causal.
     """
 

@@ -32,7 +32,7 @@ class Stiffening(StateEffect):
     A rubber wall stiffens as its chains come to their full length (k3 > 0), and a thin wall that
     buckles or balloons gives way (k3 < 0).
 
-    Source: Duffing's spring; Nayfeh & Mook, *Nonlinear Oscillations*, §4.1.
+    Source: Nayfeh & Mook, *Nonlinear Oscillations*, §4.1 (Duffing's spring).
     """
 
     name: ClassVar[str] = "stiffening"
@@ -48,7 +48,7 @@ class Stiffening(StateEffect):
     neighbours: ClassVar[tuple[str, ...]] = ("static_curve", "contact")
     remedy: ClassVar[str] = "work in the middle of the range, or use a wall that is strained less"
     shown_by: ClassVar[str] = "held levels and a chirp over the full range of positions"
-    source: ClassVar[str] = "Nayfeh & Mook, Nonlinear Oscillations, 4.1 (Duffing's spring)"
+    source: ClassVar[str] = "Nayfeh & Mook, Nonlinear Oscillations, §4.1 (Duffing's spring)"
     amplitude: ClassVar[str] = "k3"
     counts_position: ClassVar[bool] = True
     changes_sign: ClassVar[bool] = True

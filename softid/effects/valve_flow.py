@@ -47,6 +47,8 @@ class ValveFlow(InputEffect):
 
     Pressures are absolute, above an atmosphere of 101.325 kPa; an input in another unit than kPa
     counts as a pressure whose range runs from one atmosphere to two.
+
+    Source: ISO 6358-1:2013.
     """
 
     name: ClassVar[str] = "valve_flow"
@@ -108,6 +110,8 @@ class SeparateValveFlow(ValveFlow):
 
     ṗa = p_u ψ(p_d/p_u)/τ with τ while filling and ρ τ while venting: valves have a seat for each
     way, and an exhaust has a silencer. The critical ratio b is that of both.
+
+    Source: ISO 6358-1:2013.
     """
 
     variant: ClassVar[str] = "separate"

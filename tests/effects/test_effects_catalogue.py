@@ -106,6 +106,15 @@ def test_the_law_names_every_parameter(key: str) -> None:
         assert unnamed_in(law, effect.parameters(scale).names) == set()
 
 
+@pytest.mark.parametrize("key", EFFECTS)
+def test_the_docstring_has_the_source_that_is_printed(key: str) -> None:
+    """In a paragraph of its own, with titles in italics; where and for what may follow it."""
+    *_, last = (EFFECTS[key].__doc__ or "").split("\n\n")
+    told = " ".join(last.replace("*", "").split())
+    assert told.startswith(f"Source: {EFFECTS[key]().source}")
+    assert told.endswith(".")
+
+
 def test_effects_are_confused_with_each_other() -> None:
     """Each with what any form of it names, and with those of which any form names it."""
     confused = {

@@ -228,7 +228,7 @@ class SecondCreep(StateEffect):
     signature: ClassVar[str] = "The residual decays after every change, and later more slowly."
     remedy: ClassVar[str] = "precondition the actuator, or use a less viscoelastic elastomer"
     shown_by: ClassVar[str] = "a hold ten times as long as the longer time, and as long a rest"
-    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, 1 (generalised Maxwell model)"
+    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, §1 (generalised Maxwell model)"
     amplitude: ClassVar[str] = "k"
     essential: ClassVar[tuple[str, ...]] = ("tau",)
     has_state: ClassVar[bool] = True
