@@ -38,82 +38,109 @@ share of the largest: a motion passes so little within a few samples, and a log 
 class Effect(ABC):
     """A physical effect; a subclass of one of the three stages is one file and one table line.
 
-    Class attributes
-    ----------------
+    Words, which people read
+    ------------------------
     name, title
         Name in the catalogue and heading for people.
     variant
         Empty, or what tells a richer form of the same cause from its plain form.
-    stage
-        Where it acts: on the input, in the equation of motion, or on the output.
     law
-        The law in one line of plain text.
+        The law in one line of plain text, with the names of the parameters.
     meaning
         What happens physically, in one plain sentence.
     signature
         What it leaves in the residual of a model that ignores it.
     neighbours
         Effects that it can be confused with; those that name it are added by `confusable_with`.
-    draws
-        Effects whose law this one can draw, so that both together stand for neither.
     remedy
         What to do in hardware, or an empty text when there is nothing.
     shown_by
         The experiment that shows it.
     source
         Where the law comes from.
+
+    Law, which a fit needs
+    ----------------------
+    stage
+        Where it acts: on the input, in the equation of motion, or on the output; from the base
+        class.
     amplitude
         Parameter at whose value zero the effect vanishes; None where it vanishes only as a limit
-        leaves the range.
+        leaves the range, as `sensor_clipping`.
     changes_sign
-        Whether the amplitude may have either sign.
-    essential
-        Parameters at whose bounds the law is that of another effect, or of the base.
-    ceilings
-        Parameters at whose upper bounds alone it is so.
-    counts_position
-        Whether it matters to it where the position is zero, which nothing else may show.
+        Set it where the amplitude may have either sign, as a drift. A start is then kept whichever
+        way the residual asks for, and no cause is named while its interval holds zero.
     sticks
-        Whether it holds the actuator off its equilibrium at rest.
-    mutes
-        Whether the reading stands still at the ends of its range, where no noise shows.
-    slowness
-        How many times the time constant of a lag its amplitude is, where that is a time and both
-        are as late.
-    has_one_form
-        Whether the law is exact: it corrects the form of no other law, and none corrects its own.
-    begins_with_log
-        Whether it goes on from the beginning of every log, as if nothing had been before.
+        Set it for a force that holds the actuator off its equilibrium at rest, as
+        `coulomb_friction` does. A log that begins at rest then has a free position at its start.
+    counts_position
+        Set it where the law goes by the position, as `ageing` does, so that it matters where that
+        is zero. The rest of the model is then fitted, too, for which a sensor zero stands else.
     readings
-        Parameters stored without the sensor zero of a log, as positions and readings are.
+        Parameters that are positions or readings, as the place ``xw`` of a `contact`. They are
+        stored without the sensor zero of a log and told with it, and their bounds move with it.
+    mutes
+        Set it where the reading stands still, noise and all, at the ends of its range, as
+        `sensor_clipping` has it. Other effects then act before it, and samples that stand there say
+        nothing of the noise.
+    begins_with_log
+        Set it where the law begins anew with every log, as `softening` by use does. Where it fails
+        on what is held out, the report says that this may have begun otherwise.
+
+    Hints for the search, all of which may be left out
+    --------------------------------------------------
+    essential
+        Parameters at either of whose bounds the law is another effect's or none, as the time of a
+        `creep` that is over at once or never begins. A law that ends there is not chosen, or not
+        named.
+    ceilings
+        Parameters for which that holds at the upper bound alone, as the speed over which
+        `coulomb_friction` turns: if it is large the friction is a damping.
     plain_at
-        Parameter of a richer form and the value at which its law is the plain one; None for others.
+        Parameter of a richer form and the value at which its law is the plain one, as a ``ratio``
+        of 1. The plain form is told where the interval of the parameter holds that value.
+    draws
+        Effects whose law this one can draw, as a `static_curve` does any spring. A chain with both
+        names neither.
+    slowness
+        How many times the time constant of a lag its amplitude is, where both are as late: 3 for
+        `valve_flow`. Where a search lets it take the place of a slow pole of the motion, it begins
+        at so many times that.
+    has_one_form
+        Set it where the law is exact, as that of a `delay`. A small cause beside one that it may be
+        confused with is taken for a correction of the form of the larger one, unless either is
+        exact.
     """
 
+    # Words
     name: ClassVar[str]
     title: ClassVar[str]
     variant: ClassVar[str] = ""
-    stage: ClassVar[Stage]
     law: ClassVar[str]
     meaning: ClassVar[str]
     signature: ClassVar[str]
     neighbours: ClassVar[tuple[str, ...]] = ()
-    draws: ClassVar[tuple[str, ...]] = ()
     remedy: ClassVar[str] = ""
     shown_by: ClassVar[str]
     source: ClassVar[str]
+
+    # Law
+    stage: ClassVar[Stage]
     amplitude: ClassVar[str | None]
     changes_sign: ClassVar[bool] = False
+    sticks: ClassVar[bool] = False
+    counts_position: ClassVar[bool] = False
+    readings: ClassVar[tuple[str, ...]] = ()
+    mutes: ClassVar[bool] = False
+    begins_with_log: ClassVar[bool] = False
+
+    # Hints for the search
     essential: ClassVar[tuple[str, ...]] = ()
     ceilings: ClassVar[tuple[str, ...]] = ()
-    counts_position: ClassVar[bool] = False
-    sticks: ClassVar[bool] = False
-    mutes: ClassVar[bool] = False
+    plain_at: ClassVar[tuple[str, float] | None] = None
+    draws: ClassVar[tuple[str, ...]] = ()
     slowness: ClassVar[float] = 1.0
     has_one_form: ClassVar[bool] = False
-    begins_with_log: ClassVar[bool] = False
-    readings: ClassVar[tuple[str, ...]] = ()
-    plain_at: ClassVar[tuple[str, float] | None] = None
 
     @property
     def key(self) -> str:

@@ -142,6 +142,15 @@ def table_as_before() -> Iterator[None]:
     EFFECTS.update(before)
 
 
+def test_all_that_a_class_may_set_is_explained() -> None:
+    """Each attribute in the docstring of its base class, in the order in which they stand."""
+    told = (Effect.__doc__ or "").splitlines()
+    names = [name for name in Effect.__annotations__ if "ClassVar" in Effect.__annotations__[name]]
+    heads = [line.strip().split(", ") for line in told if line.startswith("    ")]
+    explained = [name for head in heads for name in head if name in names]
+    assert explained == names
+
+
 def test_a_registered_effect_is_in_the_table() -> None:
     """Under its key, so that a specification that names it gives the extended model."""
     glow = register_effect(effect_class())
