@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter, lsim
 
 from softid import Log, diagnose
-from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
+from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT, LAGS, _lagged
 from softid.diagnosis_results import Diagnosis, Verdict
 
 TIME_S = np.arange(0.0, 40.0, 0.02)
@@ -65,3 +65,16 @@ def test_a_second_pressure_that_drives_nothing_takes_no_name_away() -> None:
     assert found.verdict is Verdict.NAMED
     assert [cause.effect for cause in found.causes] == ["sensor_drift"]
     assert FOLLOWS_SECOND_INPUT not in {issue.code for issue in found.issues}
+
+
+def test_a_channel_in_pairs_of_samples_lags_as_another() -> None:
+    """Closed form: a ramp is late by the lag once that has passed. Pairs 1 µs apart every 0.1 s:
+    over times at median intervals it would be 20,000,000 values for each lag."""
+    first_s = 0.1 * np.arange(200)
+    time_s = np.sort(np.concatenate((first_s, first_s + 1e-6)))
+    log = Log.from_arrays(time_s, {"pressure": 3.0 * time_s, "angle": time_s})
+    lagged = _lagged(log, "pressure", time_s, 0.5)
+    late = time_s > 15.0
+    for lag, column in zip(LAGS, lagged.T, strict=True):
+        expected = 3.0 * (time_s - 0.5 * lag) if lag else 3.0 * time_s
+        np.testing.assert_allclose(column[late], expected[late], atol=0.05)
