@@ -14,33 +14,14 @@ from softid.readers.columns import best_matches, is_index_name, read_name
 from softid.readers.plausibility import finite, not_measured, unit_doubt
 from softid.readers.sidecar import Sidecar
 from softid.readers.times import TimeAxis, channel_flag, read_times
+from softid.readers.wishes import Wish, asked_channels
 from softid.units import (
     CANONICAL_UNIT,
     CHANNEL_QUANTITY,
     factor_to_canonical,
     lookup_unit,
-    split_scale,
     unit_symbol,
 )
-
-
-@dataclass(frozen=True)
-class Wish:
-    """A channel as somebody asked for it.
-
-    Attributes
-    ----------
-    index
-        Column.
-    unit
-        Unit of one count times ``scale``, or None when not stated.
-    scale
-        Number before the unit: the value of one count.
-    """
-
-    index: int
-    unit: str | None
-    scale: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,15 +74,13 @@ def find_channels(
 
     Raises
     ------
+    UsageError
+        A flag names a column that is not there, a unit that is none or a misspelt channel.
     InputError
-        A column that is asked for is not there, the time cannot be settled, or a channel that was
-        asked for by flag or sidecar cannot be read.
+        The sidecar names such, the time cannot be settled, or a channel that was asked for by flag
+        or sidecar cannot be read.
     """
-    wishes = {k: _parse_wish(table, v, f"--channel {k}") for k, v in flags.items()}
-    for name, entry in sidecar.channels.items():
-        if name not in wishes:
-            where = f"{sidecar.path}, [channels] {name}"
-            wishes[name] = _wish(find_column(table, entry.column, where), entry.unit)
+    wishes = asked_channels(table, flags, sidecar, needed)
     asked = {wish.index for wish in wishes.values()}
     free = [k for k in range(len(table.head.names)) if k not in asked and not _is_index(table, k)]
     matches = best_matches(table.head.names, free) if table.head.headed else {}
@@ -128,57 +107,6 @@ def find_channels(
     columns_of = {c.column: name for name, c in channels.items() if c.column is not None}
     times = _times(table, time, time_unit)
     return Found(times, channels, problems, columns_of, (*issues, *times.issues))
-
-
-def find_column(table: Table, column: str | int, where: str) -> int:
-    """Index of a column given by its name, or by its number counted from 1.
-
-    Raises
-    ------
-    InputError
-        There is no such column, or more than one.
-    """
-    names = table.head.names
-    text = str(column).strip()
-    if text in table.head.unaligned:
-        raise table.head.unaligned[text]
-    wanted = text.casefold()
-    for alike in (
-        lambda name: name == text,
-        lambda name: name.casefold() == wanted,
-        lambda name: read_name(name).words == read_name(text).words != (),
-    ):
-        hits = [k for k, name in enumerate(names) if alike(name)]
-        if len(hits) == 1:
-            return hits[0]
-        if hits:
-            numbers = " and ".join(str(k + 1) for k in hits)
-            raise InputError(
-                f"the columns {numbers} could be {text}",
-                where=f"{table.head.path}, {where}",
-                remedy="give the column's number",
-            )
-        if text.isdecimal() and 1 <= int(text) <= len(names):
-            return int(text) - 1
-    known = f"1 to {len(names)}" if not table.head.headed else first_names(names)
-    raise InputError(
-        "there is no such column",
-        where=f"{table.head.path}, {where}",
-        value=column,
-        remedy=f"choose from {known}",
-    )
-
-
-def _parse_wish(table: Table, text: str, where: str) -> Wish:
-    column, colon, unit = text.rpartition(":")
-    if not colon or text in table.head.names:
-        column, unit = text, ""
-    return _wish(find_column(table, column, where), unit.strip() or None)
-
-
-def _wish(index: int, unit: str | None) -> Wish:
-    scale, text = split_scale(unit) if unit else (1.0, None)
-    return Wish(index, text, scale)
 
 
 def _unaligned(table: Table) -> dict[str, InputError]:

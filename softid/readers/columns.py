@@ -106,6 +106,9 @@ _INDEX_NAMES = frozenset(
     {"", "index", "idx", "unnamed: 0", "#", "no", "no.", "nr", "row", "sample", "n", "i", "id"}
 )
 
+_LONG_NAME = 8
+"""Letters of a channel's name in which two slips of typing are still one."""
+
 _BRACKETED = re.compile(r"(.*?)\s*([\[(<{])\s*([^\[\](){}<>]*?)\s*[\])>}]\s*")
 _SLASHED = re.compile(r"(.*\S)\s*/\s*(\S+)")
 _LAST_TOKEN = re.compile(r"(.*[^\s_.\-:,])[\s_.\-:,]+([^\s_.\-:,]+)")
@@ -218,6 +221,42 @@ def is_time_name(text: str) -> bool:
 def is_index_name(text: str) -> bool:
     """Whether a name is one that is given to a column that only counts rows."""
     return text.strip().lower() in _INDEX_NAMES
+
+
+def meant_channel(name: str) -> str | None:
+    """The known channel that somebody meant who asked for one of another name; None for none.
+
+    That is another word for it, or its name with a slip of typing. A number in the name or a word
+    beside it tells a channel of the user's own, such as ``pressure_2``.
+
+    Examples
+    --------
+    >>> [meant_channel(name) for name in ("angel", "theta", "pressure_2", "range", "angle")]
+    ['angle', 'angle', None, None, None]
+    """
+    if name in CHANNEL_QUANTITY or any(c.isdigit() for c in name):
+        return None
+    written = name.strip().lower()
+    slips = {known: _slips(written, known) for known in CHANNEL_QUANTITY}
+    nearest = min(slips, key=lambda known: slips[known])
+    if slips[nearest] <= (1 if len(nearest) < _LONG_NAME else 2):
+        return nearest
+    matched = match_channel(read_name(name))
+    return matched[0] if matched is not None and matched[1] in _PLAIN else None
+
+
+def _slips(text: str, name: str) -> int:
+    """Fewest letters left out, put in, mistaken or exchanged with the next between two names."""
+    rows = [list(range(len(name) + 1))]
+    for i, letter in enumerate(text, start=1):
+        row = [i]
+        for j, wanted in enumerate(name, start=1):
+            cost = min(rows[-1][j] + 1, row[j - 1] + 1, rows[-1][j - 1] + (letter != wanted))
+            if i > 1 and j > 1 and letter == name[j - 2] and text[i - 2] == wanted:
+                cost = min(cost, rows[-2][j - 2] + 1)
+            row.append(cost)
+        rows.append(row)
+    return rows[-1][-1]
 
 
 def best_matches(names: Sequence[str], free: Iterable[int]) -> dict[str, tuple[int, ...]]:

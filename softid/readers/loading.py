@@ -11,7 +11,7 @@ from softid.readers.assignment import find_channels
 from softid.readers.cleaning import clean
 from softid.readers.files import require_file
 from softid.readers.formats import READERS, split_suffix
-from softid.readers.roles import choose_roles
+from softid.readers.roles import choose_roles, fallback_issues
 from softid.readers.samples import Samples
 from softid.readers.sidecar import Sidecar, find_sidecar, read_sidecar
 
@@ -64,7 +64,8 @@ def load(
     InputError
         The file cannot be read, or its columns, units or times cannot be settled without asking.
     UsageError
-        A role that you gave names no channel.
+        A role that you gave names no channel, or ``channels`` a column, a unit or a channel that
+        is none.
     MissingExtraError
         The format needs a package that is not installed.
 
@@ -101,6 +102,8 @@ def load(
         input_of=roles_of if input else f"the sidecar {said.path}",
         outputs_of=roles_of if outputs else f"the sidecar {said.path}",
     )
+    asked = [*(channels or {}), *said.channels]
+    fallback = () if wanted_outputs else fallback_issues(found, asked, driving, explained)
     raw = Samples(where, table.row_word, table.rows, found.times.seconds, found.channels)
     samples = clean(raw, input=driving, outputs=explained)
     return Log(
@@ -110,7 +113,7 @@ def load(
         input=driving,
         outputs=explained,
         source=Source(where, table.head.sha256, table.head.file_format),
-        issues=(*table.head.issues, *found.issues, *samples.issues),
+        issues=(*table.head.issues, *found.issues, *fallback, *samples.issues),
         metadata={**table.head.metadata, **found.times.metadata, **said.metadata},
         input_read_s=samples.input_read_s,
     )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from softid.channels import OUTPUT_PREFERENCE, default_outputs
-from softid.errors import InputError, UsageError
+from softid.errors import InputError, Issue, UsageError
 from softid.readers.assignment import Found
 from softid.readers.base import first_names
+from softid.units import CHANNEL_QUANTITY
 
 INPUT_PREFERENCE = ("pressure", "pressure_command")
 """The input is the first of these that is there, else the force on something with a position."""
@@ -84,6 +85,34 @@ def choose_roles(
         where=where,
         remedy="map the pressure with --channel pressure=COLUMN:UNIT, or name what drives with "
         "--input",
+    )
+
+
+def fallback_issues(
+    found: Found, asked: Collection[str], input: str, outputs: Sequence[str]
+) -> tuple[Issue, ...]:
+    """A warning where a pressure is explained although somebody asked for another column.
+
+    Parameters
+    ----------
+    found
+        The file's channels.
+    asked
+        Channels that a flag or the sidecar named.
+    input, outputs
+        The roles that `choose_roles` chose, no output being named.
+    """
+    others = [name for name in asked if name in found.channels and name not in CHANNEL_QUANTITY]
+    if not others or not outputs or not set(outputs) <= set(INPUT_PREFERENCE):
+        return ()
+    return (
+        Issue(
+            "pressure-explained",
+            "warning",
+            f"no output was named and none is recognised, so that {outputs[0]} is explained by "
+            f"{input}, and {', '.join(others)} by nothing",
+            f"name what is to be explained, as with --output {others[0]}",
+        ),
     )
 
 

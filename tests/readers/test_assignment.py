@@ -84,7 +84,7 @@ def test_columns_of_one_name_are_told_by_number(write_log: WriteFile) -> None:
     log = load(path, channels={"pressure": "3:kPa"})
     assert log.pressure_kpa[0] == 2.0
     assert log.channels["pressure_kpa"].values[0] == 1.0
-    with pytest.raises(InputError, match="columns 2 and 3 could be pressure_kpa"):
+    with pytest.raises(UsageError, match="columns 2 and 3 could be pressure_kpa"):
         load(path, channels={"pressure": "pressure_kpa:kPa"})
 
 
@@ -132,7 +132,7 @@ def test_a_name_may_be_given_without_its_unit(write_log: WriteFile) -> None:
 
 @pytest.mark.parametrize("column", ["foo", "0", "5", "-1", ""])
 def test_unknown_columns_list_the_choices(write_log: WriteFile, column: str) -> None:
-    with pytest.raises(InputError, match="no such column") as caught:
+    with pytest.raises(UsageError, match="no such column") as caught:
         load(write_log(table("time_s,a,b,c")), channels={"pressure": f"{column}:kPa"})
     assert "time_s, a, b, c" in str(caught.value)
     assert "--channel pressure" in str(caught.value)
@@ -140,7 +140,7 @@ def test_unknown_columns_list_the_choices(write_log: WriteFile, column: str) -> 
 
 @pytest.mark.parametrize(("unit", "what"), [("deg", "unit of angle"), ("foo", "not a unit")])
 def test_wrong_units_are_refused(write_log: WriteFile, unit: str, what: str) -> None:
-    with pytest.raises(InputError, match=what):
+    with pytest.raises(UsageError, match=what):
         load(write_log(table("time_s,a,angle_deg")), channels={"pressure": f"a:{unit}"})
     with pytest.raises(InputError, match=what):
         load(write_log(table(f"time_s,pressure [{unit}],angle_deg")))
@@ -249,7 +249,7 @@ def test_a_unit_that_contradicts_the_header_is_told(
 def test_a_unit_of_something_else_reads_well(write_log: WriteFile) -> None:
     """One sentence for all quantities, whatever sound they begin with."""
     path = write_log(table("time_s,pressure_kpa,angle_deg"))
-    with pytest.raises(InputError, match="bar is a unit of pressure, not of angle"):
+    with pytest.raises(UsageError, match="bar is a unit of pressure, not of angle"):
         load(path, channels={"angle": "angle_deg:bar"})
 
 
