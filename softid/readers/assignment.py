@@ -10,7 +10,7 @@ import numpy as np
 from softid.channels import Channel, make_channel
 from softid.errors import InputError, Issue
 from softid.readers.base import Table, first_names
-from softid.readers.columns import best_matches, is_index_name, read_name
+from softid.readers.columns import best_matches, bracketed_text, is_index_name, read_name
 from softid.readers.plausibility import finite, not_measured, unit_doubt
 from softid.readers.sidecar import Sidecar
 from softid.readers.times import TimeAxis, channel_flag, read_times
@@ -305,9 +305,11 @@ def _ambiguous(table: Table, name: str, columns: tuple[int, ...]) -> InputError:
 
 
 def _unitless(table: Table, name: str, index: int) -> InputError:
-    example = {"angle": "deg"}.get(name, CANONICAL_UNIT[CHANNEL_QUANTITY[name]])
+    quantity = CHANNEL_QUANTITY[name]
+    example = {"angle": "deg"}.get(name, CANONICAL_UNIT[quantity])
+    written = bracketed_text(table.head.names[index]) if table.head.headed else None
     return InputError(
-        f"the {name} has no unit",
+        f"{written} is no unit of {quantity}" if written else f"the {name} has no unit",
         where=table.place(index),
         remedy=f"state it, as in {channel_flag(name, table, index, example)}",
     )

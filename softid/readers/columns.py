@@ -172,6 +172,18 @@ def read_name(text: str) -> ColumnName:
     return ColumnName(text, _words(stripped), None)
 
 
+def bracketed_text(text: str) -> str | None:
+    """What stands in brackets at the end of a name, be it a unit or not.
+
+    Examples
+    --------
+    >>> bracketed_text("pressure (furlong)"), bracketed_text("pressure_kpa")
+    ('furlong', None)
+    """
+    match = _BRACKETED.fullmatch(text.strip())
+    return match[3] or None if match else None
+
+
 def match_channel(name: ColumnName) -> tuple[str, int] | None:
     """The channel that a name means and how surely; None when it means none."""
     words = set(name.words)

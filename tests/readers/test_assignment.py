@@ -107,6 +107,14 @@ def test_a_missing_unit_is_asked_for(write_log: WriteFile, name: str) -> None:
     assert f"--channel {name}={name}:" in str(caught.value)
 
 
+def test_what_stands_for_a_unit_and_is_none_is_named(write_log: WriteFile) -> None:
+    path = write_log(table("time_s,pressure (furlong),angle_deg"))
+    with pytest.raises(InputError, match="furlong is no unit of pressure; state it") as caught:
+        load(path)
+    assert "column pressure (furlong)" in str(caught.value)
+    assert "--channel 'pressure=pressure (furlong):kPa'" in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
