@@ -19,7 +19,7 @@ SOURCES = {"softid": ROOT / "softid", "softid_cli": ROOT / "cli" / "softid_cli"}
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "interrupts"),
-    ("units", "kernels", "parallel", "even_times"),
+    ("units", "kernels", "parallel", "even_times", "toml_files"),
     ("channels", "chi_square", "fingerprint", "intersample"),
     ("segment",),
     ("log", "parameters", "results"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -15,6 +14,7 @@ import numpy.typing as npt
 from softid.errors import InputError, refuse_unknown
 from softid.kernels.bending_body import Body, tabulated
 from softid.models.bending_inertia import Inertia, Kernels, Stretch, inertia_series
+from softid.toml_files import TomlKind, parse_toml, read_toml_bytes
 
 Array = npt.NDArray[np.float64]
 
@@ -25,7 +25,7 @@ WALL_POINTS = 10
 """Gauss points over the height of a side wall; the torque then errs by less than 1e-9 up to 3.2."""
 
 PA_PER_KPA = 1e3
-LARGEST_FILE_BYTES = 100_000
+_KIND = TomlKind("geometry", "name a TOML file with the tables [geometry] and [material]", 100_000)
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)")
 _UNIT = re.compile(r"[^\W\d]\w*(\^-?\d)?( ?[*/·. ] ?[^\W\d]\w*(\^-?\d)?)*")
 _SI = {"_m": "m", "_kg_m3": "kg/m^3", "_pa": "Pa"}
@@ -188,7 +188,7 @@ def load_actuator(path: Path | str) -> Actuator:
         The file cannot be read, a key is unknown or missing, or a value has no proper unit.
     """
     path = Path(path)
-    return read_actuator(_content(path), where=path.name)
+    return _actuator(parse_toml(read_toml_bytes(path, _KIND), _KIND, where=path.name), path.name)
 
 
 def read_actuator(text: str, *, where: str) -> Actuator:
@@ -207,12 +207,10 @@ def read_actuator(text: str, *, where: str) -> Actuator:
     >>> found.chamber_height_m, found.assumed
     (0.012, 'rubber_density_kg_m3, layer_density_kg_m3, c10_pa, c20_pa')
     """
-    try:
-        table: dict[str, Any] = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            f"this is no TOML: {error}", where=where, remedy="correct the line named"
-        ) from error
+    return _actuator(parse_toml(text.encode(), _KIND, where=where), where)
+
+
+def _actuator(table: dict[str, Any], where: str) -> Actuator:
     refuse_unknown(table, ("title", "assumed", "geometry", "material"), where=where)
     given: dict[str, Any] = {}
     for part in ("geometry", "material"):
@@ -295,27 +293,3 @@ def _registry() -> Any:
     import pint  # 0.2 s, and only a geometry file needs it
 
     return pint.UnitRegistry()
-
-
-def _content(path: Path) -> str:
-    try:
-        if path.is_file() and path.stat().st_size > LARGEST_FILE_BYTES:
-            raise InputError(
-                "this file is too large for a geometry",
-                where=str(path),
-                value=path.stat().st_size,
-                remedy="name a TOML file with the tables [geometry] and [material]",
-            )
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            f"the geometry cannot be read ({(error.strerror or str(error)).lower()})",
-            where=str(path),
-            remedy="check the path and its permissions",
-        ) from error
-    except UnicodeDecodeError as error:
-        raise InputError(
-            "the geometry is not text in UTF-8",
-            where=f"{path}, byte {error.start + 1}",
-            remedy="name a TOML file with the tables [geometry] and [material]",
-        ) from error

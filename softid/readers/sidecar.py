@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from softid.errors import InputError
-from softid.readers.files import read_content
+from softid.toml_files import TomlKind, parse_toml, read_toml_bytes
 
 _TABLES = ("channels", "roles", "metadata")
 _FORM = 'pressure = {column = "P1", unit = "bar"}'
+_KIND = TomlKind("sidecar", f"write a channel as {_FORM}")
 
 
 @dataclass(frozen=True)
@@ -64,14 +64,7 @@ def read_sidecar(path: Path) -> Sidecar:
     InputError
         The file cannot be read, is not TOML, or says something that is not understood.
     """
-    try:
-        said = tomllib.loads(read_content(path).data.decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(
-            f"the sidecar is not TOML ({_reason(error)})",
-            where=str(path),
-            remedy=f"correct that line; a channel is written {_FORM}",
-        ) from error
+    said = parse_toml(read_toml_bytes(path, _KIND), _KIND, where=str(path))
     unknown = [key for key in said if key not in _TABLES]
     if unknown:
         raise InputError(
@@ -87,13 +80,6 @@ def read_sidecar(path: Path) -> Sidecar:
         _outputs(roles, path),
         {k: str(v) for k, v in _table(said, "metadata", path).items()},
     )
-
-
-def _reason(error: Exception) -> str:
-    if isinstance(error, UnicodeDecodeError):
-        return f"byte {error.start + 1} is not UTF-8"
-    text = str(error) if isinstance(error, tomllib.TOMLDecodeError) else "it is nested too deeply"
-    return text[:1].lower() + text[1:]
 
 
 def _table(said: Mapping[str, object], name: str, path: Path) -> Mapping[str, object]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -22,12 +21,13 @@ from softid.synthesis.sensors import Sampling, Sensor
 from softid.synthesis.tables import Checked, Range, read_record, require_table
 from softid.synthesis.truth import Valve
 from softid.synthesis.waveforms import Waveform, read_waveform
+from softid.toml_files import TomlKind, parse_toml, read_toml_bytes
 
 PRESSURE_CHANNELS = ("pressure", "pressure_command")
 ZERO_OR_MORE = ("a2", "b2", "offset", "G", "a", "b", "rest_torque", "drift")
 """Parameters of dynamic laws that need not be positive."""
 
-LARGEST_RECIPE_BYTES = 1_000_000
+_KIND = TomlKind("recipe", "name a TOML recipe, such as one of datasets_synthetic/recipes")
 
 
 @dataclass(frozen=True)
@@ -222,21 +222,7 @@ def read_recipe_bytes(path: Path) -> bytes:
     InputError
         The file is missing, a folder, too large or may not be read.
     """
-    try:
-        if path.is_file() and path.stat().st_size > LARGEST_RECIPE_BYTES:
-            raise InputError(
-                "this file is too large for a recipe",
-                where=str(path),
-                value=path.stat().st_size,
-                remedy="name a TOML recipe",
-            )
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(
-            f"the recipe cannot be read ({(error.strerror or str(error)).lower()})",
-            where=str(path),
-            remedy="check the path and its permissions",
-        ) from error
+    return read_toml_bytes(path, _KIND)
 
 
 def parse_recipe(content: bytes, *, where: str) -> Recipe:
@@ -254,12 +240,7 @@ def parse_recipe(content: bytes, *, where: str) -> Recipe:
     InputError
         As `load_recipe`.
     """
-    try:
-        table: dict[str, object] = tomllib.loads(content.decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(
-            f"this is no TOML: {error}", where=where, remedy="correct the line named"
-        ) from error
+    table: dict[str, object] = parse_toml(content, _KIND, where=where)
     refuse_unknown(table, _KEYS, where=where)
     known: dict[str, object] = {"geometry": None, "actuator": None, "valve": None}
     for name, reader in _TABLES.items():

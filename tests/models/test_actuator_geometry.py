@@ -96,7 +96,7 @@ def test_only_the_printed_value_is_not_assumed() -> None:
         ('c10 = "0', 'c30 = "0', "this key is unknown"),
         ('"rib"]', '"ribs"]', "this key is unknown"),
         ('["wall", "rib"]', '"wall"', "a list of names is expected"),
-        ("[geometry]", "[geometry", "this is no TOML"),
+        ("[geometry]", "[geometry", "the geometry is no TOML"),
     ],
 )
 def test_one_sentence_for_each_mistake(old: str, new: str, told: str) -> None:

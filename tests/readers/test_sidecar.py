@@ -32,7 +32,7 @@ def test_what_a_sidecar_says(write_log: WriteFile) -> None:
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("[channels", "not TOML"),
+        ("[channels", "the sidecar is no TOML"),
         ("[channel]\n", "no table channel"),
         ("channels = 3\n", "not a table"),
         ("[channels]\npressure = {col = 1}\n", "not a column and a unit"),

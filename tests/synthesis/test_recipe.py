@@ -90,7 +90,7 @@ def test_a_good_recipe() -> None:
         ("[sensors.angle_deg]", "[sensors.distance_cm]", "each channel once"),
         ("[sensors.pressure_bar]", "[sensors.contraction_mm]", "no pressure is recorded"),
         ("time_constant_s = 0.04", "time_constant_s = [1]", r"\[valve\], time_constant_s: a num"),
-        ("hold_s = 1", "hold_s = 1\nhold_s = 2", "this is no TOML"),
+        ("hold_s = 1", "hold_s = 1\nhold_s = 2", "the recipe is no TOML"),
     ],
 )
 def test_mistakes(old: str, new: str, message: str) -> None:
@@ -119,7 +119,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="the recipe cannot be read"):
         load_recipe(tmp_path)
     (tmp_path / "a.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(InputError, match="this is no TOML"):
+    with pytest.raises(InputError, match=r"a\.toml, byte 1: the recipe is not text in UTF-8"):
         load_recipe(tmp_path / "a.toml")
     (tmp_path / "big.toml").write_bytes(b"#" * 1_000_001)
     with pytest.raises(InputError, match="too large"):
