@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import click
 
-from softid.errors import UsageError
+from softid.errors import SoftidError, UsageError
 from softid_cli.options import FILE, assignments, length_mm
 
 if TYPE_CHECKING:
@@ -91,20 +92,19 @@ def chosen_model(
         There is no such model, or it does not have an option that was given.
     """
     _require_both(fixed_length_mm, diameter_mm)
-    given: dict[str, str | float] = {
-        key: _plain(text)
-        for key, text in assignments(other, option="--option", form="NAME=VALUE").items()
-    }
+    written = assignments(other, option="--option", form="NAME=VALUE")
     named = {
         "damping": damping,
         "fixed_length_mm": fixed_length_mm,
         "diameter_mm": diameter_mm,
     }
-    given |= {key: value for key, value in named.items() if value is not None}
+    flags = {key: value for key, value in named.items() if value is not None}
+    given: dict[str, str | float] = {**written, **flags}
     if name is None and not given:
         return None
 
     from softid.models import MODELS
+    from softid.models.option_kinds import option_kinds, option_value
 
     if geometry is not None:
         name = name or GEOMETRY_MODEL
@@ -112,9 +112,28 @@ def chosen_model(
     if name is None:
         name = _only_owner(given)
     _require_options(name, given)
-    options: dict[str, object] = dict(given)
-    model: Model = MODELS[name](**options)
-    return model
+    kinds = option_kinds(MODELS[name])
+    read = {k: option_value(t, kinds[k], where=f"--option {k}") for k, t in written.items()}
+    options: dict[str, Any] = {**given, **read, **flags}
+    try:
+        return MODELS[name](**options)
+    except SoftidError as error:
+        typed = {option: f"--option {option}" for option in written}
+        typed |= {option: _FLAGS[option] for option in flags}
+        raise _of_an_option(error, typed) from error
+
+
+def _of_an_option(error: SoftidError, typed: Mapping[str, str]) -> SoftidError:
+    """A refusal of the model as one of the option that it is about, if the user typed that one."""
+    words = re.findall(r"\w+", f"{error.where} {error.what}")
+    about = [flag for option, flag in typed.items() if option in words]
+    if not about:
+        return error
+    return UsageError(error.what, where=about[0], value=error.value, remedy=error.remedy)
+
+
+def _flag(option: str) -> str:
+    return _FLAGS.get(option, f"--option {option}")
 
 
 def _require_options(name: str, given: Mapping[str, object]) -> None:
@@ -141,7 +160,7 @@ def _require_options(name: str, given: Mapping[str, object]) -> None:
         if option not in known:
             raise UsageError(
                 f"the {name} model has no such option",
-                where=_FLAGS.get(option, f"--option {option}"),
+                where=_flag(option),
                 remedy=f"its options are {', '.join(sorted(known))}",
             )
 
@@ -155,7 +174,7 @@ def _only_owner(given: Mapping[str, object]) -> str:
         return owners[0]
     raise UsageError(
         "several models have these options" if owners else "no model has all of these options",
-        where=", ".join(_FLAGS.get(option, f"--option {option}") for option in given),
+        where=", ".join(map(_flag, given)),
         remedy=f"name the model with --model, one of {', '.join(owners or MODELS)}",
     )
 
@@ -223,16 +242,6 @@ def described_models(geometry: Path | None) -> tuple[Model, ...]:
 
     options: dict[str, Any] = {**described(geometry, GEOMETRY_MODEL)}
     return (MODELS[GEOMETRY_MODEL](**options),)
-
-
-def _plain(text: str) -> str | float:
-    """A number where the text is one."""
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text
 
 
 def chosen_parameters(

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from softid.errors import InputError, refuse_unknown
 from softid.kernels.bending_body import Body, tabulated
 from softid.models.bending_inertia import Inertia, Kernels, Stretch, inertia_series
+from softid.models.option_kinds import require_kinds
 from softid.toml_files import TomlKind, parse_toml, read_toml_bytes
 
 Array = npt.NDArray[np.float64]
@@ -78,6 +79,7 @@ class Actuator:
     )
 
     def __post_init__(self) -> None:
+        require_kinds(self)
         for name in VALUES:
             _refuse_impossible(getattr(self, name), name, f"geometry, {name}")
         unknown = sorted(set(self.assumed_names) - set(VALUES))

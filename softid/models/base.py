@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from softid.errors import Issue, UsageError
 from softid.models.division import Division
+from softid.models.option_kinds import require_kinds
 from softid.models.products import Products
 from softid.models.second_order import Law
 from softid.parameters import ParameterSet
@@ -159,6 +160,9 @@ class Model(ABC):
     force_unit: ClassVar[str] = "1"
     rest_parameter: ClassVar[str | None] = None
     damping_parameters: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        require_kinds(self)
 
     @property
     def without_effects(self) -> Model:

@@ -96,6 +96,7 @@ class Muscle(Model):
     }
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         require_choice("damping", self.damping, ("exponential", "constant"))
         require_choice("order", self.order, ORDERS)
         if (self.fixed_length_mm is None) != (self.diameter_mm is None):
@@ -104,6 +105,7 @@ class Muscle(Model):
                 value=(self.fixed_length_mm, self.diameter_mm),
                 remedy="give --fixed-length and --diameter, or neither",
             )
+        _ = self.geometry
 
     @property
     def geometry(self) -> ArcGeometry | None:

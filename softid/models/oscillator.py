@@ -130,6 +130,7 @@ class Oscillator(Model):
     }
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         require_choice("order", self.order, ORDERS)
         require_choice("spring", self.spring, ("linear", "none"))
 

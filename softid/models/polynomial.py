@@ -172,7 +172,8 @@ class Polynomial(Model):
     }
 
     def __post_init__(self) -> None:
-        if self.order != int(self.order) or not 1 <= self.order <= MAX_ORDER:
+        super().__post_init__()
+        if not 1 <= self.order <= MAX_ORDER:
             raise UsageError(
                 f"the order of a polynomial is a whole number from 1 to {MAX_ORDER}",
                 value=self.order,

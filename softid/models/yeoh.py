@@ -96,10 +96,7 @@ class Yeoh(Model):
     }
 
     def __post_init__(self) -> None:
-        if self.chambers != int(self.chambers):
-            raise UsageError(
-                "the number of chambers is not whole", value=self.chambers, remedy="count them"
-            )
+        super().__post_init__()
         object.__setattr__(self, "chambers", int(self.chambers))
         if not (np.isfinite(self.spring_n_per_mm) and self.spring_n_per_mm > 0):
             raise UsageError(

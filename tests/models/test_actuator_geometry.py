@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from softid.errors import InputError
+from softid.errors import InputError, UsageError
 from softid.models.actuator_geometry import VALUES, Actuator, load_actuator, read_actuator
 from softid.synthesis import bundled_datasets
 
@@ -118,7 +118,7 @@ def test_values_and_assumed_names_are_checked() -> None:
         Actuator(assumed="wall")
     with pytest.raises(InputError, match="geometry, rib_m: a value between"):
         Actuator(rib_m=0.0)
-    with pytest.raises(InputError, match="geometry, c20_pa: a value between"):
+    with pytest.raises(UsageError, match="option c20_pa: this is no number"):
         Actuator(c20_pa=float("nan"))
 
 
