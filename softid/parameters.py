@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import UsageError
+from softid.tie_expressions import names_in_tie
 
 if TYPE_CHECKING:
     import lmfit
@@ -37,7 +38,8 @@ class Parameter:
     fixed
         Held at ``value`` in a fit.
     tie
-        An lmfit expression in other parameters that gives the value, or None.
+        An expression in other parameters that gives the value, or None; see
+        `softid.tie_expressions`.
     meaning
         One sentence for people.
     source
@@ -46,8 +48,8 @@ class Parameter:
     Raises
     ------
     UsageError
-        The bounds are crossed, the value lies outside them, or a bound on a logarithmic scale is
-        negative.
+        The bounds are crossed, the value lies outside them, a bound on a logarithmic scale is
+        negative, or the tie is no arithmetic.
     """
 
     name: str
@@ -83,6 +85,8 @@ class Parameter:
                 value=self.lower,
                 remedy="use a linear scale",
             )
+        if self.tie is not None:
+            names_in_tie(self.tie, where=f"parameter {self.name}")
 
     @property
     def usual_size(self) -> float:
@@ -253,6 +257,9 @@ class ParameterSet(Mapping[str, Parameter]):
 
 def _tie(parameters: lmfit.Parameters, name: str, expression: str) -> None:
     """Hand an expression to lmfit, whose errors come from deep inside its interpreter."""
+    unknown = sorted(names_in_tie(expression, where=f"parameter {name}") - {*parameters})
+    if unknown:
+        raise _not_computable(f"there is no parameter {unknown[0]}", name, expression)
     try:
         parameters[name].expr = expression
         parameters.update_constraints()

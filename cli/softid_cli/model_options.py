@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
@@ -340,17 +339,7 @@ def _bounded(parameter: Parameter, text: str) -> Parameter:
 
 
 def _tied(parameter: Parameter, expression: str) -> Parameter:
-    try:
-        ast.parse(expression, mode="eval")
-    except SyntaxError as error:
-        raise _not_a_tie(f"this is not an expression: {error.msg}", expression) from error
+    from softid.tie_expressions import names_in_tie
+
+    names_in_tie(expression, where=f"--tie {parameter.name}")
     return replace(parameter, tie=expression, fixed=False)
-
-
-def _not_a_tie(what: str, expression: str) -> UsageError:
-    return UsageError(
-        what,
-        where="--tie",
-        value=expression,
-        remedy="write it in the other parameters, such as a2=0.1*c2",
-    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ import numpy as np
 
 from softid.errors import UsageError
 from softid.parameters import Parameter, ParameterSet
+from softid.tie_expressions import names_in_tie
 
 if TYPE_CHECKING:
     import lmfit
@@ -94,8 +94,7 @@ class ParameterConstraints:
     def keep(self, names: Set[str]) -> bool:
         """Whether a tie or a raised lower bound keeps one of these parameters in the model."""
         ties = [p.tie for p in self.changed.values() if p.tie is not None]
-        trees = [node for tie in ties for node in ast.walk(ast.parse(tie))]
-        used = {node.id for node in trees if isinstance(node, ast.Name)}
+        used = {name for tie in ties for name in names_in_tie(tie, where="tie")}
         raised = {n for n, p in self.changed.items() if p.lower > self.base[n].lower}
         return bool((used | raised) & names)
 

@@ -9,12 +9,13 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from softid.errors import InputError, Issue, SoftidError
+from softid.errors import InputError, Issue, SoftidError, UsageError
 from softid.records.agreement import require_units
 from softid.records.params import PARAMS_SCHEMA, fingerprint
 from softid.records.plain import record_sha256
 from softid.records.reading import read_document
 from softid.results import LogNuisance, ModelSpec, SegmentStart
+from softid.tie_expressions import names_in_tie
 
 if TYPE_CHECKING:
     from softid.log import Log
@@ -268,6 +269,7 @@ def _parameters(
                 value=value,
                 remedy="give a value inside the bounds, or change the bounds in the file",
             )
+        _require_tie(entry.get("tie"), names, where=f"{at}.tie")
         found[name], bounds[name] = value, (lower, upper)
     missing = [name for name in names if name not in found]
     if missing:
@@ -277,6 +279,25 @@ def _parameters(
             remedy=f"the model has {', '.join(names)}, each once",
         )
     return {name: found[name] for name in names}, bounds
+
+
+def _require_tie(tie: str | None, names: tuple[str, ...], *, where: str) -> None:
+    """Refuse what a fit would not have written, for whoever computes the tie again."""
+    if tie is None:
+        return
+    try:
+        unknown = sorted(names_in_tie(tie, where=where) - {*names})
+    except UsageError as error:
+        raise InputError(
+            error.what, where=where, value=tie, remedy="restore the file that softid wrote"
+        ) from error
+    if unknown:
+        raise InputError(
+            f"there is no parameter {unknown[0]}",
+            where=where,
+            value=tie,
+            remedy=f"the model has {', '.join(names)}",
+        )
 
 
 def _nuisance(entry: dict[str, Any]) -> LogNuisance:

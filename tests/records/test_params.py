@@ -189,6 +189,11 @@ def without(key: str) -> Edit:
         (set_at("parameters", 1, "value", value=-1.0), r"a1 is not within its bounds \[1e-15, inf"),
         (set_at("parameters", 1, "value", value=1e999), "JSON has no such number.*Infinity"),
         (lambda d: d["parameters"].pop(), "the parameter c2 is missing"),
+        (
+            set_at("parameters", 4, "tie", value="len(open('/etc/passwd').read())*1e-5"),
+            r"\$\.parameters\[4\]\.tie: a tie cannot hold len\(open",
+        ),
+        (set_at("parameters", 4, "tie", value="0.1*d2"), "there is no parameter d2"),
     ],
 )
 def test_what_is_wrong_is_said(saved: Path, edit: Edit, said: str) -> None:
