@@ -11,7 +11,7 @@ import click
 
 from softid.errors import InputError, UsageError
 from softid_cli.console import announce_compilation, progress, say
-from softid_cli.model_options import described_models, model_option, shape_options
+from softid_cli.model_options import chosen_effects, described_models, model_option, shape_options
 from softid_cli.options import (
     FILE,
     GreedyCommand,
@@ -109,7 +109,8 @@ def examine(request: DiagnoseRequest) -> None:
     from softid.records.diagnosis import RECORD
 
     require_place_for_results(request.out, RECORD, force=request.force)
-    _require_effects(request.effects)
+    if request.effects:  # said before the work
+        chosen_effects(request.effects, where="--effects")
     try:
         found, plots = _found(request)
     except KeyboardInterrupt:
@@ -128,14 +129,6 @@ def _how_to_go_on(request: DiagnoseRequest) -> str:
         sooner.append("fewer --effects")
     again = "nothing was written; run the same command again"
     return f"{again}, or be done sooner with {' or '.join(sooner)}" if sooner else again
-
-
-def _require_effects(names: Sequence[str]) -> None:
-    """Say before the work that there is no such effect."""
-    if names:
-        from softid.effects import effects_of
-
-        effects_of(names)
 
 
 def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:

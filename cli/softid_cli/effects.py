@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from softid_cli.model_options import chosen_effects
 from softid_cli.options import json_option, quiet_option
 
 if TYPE_CHECKING:
@@ -27,10 +28,10 @@ EXAMPLE = "a log of 60 s at 100 Hz, 0 to 200 kPa, 0 to 1.5 rad"
 def effects(name: str | None, as_json: bool, quiet: bool) -> None:
     """List the physical effects, or explain the one called NAME."""
     del quiet  # there is nothing on stderr to silence
-    from softid.effects import EFFECTS, effects_of
+    from softid.effects import EFFECTS
     from softid.records import dump_json
 
-    chosen = effects_of(() if name is None else (name,))
+    chosen = chosen_effects(() if name is None else (name,))
     if as_json:
         click.echo(dump_json([describe(effect) for effect in chosen]), nl=False)
     elif name is None:

@@ -9,13 +9,27 @@ from typing import Any
 
 import click
 
-from softid.errors import InputError, UsageError
+from softid.errors import SoftidError
 from softid_cli.console import say
+from softid_cli.model_options import of_an_option
 from softid_cli.results_folder import RESULTS
 from softid_cli.tables import print_rows
 
 DEFAULT_OUT = RESULTS / "hidden"
 NOTHING = "none"
+
+_FLAGS = {
+    "rate_hz": "--rate",
+    "noise": "--noise",
+    "coloured_share": "--coloured",
+    "rest_s": "--rest",
+    "unit": "--unit",
+    "size": "--size",
+    "protocol": "--protocol",
+    "model": "--model",
+    "effect": "--hide",
+}
+"""Word of the library → the option that it is about."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +71,9 @@ def hide_effects(request: HideRequest) -> None:
 
     try:
         rig = Rig(**request.recorded)
-    except InputError as error:  # the numbers came from the command line, not from a file
-        raise UsageError(error.what, value=error.value, remedy=error.remedy) from error
-    pair = hidden_pair(request.names, seed=request.seed, rig=rig, **request.asked)
+        pair = hidden_pair(request.names, seed=request.seed, rig=rig, **request.asked)
+    except SoftidError as error:
+        raise of_an_option(error, _FLAGS) from error
     out = request.out or DEFAULT_OUT
     write_hidden_pair(pair, out, overwrite=request.force)
     if not request.quiet:

@@ -14,6 +14,7 @@ from softid.errors import SoftidError, UsageError
 from softid_cli.options import FILE, assignments, length_mm
 
 if TYPE_CHECKING:
+    from softid.effects import Effect
     from softid.models.base import Model
     from softid.parameters import Parameter, ParameterSet
 
@@ -119,11 +120,19 @@ def chosen_model(
     except SoftidError as error:
         typed = {option: f"--option {option}" for option in written}
         typed |= {option: _FLAGS[option] for option in flags}
-        raise _of_an_option(error, typed) from error
+        raise of_an_option(error, typed) from error
 
 
-def _of_an_option(error: SoftidError, typed: Mapping[str, str]) -> SoftidError:
-    """A refusal of the model as one of the option that it is about, if the user typed that one."""
+def of_an_option(error: SoftidError, typed: Mapping[str, str]) -> SoftidError:
+    """A refusal by the library as one of the option that it is about, if the user typed that one.
+
+    Parameters
+    ----------
+    error
+        What the library said; it names what is wrong by its own word.
+    typed
+        Word of the library → option that was typed; the first that was named counts.
+    """
     words = re.findall(r"\w+", f"{error.where} {error.what}")
     about = [flag for option, flag in typed.items() if option in words]
     if not about:
@@ -343,3 +352,21 @@ def _tied(parameter: Parameter, expression: str) -> Parameter:
 
     names_in_tie(expression, where=f"--tie {parameter.name}")
     return replace(parameter, tie=expression, fixed=False)
+
+
+def chosen_effects(names: Sequence[str], *, where: str | None = None) -> tuple[Effect, ...]:
+    """The effects of some names; without any, the whole catalogue.
+
+    Raises
+    ------
+    UsageError
+        A name is none of the catalogue's, to which a script alone can add.
+    """
+    from softid.effects import EFFECTS, effects_of, proposed_effects
+
+    for name in names:
+        if name not in EFFECTS:
+            raise UsageError(
+                "there is no such effect", where=where, value=name, remedy=proposed_effects(name)
+            )
+    return effects_of(names)

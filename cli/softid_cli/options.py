@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, cast
@@ -176,6 +176,17 @@ def out_options(command: Callable[P, R]) -> Callable[P, R]:
         command
     )
     return click.option("--out", type=FILE, metavar="DIR", help="Folder for the results.")(command)
+
+
+def named_if(given: Mapping[str, object]) -> tuple[str, ...]:
+    """Names of the options that were given, for an error about no others.
+
+    Examples
+    --------
+    >>> named_if({"--out": False, "--channel": ("angle=2:deg",)})
+    ('--channel',)
+    """
+    return tuple(name for name, value in given.items() if value)
 
 
 def split_assignment(text: str, *, option: str, form: str) -> tuple[str, str]:

@@ -13,7 +13,7 @@ from softid.errors import UsageError
 from softid_cli.console import progress, say
 from softid_cli.hiding import HideRequest, hide_effects, split_names
 from softid_cli.model_options import model_option
-from softid_cli.options import FILE, json_option, out_options, quiet_option
+from softid_cli.options import FILE, json_option, named_if, out_options, quiet_option
 from softid_cli.requests import takes
 from softid_cli.results_folder import RESULTS
 
@@ -59,6 +59,12 @@ class SynthesizeRequest:
             }
         )
 
+    @property
+    def of_hiding(self) -> tuple[str, ...]:
+        """Options that were given and have a meaning beside ``--hide`` only."""
+        names = ("size", "protocol", "model", "noise", "coloured", "rate", "rest", "unit")
+        return named_if({f"--{name}": getattr(self, name) is not None for name in names})
+
     def require_consistency(self) -> None:
         """Refuse options of which one has no meaning beside another.
 
@@ -68,24 +74,27 @@ class SynthesizeRequest:
             An option belongs to hidden effects, to recipes or to neither of them.
         """
         if self.hide is not None:
-            if self.check or self.recipes:
+            beside = named_if({"the recipes": self.recipes, "--check": self.check})
+            if beside:
                 raise UsageError(
                     "effects are hidden in new logs, not in recipes or checks",
                     where="--hide",
-                    remedy="leave out the recipes and --check",
+                    remedy=f"leave out {' and '.join(beside)}",
                 )
-        elif self.asked or self.recorded:
+        elif self.of_hiding:
             raise UsageError(
-                "--size, --protocol, --model, --noise, --coloured, --rate, --rest and --unit "
-                "belong to --hide; a recipe says all this itself",
+                "what a recipe says itself is given with --hide only",
+                where=", ".join(self.of_hiding),
                 remedy="add --hide NAME, or --hide none",
             )
-        elif self.check and (self.seed is not None or self.force):
-            raise UsageError(
-                "a check takes the seeds from the manifest and writes nothing",
-                where="--check",
-                remedy="leave out --seed and --force",
-            )
+        elif self.check:
+            given = named_if({"--seed": self.seed is not None, "--force": self.force})
+            if given:
+                raise UsageError(
+                    "a check takes the seeds from the manifest and writes nothing",
+                    where="--check",
+                    remedy=f"leave out {' and '.join(given)}",
+                )
 
 
 def _given(options: Mapping[str, Any]) -> dict[str, Any]:

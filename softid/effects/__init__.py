@@ -1,7 +1,7 @@
 """The effects, by key. A new effect is one file and one line in `softid.effects.catalogue`."""
 
 from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
-from softid.effects.building import effect_of, effects_of, model_of
+from softid.effects.building import effect_of, effects_of, model_of, proposed_effects
 from softid.effects.catalogue import EFFECTS, confusable_with
 from softid.effects.extension.extended_model import (
     ExtendedModel,
@@ -27,5 +27,6 @@ __all__ = [
     "extended_name",
     "model_of",
     "own_values",
+    "proposed_effects",
     "register_effect",
 ]

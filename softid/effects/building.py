@@ -64,16 +64,22 @@ def effect_of(key: str) -> Effect:
         There is none; the error proposes the nearest.
     """
     if key not in EFFECTS:
-        close = get_close_matches(key, EFFECTS, n=3, cutoff=0.5)
-        close += [known for known in EFFECTS if key.lower() in known and known not in close]
         raise UsageError(
             "there is no such effect",
             value=key,
-            remedy=(f"did you mean {' or '.join(close)}? " if close else "")
-            + "`softid effects` lists all; one of your own must be registered first, with "
+            remedy=f"{proposed_effects(key)}; one of your own must be registered first, with "
             "softid.register_effect",
         )
     return EFFECTS[key]()
+
+
+def proposed_effects(name: str) -> str:
+    """What to say to whoever named an effect that there is not: the nearest, and where all are."""
+    close = get_close_matches(name.lower(), EFFECTS, n=3, cutoff=0.5)
+    if name:
+        close += [known for known in EFFECTS if name.lower() in known and known not in close]
+    proposal = f"did you mean {' or '.join(close)}? " if close else ""
+    return f"{proposal}`softid effects` lists all"
 
 
 def effects_of(keys: Sequence[str] = ()) -> tuple[Effect, ...]:

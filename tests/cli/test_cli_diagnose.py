@@ -177,7 +177,11 @@ def test_results_are_replaced_when_told(softid: Cli, bench: Desk, tmp_path: Path
 MISTAKES: dict[str, tuple[tuple[str, ...], int, str]] = {
     "no log": ((), 2, "no log was given to diagnose"),
     "held out only": (("--hold-out", "a.csv"), 2, "before --hold-out"),
-    "effect": (("a.csv", "--effects", "dely"), 2, "did you mean delay"),
+    "effect": (
+        ("a.csv", "--effects", "dely"),
+        2,
+        "--effects: there is no such effect (got 'dely'); did you mean delay",
+    ),
     "no effect": (("a.csv", "--effects", " ,"), 2, "no effect is named"),
     "model": (("a.csv", "--model", "musle"), 2, "there is no such model"),
     "twice": (("a.csv", "--params", "p.json", "--model", "muscle"), 2, "given twice"),

@@ -65,3 +65,4 @@ def test_an_unknown_effect(softid: Cli, typed: str, meant: str) -> None:
     assert told.code == 2
     assert "there is no such effect" in told.err
     assert meant in told.err
+    assert "register" not in told.err  # which only a script can
