@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from softid.errors import UsageError
+from softid.errors import InputError, UsageError
 from softid_cli.console import announce_compilation, progress, say
 from softid_cli.options import (
     FILE,
     channel_option,
     json_option,
     load_logs,
+    named_if,
     out_options,
     quiet_option,
 )
@@ -64,11 +65,19 @@ def validate(
             value=threshold,
             remedy="give a fit in per cent, of which 100 is perfect",
         )
-    if params is None and (threshold is not None or channel or out is not None or force):
+    given = named_if(
+        {
+            "--threshold": threshold is not None,
+            "--channel": channel,
+            "--out": out is not None,
+            "--force": force,
+        }
+    )
+    if params is None and given:
         raise UsageError(
-            "these options belong to a model and logs, and the self-check has none",
-            where="--threshold, --channel, --out, --force",
-            remedy="name PARAMS and a LOG, or leave the options away",
+            "this belongs to a model and logs, and the self-check has none",
+            where=", ".join(given),
+            remedy="name PARAMS and a LOG, or leave it out",
         )
     if params is None:
         passed = check_self(as_json=as_json, quiet=quiet)
@@ -113,10 +122,21 @@ def score(
         validation_document,
         write_folder,
     )
+    from softid.records.reading import NAME_RECORD
     from softid.validation import validate as validate_model
     from softid_cli.tables import print_validation
 
-    saved = load_params(params)
+    try:
+        saved = load_params(params)
+    except InputError as error:
+        if error.remedy != NAME_RECORD:
+            raise
+        raise InputError(
+            error.what,
+            where=error.where,
+            value=error.value,
+            remedy="name the params.json first, then the logs",
+        ) from error
     logs = load_logs(paths, channel, saved.input, saved.outputs, roles_of=params)
     with announce_compilation(quiet=quiet):
         result = validate_model(saved, logs, threshold_percent=threshold)

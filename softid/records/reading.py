@@ -11,6 +11,9 @@ from typing import Any, NoReturn
 
 from softid.errors import InputError
 
+NAME_RECORD = "name the params.json that `softid fit` wrote"
+"""Remedy where a file is none of ours."""
+
 _LARGEST_BYTES = 64 * 1024 * 1024
 _LONGEST_VALUE = 60
 _EXPECTED = {
@@ -47,13 +50,13 @@ def read_document(path: Path, *, schema: str) -> dict[str, Any]:
     InputError
         The file cannot be read, is not JSON, is of another kind or version, or breaks the schema.
     """
-    document = _parse(_read_text(path), where=str(path))
+    document = _parse(_read_text(path), kind=schema.split("/")[0], where=str(path))
     if not isinstance(document, dict):
         raise InputError(
             f"this is not a {schema.split('/')[0]} file",
             where=str(path),
             value=f"JSON {_type_name(document)}",
-            remedy="name the params.json that `softid fit` wrote",
+            remedy=NAME_RECORD,
         )
     _check_kind(document, schema, where=str(path))
     _check_schema(document, schema, where=str(path))
@@ -116,20 +119,20 @@ def _read_text(path: Path) -> str:
             raise InputError(
                 f"{size / 1e6:.0f} MB is too large for a record of parameters",
                 where=str(path),
-                remedy="name the params.json that `softid fit` wrote",
+                remedy=NAME_RECORD,
             )
         return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
         raise InputError(
             "there is no such file",
             where=str(path),
-            remedy="name the params.json that `softid fit` wrote",
+            remedy=NAME_RECORD,
         ) from error
     except UnicodeDecodeError as error:
         raise InputError(
             "this is not a text file",
             where=f"{path}, byte {error.start}",
-            remedy="name the params.json that `softid fit` wrote",
+            remedy=NAME_RECORD,
         ) from error
     except OSError as error:
         raise InputError(
@@ -139,7 +142,7 @@ def _read_text(path: Path) -> str:
         ) from error
 
 
-def _parse(text: str, *, where: str) -> object:
+def _parse(text: str, *, kind: str, where: str) -> object:
     def refuse(constant: str) -> NoReturn:
         raise InputError(
             "JSON has no such number",
@@ -151,6 +154,10 @@ def _parse(text: str, *, where: str) -> object:
     try:
         return json.loads(text, parse_constant=refuse)
     except json.JSONDecodeError as error:
+        if not text.lstrip().startswith(("{", "[")):
+            raise InputError(
+                f"this is not a {kind} file, for it is no JSON", where=where, remedy=NAME_RECORD
+            ) from error
         raise InputError(
             f"this is not JSON: {error.msg[:1].lower()}{error.msg[1:]}",
             where=f"{where}, line {error.lineno}, column {error.colno}",
@@ -174,13 +181,13 @@ def _check_kind(document: Mapping[str, Any], schema: str, *, where: str) -> None
             f"this is not a {kind} file",
             where=f"{where}, $.schema",
             value=found if isinstance(found, str) else None,
-            remedy="name the params.json that `softid fit` wrote",
+            remedy=NAME_RECORD,
         )
     if found.split("/")[0] != kind:
         raise InputError(
             f"this is a {found.split('/')[0]} file, not a {kind} file",
             where=where,
-            remedy="name the params.json that `softid fit` wrote",
+            remedy=NAME_RECORD,
         )
     writer = document.get("versions")
     version = writer.get("softid") if isinstance(writer, dict) else None

@@ -140,16 +140,19 @@ def test_self_check(softid: Cli, asked: dict[str, Any]) -> None:
         (["nothing.json", "a.csv"], 3, "nothing.json: there is no such file"),
         ([".", "a.csv"], 3, "this is a folder"),
         (["--threshold", "high", "params.json", "a.csv"], 2, "not a valid float"),
-        (["--threshold", "50"], 2, "--threshold"),
+        (["--threshold", "50"], 2, "error: --threshold: this belongs to a model and logs"),
+        (["--out", "x", "--force"], 2, "error: --out, --force: this belongs"),
         (["--threshold", "nan", "params.json", "a.csv"], 2, "no fit can be judged by this bar"),
         (["--threshold", "101", "params.json", "a.csv"], 2, "of which 100 is perfect"),
-        (["--force"], 2, "leave the options away"),
+        (["--force"], 2, "error: --force: this belongs"),
+        (["log.csv", "log.csv"], 3, "for it is no JSON; name the params.json first, then the logs"),
     ],
 )
 def test_wrong_usage(
     softid: Cli, asked: dict[str, Any], params: Path, arguments: list[str], code: int, said: str
 ) -> None:
     """One line, the documented code, no scores."""
+    Path("log.csv").write_text("time_s,angle_deg\n0.0,1.0\n", encoding="utf-8")
     told = softid("validate", *arguments)
     assert told.code == code
     assert said in told.err

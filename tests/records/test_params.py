@@ -216,7 +216,8 @@ def test_a_number_beyond_floats_is_refused(saved: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", r"line 1, column 1: this is not JSON"),
+        (b"", r"this is not a softid\.params file, for it is no JSON; name the params\.json"),
+        (b"time_s,angle\n0.0,1\n", r"not a softid\.params file, for it is no JSON"),
         (b'{\n  "schema": "softid.params/1",\n', r"line 3, column 1: this is not JSON"),
         (b"[1, 2]", "JSON list"),
         (b"7", "JSON number"),
