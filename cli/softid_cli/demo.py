@@ -14,7 +14,7 @@ DEMO_LOG = Path("data") / "demo_step.csv"
 
 
 @click.command()
-@out_options
+@out_options()
 @json_option
 @quiet_option
 def demo(out: Path | None, force: bool, as_json: bool, quiet: bool) -> None:

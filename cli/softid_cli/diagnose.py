@@ -73,13 +73,13 @@ def _names(ctx: click.Context, param: click.Parameter, text: str | None) -> tupl
 @click.option(
     "--effects",
     callback=_names,
-    metavar="NAME,...",
+    metavar="NAME[,NAME...]",
     help="Effects to consider; without it the whole catalogue.",
 )
 @log_options
 @intersample_option
 @shape_options
-@out_options
+@out_options()
 @no_plots_option("JSON files")
 @seed_option
 @json_option
@@ -124,7 +124,7 @@ def _how_to_go_on(request: DiagnoseRequest) -> str:
     if request.model is None and request.params is None:
         sooner.append("--model NAME")
     if not request.effects:
-        sooner.append("--effects NAME,...")
+        sooner.append("--effects NAME[,NAME...]")
     elif len(request.effects) > 1:
         sooner.append("fewer --effects")
     again = "nothing was written; run the same command again"

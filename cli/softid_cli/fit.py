@@ -84,7 +84,7 @@ class FitRequest(Request):
     help="Profile-likelihood interval of a parameter: it is stepped and all others are refitted; "
     "may be repeated.",
 )
-@out_options
+@out_options()
 @no_plots_option("params.json")
 @seed_option
 @json_option

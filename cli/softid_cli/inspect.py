@@ -42,7 +42,7 @@ ENDLESS = 10_000
 
 
 @click.command()
-@click.argument("logs", nargs=-1, required=True, type=FILE)
+@click.argument("logs", nargs=-1, required=True, type=FILE, metavar="LOG...")
 @log_options
 @json_option
 @quiet_option
@@ -54,7 +54,7 @@ def inspect(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """Report what is in LOGS: sampling, faults, excitation, and what they can identify."""
+    """Report what is in LOGs: sampling, faults, excitation, and what they can identify."""
     from softid.quality import inspect as inspect_log
     from softid.records import dump_json
 

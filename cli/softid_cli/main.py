@@ -33,7 +33,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
         "softid_cli.validate",
         "Score a fitted model on other logs, or check softid itself.",
     ),
-    "simulate": ("softid_cli.simulate", "Predict the response to a log's pressure, as CSV."),
+    "simulate": ("softid_cli.simulate", "Predict the response to the input of a log, as CSV."),
     "synthesize": ("softid_cli.synthesize", "Make logs whose true parameters are known."),
     "models": (
         "softid_cli.models",
@@ -105,6 +105,13 @@ def softid(debug: bool) -> None:
         warnings.simplefilter("ignore")  # numerical remarks of libraries are not for users
 
 
+def _called(context: click.Context | None) -> click.Context | None:
+    """The context of the command that was called, for click names none where a value is missing."""
+    name = context.invoked_subcommand if context is not None else None
+    command = softid.get_command(context, name) if context is not None and name else None
+    return click.Context(command, parent=context, info_name=name) if command else context
+
+
 def run(arguments: Sequence[str]) -> int:
     """Run the command line and return its exit code; nothing is raised.
 
@@ -129,6 +136,8 @@ def run(arguments: Sequence[str]) -> int:
     except (Exception, KeyboardInterrupt) as met:  # noqa: BLE001 - the last line of defence
         pressed = was_interrupted() and not isinstance(met, KeyboardInterrupt)
         error = KeyboardInterrupt() if pressed else met
+        if isinstance(error, click.UsageError) and error.ctx is None:
+            error.ctx = _called(context)
         debug = context is not None and bool(context.params.get("debug"))
         return report_failure(error, debug=debug)
     return code

@@ -170,12 +170,18 @@ def json_option(command: Callable[P, R]) -> Callable[P, R]:
     )(command)
 
 
-def out_options(command: Callable[P, R]) -> Callable[P, R]:
-    """Add ``--out`` and ``--force`` (keywords: out, force)."""
-    command = click.option("--force", is_flag=True, help="Replace results that are there already.")(
-        command
-    )
-    return click.option("--out", type=FILE, metavar="DIR", help="Folder for the results.")(command)
+def out_options(
+    written: str = "Folder for the results.",
+) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Add ``--out`` and ``--force`` (keywords: out, force); ``written`` says what ``--out`` is."""
+
+    def adding(command: Callable[P, R]) -> Callable[P, R]:
+        force = click.option(
+            "--force", is_flag=True, help="Replace results that are there already."
+        )
+        return click.option("--out", type=FILE, metavar="DIR", help=written)(force(command))
+
+    return adding
 
 
 def named_if(given: Mapping[str, object]) -> tuple[str, ...]:

@@ -110,7 +110,7 @@ def _given(options: Mapping[str, Any]) -> dict[str, Any]:
     help="Make a log and a hold-out of a random actuator with these effects hidden in them, or "
     "with none if NAME is none. An unknown name prints the list of all.",
 )
-@click.option("--size", type=float, metavar="S", help="Size of the effects; 1 is moderate.")
+@click.option("--size", type=float, metavar="FACTOR", help="Size of the effects; 1 is moderate.")
 @click.option(
     "--protocol",
     metavar="NAME",
@@ -144,7 +144,7 @@ def _given(options: Mapping[str, Any]) -> dict[str, Any]:
     help="Write nothing: make the logs again and exit with 1 if any differs from the manifest "
     "in DIR (without --out, the bundled one).",
 )
-@out_options
+@out_options()
 @json_option
 @quiet_option
 @takes(SynthesizeRequest)

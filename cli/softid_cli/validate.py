@@ -38,7 +38,7 @@ CHECKED = ("truth", "estimate", "95 % interval", "off")
     help="Lowest acceptable fit %; exit with code 1 if any fit is below it.",
 )
 @channel_option
-@out_options
+@out_options("Folder for validation.json and plots; without it nothing is written.")
 @json_option
 @quiet_option
 @click.pass_context

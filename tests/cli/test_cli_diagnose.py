@@ -242,8 +242,8 @@ def test_the_tables_tell_what_a_cause_was_added_to(softid: Cli, bench: Desk) -> 
 @pytest.mark.parametrize(
     ("given", "sooner"),
     [
-        ((), ", or be done sooner with --model NAME or --effects NAME,..."),
-        (("--model", "muscle"), ", or be done sooner with --effects NAME,..."),
+        ((), ", or be done sooner with --model NAME or --effects NAME[,NAME...]"),
+        (("--model", "muscle"), ", or be done sooner with --effects NAME[,NAME...]"),
         (("--effects", "delay,creep"), ", or be done sooner with --model NAME or fewer --effects"),
         (("--effects", "delay"), ", or be done sooner with --model NAME"),
         (("--model", "muscle", "--effects", "delay"), ""),
