@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -229,14 +230,17 @@ def identify(
         constraints = ParameterConstraints.of(named.parameters(), parameters)
         require_channels(named, log_set)
         adapted = adapted_model(named, log_set, inverted=falls_with_input(log_set, rng=rng))
-    found = _identify(adapted, log_set, constraints, starts, rng, report, thorough=thorough)
+    optimise = partial(
+        _identify, adapted, rng=rng, report=report, chosen=model is None, thorough=thorough
+    )
+    found = optimise(log_set, constraints, starts)
     taken, own = log_set, None
     is_finite = np.isfinite(found.optimum.cost)
     for other in _with_other_intersamples(bridged, recorded) if is_finite else ():
         own = own or Explained.by(found.problem, found.optimum)
         if explains_better(own, other):
             taken, own = other, None
-            found = _identify(adapted, taken, constraints, starts, rng, report, thorough=thorough)
+            found = optimise(taken, constraints, starts)
         elif _is_straight(other) and not explains_better(own, other, -BETTER_BY):
             taken = with_bends_told(taken)
     intersample = taken.logs[0].intersample
@@ -282,9 +286,10 @@ def _identify(
     logs: LogSet,
     constraints: ParameterConstraints,
     starts: Sequence[Mapping[str, float]] | None,
+    *,
     rng: np.random.Generator,
     report: Progress,
-    *,
+    chosen: bool,
     thorough: bool,
 ) -> OptimisedProblem:
     """Fit, and continue with the model's limit while a term cannot be seen.
@@ -293,10 +298,12 @@ def _identify(
     ----------
     starts
         Start values if they are known already; None searches them in the data.
+    chosen
+        Whether softid chose the model, so that the user named none.
     """
     overlaid = constraints.over(model.parameters())
     problem = Problem(model, overlaid, logs.logs)
-    _require_samples(problem, logs)
+    _require_samples(problem, logs, chosen=chosen)
     if starts is None:
         guesses = model.guess(problem.plain_segments, logs.outputs[0])
         starts = [guess.values_dict() for guess in guesses]
@@ -325,10 +332,13 @@ def _identify(
     return OptimisedProblem(problem, optimum, unseen, constraints)
 
 
-def _require_samples(problem: Problem, logs: LogSet) -> None:
+def _require_samples(problem: Problem, logs: LogSet, *, chosen: bool) -> None:
     if problem.n_samples <= problem.size:
         raise IdentificationError(
-            f"{problem.n_samples} samples cannot tell {problem.size} unknowns",
+            f"{problem.n_samples} samples cannot tell the {problem.size} unknowns of the "
+            f"{problem.model.name} model",
             where=", ".join(log.place for log in logs),
-            remedy="record longer, fix parameters, or choose a simpler --model",
+            remedy="record longer, or name a simpler model with --model"
+            if chosen
+            else "record longer, fix parameters, or choose a simpler --model",
         )

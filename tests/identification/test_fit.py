@@ -185,8 +185,17 @@ def test_constant_pressure_identifies_nothing() -> None:
 def test_fewer_samples_than_unknowns_are_refused() -> None:
     time = np.arange(6.0)
     log = Log.from_arrays(time, {"pressure": 10 * time, "angle": time**2}, name="few")
-    with pytest.raises(IdentificationError, match="cannot tell"):
+    said = "6 samples cannot tell the 10 unknowns of the muscle model; record longer, fix param"
+    with pytest.raises(IdentificationError, match=said):
         fit(log, model="muscle")
+
+
+def test_too_few_samples_for_the_model_that_softid_chose() -> None:
+    """The user named no model, so that another one is not the first remedy."""
+    log = Log.from_arrays([0.0, 0.1], {"pressure": [0.0, 10.0], "angle": [0.0, 1.0]}, name="two")
+    said = r"2 samples cannot tell the \d unknowns of the oscillator model; record longer, or name"
+    with pytest.raises(IdentificationError, match=said):
+        fit(log)
 
 
 def test_a_slow_sine_alone_does_not_know_the_damping_by_pressure() -> None:
