@@ -36,6 +36,8 @@ COMPILING_IN_VAIN = (
 )
 
 _BAR_STEPS = 1000
+_LEAST_NEWS = 0.1
+"""Fraction of the work after which a file is told of the same stage again."""
 
 ProgressCallback = Callable[[str, float], None]
 
@@ -111,27 +113,31 @@ def progress(*, quiet: bool) -> Iterator[ProgressCallback | None]:
 
 
 class _Lines:
-    """Progress for a file or a pipe: one line per stage."""
+    """Progress for a file or a pipe: a line per stage, and per tenth of the work within one."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._stage = ""
+        self._told = ("", 0.0)
         self._visible = False
 
     def show(self) -> None:
         with self._lock:
             self._visible = True
-            if self._stage:
-                say(f"{self._stage} …")
+            if self._told[0]:
+                self._tell()
 
     def update(self, stage: str, fraction: float) -> None:
-        del fraction
         with self._lock:
-            if stage == self._stage:
+            known, done = self._told
+            if stage == known and fraction < done + _LEAST_NEWS:
                 return
-            self._stage = stage
+            self._told = (stage, max(fraction, done))  # a stage that comes again undoes nothing
             if self._visible:
-                say(f"{stage} …")
+                self._tell()
+
+    def _tell(self) -> None:
+        stage, done = self._told
+        say(f"{stage}, {100.0 * done:.0f} % …")
 
     def close(self) -> None:
         with self._lock:

@@ -11,7 +11,13 @@ import click
 
 from softid.errors import InputError, UsageError
 from softid_cli.console import announce_compilation, progress, say
-from softid_cli.model_options import chosen_effects, described_models, model_option, shape_options
+from softid_cli.model_options import (
+    chosen_effects,
+    described_models,
+    model_option,
+    shape_options,
+    warn_of_assumptions,
+)
 from softid_cli.options import (
     FILE,
     GreedyCommand,
@@ -143,6 +149,8 @@ def _found(request: DiagnoseRequest) -> tuple[Diagnosis, dict[str, bytes]]:
         intersample=request.intersample or (saved.intersample if saved else None),
     )
 
+    if saved is None:
+        warn_of_assumptions(model, request.geometry, quiet=request.quiet)
     if not request.quiet:
         _warn_early(logs)
 

@@ -16,6 +16,7 @@ from softid_cli.model_options import (
     model_option,
     require_parameters,
     shape_options,
+    warn_of_assumptions,
 )
 from softid_cli.options import (
     GreedyCommand,
@@ -123,6 +124,8 @@ def identify(request: FitRequest) -> None:
         request.output,
         intersample=request.intersample,
     )
+
+    warn_of_assumptions(model, request.geometry, quiet=request.quiet)
 
     from softid.identification import fit as fit_model
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 import click
 
 from softid.errors import SoftidError, UsageError
+from softid_cli.console import say
 from softid_cli.options import FILE, assignments, length_mm
 
 if TYPE_CHECKING:
@@ -198,6 +199,18 @@ def _require_both(fixed_length_mm: float | None, diameter_mm: float | None) -> N
         where=there,
         remedy=f"give {missing} too, or neither",
     )
+
+
+def warn_of_assumptions(model: Model | None, geometry: Path | None, *, quiet: bool) -> None:
+    """Say before a fit of minutes what its result would say: nobody measured the dimensions."""
+    if quiet or geometry is not None or model is None or model.name != GEOMETRY_MODEL:
+        return
+    from softid.models.actuator_geometry import Actuator
+    from softid.models.equilibrium_cautions import assumed_geometry
+
+    if isinstance(model, Actuator):
+        for issue in assumed_geometry(model):
+            say(f"warning: {issue.message}; {issue.remedy}")
 
 
 def follows_from_logs(option: str) -> bool:

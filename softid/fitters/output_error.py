@@ -162,7 +162,7 @@ def output_error(
     if alone:
         best, start = scouted[0]  # the data hold every parameter, and need no prior
     else:
-        best, start, is_rival = _basin(objective, scouted[:2], thorough=thorough)
+        best, start, is_rival = _basin(objective, scouted[:2], report, thorough=thorough)
     best = objective.solve(best.point, POLISH_EVALUATIONS)
     best = _reweighted(objective, best)
     report("looking for a better optimum", 0.6)
@@ -170,8 +170,10 @@ def output_error(
     if not alone:
         best, stable = _challenge(objective, best, start, rng, rounds)
     if not alone and not is_rival:
+        report("looking for a better optimum", 0.7)
         rival = _rival(objective, best, thorough=thorough)
         if rival is not None:
+            report("looking for a better optimum", 0.8)
             best, stable = _challenge(objective, *rival, rng, rounds)
             start = rival[1]
     report("checking the optimum", 0.9)
@@ -211,7 +213,11 @@ def _span(problem: Problem, name: str) -> float:
 
 
 def _basin(
-    objective: Objective, contenders: Sequence[tuple[Minimum, Array]], *, thorough: bool
+    objective: Objective,
+    contenders: Sequence[tuple[Minimum, Array]],
+    report: Progress,
+    *,
+    thorough: bool,
 ) -> tuple[Minimum, Array, bool]:
     """The better one of the contenders at its optimum, its start, and whether a rival led there.
 
@@ -223,11 +229,13 @@ def _basin(
     creeping = [row for row in polished if row[0].offset > TOLERANCE]
     best, start = min(polished, key=cost_of)
     objective.set_prior(start, best)
+    report("refining the best starts", 0.4)
     if creeping and len(objective.problem.outputs) == 1:
         rival = _rival(objective, best, thorough=thorough)
         if rival is not None:
             return *rival, True
     if creeping:
+        report("refining the best starts", 0.5)
         polished += _all_polished(objective, creeping, POLISH_EVALUATIONS)
         best, start = min(polished, key=cost_of)
         objective.set_prior(start, best)

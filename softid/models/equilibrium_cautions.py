@@ -47,6 +47,22 @@ def relative_condition(
     return float(np.sqrt(np.linalg.cond(part / np.outer(sizes, sizes))))
 
 
+def assumed_geometry(actuator: Actuator) -> tuple[Issue, ...]:
+    """That values of an actuator are softid's assumptions; nothing where none is."""
+    assumed = actuator.assumed_names
+    if not assumed:
+        return ()
+    told = ", ".join(f"{name} = {getattr(actuator, name):g}" for name in assumed)
+    return (
+        Issue(
+            "assumed-geometry",
+            "info",
+            f"assumed, neither measured nor printed in the paper: {told}",
+            "measure them and give them with --geometry",
+        ),
+    )
+
+
 def cautions_of(
     actuator: Actuator,
     values: Mapping[str, float],
@@ -88,17 +104,8 @@ def cautions_of(
                 "check the dimensions and their units, and C10",
             )
         )
+    found += assumed_geometry(actuator)
     assumed = actuator.assumed_names
-    if assumed:
-        told = ", ".join(f"{name} = {getattr(actuator, name):g}" for name in assumed)
-        found.append(
-            Issue(
-                "assumed-geometry",
-                "info",
-                f"assumed, neither measured nor printed in the paper: {told}",
-                "measure them and give them with --geometry",
-            )
-        )
     ratios = [name for name in ("C_d", *COMPENSATION, "stiffness") if name in known]
     if ratios:
         guessed = any(name in assumed for name in _SCALES)

@@ -53,6 +53,21 @@ def test_the_geometry_reaches_the_model(softid: Cli, desk: Desk, geometry: Path)
     assert desk.asked["preferred"] == (Equilibrium(assumed="c10_pa"),)
 
 
+@pytest.mark.parametrize("command", ["fit", "diagnose"])
+def test_assumed_dimensions_are_told_before_the_work(
+    softid: Cli, desk: Desk, geometry: Path, command: str
+) -> None:
+    """As the result tells them, and only where nobody has given a file."""
+    desk.answer = KeyboardInterrupt()
+    asked = (command, "a.csv", "--model", "equilibrium")
+    told = softid(*asked)
+    assert "warning: assumed, neither measured nor printed in the paper: chamber_w" in told.err
+    assert "give them with --geometry" in told.err
+    assert "assumed" not in softid(*asked, "--geometry", geometry).err
+    assert "assumed" not in softid(*asked, "--quiet").err
+    assert "assumed" not in softid(command, "a.csv", "--model", "muscle").err
+
+
 def test_another_model_takes_no_geometry_file(softid: Cli, desk: Desk, geometry: Path) -> None:
     told = softid("fit", "a.csv", "--model", "muscle", "--geometry", geometry)
     assert told.code == 2
