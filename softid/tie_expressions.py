@@ -15,6 +15,8 @@ from softid.errors import UsageError
 FUNCTIONS = ("abs", "cos", "exp", "log", "log10", "max", "min", "sin", "sqrt", "tan")
 """Functions that an expression may call."""
 
+_OF_SEVERAL = ("max", "min")
+
 LONGEST = 1000
 """Characters of an expression; a longer one was not written by a person."""
 
@@ -71,12 +73,10 @@ def names_in_tie(expression: str, *, where: str) -> frozenset[str]:
 
 
 def _is_call(node: ast.AST) -> TypeGuard[ast.Call]:
-    return (
-        isinstance(node, ast.Call)
-        and isinstance(node.func, ast.Name)
-        and node.func.id in FUNCTIONS
-        and not node.keywords
-    )
+    if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)) or node.keywords:
+        return False
+    name, count = node.func.id, len(node.args)
+    return name in FUNCTIONS and (count > 1 if name in _OF_SEVERAL else count == 1)
 
 
 def _is_number(node: ast.AST) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+import re
 import sys
 import threading
 import traceback
@@ -34,6 +35,9 @@ COMPILING_IN_VAIN = (
     "compiling numerical kernels in every run, for they cannot be kept here; let NUMBA_CACHE_DIR "
     "name a folder in which you may write …"
 )
+
+_SUGGESTION = re.compile(r"\. Did you mean (.*)\?")
+"""How click proposes another option where it knows one."""
 
 _BAR_STEPS = 1000
 _LEAST_NEWS = 0.1
@@ -224,7 +228,8 @@ def _told(error: BaseException) -> tuple[str, int]:
         return f"no command was given\n{error.format_message()}", error.exit_code
     if isinstance(error, click.UsageError):
         path = error.ctx.command_path if error.ctx else "softid"
-        message = _one_line(error.format_message()).replace(". (Did", " (did").rstrip(".")
+        message = _SUGGESTION.sub(r" (did you mean \1?)", _one_line(error.format_message()))
+        message = message.replace(". (Did", " (did").rstrip(".")
         return f"error: {_lowered(message)}; see `{path} --help`.", error.exit_code
     if isinstance(error, click.ClickException):
         return f"error: {_lowered(_one_line(error.format_message()))}", error.exit_code

@@ -60,8 +60,8 @@ class HideRequest:
 
 def split_names(text: str) -> tuple[str, ...]:
     """The names in ``NAME,NAME``; ``none`` is no name."""
-    names = tuple(name.strip() for name in text.split(","))
-    return () if names == (NOTHING,) else names
+    names = tuple(filter(None, map(str.strip, text.split(","))))
+    return () if names == (NOTHING,) else names or ("",)
 
 
 def hide_effects(request: HideRequest) -> None:

@@ -296,7 +296,11 @@ def chosen_parameters(
     for name, text in assignments(fix, option="--fix", form="NAME=VALUE").items():
         parameter = _known(declared, name, option="--fix")
         if parameter.tie is not None:
-            raise UsageError(f"{name} is fixed and tied at once", remedy="give only one of both")
+            raise UsageError(
+                f"{name} is fixed and tied at once",
+                where="--fix, --tie",
+                remedy="give only one of both",
+            )
         held[name] = _number(text, option="--fix", parameter=name)
         if parameter.scale == "log" and held[name] <= 0:
             raise UsageError(
@@ -363,7 +367,14 @@ def _bounded(parameter: Parameter, text: str) -> Parameter:
 def _tied(parameter: Parameter, expression: str) -> Parameter:
     from softid.tie_expressions import names_in_tie
 
-    names_in_tie(expression, where=f"--tie {parameter.name}")
+    where = f"--tie {parameter.name}"
+    if not names_in_tie(expression, where=where):
+        raise UsageError(
+            "no other parameter is in the expression",
+            where=where,
+            value=expression,
+            remedy=f"write --fix {parameter.name}=VALUE to hold it at a value",
+        )
     return replace(parameter, tie=expression, fixed=False)
 
 

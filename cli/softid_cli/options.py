@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 R = TypeVar("R")
+Names = TypeVar("Names", str | None, tuple[str, ...])
 
 
 class FilePath(click.Path):
@@ -51,6 +52,18 @@ def length_mm(_: click.Context, param: click.Parameter, value: str | None) -> fl
             remedy="measure it on the actuator and give it in mm",
         )
     return length
+
+
+def channel_names(_: click.Context, param: click.Parameter, value: Names) -> Names:
+    """Refuse the empty name, which an unset variable of the shell makes."""
+    if "" in ((value,) if isinstance(value, str) else value or ()):
+        raise UsageError(
+            "the name of a channel is empty",
+            where=param.opts[0],
+            value="",
+            remedy="name a channel, or leave the option out",
+        )
+    return value
 
 
 FILE = FilePath(path_type=Path, readable=False)
@@ -120,11 +133,15 @@ def log_options(command: Callable[P, R]) -> Callable[P, R]:
     command = click.option(
         "--output",
         multiple=True,
+        callback=channel_names,
         metavar="CH",
         help="Output channel, such as angle; may be repeated.",
     )(command)
     command = click.option(
-        "--input", metavar="CH", help="Input channel, such as pressure_command."
+        "--input",
+        callback=channel_names,
+        metavar="CH",
+        help="Input channel, such as pressure_command.",
     )(command)
     return channel_option(command)
 

@@ -83,7 +83,7 @@ class SynthesizeRequest:
                 )
         elif self.of_hiding:
             raise UsageError(
-                "what a recipe says itself is given with --hide only",
+                "without --hide the recipe says this",
                 where=", ".join(self.of_hiding),
                 remedy="add --hide NAME, or --hide none",
             )

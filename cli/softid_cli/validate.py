@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -58,7 +59,7 @@ def validate(
     Without arguments softid checks itself: it refits every bundled synthetic log and compares the
     parameters with the truth.
     """
-    if threshold is not None and not threshold <= MOST_PERCENT:
+    if threshold is not None and not -math.inf < threshold <= MOST_PERCENT:
         raise UsageError(
             "no fit can be judged by this bar",
             where="--threshold",

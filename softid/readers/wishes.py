@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
@@ -98,6 +99,13 @@ def _wish(
 ) -> Wish:
     index = _find_column(table, column, where, refusal)
     scale, symbol = split_scale(unit) if unit else (1.0, None)
+    if not 0.0 < abs(scale) < math.inf:
+        raise refusal(
+            "one count of a column cannot be worth this",
+            where=f"{table.head.path}, {where}",
+            value=unit,
+            remedy="write what one count is worth, as in 35.15*N",
+        )
     if symbol is not None:
         try:
             factor_to_canonical(symbol, CHANNEL_QUANTITY.get(name, "raw"), where=where)

@@ -143,6 +143,7 @@ def test_self_check(softid: Cli, asked: dict[str, Any]) -> None:
         (["--threshold", "50"], 2, "error: --threshold: this belongs to a model and logs"),
         (["--out", "x", "--force"], 2, "error: --out, --force: this belongs"),
         (["--threshold", "nan", "params.json", "a.csv"], 2, "no fit can be judged by this bar"),
+        (["--threshold=-inf", "params.json", "a.csv"], 2, "no fit can be judged by this bar"),
         (["--threshold", "101", "params.json", "a.csv"], 2, "of which 100 is perfect"),
         (["--force"], 2, "error: --force: this belongs"),
         (["log.csv", "log.csv"], 3, "for it is no JSON; name the params.json first, then the logs"),

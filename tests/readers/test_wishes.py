@@ -29,6 +29,8 @@ LOG = f"{HEADER}\n{ROWS}\n"
         ("angle", "nosuch", "deg", "no such column"),
         ("angle", "99", "deg", "no such column"),
         ("angle", "3", "parsec", "parsec is a unit of length"),
+        ("angle", "4", "0*deg", "one count of a column cannot be worth this"),
+        ("angle", "4", "1e999*deg", "one count of a column cannot be worth this"),
         ("time", "1", "bar", "bar is a unit of pressure"),
     ],
 )
