@@ -194,10 +194,11 @@ def _base(
     chosen = request.chosen_model()
     if request.params is None:
         return chosen, None, None
-    if chosen is not None or request.geometry is not None:
+    again = request.options_of_model
+    if again:
         raise UsageError(
             "the base model is given twice",
-            where="--params and options of the model",
+            where=", ".join(("--params", *again)),
             remedy="give either --params or --model with its options",
         )
     from softid.records import load_params

@@ -12,7 +12,7 @@ import click
 
 from softid.errors import SoftidError, UsageError
 from softid_cli.console import say
-from softid_cli.options import FILE, assignments, length_mm
+from softid_cli.options import FILE, assignments, length_mm, named_if
 
 if TYPE_CHECKING:
     from softid.effects import Effect
@@ -280,7 +280,7 @@ def chosen_parameters(
     if model is None:
         raise UsageError(
             "parameters have no meaning before the model is chosen",
-            where="--fix, --bound, --tie",
+            where=", ".join(named_if({"--fix": fix, "--bound": bound, "--tie": tie})),
             remedy="name the model with --model",
         )
     declared = model.parameters()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from softid.errors import UsageError
 from softid_cli.model_options import chosen_model
+from softid_cli.options import named_if
 
 if TYPE_CHECKING:
     from softid.models.base import Model
@@ -54,6 +55,20 @@ class Request:
                 f"no log was given to {verb}",
                 remedy=f"{at_least} before --hold-out" if self.hold_out else at_least,
             )
+
+    @property
+    def options_of_model(self) -> tuple[str, ...]:
+        """Options that say which model it is, of those that were given."""
+        return named_if(
+            {
+                "--model": self.model is not None,
+                "--damping": self.damping,
+                "--fixed-length": self.fixed_length,
+                "--diameter": self.diameter,
+                "--geometry": self.geometry,
+                "--option": self.option,
+            }
+        )
 
     def chosen_model(self) -> Model | None:
         """The model that the options describe, or None when softid is to choose.

@@ -184,7 +184,11 @@ MISTAKES: dict[str, tuple[tuple[str, ...], int, str]] = {
     ),
     "no effect": (("a.csv", "--effects", " ,"), 2, "no effect is named"),
     "model": (("a.csv", "--model", "musle"), 2, "there is no such model"),
-    "twice": (("a.csv", "--params", "p.json", "--model", "muscle"), 2, "given twice"),
+    "twice": (
+        ("a.csv", "--params", "p.json", "--model", "muscle"),
+        2,
+        "--params, --model: the base",
+    ),
     "no params": (("a.csv", "--params", "p.json"), 3, "no such file"),
     "extended": (("a.csv", "--params", "extended.json"), 3, "has effects already"),
     "geometry": (("a.csv", "--geometry", "g.toml"), 3, "the geometry cannot be read"),

@@ -189,7 +189,7 @@ def test_no_plot_of_an_earlier_model_stays(
         (["a.csv", "--hold-out", ""], "the name of a file is empty"),
         (["a.csv", "--hold-out=", "b.csv"], "the name of a file is empty"),
         (["a.csv", "--out", ""], "the name of a file is empty"),
-        (["a.csv", "--fix", "M=1"], "name the model with --model"),
+        (["a.csv", "--fix", "M=1"], "error: --fix: parameters have no meaning before the model"),
         (["a.csv", "--model", "muscle", "--fix", "M"], "--fix NAME=VALUE"),
         (["a.csv", "--model", "muscle", "--fix", "M=x"], "not a number (got 'x')"),
         (["a.csv", "--model", "muscle", "--fix", "M=nan"], "not a number"),
