@@ -132,7 +132,7 @@ def test_beyond_the_fitted_range_is_told(softid: Cli, params: Path, tmp_path: Pa
         (["params.json"], 2, "missing option '--input'"),
         (["params.json", "--input", "none.csv"], 3, "none.csv"),
         (["none.json", "--input", "plan.csv"], 3, "none.json: there is no such file"),
-        (["plan.csv", "--input", "plan.csv"], 3, "this is not JSON"),
+        (["plan.csv", "--input", "plan.csv"], 3, "for it is no JSON"),
         (["params.json", "--input", "angle.csv"], 3, "the log has no channel pressure"),
         (["params.json", "--input", "plan.csv", "--out", "no/x.csv"], 3, "make the folder first"),
         (["params.json", "--input", "plan.csv", "--out", "."], 3, "a folder, not a file"),
