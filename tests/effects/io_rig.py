@@ -70,17 +70,6 @@ def fine_times() -> np.ndarray:
     return np.concatenate(([0.0], inner[inner < 12.0]))
 
 
-def vanishes(key: str) -> None:
-    """An amplitude of zero gives the response without the effect, within 1e-9 of its range."""
-    model, theta = extended(key)
-    effect = EFFECTS[key]()
-    s = segment()
-    base = response(*extended(), s)
-    assert np.max(np.abs(response(model, theta, s) - base)) > 1e-3 * np.ptp(base)
-    theta[list(model.parameters()).index(f"{effect.name}_{effect.amplitude}")] = 0.0
-    np.testing.assert_allclose(response(model, theta, s), base, atol=1e-9 * np.ptp(base), rtol=0.0)
-
-
 def response(model: ExtendedModel, theta: np.ndarray, s: Segment) -> np.ndarray:
     """The simulated angle."""
     found = model.response(theta, s, ("angle",), start=None, derivatives=False)

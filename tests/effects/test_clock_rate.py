@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, extended, jacobian_error, segment, times, vanishes
+from io_rig import SCALE, times
 
 from softid.effects.clock_rate import ClockRate
 
@@ -45,14 +45,3 @@ def test_few_samples(count: int) -> None:
     found = ClockRate().apply(np.array([-0.01]), time_s, time_s, SCALE)
     expected = time_s if count == 1 else 0.99 * time_s
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12)
-
-
-def test_clock_rate_of_zero_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("clock_rate")
-
-
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_clock_rate_derivatives(sampling: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended("clock_rate"), segment(sampling)) < 1e-4

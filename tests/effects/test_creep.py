@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, extended, jacobian_error, segment, times, vanishes
+from io_rig import SCALE, times
 from textbook_effects import oscillation
 from textbook_effects import segment as drive
 
@@ -44,14 +44,3 @@ def test_without_inertia_it_is_the_creep_of_a_solid() -> None:
     series = SeriesCreep().apply(eta, time_s, u / (stiffness + k), SCALE)
     late = time_s > 1.1
     np.testing.assert_allclose(series[late], solid[late], rtol=0.0, atol=1e-3 / stiffness)
-
-
-def test_creep_series_of_zero_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("creep.series")
-
-
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_creep_series_derivatives(sampling: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended("creep.series"), segment(sampling)) < 1e-4

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from io_rig import SCALE, extended, jacobian_error, segment, vanishes
+from io_rig import SCALE
 
 from softid.effects.dead_zone import DeadZone
 
@@ -41,14 +41,3 @@ def test_the_threshold_lies_within_the_inputs(low: float, high: float, largest: 
     assert declared.upper == pytest.approx(largest)
     for start in DeadZone().starts(scale):
         assert max(low, 0.0) < start["p0"] < largest
-
-
-def test_dead_zone_of_zero_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("dead_zone")
-
-
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_dead_zone_derivatives(sampling: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended("dead_zone"), segment(sampling)) < 1e-4

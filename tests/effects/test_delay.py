@@ -8,11 +8,9 @@ from io_rig import (
     SCALE,
     extended,
     fine_times,
-    jacobian_error,
     pressure,
     response,
     segment,
-    vanishes,
 )
 
 from softid.effects.delay import Delay
@@ -66,17 +64,6 @@ def test_delays_add_up() -> None:
     twice = Delay().apply(np.array([0.2]), time_s, once, SCALE)
     late = time_s > 0.31
     np.testing.assert_allclose(twice[late], 2.0 * (time_s[late] - 0.3), rtol=0.0, atol=1e-12)
-
-
-def test_delay_of_zero_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("delay")
-
-
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_delay_derivatives(sampling: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended("delay"), segment(sampling)) < 1e-4
 
 
 def test_a_held_jump_arrives_smoothly_in_the_delay() -> None:

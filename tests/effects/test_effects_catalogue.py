@@ -7,12 +7,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from io_rig import times
 from printed_laws import unnamed_in
 from textbook_effects import (
     LAWS,
     MUSCLE,
     OSCILLATOR,
     driven,
+    segment,
     sizes,
     textbook_motion,
 )
@@ -43,6 +45,7 @@ BASES: dict[str, tuple[Model, np.ndarray]] = {
     "muscle": (Muscle(), MUSCLE),
     "oscillator": (Oscillator(), OSCILLATOR),
 }
+SAMPLINGS = ("100 Hz", "50 Hz", "irregular")
 STATE = [key for key, effect in EFFECTS.items() if issubclass(effect, StateEffect)]
 OUTPUT = ("position",)
 
@@ -52,6 +55,17 @@ def rig(base: str) -> tuple[Segment, Scale]:
     """The drive of a base model and the sizes of its motion."""
     drive = driven(base)
     return drive, sizes(base, drive)
+
+
+@cache
+def sampled(base: str, sampling: str) -> Segment:
+    """That drive as it was, or read off at other times."""
+    drive = rig(base)[0]
+    if sampling == "100 Hz":
+        return drive
+    time_s = times(sampling)
+    time_s = time_s[time_s <= drive.time_s[-1]]
+    return segment(time_s, np.interp(time_s, drive.time_s, drive.input))
 
 
 def moved(model: Model, theta: np.ndarray, drive: Segment) -> np.ndarray:
@@ -199,20 +213,31 @@ def test_parameters_and_starts(key: str, base: str) -> None:
         assert not effect.amplitudes or any(start[name] != 0.0 for name in effect.amplitudes)
 
 
+@pytest.mark.parametrize("sampling", SAMPLINGS)
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("key", [key for key in EFFECTS if EFFECTS[key]().amplitudes])
-def test_nothing_at_zero_amplitude(key: str, base: str) -> None:
-    """With its amplitudes at zero an effect leaves the base model's response, to 1e-9 of it."""
-    (model, theta), (drive, scale) = BASES[base], rig(base)
+def test_nothing_at_zero_amplitude(key: str, base: str, sampling: str) -> None:
+    """With its amplitudes at zero an effect leaves the base model's response, to 1e-9 of it.
+
+    At the largest of its starts it changes the response by a thousandth or more.
+    """
+    (model, theta), scale, drive = BASES[base], rig(base)[1], sampled(base, sampling)
     effect = EFFECTS[key]()
-    values = effect.parameters(scale).values_dict() | dict.fromkeys(effect.amplitudes, 0.0)
     extended = ExtendedModel(model, (effect,), scale)
+    starts = [np.concatenate((theta, eta_of(effect, scale, dict(s)))) for s in effect.starts(scale)]
+    values = effect.parameters(scale).values_dict() | dict.fromkeys(effect.amplitudes, 0.0)
     whole = np.concatenate((theta, eta_of(effect, scale, values)))
-    plan = extended.plan(whole, drive)  # by the same rule: another errs otherwise, by 1e-5
+    # in the equation of motion by the same rule: another errs otherwise, by 1e-5
+    plan = extended.plan(whole, drive) if key in STATE else None
     found = extended.response(whole, drive, OUTPUT, start=None, derivatives=False, plan=plan)
-    alone = model.response(theta, drive, OUTPUT, start=None, derivatives=False, plan=plan)
+    alone = ExtendedModel(model, (), scale).response(
+        theta, drive, OUTPUT, start=None, derivatives=False, plan=plan
+    )
     expected = alone.outputs[OUTPUT[0]]
-    np.testing.assert_allclose(found.outputs[OUTPUT[0]], expected, atol=1e-9 * np.ptp(expected))
+    span = np.ptp(expected)
+    np.testing.assert_allclose(found.outputs[OUTPUT[0]], expected, rtol=0.0, atol=1e-9 * span)
+    shown = max(np.max(np.abs(moved(extended, at, drive) - expected)) for at in starts)
+    assert shown > 1e-3 * span, "the effect would not show"
 
 
 def test_every_state_effect_has_a_textbook_law() -> None:
@@ -270,9 +295,10 @@ def test_sharp_laws_get_the_steps_they_need(key: str, base: str) -> None:
     np.testing.assert_allclose(found, expected, atol=3e-4 * np.ptp(expected))
 
 
+@pytest.mark.parametrize("sampling", SAMPLINGS)
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("key", EFFECTS)
-def test_jacobian(key: str, base: str) -> None:
+def test_jacobian(key: str, base: str, sampling: str) -> None:
     """Derivatives against central differences of whole simulations, to 1e-4 of each column.
 
     The flow through a valve turns where the pressures meet, and both sides are differences there:
@@ -280,7 +306,7 @@ def test_jacobian(key: str, base: str) -> None:
 
     At a start times 1.0173, since a corner that falls on a sample has a derivative on each side.
     """
-    (model, theta), (drive, scale) = BASES[base], rig(base)
+    (model, theta), scale, drive = BASES[base], rig(base)[1], sampled(base, sampling)
     effect = EFFECTS[key]()
     extended = ExtendedModel(model, (effect,), scale)
     values = {name: 1.0173 * value for name, value in effect.starts(scale)[0].items()}

@@ -12,7 +12,6 @@ from io_rig import (
     pressure,
     response,
     segment,
-    vanishes,
 )
 from scipy.special import exp1, expi
 
@@ -113,25 +112,3 @@ def test_two_input_effects_follow_each_other() -> None:
         found, response(other, by_other, s), rtol=0.0, atol=2e-4 * np.ptp(found)
     )
     assert jacobian_error(model, theta, segment()) < 1e-4
-
-
-def test_pneumatic_lag_of_zero_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("pneumatic_lag")
-
-
-def test_pneumatic_lag_separate_of_zero_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("pneumatic_lag.separate")
-
-
-def test_pneumatic_lag_level_of_zero_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("pneumatic_lag.level")
-
-
-@pytest.mark.parametrize("key", ["pneumatic_lag", "pneumatic_lag.separate", "pneumatic_lag.level"])
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_pneumatic_lag_derivatives(sampling: str, key: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended(key), segment(sampling)) < 1e-4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, extended, jacobian_error, segment, times, vanishes
+from io_rig import SCALE, times
 
 from softid.effects.relaxation import Relaxation
 
@@ -31,14 +31,3 @@ def test_with_all_of_it_no_standstill_is_seen() -> None:
     found = Relaxation().apply(np.array([1.0, tau]), time_s, np.sin(omega * time_s), SCALE)
     gain = omega * tau / np.hypot(1.0, omega * tau)
     assert np.max(np.abs(found[3000:])) == pytest.approx(gain, rel=1e-3)
-
-
-def test_a_relaxation_of_zero_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("relaxation")
-
-
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_relaxation_derivatives(sampling: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended("relaxation"), segment(sampling)) < 1e-4

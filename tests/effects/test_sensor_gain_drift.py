@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, THETA, extended, jacobian_error, segment, times, vanishes
+from io_rig import SCALE, THETA, segment, times
 
 from softid.effects import EFFECTS, ExtendedModel
 from softid.effects.sensor_gain_drift import SensorGainDrift
@@ -36,14 +36,3 @@ def test_at_rest_it_is_what_ageing_does() -> None:
     apart = np.abs(aged - read)
     assert apart[times_s > 7.9][0] < abs(r) * 0.3 * 1.8
     assert apart.max() > 2.0 * abs(r) * 0.3 * 1.8
-
-
-def test_a_gain_that_stays_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("sensor_gain_drift")
-
-
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_sensor_gain_drift_derivatives(sampling: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended("sensor_gain_drift"), segment(sampling)) < 1e-4

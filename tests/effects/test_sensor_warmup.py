@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, extended, jacobian_error, segment, times, vanishes
+from io_rig import SCALE, times
 
 from softid.effects.sensor_warmup import SensorWarmup
 
@@ -23,14 +23,3 @@ def test_a_slow_warmup_is_a_drift() -> None:
     time_s = times("100 Hz")
     found = SensorWarmup().apply(np.array([1e3, 1e6]), time_s, np.zeros(time_s.size), SCALE)
     np.testing.assert_allclose(found, 1e-3 * time_s, rtol=1e-5)
-
-
-def test_sensor_warmup_of_zero_is_none() -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes("sensor_warmup")
-
-
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_sensor_warmup_derivatives(sampling: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended("sensor_warmup"), segment(sampling)) < 1e-4

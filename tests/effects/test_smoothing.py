@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, extended, jacobian_error, segment, times, vanishes
+from io_rig import SCALE, times
 from scipy.signal import butter, filtfilt
 
 from softid.effects import OutputEffect
@@ -70,19 +70,6 @@ def test_noise_is_another_one_beyond_the_time_that_is_told(order: float, off: fl
     apart = round(Smoothing().alike_within(values) / 0.001)
     second = smooth[2 * apart :] - 2.0 * smooth[apart:-apart] + smooth[: -2 * apart]
     assert np.mean(second**2) / (6.0 * np.var(smooth)) == pytest.approx(1.0, abs=off)
-
-
-@pytest.mark.parametrize("key", ["smoothing", "smoothing.mean", "smoothing.past"])
-def test_smoothing_over_no_time_is_none(key: str) -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes(key)
-
-
-@pytest.mark.parametrize("key", ["smoothing", "smoothing.mean", "smoothing.past"])
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_smoothing_derivatives(key: str, sampling: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended(key), segment(sampling)) < 1e-4
 
 
 def test_a_moving_average_is_a_late_centred_mean() -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from io_rig import SCALE, extended, fine_times, jacobian_error, pressure, segment, vanishes
+from io_rig import SCALE, fine_times, pressure
 
 from softid.effects.valve_flow import SeparateValveFlow, ValveFlow
 
@@ -63,16 +63,3 @@ def test_nothing_flows_out_of_a_vacuum() -> None:
     u = np.where(time_s > 1.0, -150.0, 50.0)
     found = ValveFlow().apply(np.array([0.2, 0.3]), time_s, u, SCALE)
     assert found.min() == pytest.approx(0.01 * 101.325 - 101.325, abs=1e-3)
-
-
-@pytest.mark.parametrize("key", ["valve_flow", "valve_flow.separate"])
-def test_valve_flow_of_zero_is_none(key: str) -> None:
-    """The base response, within 1e-9 of its range; at moderate size it differs."""
-    vanishes(key)
-
-
-@pytest.mark.parametrize("key", ["valve_flow", "valve_flow.separate"])
-@pytest.mark.parametrize("sampling", ["100 Hz", "50 Hz", "irregular"])
-def test_valve_flow_derivatives(sampling: str, key: str) -> None:
-    """The model's derivatives against central differences, within 1e-4 of each column's largest."""
-    assert jacobian_error(*extended(key), segment(sampling)) < 1e-4
