@@ -18,7 +18,8 @@ from softid.models import MODELS
 from softid_cli import console
 from softid_cli.main import COMMANDS, run
 
-README = (Path(__file__).resolve().parents[1] / "README.md").read_text(encoding="utf-8")
+TESTS = Path(__file__).resolve().parent
+README = (TESTS.parent / "README.md").read_text(encoding="utf-8")
 HELP = re.compile(r"<!-- help: softid (.*?) -->\n```\n(.*?)```\n<!-- /help -->", re.DOTALL)
 
 
@@ -64,3 +65,13 @@ def test_it_can_be_read_in_one_go() -> None:
 def test_no_placeholder_is_left() -> None:
     """Capitals alone on a line were notes to the writer."""
     assert not re.findall(r"^[A-Z]{4,}$|```\n```", README, re.MULTILINE)
+
+
+def test_every_folder_and_helper_of_the_tests_is_placed() -> None:
+    """tests/README.md names what mirrors no module of softid, and what several tests share."""
+    placed = (TESTS / "README.md").read_text(encoding="utf-8")
+    for helper in (TESTS / "support").glob("*.py"):
+        assert f"`{helper.stem}`" in placed, helper.name
+    for folder in TESTS.glob("*/"):
+        if any(folder.glob("*.py")) and not (TESTS.parent / "softid" / folder.name).is_dir():
+            assert f"{folder.name}/`" in placed, folder.name

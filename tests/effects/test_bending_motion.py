@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from muscle_rig import jacobian_error, response
 
 from softid.effects import EFFECTS, ExtendedModel, Scale
 from softid.effects.extension.motion import simulate_motion
@@ -106,28 +107,11 @@ def test_without_effects_it_is_the_models_own_response(inverted: bool, drift: fl
     "keys", [(key,) for key in ETA] + [tuple(ETA), ("creep", "coulomb_friction")], ids=str
 )
 def test_the_jacobian_is_that_of_differences(keys: tuple[str, ...]) -> None:
-    """Central differences of the simulation itself on the same plan, to 1e-3 of each column."""
+    """Against central differences of the simulation on the same plan, to 1e-3 of each column."""
     model, theta = extended(*keys)
-    plan = model.plan(theta, step())
-
-    def angle(at: np.ndarray) -> np.ndarray:
-        found = model.response(at, step(), ("angle",), start=None, derivatives=False, plan=plan)
-        return found.outputs["angle"]
-
-    found = model.response(theta, step(), ("angle",), start=None, derivatives=True, plan=plan)
     plain = Equilibrium().response(THETA, step(), ("angle",), start=None, derivatives=False)
-    assert np.isfinite(found.outputs["angle"]).all()
-    assert np.abs(found.outputs["angle"] - plain.outputs["angle"]).max() > 1e-3
-    assert found.by_parameter is not None
-    for k in range(theta.size):
-        h = 1e-4 * abs(theta[k]) if theta[k] else 1e-5
-        there = theta.copy()
-        there[k] += h
-        back = theta.copy()
-        back[k] -= h
-        expected = (angle(there) - angle(back)) / (2.0 * h)
-        off = np.abs(found.by_parameter["angle"][:, k] - expected).max()
-        assert off < 1e-3 * np.abs(expected).max(), (k, off, np.abs(expected).max())
+    assert np.abs(response(model, theta, step()) - plain.outputs["angle"]).max() > 1e-3
+    assert jacobian_error(model, theta, step(), step=1e-4) < 1e-3
 
 
 def suddenly(model: Equilibrium | ExtendedModel, theta: np.ndarray) -> np.ndarray:

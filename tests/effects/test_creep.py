@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, times
+from muscle_rig import SCALE, times
 from textbook_effects import oscillation
 from textbook_effects import segment as drive
 

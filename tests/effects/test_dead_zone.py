@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from io_rig import SCALE
+from muscle_rig import SCALE
 
 from softid.effects.dead_zone import DeadZone
 

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from io_rig import times
+from muscle_rig import times
 from printed_laws import unnamed_in
 from textbook_effects import (
     LAWS,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from io_rig import extended
+from muscle_rig import extended
 
 
 def test_alternatives_keep_the_effects() -> None:

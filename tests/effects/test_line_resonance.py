@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from io_rig import SCALE, fine_times
+from muscle_rig import SCALE, fine_times
 
 from softid.effects.line_resonance import LineResonance
 

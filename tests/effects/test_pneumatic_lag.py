@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import (
+from muscle_rig import (
     SCALE,
     extended,
     fine_times,

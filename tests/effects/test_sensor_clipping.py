@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, THETA, extended, jacobian_error, response, segment
 from linear_motion import SIGMA, TRUTH, linear_log, linear_problem, standing
+from muscle_rig import SCALE, THETA, extended, jacobian_error, response, segment
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.search.effect_starts import candidate_at

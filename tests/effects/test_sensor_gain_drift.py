@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, THETA, segment, times
+from muscle_rig import SCALE, THETA, segment, times
 
 from softid.effects import EFFECTS, ExtendedModel
 from softid.effects.sensor_gain_drift import SensorGainDrift

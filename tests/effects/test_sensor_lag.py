@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from io_rig import SCALE, extended, response, segment, times
+from muscle_rig import SCALE, extended, response, segment, times
 
 from softid.effects.sensor_lag import SensorLag
 

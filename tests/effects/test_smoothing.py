@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from io_rig import SCALE, times
+from muscle_rig import SCALE, times
 from scipy.signal import butter, filtfilt
 
 from softid.effects import OutputEffect

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from io_rig import SCALE, extended, pressure, segment
+from muscle_rig import SCALE, extended, pressure, segment
 
 from softid.effects import Scale
 from softid.effects.base import InputEffect

@@ -2,54 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
-from linear_motion import MODEL, TRUTH, Array, linear_angle, linear_problem, standing
+from linear_motion import MODEL, TRUTH, Array
+from lost_samples import JUMP_S, LEVEL_KPA, LOST, NOISE, fine, jump, recorded
 
-from softid.diagnosis.base.base_fit import BaseFit, Recordings
-from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.workflow import _prepared
 from softid.identification.lost_input import MATTERS, MOST_LEFT_OUT, without_lost_input
 from softid.identification.slow_outputs import SlowOutputLog, at_readings
-from softid.log import Log, LogSet
+from softid.log import Log
 
 VALUES = dict(
     zip(
         MODEL.parameters().names, MODEL.parameters().with_values(TRUTH).values_vector(), strict=True
     )
 )
-NOISE = 0.01
-LEVEL_KPA = 60.0
-JUMP_S = 5.03
-LOST = (250, 251, 252)
-"""Samples about the jump; those at 4.98 s and 5.06 s on either side of the gap stay."""
-
-
-def recorded(pressure: Array, *, lost: tuple[int, ...] = LOST, seed: int = 0) -> Log:
-    """A log of the linear actuator at rates of 1 kHz, of which every 20th sample was kept."""
-    fine_s = np.arange(pressure.size) / 1000.0
-    angle = linear_angle(fine_s, pressure)[::20]
-    angle = angle + NOISE * np.random.default_rng(seed).standard_normal(angle.size)
-    log = Log.from_arrays(
-        fine_s[::20], {"pressure": pressure[::20], "angle": angle}, name=f"lost-{seed}"
-    )
-    kept = np.ones(len(log), bool)
-    kept[list(lost)] = False
-    channels = {k: replace(c, values=c.values[kept]) for k, c in log.channels.items()}
-    return replace(log, time_s=log.time_s[kept], channels=channels, masked=None)
-
-
-def fine(duration_s: float = 20.0) -> Array:
-    return np.arange(round(1000 * duration_s)) / 1000.0
-
-
-def jump(duration_s: float = 20.0) -> Array:
-    return np.where(fine(duration_s) >= JUMP_S, LEVEL_KPA, 0.0)
 
 
 def unknown_part(log: Log, at: int = LOST[0]) -> Array:
@@ -152,43 +120,3 @@ def test_of_a_log_that_mostly_hangs_on_it_the_worst_is_left_out() -> None:
     expected = np.argsort(-unknown_part(short, at=short.time_s.searchsorted(5.0)))[: worst.sum()]
     assert worst.sum() == pytest.approx(MOST_LEFT_OUT * len(short), abs=1.0)
     assert np.array_equal(np.flatnonzero(worst), np.sort(expected))
-
-
-def test_fitted_and_held_out_logs_are_treated() -> None:
-    """A diagnosis leaves the samples out of what it fits and out of what judges, and fits again.
-
-    The base stands at the truth here, so that the samples are those of the truth.
-    """
-    begun: list[tuple[Log, ...]] = []
-
-    def fit_base(logs: LogSet, hold_out: Sequence[Log], *, thorough: bool) -> BaseFit:
-        assert not thorough
-        begun.append((*logs, *hold_out))
-        problem = linear_problem(tuple(logs))
-        z = problem.unknowns(TRUTH)
-        unused: Any = None
-        blocks: Any = SimpleNamespace(standing=lambda candidate: None)
-        return BaseFit(unused, standing(problem, z), scale_of(problem, z), blocks)
-
-    request: Any = SimpleNamespace(fit_base=fit_base)
-    whole, other = recorded(jump(), lost=(), seed=2), recorded(jump(), seed=1)
-    recordings = Recordings(LogSet((recorded(jump()), whole)), (other,))
-    kept, start, count = _prepared(recordings, request)
-    assert count == 1
-    assert [len(logs) for logs in begun] == [3, 3]
-    assert begun[1] == (*kept.logs, *kept.hold_out)
-    left_out = []
-    for before, after in zip(begun[0], begun[1], strict=True):
-        expected = without_lost_input(before, MODEL, VALUES)
-        assert after.masked is not None
-        assert expected.masked is not None
-        assert np.array_equal(after.masked, expected.masked)
-        assert [issue.code for issue in after.issues] == ["lost-input"] * (before is not whole)
-        left_out.append(int(after.masked.sum()))
-    assert left_out[1] == 0
-    assert min(left_out[0], left_out[2]) > 25
-    assert start.candidate.problem.n_samples == sum(map(len, begun[1][:2])) - left_out[0]
-    begun.clear()
-    same, _, _ = _prepared(Recordings(LogSet((whole,)), ()), request)
-    assert tuple(same.logs) == (whole,)
-    assert len(begun) == 1

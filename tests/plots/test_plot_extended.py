@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from diagnosis_rig import MUSCLE, THETA, extended, fitted
+from diagnosis_rig import MUSCLE, extended, fitted
+from muscle_rig import THETA
 
 from softid.plots.curves import common_zero, damping_curve, static_curve
 from softid.plots.gallery import PER_OUTPUT, Subject, scored

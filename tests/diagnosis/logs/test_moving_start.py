@@ -19,6 +19,7 @@ from softid.diagnosis.logs.moving_start import (
 from softid.diagnosis_results import Verdict
 from softid.effects import delay
 from softid.log import Log
+from softid.synthesis import hidden_pair
 
 Array = npt.NDArray[np.float64]
 
@@ -167,3 +168,18 @@ def test_a_delay_is_no_resonance_where_a_log_begins_in_mid_motion(rate_hz: float
     assert "delay" in told
     assert found.causes[0].effect == "delay"
     assert found.causes[0].parameters[0].value == pytest.approx(0.12, rel=0.2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_a_creep_is_named_in_a_log_that_begins_in_motion(seed: int) -> None:
+    """Both logs begin 7 s late, with the material on its way: k and τ to a fifth or within 95 %."""
+    pair = hidden_pair(["creep"], seed=8200 + seed)
+    fitted, held_out = (log.between(log.time_s[0] + 7.0, np.inf) for log in pair.logs)
+    found = diagnose(fitted, hold_out=held_out, model="muscle")
+    assert found.verdict in (Verdict.NAMED, Verdict.PARTIAL)
+    assert found.causes[0].effect == "creep"
+    for estimate in found.causes[0].parameters:
+        truth = pair.hidden["creep"][estimate.name.removeprefix("creep_")]
+        low, high = estimate.ci95 or (estimate.value, estimate.value)
+        assert low <= truth <= high or estimate.value == pytest.approx(truth, rel=0.2)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
+import muscle_rig
 import numpy as np
+from muscle_rig import THETA
 
 import softid
 from softid.diagnosis_results import (
@@ -16,29 +19,12 @@ from softid.diagnosis_results import (
     Remainder,
     Verdict,
 )
-from softid.effects import EFFECTS, ExtendedModel, Scale
+from softid.effects import EFFECTS, ExtendedModel
 from softid.log import Log
 from softid.models.muscle import Muscle
 from softid.results import FitResult
 
-SCALE = Scale(
-    u_low=0.0,
-    u_high=150.0,
-    x_low=0.3,
-    x_high=1.8,
-    v_max=5.0,
-    force=3.0,
-    y_low=0.3,
-    y_high=1.8,
-    period_s=0.02,
-    duration_s=50.0,
-    motion_s=0.2,
-    travel=30.0,
-    x_unit="rad",
-    y_unit="rad",
-)
-THETA = np.array([0.02, 0.5, 2.8, 2.5, 0.1, 1.8, 0.7])
-"""A muscle with a time constant of about 0.2 s and a motion from 0.3 to 1.8 rad."""
+SCALE = replace(muscle_rig.SCALE, period_s=0.02, duration_s=50.0, travel=30.0)
 MUSCLE = Muscle(x_unit="rad")
 NOISE_RAD = 0.01
 

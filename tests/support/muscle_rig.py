@@ -1,4 +1,4 @@
-"""Pressure profiles, sizes and an extended model for tests of input and output effects."""
+"""A muscle that effects are added to: its sizes, what drives it, and a check of derivatives."""
 
 from __future__ import annotations
 
@@ -82,14 +82,16 @@ def jacobian_error(
     """Largest difference between the model's derivatives and central ones.
 
     The plan is held still, as an optimiser does. Each column counts in its own largest entry, but
-    one that moves the angle by less than 1e-6 rad over its parameter's whole size is rounding.
+    one that moves the angle by less than 1e-6 rad over its parameter's whole size is rounding. A
+    parameter that is zero counts as a tenth of its unit.
     """
     plan = model.plan(theta, s)
     found = model.response(theta, s, ("angle",), start=None, derivatives=True, plan=plan)
     assert found.by_parameter is not None
     worst = 0.0
     for k in range(theta.size):
-        h = step * max(abs(theta[k]), 1e-6)
+        own = abs(theta[k]) or 0.1
+        h = step * own
         sides = []
         for sign in (1.0, -1.0):
             moved = theta.copy()
@@ -97,7 +99,7 @@ def jacobian_error(
             told = model.response(moved, s, ("angle",), start=None, derivatives=False, plan=plan)
             sides.append(told.outputs["angle"])
         central = (sides[0] - sides[1]) / (2.0 * h)
-        size = max(np.max(np.abs(central)), 1e-6 / max(abs(theta[k]), 1e-6))
+        size = max(np.max(np.abs(central)), 1e-6 / own)
         worst = max(
             worst, float(np.max(np.abs(found.by_parameter["angle"][:, k] - central)) / size)
         )
