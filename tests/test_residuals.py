@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from noise import ar1
 
 from softid.errors import InputError, UsageError
 from softid.residuals import autocorrelation, cross_correlation, ljung_box
-
-
-def ar1(rng: np.random.Generator, n: int, rho: float) -> np.ndarray:
-    return lfilter([1.0], [1.0, -rho], rng.normal(size=n + 500))[500:]
 
 
 def test_autocorrelation_without_gaps_is_the_textbook_sum() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from noise import ar1
 
 from softid.errors import IdentificationError, InputError, UsageError
 from softid.fitters.order_choice import level_blocks
@@ -95,9 +96,7 @@ def test_coloured_noise_widens_the_errors():
     rng = np.random.default_rng(2)
     pressure = _triangle(800)
     white = rng.normal(0, 0.02, pressure.size)
-    coloured = np.zeros(pressure.size)
-    for k in range(1, pressure.size):
-        coloured[k] = 0.9 * coloured[k - 1] + np.sqrt(1 - 0.81) * white[k]
+    coloured = 0.02 * ar1(rng, pressure.size, 0.9)
     bands = [
         curve_stderr(quartic(pressure, evaluate(MIDDLE, pressure) + e), [45.0])
         for e in (white, coloured)

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from linear_motion import RATE_HZ, linear_angle
+from noise import ar1
 
 from softid.errors import UsageError
 from softid.identification import bootstrap_parameters, fit, profile_parameter
@@ -25,9 +26,7 @@ def steps(seed: int) -> Array:
 
 def log_of(pressure: Array, angle: Array, *, memory: float = 0.0, seed: int = 1) -> Log:
     """With noise that remembers: its correlation from sample to sample is ``memory``."""
-    noise = NOISE * np.sqrt(1.0 - memory**2) * np.random.default_rng(seed).standard_normal(N)
-    for k in range(1, N):
-        noise[k] += memory * noise[k - 1]
+    noise = NOISE * ar1(np.random.default_rng(seed), N, memory)
     channels = {"pressure": pressure, "angle": angle + noise}
     return Log.from_arrays(TIME_S, channels, name=f"log-{seed}")
 

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from linear_motion import TRUTH, linear_angle, linear_log
+from noise import ar1
 
 import softid
 from softid.diagnosis.refit.characteristic_scales import scale_of
@@ -29,10 +30,7 @@ SAMPLES = 4000
 def logs() -> list[Log]:
     """Two: white noise in one, of which a tenth is left out, slow noise in the other."""
     lost = np.random.default_rng(3).random(SAMPLES) < 0.1
-    slow = np.zeros(SAMPLES)
-    pushed = 0.003 * np.random.default_rng(4).standard_normal(SAMPLES)
-    for k in range(1, SAMPLES):
-        slow[k] = 0.95 * slow[k - 1] + pushed[k]
+    slow = 0.01 * ar1(np.random.default_rng(4), SAMPLES, 0.95)
     return [
         linear_log(noise=0.01, seed=1, samples=SAMPLES).with_masked(lost),
         linear_log(noise=0.003, seed=2, samples=SAMPLES, added=slow),

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from handmade import DEGREE, fit_result, simulation, step_log, validation
+from noise import ar1
 
 from softid.plots import draw_all, figures, png_bytes, png_files
 from softid.plots.drawings import file_name
@@ -142,11 +143,9 @@ def test_white_residuals_stay_within_the_white_band() -> None:
 def test_a_slow_residual_is_shown_until_it_has_died_out() -> None:
     """AR(1) with φ = 0.98 stays correlated for over 100 samples; 30 lags would not show it."""
     log = step_log(samples=6000)
-    noise = np.random.default_rng(2).standard_normal(6000)
-    for k in range(1, 6000):
-        noise[k] += 0.98 * noise[k - 1]
+    noise = ar1(np.random.default_rng(2), 6000, 0.98)
     sim = simulation(log)
-    sim = replace(sim, outputs={"angle": sim.measured["angle"] + 0.01 * noise})
+    sim = replace(sim, outputs={"angle": sim.measured["angle"] + 0.05 * noise})
     auto, _, _ = residual_correlation([sim], "angle")
     assert auto.lags.size > 150
     assert abs(auto.values[-1]) < 0.3

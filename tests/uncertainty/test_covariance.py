@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from noise import ar1
 from scipy.linalg import toeplitz
-from scipy.signal import lfilter
 
 from softid.errors import IdentificationError, UsageError
 from softid.uncertainty import (
@@ -16,10 +16,6 @@ from softid.uncertainty import (
     standard_error,
     to_linear,
 )
-
-
-def ar1(rng: np.random.Generator, n: int, rho: float) -> np.ndarray:
-    return lfilter([1.0], [1.0, -rho], rng.normal(size=n + 1000) * np.sqrt(1 - rho**2))[1000:]
 
 
 def step_regressors(n: int) -> np.ndarray:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from noise import ar1
 from scipy.linalg import toeplitz
-from scipy.signal import lfilter
 
 from softid.uncertainty.autoregression import AutoRegression, autocovariance
 from softid.uncertainty.noise import effective_n, noise_model
@@ -35,7 +35,7 @@ def test_white_noise_is_called_white() -> None:
 
 def test_coloured_noise_is_called_coloured_and_counts_for_less() -> None:
     """AR(1) 0.9 over 4000 samples: n_e = 210, to 25 % (standard error of ρ 0.007)."""
-    y = lfilter([1.0], [1.0, -0.9], np.random.default_rng(2).normal(size=5000))[1000:]
+    y = ar1(np.random.default_rng(2), 4000, 0.9)
     y[1000:1010] = np.nan
     found = noise_model("angle", [y])
     assert not found.white

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from noise import ar1
 
 from softid.errors import IdentificationError, UsageError
 from softid.uncertainty import ResidualBlock, confidence_interval, profile, sandwich_covariance
@@ -33,7 +33,7 @@ def test_a_linear_model_gives_the_interval_of_the_covariance() -> None:
     """Coloured noise, others refitted by lstsq: v ± t sd of `sandwich_covariance`, to 1 %."""
     t = np.linspace(0.0, 1.0, 600)
     design = np.column_stack((1.0 - np.exp(-t / 0.2), np.ones(600), t))
-    y = lfilter([1.0], [1.0, -0.9], np.random.default_rng(1).normal(size=600))
+    y = ar1(np.random.default_rng(1), 600, 0.9)
     estimate, cost = (np.linalg.lstsq(design, y, rcond=None)[k] for k in (0, 1))
     block = ResidualBlock("y", (design,), (y - design @ estimate,))
     errors = sandwich_covariance([block], ["gain", "zero", "drift"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from noise import ar1
 from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
@@ -68,8 +69,7 @@ def test_restricted_fit_undoes_what_the_regressors_took() -> None:
     rng = np.random.default_rng(3)
     plain, restricted = [], []
     for _ in range(60):
-        shocks = rng.normal(size=3000) * np.sqrt(1.0 - 0.98**2)
-        y = lfilter([1.0], [1.0, -0.98], shocks)[2000:]
+        y = ar1(rng, 1000, 0.98)
         residual = y - basis @ (basis.T @ y)
         start = fit_ar([residual], max_order=1)
         fit = restricted_ar(gather_moments([residual], [basis], 1), start)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from noise import ar1
 
 from softid.uncertainty import ResidualBlock, sandwich_covariance
 
@@ -20,8 +20,7 @@ def design() -> np.ndarray:
 
 
 def slow(rng: np.random.Generator) -> np.ndarray:
-    """AR(1) with 0.9, of unit variance, begun in its own past."""
-    return lfilter([np.sqrt(0.19)], [1.0, -0.9], rng.normal(size=N + 500))[500:]
+    return ar1(rng, N, 0.9)
 
 
 def blocks_of(noises: list[np.ndarray], recordings: list[int | None]) -> list[ResidualBlock]:
@@ -53,14 +52,18 @@ def test_the_same_noise_twice_tells_no_more_than_once() -> None:
 def test_opposite_noise_cancels() -> None:
     """The mean of u + e and u − e is u: variance u² in place of (u² + e²)/2, so with u = e/2 the
     errors are √0.4 = 0.632 of those of channels that err apart.
+
+    One draw scatters by a fifth, so the mean of 100 by 2 %, and lies 4 % above, since the widest of
+    several time scales counts.
     """
     rng = np.random.default_rng(2)
     ratios = []
-    for _ in range(10):
+    for _ in range(100):
         e, u = slow(rng), 0.5 * slow(rng)
         noises = [u + e, u - e]
         ratios.append(sd(blocks_of(noises, [0, 0])) / sd(blocks_of(noises, [None, None])))
-    assert np.mean(ratios, axis=0) == pytest.approx(np.sqrt(0.4), rel=0.05)
+    ratio = np.mean(ratios, axis=0) / np.sqrt(0.4)
+    assert np.all((ratio > 0.98) & (ratio < 1.10)), ratio
 
 
 def test_what_cancels_altogether_is_not_believed() -> None:

@@ -18,7 +18,7 @@ from linear_motion import (
     pressure_course,
     standing,
 )
-from scipy.signal import lfilter
+from noise import coloured
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.changes.change_point import change_point
@@ -127,14 +127,10 @@ def test_what_goes_on_throughout_begins_at_no_moment(name: str) -> None:
     assert change_point(base, sizes(base), excess(base)) is None
 
 
-SLOW = np.exp(-1.0 / RATE_HZ)
-
-
 def slow_noise(seed: int) -> Array:
     """Noise with the usual deviation, 90 % of it with a correlation time of 1 s."""
     rng = np.random.default_rng(seed)
-    start = N  # what is before it dies out
-    slow = lfilter([np.sqrt(1.0 - SLOW**2)], [1.0, -SLOW], rng.standard_normal(start + N))[start:]
+    slow = coloured(rng, N, 1.0, 1.0 / RATE_HZ)
     found: Array = NOISE * (np.sqrt(0.9) * slow + np.sqrt(0.1) * rng.standard_normal(N))
     return found
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
-from scipy.signal import lfilter
+from noise import coloured
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
@@ -100,9 +100,7 @@ def test_a_law_that_explains_little_needs_less_to_be_doubted(
 def left_under_slow_noise(slow: float) -> Remainder:
     """The truth under white noise of 0.01 rad and slow noise with a correlation time of 0.5 s."""
     samples = 4000
-    kept = np.exp(-1.0 / (0.5 * RATE_HZ))
-    kicks = np.random.default_rng(1).standard_normal(samples) * np.sqrt(1.0 - kept**2)
-    added = slow * np.asarray(lfilter([1.0], [1.0, -kept], kicks))
+    added = slow * coloured(np.random.default_rng(1), samples, 0.5, 1.0 / RATE_HZ)
     problem = linear_problem([linear_log(noise=0.01, samples=samples, added=added)])
     model = standing(problem, problem.unknowns(TRUTH))
     scale = scale_of(problem, model.minimum.point)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
+from noise import coloured
 from scipy.signal import lfilter
 
 from softid.diagnosis.residual.coloured_noise import (
@@ -26,13 +27,9 @@ DRAWS = 16
 TIME_S = np.arange(0.0, LENGTH_S, 1.0 / RATE_HZ)
 
 
-def coloured(rng: np.random.Generator, time_s: float) -> Array:
-    """Noise with a variance of 1 and a covariance e^{−|t|/τ}."""
-    kept = np.exp(-1.0 / (RATE_HZ * time_s))
-    kicks = rng.standard_normal(TIME_S.size) * np.sqrt(1.0 - kept**2)
-    kicks[0] = rng.standard_normal()
-    found: Array = lfilter([1.0], [1.0, -kept], kicks)
-    return found
+def slow_noise(rng: np.random.Generator, time_s: float) -> Array:
+    """Noise that correlates by 1/e after that time."""
+    return coloured(rng, TIME_S.size, time_s, 1.0 / RATE_HZ)
 
 
 def steps(rng: np.random.Generator) -> Array:
@@ -66,7 +63,7 @@ def test_slow_noise_is_told(white: float, time_s: float) -> None:
     for seed in range(DRAWS):
         rng = np.random.default_rng(seed)
         u = steps(rng)
-        noise = (1.0 - white) ** 0.5 * coloured(rng, time_s)
+        noise = (1.0 - white) ** 0.5 * slow_noise(rng, time_s)
         noise += white**0.5 * rng.standard_normal(TIME_S.size)
         told.append(found_in(noise, u))
     times = [found.correlation_s for found in told if found.correlation_s is not None]
@@ -85,7 +82,7 @@ def test_noise_that_the_means_forget_is_told(white: float, time_s: float) -> Non
     for seed in range(1000, 1000 + DRAWS):
         rng = np.random.default_rng(seed)
         u = steps(rng)
-        noise = (1.0 - white) ** 0.5 * coloured(rng, time_s)
+        noise = (1.0 - white) ** 0.5 * slow_noise(rng, time_s)
         told.append(found_in(noise + white**0.5 * rng.standard_normal(TIME_S.size), u))
     times = [found.correlation_s for found in told if found.correlation_s is not None]
     assert len(times) >= 0.9 * DRAWS
@@ -96,7 +93,7 @@ def test_what_is_forgotten_sooner_than_a_motion_is_brief() -> None:
     """Known truth: noise of 6 ms beside a motion of 0.2 s; a misfit lasts as long as the motion."""
     rng = np.random.default_rng(7)
     u = steps(rng)
-    assert found_in(coloured(rng, 0.006), u).is_brief
+    assert found_in(slow_noise(rng, 0.006), u).is_brief
     for misfit in (lagging(u, 0.3) - lagging(u, 0.2), np.abs(lagging(u, 0.2) - 50.0)):
         rows = 0.5 * (misfit - misfit.mean()) / misfit.std() + rng.standard_normal(u.size)
         assert not found_in(rows, u).is_brief
@@ -123,7 +120,7 @@ def test_a_misfit_is_no_slow_noise(kind: str, slow: float) -> None:
         u = steps(rng)
         misfit = MISFITS[kind](u)
         rows = 2.0 * (misfit - misfit.mean()) / misfit.std()
-        rows += rng.standard_normal(u.size) + slow**0.5 * 2.0 * coloured(rng, 1.0)
+        rows += rng.standard_normal(u.size) + slow**0.5 * 2.0 * slow_noise(rng, 1.0)
         taken += found_in(rows, u).correlation_s is not None
     assert taken <= 1
 
@@ -152,7 +149,7 @@ def test_errors_of_the_parameters_are_no_misfit() -> None:
     rng = np.random.default_rng(4)
     u = steps(rng)
     slope = lagging(u, 0.3) - lagging(u, 0.2)
-    noise = coloured(rng, 1.0) + 0.3 * rng.standard_normal(u.size)
+    noise = slow_noise(rng, 1.0) + 0.3 * rng.standard_normal(u.size)
     rows = noise + slope / slope.std()
     assert found_in(rows, u).against is not None
     assert found_in(rows, u, slope[:, None]).correlation_s is not None
@@ -164,7 +161,7 @@ def test_what_is_slower_than_colour_is_left_to_others() -> None:
     for seed in range(DRAWS):
         rng = np.random.default_rng(seed)
         u = steps(rng)
-        rows = coloured(rng, 20.0) + 0.1 * rng.standard_normal(u.size)
+        rows = slow_noise(rng, 20.0) + 0.1 * rng.standard_normal(u.size)
         taken += found_in(rows, u).correlation_s is not None
     assert taken <= 0.1 * DRAWS
 
@@ -202,7 +199,7 @@ def test_quick_motion_and_a_log_at_rest_beside_it() -> None:
         parts = []
         for u in (steps(rng), np.full(TIME_S.size, 50.0)):
             x = lagging(u, 0.05)
-            rows = coloured(rng, 0.5) + 0.3 * rng.standard_normal(TIME_S.size)
+            rows = slow_noise(rng, 0.5) + 0.3 * rng.standard_normal(TIME_S.size)
             parts.append(ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, rows))
         taken += colour_test(parts, 0.05, rng=rng).correlation_s is not None
     assert taken >= DRAWS - 2
@@ -212,7 +209,7 @@ def test_too_few_samples_tell_nothing() -> None:
     """Closed form: 150 samples make no 200 means."""
     rng = np.random.default_rng(0)
     time_s = TIME_S[:150]
-    rows = coloured(rng, 1.0)[:150]
+    rows = slow_noise(rng, 1.0)[:150]
     part = ResidualContext(time_s, time_s, np.ones(150), time_s, rows)
     assert colour_test([part], MOTION_S, rng=rng) == ColourTest()
 
@@ -235,7 +232,7 @@ def test_lost_samples_and_several_logs() -> None:
     rng = np.random.default_rng(3)
     parts = []
     for _ in range(2):
-        rows = coloured(rng, 0.5) + 0.3 * rng.standard_normal(TIME_S.size)
+        rows = slow_noise(rng, 0.5) + 0.3 * rng.standard_normal(TIME_S.size)
         rows[1000:1100] = np.nan
         rows[rng.random(rows.size) < 0.05] = np.nan
         u = steps(rng)
@@ -267,7 +264,7 @@ def test_one_log_may_be_louder_than_another(ratio: float) -> None:
     told = 0
     for seed in range(DRAWS):
         rng = np.random.default_rng(seed)
-        found = two_logs(rng, coloured(rng, 0.5), ratio * coloured(rng, 0.5))
+        found = two_logs(rng, slow_noise(rng, 0.5), ratio * slow_noise(rng, 0.5))
         told += found.correlation_s is not None
     assert told >= 0.9 * DRAWS - 1
 
@@ -284,7 +281,7 @@ def test_a_misfit_in_one_log_does_not_pass_beside_noise_in_another(kind: str, si
         x = lagging(u, MOTION_S)
         misfit = MISFITS[kind](u)
         rows = 2.0 * (misfit - misfit.mean()) / misfit.std() + rng.standard_normal(u.size)
-        quiet = ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, coloured(rng, 0.5))
+        quiet = ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, slow_noise(rng, 0.5))
         parts = [quiet, ResidualContext(TIME_S, x, np.gradient(x, TIME_S), u, size * rows)]
         taken += colour_test(parts, MOTION_S, rng=rng).correlation_s is not None
     assert taken <= 1

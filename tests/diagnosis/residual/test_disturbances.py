@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from noise import ar1
 
 from softid.diagnosis.residual.disturbances import (
     Line,
@@ -25,14 +26,7 @@ def left(residual: np.ndarray, u: np.ndarray = STEPS) -> list[ResidualContext]:
 def noise(seed: int, *, slow: bool = False) -> np.ndarray:
     """White with a standard deviation of 1, or with a correlation time of 1 s."""
     rng = np.random.default_rng(seed)
-    white = rng.standard_normal(TIME_S.size)
-    if not slow:
-        return white
-    found = np.empty_like(white)
-    found[0] = white[0]
-    for k in range(1, white.size):
-        found[k] = 0.99 * found[k - 1] + np.sqrt(1.0 - 0.99**2) * white[k]
-    return found
+    return ar1(rng, TIME_S.size, 0.99 if slow else 0.0)
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -20,6 +20,7 @@ from linear_motion import (
     pressure_course,
     standing,
 )
+from noise import ar1
 
 from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
@@ -43,12 +44,8 @@ SIZE = 0.2
 
 
 def slow_noise(seed: int) -> Array:
-    """Noise whose neighbours are alike, e_k = 0.9 e_{k−1} + w_k."""
-    from scipy.signal import lfilter
-
-    kicks = np.random.default_rng(seed).standard_normal(N)
-    noise: Array = lfilter([NOISE * np.sqrt(1.0 - 0.9**2)], [1.0, -0.9], kicks)
-    return noise
+    """Noise whose neighbours are alike."""
+    return NOISE * ar1(np.random.default_rng(seed), N, 0.9)
 
 
 def fitted(logs: list[Log], effect: Effect) -> Candidate:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
-from scipy.signal import lfilter
+from noise import coloured
 
 from softid.diagnosis.residual.disturbances import CODES, disturbance_issues
 from softid.diagnosis.residual.slow_noise import (
@@ -24,15 +24,6 @@ DRAWS = 100
 MOST_FALSE = 3
 """At a rate of 1 in 100 more than three of 100 draws come once in fifty times; noise that is faster
 than the limit does far less."""
-
-
-def coloured(rng: np.random.Generator, samples: int, time_s: float) -> Array:
-    """Noise with a variance of 1 and a covariance e^{−|t|/τ}."""
-    kept = np.exp(-PERIOD_S / time_s)
-    kicks = rng.standard_normal(samples) * np.sqrt(1.0 - kept**2)
-    kicks[0] = rng.standard_normal()
-    found: Array = lfilter([1.0], [1.0, -kept], kicks)
-    return found
 
 
 def times(length_s: float) -> Array:
@@ -71,7 +62,7 @@ def test_noise_does_not_wander(kind: str, colour: float) -> None:
     for seed in range(DRAWS):
         rng = np.random.default_rng(seed)
         noise = (1.0 - colour) ** 0.5 * rng.standard_normal(u.size)
-        noise += colour**0.5 * coloured(rng, u.size, 1.0)
+        noise += colour**0.5 * coloured(rng, u.size, 1.0, PERIOD_S)
         noise[500:520] = np.nan
         taken += found_in(noise, u) is not None
     assert taken <= 1
@@ -80,7 +71,7 @@ def test_noise_does_not_wander(kind: str, colour: float) -> None:
 def test_noise_at_the_limit_comes_as_often_as_stated() -> None:
     """A correlation time of 2 s, which is the null itself: one in a hundred draws."""
     u = INPUTS["rest"]
-    noise = (coloured(np.random.default_rng(seed), u.size, 2.0) for seed in range(DRAWS))
+    noise = (coloured(np.random.default_rng(seed), u.size, 2.0, PERIOD_S) for seed in range(DRAWS))
     assert sum(found_in(row, u) is not None for row in noise) <= MOST_FALSE
 
 
@@ -96,7 +87,9 @@ def test_a_wander_is_found_and_measured(u: Array, at_rest: bool) -> None:
     drawn = []
     for seed in range(20):
         rng = np.random.default_rng(seed)
-        drawn.append(found_in(rng.standard_normal(u.size) + 2.0 * coloured(rng, u.size, 20.0), u))
+        drawn.append(
+            found_in(rng.standard_normal(u.size) + 2.0 * coloured(rng, u.size, 20.0, PERIOD_S), u)
+        )
     found = [wander for wander in drawn if wander is not None]
     assert len(found) >= 18
     assert all(wander.at_rest == at_rest for wander in found)
@@ -120,7 +113,7 @@ def test_what_comes_with_the_motion_is_no_wander() -> None:
     nor equal cycles show."""
     u = with_rest(120.0)
     rng = np.random.default_rng(0)
-    slow = 10.0 * coloured(rng, u.size, 20.0) + rng.standard_normal(u.size)
+    slow = 10.0 * coloured(rng, u.size, 20.0, PERIOD_S) + rng.standard_normal(u.size)
     noise = rng.standard_normal(u.size)
     moving = PERIOD_S * np.arange(u.size) < 40.0
     assert found_in(np.where(moving, slow, noise), u) is None
@@ -131,7 +124,7 @@ def test_an_input_that_wanders_brings_its_own() -> None:
     """An input that moves by 1 % of its range while it rests, which the residual follows."""
     u = INPUTS["rest"]
     rng = np.random.default_rng(1)
-    slow = np.where(PERIOD_S * np.arange(u.size) < 40.0, 0.0, coloured(rng, u.size, 20.0))
+    slow = np.where(PERIOD_S * np.arange(u.size) < 40.0, 0.0, coloured(rng, u.size, 20.0, PERIOD_S))
     noise = 0.2 * rng.standard_normal(u.size)
     time_s = PERIOD_S * np.arange(u.size)
     for moves, is_told in ((0.0, True), (0.5, False)):

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from linear_motion import linear_angle, pressure_course
+from noise import ar1
 
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
 
@@ -79,9 +80,7 @@ def test_noise_of_any_colour_is_no_structure(phi: float) -> None:
     """Known truth: nothing. At 5 % each, more than three of 20 come up once in 60 tries."""
     called = 0
     for seed in SEEDS:
-        noise = np.random.default_rng(seed).standard_normal(TIME_S.size)
-        for k in range(1, noise.size):
-            noise[k] += phi * noise[k - 1]
+        noise = ar1(np.random.default_rng(seed), TIME_S.size, phi)
         called += look(noise, seed).significant
     assert called <= 3
 

@@ -5,29 +5,20 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
-from scipy.signal import lfilter
+from noise import coloured
 
 from softid.diagnosis.verdict.gain_interval import FEWEST_SAMPLES, gain_interval
 
 Array = npt.NDArray[np.float64]
 
-RATE_HZ = 100.0
+PERIOD_S = 0.01
 DRAWS = 300
-
-
-def coloured(rng: np.random.Generator, samples: int, time_s: float) -> Array:
-    """Noise with a variance of 1 and a covariance e^{−|t|/τ}; white for no τ."""
-    kept = np.exp(-1.0 / (RATE_HZ * time_s)) if time_s else 0.0
-    kicks = rng.standard_normal(samples) * np.sqrt(1.0 - kept**2)
-    kicks[0] = rng.standard_normal()
-    found: Array = lfilter([1.0], [1.0, -kept], kicks)
-    return found
 
 
 def drawn(seed: int, runs: tuple[int, ...], time_s: float) -> list[Array]:
     """Three independent residuals, each run of which begins anew."""
     rng = np.random.default_rng(seed)
-    return [np.concatenate([coloured(rng, n, time_s) for n in runs]) for _ in range(3)]
+    return [np.concatenate([coloured(rng, n, time_s, PERIOD_S) for n in runs]) for _ in range(3)]
 
 
 @pytest.mark.parametrize(
