@@ -1,11 +1,12 @@
 """The architecture: imports point downward, run in no circle, and side effects have their places.
 
-The layers are those of softid/README.md. A new module must be given its layer here first.
+A new module must be given its layer here and in softid/README.md first.
 """
 
 from __future__ import annotations
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -165,6 +166,16 @@ def test_every_module_has_a_layer() -> None:
     """Stands on LAYERS; a module that is not there fails with the instruction."""
     for name in modules():
         layer_of(name)
+
+
+def test_the_readme_shows_these_layers() -> None:
+    """Row by row, lowest last; that of the diagnosis names its steps, too."""
+    table = (ROOT / "softid" / "README.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| (.*) \|$", table, re.MULTILINE)
+    shown = {int(layer): tuple(re.findall(r"`([\w.]+)`", row)) for layer, row in rows}
+    expected = dict(enumerate(LAYERS, start=1)) | {len(LAYERS) + 1: ("__init__.py", "softid_cli")}
+    expected[1 + layer_of("softid.diagnosis")] += tuple(s for step in DIAGNOSIS for s in step if s)
+    assert shown == expected
 
 
 def part_of(name: str) -> str:

@@ -100,16 +100,20 @@ def last_digit(number: str) -> float:
     return float(10.0 ** -len(number.partition(".")[2]))
 
 
-def test_the_demo(softid: Cli) -> None:
-    """The README's first command: its table and verdicts, the plots where it says they are."""
-    told = softid("demo", "--quiet")
-    assert (told.code, told.err) == (0, "")
-    shown = README.split("<!-- demo -->\n```\n")[1].split("\ninfo:")[0]
-    printed = told.out.split("\ninfo:")[0]
+def assert_shown(printed: str, shown: str) -> None:
+    """The same words, and numbers that differ in their last digit at most."""
     words = [re.sub(r"─+", "─", NUMBER.sub("#", text)).split() for text in (printed, shown)]
     assert words[0] == words[1]
     for number, known in zip(NUMBER.findall(printed), NUMBER.findall(shown), strict=True):
         assert float(number) == pytest.approx(float(known), abs=1.01 * last_digit(known))
+
+
+def test_the_demo(softid: Cli) -> None:
+    """The README's first command: its table and verdicts, the plots where it says they are."""
+    told = softid("demo", "--quiet")
+    assert (told.code, told.err) == (0, "")
+    shown = README.split("<!-- demo -->\n```\n")[1]
+    assert_shown(*(text.split("\ninfo:")[0] for text in (told.out, shown)))
     assert max(map(len, told.out.splitlines())) <= 80
     folder = Path("softid-out/demo_step")
     assert f"Written to {folder}/" in told.out
@@ -118,3 +122,13 @@ def test_the_demo(softid: Cli) -> None:
     for name in pictures:
         assert name in told.out
         assert (folder / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_diagnosis(softid: Cli) -> None:
+    """The README's two commands, and the report that it shows below them."""
+    before, rest = README.split("<!-- diagnosis -->\n```\n")
+    synthesize, diagnose = re.findall(r"`softid ([^`]+)`", before.rsplit("\n\n", 2)[1])
+    assert softid(*synthesize.split(), "--quiet").code == 0
+    told = softid(*diagnose.split(), "--quiet", "--no-plots")
+    assert (told.code, told.err) == (0, "")
+    assert_shown(told.out.split("\n\n")[0], rest.split("```\n<!-- /diagnosis -->")[0])
