@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
+from fresh_process import printed_by
 
 import softid
-
-ROOT = Path(__file__).resolve().parents[1]
 
 VERBS = (
     "bootstrap_parameters",
@@ -98,16 +93,7 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
 def test_the_papers_protocols_are_there_by_name(protocol: str) -> None:
     """In a process of its own, for any import of softid.fitters makes it an attribute of softid."""
     code = f"import softid; print(softid.fitters.{protocol}.__doc__[:1], 'fitters' in dir(softid))"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    assert done.stderr == ""
-    assert done.stdout.strip().endswith("True")
+    assert printed_by(code).strip().endswith("True")
     module = protocol.split(".")[0]
     assert module in dir(softid.fitters)
 
@@ -115,12 +101,4 @@ def test_the_papers_protocols_are_there_by_name(protocol: str) -> None:
 def test_importing_softid_is_free() -> None:
     """Every library is imported by the function that needs it; numpy costs 0.1 s already."""
     code = "import sys, softid; print(sorted({'numpy', 'scipy', 'numba'} & set(sys.modules)))"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    assert (done.stdout, done.stderr) == ("[]\n", "")
+    assert printed_by(code) == "[]\n"

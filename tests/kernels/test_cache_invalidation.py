@@ -10,6 +10,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from fresh_process import printed_by
 
 from softid.kernels import affine_simulation
 
@@ -86,19 +87,6 @@ print(gram.tobytes().hex(), sum(sum_products.stats.cache_hits.values()))
 @pytest.mark.slow
 def test_the_run_that_compiles_gives_what_later_ones_do(tmp_path: Path) -> None:
     """To the last digit: a diagnosis near a limit would else answer otherwise the second time."""
-    runs = [
-        subprocess.run(
-            [sys.executable, "-c", PRODUCTS],
-            env={
-                **os.environ,
-                "PYTHONPATH": os.pathsep.join(sys.path),
-                "NUMBA_CACHE_DIR": str(tmp_path),
-            },
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout.split()
-        for _ in range(2)
-    ]
+    runs = [printed_by(PRODUCTS, NUMBA_CACHE_DIR=str(tmp_path)).split() for _ in range(2)]
     assert [hits for _, hits in runs] == ["0", "1"]
     assert runs[0][0] == runs[1][0]

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from fresh_process import printed_by
 from numba import njit
 from numba.core.caching import CacheImpl
 
@@ -37,18 +38,7 @@ def test_a_second_run_finds_every_kernel(tmp_path: Path) -> None:
     A list of the kernels that a fit is thought to need would name one that it no longer calls, and
     every run would claim to compile.
     """
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    environment["PYTHONPATH"] = os.pathsep.join(path for path in sys.path if path)
-    said = [
-        subprocess.run(
-            [sys.executable, "-c", FIT],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout.split()
-        for _ in range(2)
-    ]
+    said = [printed_by(FIT, NUMBA_CACHE_DIR=str(tmp_path)).split() for _ in range(2)]
     assert said == [["compiles", "fitted"], ["fitted"]]
 
 

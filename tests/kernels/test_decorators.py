@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
+
+from fresh_process import printed_by
 
 LOAD = """
 import sys
@@ -19,16 +18,5 @@ print(hits, "numba.np.linalg" in sys.modules, "scipy.linalg" in sys.modules)
 
 def test_a_function_on_disk_is_loaded_without_what_compiles(tmp_path: Path) -> None:
     """The first run compiles with all of numba; the second takes it from disk without scipy."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    environment["PYTHONPATH"] = os.pathsep.join(path for path in sys.path if path)
-    said = [
-        subprocess.run(
-            [sys.executable, "-c", LOAD],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout.split()
-        for _ in range(2)
-    ]
+    said = [printed_by(LOAD, NUMBA_CACHE_DIR=str(tmp_path)).split() for _ in range(2)]
     assert said == [["0", "True", "True"], ["1", "False", "False"]]
