@@ -120,14 +120,15 @@ def test_standard_errors_of_the_levels_cover():
     """Errors over standard errors of 300 noisy level sets have unit variance.
 
     The noise is estimated from 10 degrees of freedom, so the ratio follows Student's t with
-    variance 10/8 = 1.25, and its sample variance over 300 draws scatters by about 12 %.
+    variance 10/8 = 1.25, and its sample variance over 300 draws scatters by about 10 %, three of
+    which are allowed.
     """
     rng = np.random.default_rng(7)
     ratios = []
     for _ in range(300):
         fit = levels_from_arrays(LEVELS_KPA, _static(LEVELS_KPA) + rng.normal(0, 0.3, 13))
         ratios.append([(fit.a1 - 0.01) / fit.stderr["a1"], (fit.b1 - 3.0) / fit.stderr["b1"]])
-    assert np.mean(np.square(ratios), axis=0) == pytest.approx([1.25, 1.25], rel=0.45)
+    assert np.mean(np.square(ratios), axis=0) == pytest.approx([1.25, 1.25], rel=0.30)
 
 
 @pytest.mark.parametrize(("low", "high", "condition"), [(0, 3, 32), (0, 0.8, 380), (2.5, 3, 2250)])

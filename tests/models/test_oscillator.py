@@ -7,9 +7,9 @@ import pytest
 from scipy.linalg import expm
 
 from softid.errors import UsageError
+from softid.kernels.window_moments import window_moments
 from softid.log import Log
 from softid.models.oscillator import Oscillator
-from softid.models.weak_form import _rows
 from softid.segment import Segment
 
 THETA = np.array([0.5, 1.2, 30.0, 1.0, 0.0])
@@ -67,9 +67,10 @@ def test_moments_of_a_window_are_whole(samples: int, off: float, phase: float) -
     """
     time_s = (np.arange(6 * samples) + phase) / samples
     x = (time_s - time_s[0] - 0.5) ** 2
-    channels = {"force": np.ones_like(time_s), "position": x}
-    log = Log.from_arrays(time_s, channels, input="force", outputs=("position",))
-    second, _, _, whole, _ = _rows(log.segments()[0], "position", 1.0)[0]
+    first, behind = np.array([0]), np.searchsorted(time_s, time_s[:1] + 1.0)
+    moments = np.empty((1, 5))
+    window_moments(time_s, x, np.ones_like(x), first, behind, time_s[:1], 1.0, moments)
+    second, _, _, whole, _ = moments[0]
     assert second == pytest.approx(2.0 * whole, rel=off)
 
 
