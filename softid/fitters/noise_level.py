@@ -8,7 +8,7 @@ import numpy.typing as npt
 from softid.fitters.levenberg_marquardt import Minimum
 from softid.fitters.problem import Problem
 from softid.fitters.residual_whiteness import (
-    LAGS,
+    TESTED_LAGS,
     WHITE_SDS,
     largest_sum,
     residuals_by_channel,
@@ -17,7 +17,7 @@ from softid.fitters.residual_whiteness import (
 
 Array = npt.NDArray[np.float64]
 
-FEWEST = 10 * LAGS
+FEWEST = 10 * TESTED_LAGS
 """Residuals per channel from which their autocorrelation says anything."""
 
 DETERMINED = 0.1
@@ -66,4 +66,4 @@ def _white(residuals: list[Array]) -> bool:
     n = sum(r.size for r in residuals)
     if n < FEWEST or not any(r.any() for r in residuals):
         return False
-    return n * squared_autocorrelation(residuals, LAGS) <= largest_sum(WHITE_SDS)
+    return n * squared_autocorrelation(residuals, TESTED_LAGS) <= largest_sum(WHITE_SDS)

@@ -13,7 +13,7 @@ from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]
 
-LAGS = 20
+TESTED_LAGS = 20
 """Autocorrelations that are tested together, and a residual of no more samples is not looked at.
 More lags see a slower memory, but every one adds 2 to the variance of χ², in which a memory of a
 few samples drowns; a judgement."""
@@ -27,16 +27,16 @@ STRUCTURE_SDS = 6.0
 
 
 def largest_sum(sds: float) -> float:
-    """The sum of `LAGS` squared autocorrelations times n that white noise exceeds by chance only.
+    """The sum of squared autocorrelations times n that white noise exceeds by chance only.
 
-    Of χ² with `LAGS` degrees of freedom: the mean and some standard deviations √(2·`LAGS`) above.
+    Of χ² with `TESTED_LAGS` degrees of freedom ν: the mean ν and some standard deviations √(2ν).
 
     Parameters
     ----------
     sds
         How many: `WHITE_SDS` or `STRUCTURE_SDS`.
     """
-    return LAGS + sds * float(np.sqrt(2.0 * LAGS))
+    return TESTED_LAGS + sds * float(np.sqrt(2.0 * TESTED_LAGS))
 
 
 def squared_autocorrelation(residuals: Sequence[Array], lags: int) -> float:

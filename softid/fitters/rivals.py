@@ -22,8 +22,8 @@ from softid.fitters.multiple_shooting import PiecewiseProblem
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.problem import Problem
 from softid.fitters.residual_whiteness import (
-    LAGS,
     STRUCTURE_SDS,
+    TESTED_LAGS,
     largest_sum,
     residuals_by_channel,
     squared_autocorrelation,
@@ -262,10 +262,10 @@ def has_structure(problem: Problem, z: Array) -> bool:
     """
     for residuals in residuals_by_channel(problem, z):
         n = sum(r.size for r in residuals)
-        if n <= LAGS:
+        if n <= TESTED_LAGS:
             continue
         limit = max(LEAST_COLOUR, largest_sum(STRUCTURE_SDS) / n)
-        if squared_autocorrelation(residuals, LAGS) > limit:
+        if squared_autocorrelation(residuals, TESTED_LAGS) > limit:
             return True
     return False
 
@@ -301,7 +301,7 @@ def swings(problem: Problem, z: Array) -> bool:
     """
     blocks = list(problem.blocks(z, derivatives=False))
     for name in problem.outputs:
-        of_channel = [b for b in blocks if b.channel == name and b.residual.size > LAGS]
+        of_channel = [b for b in blocks if b.channel == name and b.residual.size > TESTED_LAGS]
         residuals = [b.residual - b.residual.mean() for b in of_channel]
         segments = (problem.segments[b.segment] for b in of_channel)
         reaches = [_own_lags(segment.input[segment.used[name]]) for segment in segments]

@@ -43,7 +43,7 @@ LEAST_SHARE = 0.18
 """Least share of the moving samples of an interpolated output that lie on a line: of 2.5 samples a
 reading a fifth do or more."""
 
-ALIKE = 0.8
+LEAST_EVEN_RUNS = 0.8
 """Least share of the runs of samples on a line whose length is that of the usual one, or one more
 or less."""
 
@@ -137,7 +137,7 @@ def _between_readings(time_s: Array, values: Array) -> BoolArray:
     if count < MOVING * moving.size or straight.sum() < LEAST_SHARE * count:
         return nothing
     lengths = _runs(straight)
-    if np.mean(np.abs(lengths - np.median(lengths)) <= 1) < ALIKE:
+    if np.mean(np.abs(lengths - np.median(lengths)) <= 1) < LEAST_EVEN_RUNS:
         return nothing
     corners = _runs(~straight & moving)
     single, pairs = int((corners == 1).sum()), int((corners == 2).sum())

@@ -29,7 +29,7 @@ UNDOUBTED = 0.9
 moves less and less. So it does where it goes so with the input behind a lag, with which one that
 falls goes the less."""
 
-LAGS = 9
+TRIED_LAGS = 9
 """Lags behind which an output is looked at for rising with the input, from one sample to
 `LONGEST_LAG` of the longest segment."""
 
@@ -168,7 +168,7 @@ def _rises_behind_a_lag(logs: LogSet) -> bool:
     segments = [segment for log in part for segment in log.segments()]
     shortest_s = min(log.period_s for log in part)
     longest_s = LONGEST_LAG * max(float(s.time_s[-1] - s.time_s[0]) for s in segments)
-    tried_s = np.geomspace(shortest_s, max(longest_s, shortest_s), LAGS)
+    tried_s = np.geomspace(shortest_s, max(longest_s, shortest_s), TRIED_LAGS)
     return any(correlation(part, lag_s=lag_s) >= UNDOUBTED for lag_s in tried_s.tolist())
 
 

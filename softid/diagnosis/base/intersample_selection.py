@@ -34,7 +34,7 @@ from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
 from softid.parallel import in_parallel
 
-ALIKE = 1.0
+TIE_DISTANCE = 1.0
 """Behaviours whose n·ln(mean square) differ by less explain alike, and the plainest is taken."""
 
 LITTLE_OF_GAIN = 0.02
@@ -124,7 +124,7 @@ def better_intersample(
     falls = in_parallel(fall, others)
     if max(falls) <= BETTER_BY:
         return None
-    alike = max(falls) - ALIKE
+    alike = max(falls) - TIE_DISTANCE
     return next(one for one, found in zip(others, falls, strict=True) if found > alike)
 
 

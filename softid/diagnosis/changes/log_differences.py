@@ -27,7 +27,7 @@ Array = npt.NDArray[np.float64]
 TAKES = 0.9
 """A difference must take away so much of the misfit above the noise."""
 
-ALIKE = 0.97
+RIVAL_SHARE = 0.97
 """Kinds that take away so much of what the best does are told beside it."""
 
 LARGEST_SHARE = 0.55
@@ -107,12 +107,12 @@ def log_differences(
         for change, rows in zip(changes, fitted, strict=True)
     ]
     ranked = np.argsort(falls[1:])[::-1] + 1
-    if zero_counts and falls[0] > ALIKE * falls[ranked[0]]:
+    if zero_counts and falls[0] > RIVAL_SHARE * falls[ranked[0]]:
         ranked = np.zeros(1, np.intp)
     most = falls[ranked[0]]
     if not most > TAKES:
         return None
-    alike = [k for k in ranked.tolist() if falls[k] > ALIKE * most]
+    alike = [k for k in ranked.tolist() if falls[k] > RIVAL_SHARE * most]
     outside = [k for k in alike if changes[k].kind not in reference.problem.free]
     alike = outside or alike  # what has a name of its own comes before a parameter
     sizes = tuple(size for _, size in fitted[alike[0]] if size is not None)

@@ -11,16 +11,16 @@ from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     BEYOND,
     HELD_INPUT,
-    LAGS,
     LEADS,
     LINEAR_FILTERS,
     LOWER_END,
     OWN_DAMPING,
     PRESLIDING,
     REPLACED,
-    RESONANCES,
     THINNING,
+    TWO_LAGS,
     TWO_LATE,
+    TWO_RESONANCES,
     EquivalenceClass,
 )
 from softid.diagnosis.verdict.separations import splitting_experiment, why_unsplit
@@ -120,16 +120,16 @@ def own_times(known: EquivalenceClass, extended: FitResult) -> tuple[str, ...]:
     Parameters
     ----------
     known
-        `LAGS` or `RESONANCES`; nothing for any other class.
+        `TWO_LAGS` or `TWO_RESONANCES`; nothing for any other class.
     extended
         The model with the cause.
     """
     own = {name: value for name, (value, _) in extended.derived.items()}
     tau, frequency = own.get("time_constant"), own.get("natural_frequency")
     damping = own.get("damping_ratio")
-    if known is RESONANCES and frequency and damping is not None:
+    if known is TWO_RESONANCES and frequency and damping is not None:
         return f"{1.0 / frequency:.4g} s", f"{damping:.4g}"
-    if known is not LAGS or tau is None:
+    if known is not TWO_LAGS or tau is None:
         return ()
     if not frequency or damping is None:
         return (f"{tau:.4g} s",)

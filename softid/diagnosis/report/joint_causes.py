@@ -7,7 +7,7 @@ from itertools import takewhile
 
 from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, own_places, own_times
 from softid.diagnosis.report.parameter_doubts import less_sure
-from softid.diagnosis.verdict.equivalence import LAGS, OWN_DAMPING, RESONANCES
+from softid.diagnosis.verdict.equivalence import OWN_DAMPING, TWO_LAGS, TWO_RESONANCES
 from softid.diagnosis_results import Cause, Diagnosis
 from softid.effects import belongs_to, effect_of
 from softid.effects.base import Effect
@@ -32,7 +32,7 @@ DYNAMIC = ("M", "N")
 CURVE = "static_curve"
 GAIN, ZERO = "sensor_gain_drift", "sensor_drift"
 
-COMMUTING = (*LAGS.effects, *RESONANCES.effects, "delay", ZERO, GAIN)
+COMMUTING = (*TWO_LAGS.effects, *TWO_RESONANCES.effects, "delay", ZERO, GAIN)
 """Keys of what a linear motion may as well come before as behind."""
 
 
@@ -149,7 +149,7 @@ def _with_own_lag(found: Diagnosis, fit: FitResult) -> Diagnosis:
     M ẍ + N ẋ + Q x = Q (τ₁ d/dt + 1) (τ₂ d/dt + 1) x where the motion does not ring, unless a law
     of the motion itself tells its own time from that of a gauge, a valve or a tube.
     """
-    times = own_times(LAGS, fit)
+    times = own_times(TWO_LAGS, fit)
     of_motion = any(effect_of(key).stage == "state" for key in fit.model.effects)
     if len(times) < TWO or of_motion:
         return found
@@ -180,7 +180,7 @@ def _beside_the_motion(extended: FitResult) -> list[Effect]:
         effect
         for side in (before, behind)
         for effect in takewhile(lambda one: one.key in COMMUTING, side)
-        for known in (LAGS, RESONANCES)
+        for known in (TWO_LAGS, TWO_RESONANCES)
         if effect.name in known.effects and own_times(known, extended)
     ]
 

@@ -36,7 +36,14 @@ LITTLE = 0.98
 ORDER = 4
 """Order of the polynomial that stands for the static curve."""
 
-LAGS = ("delay", "pneumatic_lag", "valve_flow", "line_resonance", "sensor_lag", "sensor_resonance")
+LAG_EFFECTS = (
+    "delay",
+    "pneumatic_lag",
+    "valve_flow",
+    "line_resonance",
+    "sensor_lag",
+    "sensor_resonance",
+)
 """Effects that are a lag behind one frequency, and little else."""
 
 
@@ -126,7 +133,7 @@ def static_share(problem: Problem, squares: float) -> float:
 def _one_frequency(base: BaseFit, answer: Diagnosis) -> tuple[Issue, ...]:
     problem = base.candidate.problem
     first, driving = problem.outputs[0], problem.logs[0].input
-    named = [cause for cause in answer.causes if cause.effect in LAGS]
+    named = [cause for cause in answer.causes if cause.effect in LAG_EFFECTS]
     tied = {name for tie in answer.alternatives for name in tie.effects}
     found = sine_lag(problem.logs, first, falls=_falls(base))
     if found is None or any(cause.effect in tied for cause in named):

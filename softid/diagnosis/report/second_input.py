@@ -24,7 +24,7 @@ Array = npt.NDArray[np.float64]
 FOLLOWS_SECOND_INPUT = "follows-second-input"
 """Code of the remark that a misfit goes with another channel."""
 
-LAGS = (0.0, 0.3, 1.0, 3.0)
+LAG_TIMES = (0.0, 0.3, 1.0, 3.0)
 """Time constants of the lags behind which the other channel is looked for, in units of the
 motion's."""
 
@@ -105,7 +105,7 @@ def _lagged(log: Log, name: str, time_s: Array, motion_s: float) -> Array:
     grid = np.arange(log.time_s[0], log.time_s[-1] + step_s, step_s)
     regular = np.interp(grid, log.time_s[finite], values[finite])
     rows = []
-    for lag in LAGS:
+    for lag in LAG_TIMES:
         decay = np.exp(-step_s / (lag * motion_s)) if lag else 0.0
         start = [decay * regular[0]]
         lagged, _ = lfilter([1.0 - decay], [1.0, -decay], regular, zi=start)

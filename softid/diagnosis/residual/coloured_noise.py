@@ -46,7 +46,7 @@ What is slower may be a drift or a creep as well."""
 LARGEST_THETA = 2.0 - 3.0**0.5
 """Largest coefficient of the moving average that means of exponentially correlated noise have."""
 
-LAGS = 20
+LARGEST_LAG = 20
 """Innovations are looked at for correlations up to this lag."""
 
 NOT_WHITE = 1e-4
@@ -344,9 +344,9 @@ def _likeliest(runs: Sequence[Array]) -> tuple[float, float]:
 
 def _p_of_white(innovations: Sequence[Array]) -> float:
     """Chance of such correlations within the runs; two coefficients were fitted."""
-    apart = np.full(LAGS, np.nan)
+    apart = np.full(LARGEST_LAG, np.nan)
     joined = np.concatenate([piece for part in innovations for piece in (part, apart)])
-    return ljung_box(joined, LAGS, fitted_parameters=2).p_value
+    return ljung_box(joined, LARGEST_LAG, fitted_parameters=2).p_value
 
 
 def _p_of_normal(values: Array) -> float:

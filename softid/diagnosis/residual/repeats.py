@@ -22,7 +22,7 @@ LEAST_REST_S = 30.0
 SWING = 0.25
 """An input turns where it comes back by this share of its range."""
 
-ALIKE = 2.0 * STILL
+REPEAT_TOLERANCE = 2.0 * STILL
 """One cycle repeats another while the input differs by no more than this share of its range."""
 
 MOST_TURNS = 6
@@ -137,14 +137,14 @@ def _rises(part: ResidualContext) -> Array:
 
 def _number_alike(part: ResidualContext, starts_s: Array) -> int:
     """How many cycles in a row are like the first, at the same phase and in length."""
-    tolerance = ALIKE * float(np.ptp(part.u))
+    tolerance = REPEAT_TOLERANCE * float(np.ptp(part.u))
     begin_s, end_s = starts_s[:2]
     inside = slice(*np.searchsorted(part.time_s, (begin_s, end_s)))
     since_s, first = part.time_s[inside] - begin_s, part.u[inside]
     looks = np.searchsorted(since_s, np.arange(LOOK_S, end_s - begin_s, LOOK_S))
     for k, (start_s, stop_s) in enumerate(pairwise(starts_s[1:].tolist()), start=1):
         stretch = (stop_s - start_s) / (end_s - begin_s)
-        if since_s.size < 2 or abs(stretch - 1.0) > ALIKE:
+        if since_s.size < 2 or abs(stretch - 1.0) > REPEAT_TOLERANCE:
             return k
         apart = np.abs(np.interp(start_s + stretch * since_s, part.time_s, part.u) - first)
         if any(piece.size and np.median(piece) > tolerance for piece in np.split(apart, looks)):

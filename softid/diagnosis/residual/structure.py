@@ -42,7 +42,7 @@ FINE_KNOTS = 21
 RIDGE = 1e-3
 """Penalty of the smooth function, as a share of the data's weight."""
 
-LAGS = (0.1, 0.5, 2.0)
+INPUT_LAGS = (0.1, 0.5, 2.0)
 """Lags of the input in units of the motion's time constant."""
 
 SLOW_PIECES = 4
@@ -246,7 +246,7 @@ def _features(
         "t": _basis(part.time_s, SLOW_PIECES),
     }
     lagged = []
-    for lag in LAGS:
+    for lag in INPUT_LAGS:
         delayed = np.interp(part.time_s - lag * motion_s, part.time_s, part.u)
         lagged.append(delayed - part.u)
     variables["lagged p"] = np.column_stack(lagged)

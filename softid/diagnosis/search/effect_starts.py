@@ -32,7 +32,7 @@ Array = npt.NDArray[np.float64]
 FRACTIONS = (1.0, 0.4, 0.1)
 """Fractions of a proposed start that are tried, with and without the base moved along."""
 
-ALIKE = 1e-9
+EQUAL_SQUARES = 1e-9
 """Of two starts whose sums of squares differ by less the first is taken, and rounding picks none:
 the shift may move the sensor's zero alone, which is at its best in both."""
 
@@ -87,7 +87,7 @@ def candidate_from(
             inside = np.clip(moved, lower, upper)
             start = start_unknowns(problem, fitted.problem, inside, named)
             squares = squares_at(problem, start, sigma)
-            if best is None or squares < (1.0 - ALIKE) * least:
+            if best is None or squares < (1.0 - EQUAL_SQUARES) * least:
                 best, least = start, squares
         if fitted.squares - least > KEPT * signature.drop:
             break

@@ -62,7 +62,7 @@ LAST_SURVIVORS = 4
 """Candidates that stay in the race for the last round. All of them also start with the times of
 inertia and lag exchanged, for which of two poles is whose has nothing to do with who leads."""
 
-ALIKE = 24.0
+FINAL_DISTANCE = 24.0
 """Distance from the leader, in n ln(S), up to which candidates stay for the last round beyond their
 number: a parameter more costs 8, and 12 of BIC tell no cause from another, so that a tie is not
 missed for the fifth of them."""
@@ -301,7 +301,7 @@ def _last_survivors(
     for k, candidate in enumerate(second):
         is_unconverged = _is_moving(candidate)
         asked = k < LAST_SURVIVORS or candidate.effects[-1].name in neighbours
-        asked = asked or -gain(second[0].squares, candidate) < ALIKE
+        asked = asked or -gain(second[0].squares, candidate) < FINAL_DISTANCE
         near = asked and candidate.squares <= (unconverged_limit if is_unconverged else limit)
         if near or (is_unconverged and candidate.effects[-1].key in promising[:FAVOURITES]):
             kept.append(candidate)

@@ -23,11 +23,11 @@ GONE = 0.1
 """Nothing is left of a motion whose times are less than this share of what they were, and than the
 shortest sampling interval: any log would show a slower one."""
 
-ALIKE = 0.1
+TIME_TOLERANCE = 0.1
 """A cause has the times of the motion where neither differs by more than this share of the
 longer."""
 
-LAGS = ("pneumatic_lag", "sensor_lag")
+LAG_CAUSES = ("pneumatic_lag", "sensor_lag")
 """Causes that are a motion of first order."""
 
 CURVES = ("dead_zone", "static_curve", "stiffening", "contact")
@@ -87,7 +87,7 @@ def _times(candidate: Candidate) -> Times | None:
 def _times_of(final: Candidate, effect: Effect) -> Times | None:
     """Those of a resonance or a lag."""
     values = own_values(effect, final.parameters)
-    if effect.name in LAGS:
+    if effect.name in LAG_CAUSES:
         return Times(values["tau"], 0.0)
     if "zeta" not in values:
         return None
@@ -101,5 +101,5 @@ def _is_like(one: Times | None, other: Times) -> bool:
         return False
     if one.swing_s == 0.0 and other.swing_s**2 <= GONE * other.late_s**2:
         other = other._replace(swing_s=0.0)
-    most = ALIKE * max(other)
+    most = TIME_TOLERANCE * max(other)
     return all(abs(a - b) <= most for a, b in zip(one, other, strict=True))

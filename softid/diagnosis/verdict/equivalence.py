@@ -263,14 +263,14 @@ LEADS = EquivalenceClass(
 )
 """A relaxation that begins while the actuator still moves."""
 
-LAGS = EquivalenceClass(
+TWO_LAGS = EquivalenceClass(
     ("a lag of the pneumatics", "a lag of the sensor"),
     ("pneumatic_lag", "sensor_lag"),
     "In a linear model a lag of the input and one of the sensor give the same output, and its time "
     "may change places with one of an actuator that does not ring",
     _FASTER,
 )
-RESONANCES = EquivalenceClass(
+TWO_RESONANCES = EquivalenceClass(
     ("a resonance of the supply line", "a resonance of the sensor"),
     ("line_resonance", "sensor_resonance"),
     "In a linear model a resonance before the actuator and one of the sensor give the same output, "
@@ -284,7 +284,7 @@ BY_DIRECTION = EquivalenceClass(
     "goes by different times follow the same law",
     "the pressure inside the actuator, or the motion after a push at a constant pressure",
 )
-LINEAR_FILTERS = (LAGS, RESONANCES, POLE_AND_ZERO, BY_DIRECTION)
+LINEAR_FILTERS = (TWO_LAGS, TWO_RESONANCES, POLE_AND_ZERO, BY_DIRECTION)
 """Linear operations may change places. A stiffness that goes with the pressure tells them apart."""
 
 
