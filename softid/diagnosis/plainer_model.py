@@ -21,18 +21,18 @@ from softid.effects.base import Effect
 from softid.errors import IdentificationError, Issue
 from softid.models.base import Model
 
-HOPELESS = 20.0
+HOPELESS_RATIO = 20.0
 """A plainer model with a first cause that leaves so many times the sum of squares that the chosen
 one leaves with its own is not looked at further."""
 
-NEAR = 4.0
+PAIR_RATIO = 4.0
 """A plainer model with two causes that leaves more than so many times the sum of squares that all
 causes of the chosen one leave is not searched further."""
 
-TRIED = 3
+TRIED_CAUSES = 3
 """Causes of the most promising signatures that show whether a plainer model comes near."""
 
-FAR = 8.0
+FIRST_RATIO = 8.0
 """A plainer model that leaves, with the best of the causes tried, more than so many times what the
 chosen one leaves with its first cause is not looked at further, where that cause alone leaves the
 chosen one no more than noise."""
@@ -146,11 +146,11 @@ class PlainerModels:
         Of two causes either may be the first, and leave much more than the other would.
         """
         is_one = self._settled is not None and len(self._settled.links) == 1
-        return (FAR if is_one else HOPELESS) * self.chosen.first.final.squares
+        return (FIRST_RATIO if is_one else HOPELESS_RATIO) * self.chosen.first.final.squares
 
     def _that_come_near(self, asked: Sequence[tuple[Request, CauseSearch]]) -> list[ModelSearch]:
         found = [ModelSearch(request, search, search.first_cause()) for request, search in asked]
-        most = HOPELESS * self.chosen.first.final.squares
+        most = HOPELESS_RATIO * self.chosen.first.final.squares
         return [m for m in found if m.first.links and m.first.final.squares < most]
 
     def likeliest(self) -> ModelSearch:
@@ -256,7 +256,7 @@ class PlainerModels:
 
         def searched(rival: ModelSearch) -> Chain:
             two = _two(rival)
-            if two.final.squares > NEAR * found.final.squares:
+            if two.final.squares > PAIR_RATIO * found.final.squares:
                 return two
             if is_named and len(found.links) <= 2 and rival.search.leaves_structure(two):
                 return two
@@ -283,7 +283,7 @@ def _first_look(search: CauseSearch) -> float:
     """Sum of squares with the best of the few causes that promise most."""
     base = search.base
     promising = screen(base.candidate, search.effects, base.scale, base.sigma)
-    keys = list(dict.fromkeys(signature.effect.key for signature in promising))[:TRIED]
+    keys = list(dict.fromkeys(signature.effect.key for signature in promising))[:TRIED_CAUSES]
     few = [effect for effect in search.effects if effect.key in keys]
     link = next_link(base.candidate, few, base.scale, base.sigma, FIRST, screened=promising)
     return base.candidate.squares if link is None else link.chosen.plain.squares

@@ -41,7 +41,7 @@ Array = npt.NDArray[np.float64]
 LEAST_HIDDEN = 0.1
 """Share of what causes leave that moments of jumps take away at least where they hide something."""
 
-ROUNDS = 2
+TIMING_ROUNDS = 2
 """Moments are estimated anew from what a search that knows them has found, so many times in all."""
 
 
@@ -84,7 +84,7 @@ def _chains(
     chain = known
     if _intersample(plain.logs) != _intersample(chain.final.problem.logs):
         yield chain
-    for _ in range(ROUNDS):
+    for _ in range(TIMING_ROUNDS):
         timed = timed_recordings(plain, search, chain.final)
         if timed is None:
             return

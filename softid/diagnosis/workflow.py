@@ -86,7 +86,7 @@ if TYPE_CHECKING:
 Answered = tuple[Diagnosis, BaseFit]
 """A diagnosis, and the base that it extends."""
 
-SETTLED = (Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS)
+CONCLUSIVE_VERDICTS = (Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS)
 """Verdicts that leave no more than noise."""
 
 HOLLOW = 3
@@ -255,7 +255,7 @@ def _searched(
         is_explained=unnamed and bool(others.all(last.base)),
     )
     if plainer is None:
-        is_settled = answer.verdict in SETTLED and base is search.base
+        is_settled = answer.verdict in CONCLUSIVE_VERDICTS and base is search.base
         other_model = models.explaining_as_well(asked, found.chain) if is_settled else None
         return with_other_model(answer, other_model), base
     other = _surest_answer(*searched(plainer))
@@ -306,7 +306,7 @@ def _surest_answer(
     if again is not None and again[0].verdict is not Verdict.UNKNOWN:
         return again
     again = over_plainer_model()
-    if again is not None and again[0].verdict in SETTLED:
+    if again is not None and again[0].verdict in CONCLUSIVE_VERDICTS:
         return again
     again = answered(search.search_from_other_causes(found.chain))
     if again is not None and again[0].verdict is not Verdict.UNKNOWN:

@@ -30,14 +30,14 @@ NOISE_STEPS = 0.5
 """What rounding to a grid adds to the noise on either side of a level, in steps of the grid: half a
 step."""
 
-STILL = 4.5
+STILL_RANGE = 4.5
 """Range of an input, in spreads of its noise, up to which all of it is one level. White noise of
 `MOST_SAMPLES` samples ranges over two of them; the noise of real sensors wanders, too."""
 
-ROUNDING = 1e-12
+ROUNDING_RANGE = 1e-12
 """Range, as a share of the values, that is no more than their rounding."""
 
-TURN = 0.1
+LEAST_TURN = 0.1
 """Share of the range that an input must move for the ends of the move to be turning points: less
 is a ripple upon a move."""
 
@@ -112,10 +112,10 @@ def describe_motion(time_s: Array, input_values: Array) -> Motion:
     thinning = -(-index.size // MOST_SAMPLES)
     index, values = fresh[::thinning], full[::thinning]
     span = float(values.max() - values.min())
-    still = span <= STILL * spread or span <= ROUNDING * float(np.abs(values).max())
+    still = span <= STILL_RANGE * spread or span <= ROUNDING_RANGE * float(np.abs(values).max())
     tolerance = max(spread, SMALLEST_MOTION * span)
     height = 2.0 * tolerance
-    turns = turning_points(values, max(TURN * span, height))
+    turns = turning_points(values, max(LEAST_TURN * span, height))
     tubes = tuple(
         part
         for tube in _tubes(values, height)

@@ -31,20 +31,20 @@ GOLDEN = 0.6180339887498949
 MIN_NOISE_SAMPLES = 20
 """Fewer differences tell their spread to no better than a fifth or so."""
 
-NEIGHBOURS = (3, 4, 5, 6, 7)
+DIFFERENCE_SAMPLES = (3, 4, 5, 6, 7)
 """Samples in a difference. Fewer do not remove a bend; more remove faster motion but span so long a
 window that jumps are in nearly all of them."""
 
 LONGEST_WINDOW = 4.0
 """A window that lasts so many times what it should spans a gap."""
 
-ROUNDING = 1e-9
+ROUNDING_NOISE = 1e-9
 """Noise as a share of the range that is no more than the rounding of the file."""
 
-TINY = 1e-12
+NO_NOISE = 1e-12
 """Noise as a share of the values that is no more than the rounding of their arithmetic."""
 
-EVEN = 1e-6
+EVEN_SPREAD = 1e-6
 """Relative spread of the sampling intervals up to which all windows share one set of weights."""
 
 
@@ -89,13 +89,14 @@ def noise_std(
     quantum = step or 0.0
     dither = quantum * ((np.arange(fresh.size) * GOLDEN) % 1.0 - 0.5)
     spreads = []
-    for neighbours in NEIGHBOURS:
+    for neighbours in DIFFERENCE_SAMPLES:
         differences = _divided_differences(times, picked + dither, allowed, neighbours)
         if differences.size >= MIN_NOISE_SAMPLES:
             spreads.append(float(np.quantile(np.abs(differences), ONE_SIGMA)))
     if not spreads:
         return None
-    if min(spreads) <= ROUNDING * float(np.ptp(picked)) + TINY * float(np.abs(picked).max()):
+    largest = float(np.abs(picked).max())
+    if min(spreads) <= ROUNDING_NOISE * float(np.ptp(picked)) + NO_NOISE * largest:
         return 0.0
     variance = min(spreads) ** 2 - quantum**2 / 6.0
     if variance <= (UNRESOLVED_STEPS * quantum) ** 2:
@@ -135,7 +136,7 @@ def _divided_differences(
 ) -> Array:
     """Normalised divided differences of the windows that are allowed and span no gap."""
     intervals = np.diff(time_s)
-    if allowed.all() and intervals.size and np.ptp(intervals) <= EVEN * intervals.min():
+    if allowed.all() and intervals.size and np.ptp(intervals) <= EVEN_SPREAD * intervals.min():
         return _even_differences(values, neighbours)
     windows = np.lib.stride_tricks.sliding_window_view
     longest = LONGEST_WINDOW * neighbours * float(np.median(intervals))

@@ -26,7 +26,7 @@ LATTICE_SHARE = 0.95
 """Share of the values that must lie on the grid: the others are sentinels and means of two
 samples."""
 
-ROUNDING = 1e-7
+SAME_VALUE = 1e-7
 """Values that differ by less than this share of the largest are one, printed twice."""
 
 NEAR_SMALLEST = 1.2
@@ -81,7 +81,7 @@ SAME_PHASE = 0.97
 REGULAR_CHANGES = 30
 """Fewer changes are on a beat of two or three by chance, or in a staircase with equal holds."""
 
-REVERSALS = 0.25
+NOISY_REVERSALS = 0.25
 """Share of the changes that turn round from which a channel is noisy: those of white noise do in
 two of three cases, those of a slow ramp never."""
 
@@ -195,7 +195,7 @@ def find_quantisation(values: Array) -> Quantisation | None:
     distinct = np.unique(values[np.isfinite(values)])
     if distinct.size < MIN_LEVELS:
         return None
-    rounding = ROUNDING * float(np.abs(distinct).max())
+    rounding = SAME_VALUE * float(np.abs(distinct).max())
     distinct = distinct[np.concatenate([[True], np.diff(distinct) > rounding])]
     if distinct.size < MIN_LEVELS:
         return None
@@ -291,7 +291,7 @@ def _regular_hold(values: Array, step: float | None) -> int | None:
     moves = values[changes] - values[changes - 1]
     turning = float(np.mean((moves[1:] > 0) != (moves[:-1] > 0)))
     leaping = float(np.mean(np.abs(moves) >= LEAP * (step or 0.0)))
-    if turning < REVERSALS and leaping < LEAPS:
+    if turning < NOISY_REVERSALS and leaping < LEAPS:
         return None
     usual = float(np.median(np.diff(changes)))
     for k in range(MOST_REGULAR_HOLD, 1, -1):

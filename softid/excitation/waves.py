@@ -23,7 +23,7 @@ WAVE_MARGIN = 0.7
 """Cycles by which a wave reaches beyond its first and last turning point: the extremes next to them
 are half a cycle away and have a width."""
 
-MOSTLY = 0.5
+INSIDE_SHARE = 0.5
 """Share of a hold inside a wave from which it belongs to it."""
 
 
@@ -67,7 +67,7 @@ def long_waves(motion: Motion) -> list[tuple[int, int]]:
 def _is_extreme(motion: Motion, span: tuple[int, int], wave: tuple[int, int]) -> bool:
     """Whether a hold lies for the most part inside a wave and is shorter than its half cycles."""
     overlap = min(span[1], wave[1]) - max(span[0], wave[0])
-    if overlap <= MOSTLY * (span[1] - span[0]):
+    if overlap <= INSIDE_SHARE * (span[1] - span[0]):
         return False
     times, turns = motion.time_s, motion.turns
     nearest = np.sort(np.abs(turns - span[0]).argsort()[:5])

@@ -25,7 +25,7 @@ STRONGLY_CORRELATED = 0.95
 """Correlation of a2 and b2 beyond which only the curve is told: not knowing the one then makes the
 standard error of the other 1/√(1 − 0.95²) = 3.2 times what it would be."""
 
-STEEPNESS = np.linspace(-12.0, 12.0, 97)
+TRIED_STEEPNESS = np.linspace(-12.0, 12.0, 97)
 """b2 times the range of the pressure, tried at the start; the limits bound the estimate."""
 
 _GOLDEN_STEPS = 60
@@ -166,7 +166,7 @@ def _exponential(p: Array, force: Array, velocity: Array) -> Array:
     span = float(np.ptp(p))
     if span == 0.0:
         return np.array([0.0, 0.0, _constant(force, velocity)[0]])
-    grid = STEEPNESS[STEEPNESS != 0.0] / span
+    grid = TRIED_STEEPNESS[TRIED_STEEPNESS != 0.0] / span
     costs = [_given_b2(b2, p, force, velocity)[1] for b2 in grid]
     best = int(np.argmin(costs))
     low, high = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]

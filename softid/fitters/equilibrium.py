@@ -30,7 +30,7 @@ DAMPING_RATIOS: Array = np.geomspace(0.01, 3.0, 121)
 """Values of C_d that are tried, in units of the critical damping at the last level and 5 % apart.
 From a hundredth of it, where a swing loses 6 % from period to period, to where nothing swings."""
 
-MASSES: Array = np.geomspace(0.05, 20.0, 161)
+TRIED_MASSES: Array = np.geomspace(0.05, 20.0, 161)
 """Constant values of C_m that are tried, 4 % apart; the period is interpolated between them. That
 of small swings goes nearly as √C_m, so that the grid spans a factor of 20 in it."""
 
@@ -181,7 +181,7 @@ def _told(
 def _best_mass(run: Callable[[Array], Swings], damped: Array, period_s: float, where: str) -> float:
     """The constant C_m at which the period is the record's, between two points of the grid."""
     masses, periods = [], []
-    for mass in MASSES.tolist():
+    for mass in TRIED_MASSES.tolist():
         found = run(_moved(damped, "c", mass)).period_s
         if found is not None:
             masses.append(mass)

@@ -17,7 +17,7 @@ from softid.fitters.residual_whiteness import (
 
 Array = npt.NDArray[np.float64]
 
-FEWEST = 10 * TESTED_LAGS
+FEWEST_RESIDUALS = 10 * TESTED_LAGS
 """Residuals per channel from which their autocorrelation says anything."""
 
 DETERMINED = 0.1
@@ -64,6 +64,6 @@ def _determined(problem: Problem, found: Minimum) -> bool:
 
 def _white(residuals: list[Array]) -> bool:
     n = sum(r.size for r in residuals)
-    if n < FEWEST or not any(r.any() for r in residuals):
+    if n < FEWEST_RESIDUALS or not any(r.any() for r in residuals):
         return False
     return n * squared_autocorrelation(residuals, TESTED_LAGS) <= largest_sum(WHITE_SDS)

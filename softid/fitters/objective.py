@@ -30,7 +30,7 @@ DRAFT_EVALUATIONS = 60
 """Evaluations of a draft, twice those of a scout: it is compared with other drafts, or begins next
 to its optimum."""
 
-TOLERANCE = 1e-3
+RESTING_OFFSET = 1e-3
 """`attainable_offset` at which a run ends: a thousandth of a standard error. A fit asks for fifty
 times as much, which leaves room for runs that rounding stops in between."""
 
@@ -38,7 +38,7 @@ MAX_PLANS = 6
 """Divisions of the steps that one run goes through at most. Each optimum may call for another one,
 and two may call for each other by turns: then the last stays."""
 
-NEAR = 1e-2
+LAST_STEP_OFFSET = 1e-2
 """`attainable_offset` from which the next step of a run over many samples is taken for the last:
 the columns, which cost a half more, are then kept at its end and nowhere else."""
 
@@ -196,7 +196,7 @@ class Objective:
         start: Array,
         evaluations: int,
         *,
-        tolerance: float = TOLERANCE,
+        tolerance: float = RESTING_OFFSET,
         bends: bool = True,
         damping: float | None = None,
     ) -> Minimum:
@@ -217,7 +217,7 @@ class Objective:
         """
         limits = *self.problem.bounds(), self.problem.reach()
         lower, upper, _ = limits
-        rough = evaluations <= SCOUT_EVALUATIONS or tolerance > TOLERANCE
+        rough = evaluations <= SCOUT_EVALUATIONS or tolerance > RESTING_OFFSET
 
         def run(point: Array, aim: float, damping: float | None) -> Minimum:
             bend = self.bend if bends else None
@@ -234,9 +234,9 @@ class Objective:
         point = np.clip(start, lower, upper)
         self.plans = self._plans(point)
         sums_first = not rough and CHEAP_ENTRIES < self._entries <= SUMMED_ENTRIES
-        found = run(point, max(tolerance, NEAR) if sums_first else tolerance, damping)
+        found = run(point, max(tolerance, LAST_STEP_OFFSET) if sums_first else tolerance, damping)
         for _ in range(0 if rough else MAX_PLANS - 1):
-            on_the_way = sums_first and tolerance < found.offset <= NEAR
+            on_the_way = sums_first and tolerance < found.offset <= LAST_STEP_OFFSET
             point = next_point(found, *limits) if on_the_way else found.point
             plans = self._plans(point)
             same = _same(plans, self.plans)

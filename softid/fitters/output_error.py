@@ -19,8 +19,8 @@ from softid.fitters.levenberg_marquardt import Minimum, attainable_offset, movab
 from softid.fitters.normal_equations import Linearised
 from softid.fitters.objective import (
     DRAFT_EVALUATIONS,
+    RESTING_OFFSET,
     SCOUT_EVALUATIONS,
-    TOLERANCE,
     Objective,
 )
 from softid.fitters.problem import Problem
@@ -56,13 +56,13 @@ MAX_ROUNDS = 4
 """Rounds of restarts at most. Each one that finds something better calls for another; a fit that
 still improves in the last is not called converged."""
 
-BETTER = 1e-3
+LEAST_COST_DROP = 1e-3
 """Share by which the cost of a rival is lower: a thousandth, below which rivals are alike."""
 
 BETTER_SAMPLES = 4.0
 """Samples of white noise whose weight a rival's cost is lower by at least, where that is less than
-`BETTER`, beyond 4000 samples: a cost lower by what four of them weigh is a χ² lower by 4, two
-standard errors of one parameter."""
+`LEAST_COST_DROP`, beyond 4000 samples: a cost lower by what four of them weigh is a χ² lower by 4,
+two standard errors of one parameter."""
 
 RELEASE_EVALUATIONS = 60
 """Evaluations of the last run, without the prior. It begins at the optimum with the prior, which
@@ -226,7 +226,7 @@ def _basin(
     their weights have to settle first.
     """
     polished = _all_polished(objective, contenders, DRAFT_EVALUATIONS)
-    creeping = [row for row in polished if row[0].offset > TOLERANCE]
+    creeping = [row for row in polished if row[0].offset > RESTING_OFFSET]
     best, start = min(polished, key=cost_of)
     objective.set_prior(start, best)
     report("refining the best starts", 0.4)
@@ -317,7 +317,7 @@ def _challenge(
             point[:n_free] += RESTART_SPREAD * size * rng.standard_normal(n_free)
             points.append(point)
         rivals = scouts(objective, points, SCOUT_EVALUATIONS)
-        margin = min(BETTER, BETTER_SAMPLES / max(best.normal.n, 1))
+        margin = min(LEAST_COST_DROP, BETTER_SAMPLES / max(best.normal.n, 1))
         if best.normal.cost <= 0.5 * best.normal.n * RESIDUAL_FLOOR**2:
             return best, True  # what is left is rounding, and a rival's is as likely to be less
         if not rivals or rivals[0][0].normal.cost > best.normal.cost * (1 - margin):

@@ -35,11 +35,11 @@ Array = npt.NDArray[np.float64]
 _Led = tuple[float, Mapping[str, float]]
 """The cost at the end of a run, and the parameters there."""
 
-ENOUGH = 20_000
+SAMPLES_TO_SEARCH = 20_000
 """Samples from which on ringing motions are looked for in the beginnings of the logs only: a false
 frequency is as false there, and what is found is fitted to all samples."""
 
-PIECES = (64, 32, 16, 8, 4, 2)
+PIECE_COUNTS = (64, 32, 16, 8, 4, 2)
 """Pieces into which all segments are cut together, in turn. Over twice the time a motion that kept
 step falls out of it by no more than twice as much."""
 
@@ -47,10 +47,10 @@ WORTH_PURSUING = 1.02
 """A rival is dropped when over the shortest pieces, where no simulation falls out of step, it costs
 this many times what the optimum costs there."""
 
-SAME = 1e-3
+SAME_COST = 1e-3
 """Two starts whose costs over the same pieces differ by no more than this share have met."""
 
-BETTER = 0.999
+BETTER_COST = 0.999
 """Share of the optimum's cost below which a rival takes its place; within it they are alike."""
 
 MOST_PURSUED = 6
@@ -86,7 +86,7 @@ that time is seen."""
 ACTIVITY_SHARE = 0.005
 """Share of a segment over which the change of the input is its activity."""
 
-LEVELS = 20
+DAMPING_LEVELS = 20
 """Inputs at which the damping ratio of an optimum is looked at."""
 
 
@@ -118,7 +118,7 @@ def best_rival(
     search = Objective(problem, sigma)
     found = search(best.point)
     values = problem.values(found.point)
-    point, cost = best.point, BETTER * found.cost
+    point, cost = best.point, BETTER_COST * found.cost
     starts = [other.values_dict() for other in problem.model.alternatives(values)]
     for ended, taken in in_parallel(partial(_scouted, problem, sigma), starts, small=True):
         search.evaluations += taken
@@ -130,12 +130,12 @@ def best_rival(
         return point, search.evaluations
     if not (_rings(problem, point) or swings(problem, point)):
         return point, search.evaluations
-    part = informative_beginning(problem, ENOUGH)
+    part = informative_beginning(problem, SAMPLES_TO_SEARCH)
     if part is problem:
         rival, used = _ringing_rival(problem, sigma, point, cost)
         return rival, search.evaluations + used
     there = Objective(part, sigma).solve(part.unknowns(problem.values(point)), SCOUT_EVALUATIONS)
-    rival, used = _ringing_rival(part, sigma, there.point, BETTER * there.normal.cost)
+    rival, used = _ringing_rival(part, sigma, there.point, BETTER_COST * there.normal.cost)
     if rival is not there.point:
         ended = search.solve(problem.unknowns(part.values(rival)), SCOUT_EVALUATIONS)
         point = ended.point if ended.normal.cost < cost else point
@@ -185,7 +185,7 @@ class _Ladder:
         if not rings:
             return point
         incumbent = problem.values(point)
-        cut, *longer = (PiecewiseProblem(problem, count) for count in PIECES)
+        cut, *longer = (PiecewiseProblem(problem, count) for count in PIECE_COUNTS)
         starts = [(incumbent, SCOUT_EVALUATIONS)]
         starts += [(start.values_dict(), SORTING_EVALUATIONS) for start in rings]
         own, *others = self._all_led(cut, starts)
@@ -227,7 +227,7 @@ class _Ladder:
         """Where the longer pieces lead; None where another start has come by the same point."""
         for pieces, costs in zip(longer, reached, strict=True):
             cost, values = self._led(pieces, values, SCOUT_EVALUATIONS)
-            if any(abs(cost - other) <= SAME * other for other in costs):
+            if any(abs(cost - other) <= SAME_COST * other for other in costs):
                 return None
             costs.append(cost)
         return values
@@ -278,7 +278,7 @@ def _rings(problem: Problem, z: Array) -> bool:
     values = problem.values(z)
     low = min(float(s.input.min()) for s in problem.segments)
     high = max(float(s.input.max()) for s in problem.segments)
-    for level in np.linspace(low, high, LEVELS).tolist():
+    for level in np.linspace(low, high, DAMPING_LEVELS).tolist():
         for name, (value, _) in problem.model.derived(values, (level, level)).items():
             if name.startswith("damping_ratio") and value < 1.0:
                 return True

@@ -17,7 +17,7 @@ from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
-TAIL = 0.3
+HOLD_TAIL = 0.3
 """Levels are read from the last part of each hold, when the motion has stopped."""
 
 MIN_SAMPLES = 4
@@ -33,7 +33,7 @@ def levels(
     output: str | None = None,
     geometry: ArcGeometry | None = None,
     zero: bool = False,
-    tail: float = TAIL,
+    tail: float = HOLD_TAIL,
 ) -> LevelsFit:
     """Fit the sigmoid to the settled stretches of step logs; see `levels_from_arrays`.
 

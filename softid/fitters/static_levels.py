@@ -28,10 +28,10 @@ UNKNOWN = 10.0
 SAME_LEVEL = 0.01
 """Pressures closer than this share of their range are one level."""
 
-STEEPNESS = np.geomspace(0.5, 40.0, 25)
+TRIED_STEEPNESS = np.geomspace(0.5, 40.0, 25)
 """b1 times the range of the pressure, tried at the start."""
 
-MIDPOINTS = np.linspace(-0.5, 1.5, 33)
+TRIED_MIDPOINTS = np.linspace(-0.5, 1.5, 33)
 """Midpoint of the sigmoid as a fraction of the range of the pressure, tried at the start."""
 
 _ADVICE = {
@@ -212,7 +212,7 @@ def _with_zero(theta: Array, p: Array) -> tuple[Array, Array]:
 def _start(p: Array, x: Array, zero: bool) -> Array:
     """Best of the grid; the height 1/a1 and the zero are linear in the recorded x."""
     low, span = float(p.min()), float(np.ptp(p))
-    tried = np.array(list(product(STEEPNESS / span, low + span * MIDPOINTS)))
+    tried = np.array(list(product(TRIED_STEEPNESS / span, low + span * TRIED_MIDPOINTS)))
     exponent = tried[:, :1] * (p - tried[:, 1:])
     shape = 1.0 / (1.0 + np.exp(-np.clip(exponent, -500.0, 500.0)))
     shape_mean = shape.mean(axis=1, keepdims=True) if zero else 0.0

@@ -24,24 +24,24 @@ from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
-SAMPLES = 2000
+KEPT_RESIDUALS = 2000
 """Residuals that are left, about, or more where the blocks would become too long."""
 
-LONGEST = 8
+LONGEST_BLOCK = 8
 """Most samples in a block. A log of 100,000 samples in blocks of 50, longer than its motion takes,
 led beside the basin, and the fit took twice as long as without."""
 
 WORTHWHILE = 0.5
 """Largest share of the steps of all samples that block averages may take."""
 
-WHOLE = 0.5
+LEAST_WHOLE_BLOCKS = 0.5
 """Least share of the residuals that lie in blocks of which no sample is missing: an output that is
 read once in three rows has no such block."""
 
 WINDOWED = 2500
 """Samples in all windows together."""
 
-WINDOWS = 2
+MOST_PER_LOG = 2
 """One window in the middle of a log is half the work around the same samples; where it does not
 show the motion, two, which begin and end with the log."""
 
@@ -55,7 +55,7 @@ COVERED = 0.8
 LASTING = 10.0
 """Time constants that a window must last."""
 
-LEVELS = 5
+TIME_LEVELS = 5
 """Inputs at which the time constant of a start is looked at."""
 
 LEAST_SAVING = 4
@@ -125,7 +125,7 @@ class WindowedProblem(PiecewiseProblem):
         How many of them: in a single segment side by side, else one in each of so many segments.
     """
 
-    def __init__(self, whole: Problem, windows: int = WINDOWS) -> None:
+    def __init__(self, whole: Problem, windows: int = MOST_PER_LOG) -> None:
         self._adopt(whole)
         segments = whole.plain_segments
         widest = sorted(range(len(segments)), key=lambda k: -float(np.ptp(segments[k].input)))
@@ -145,7 +145,9 @@ class WindowedProblem(PiecewiseProblem):
 
 def _numbers_of_windows(segments: int) -> range:
     """How many windows are tried, in turn: one first in a single segment, else one in each."""
-    return range(1, WINDOWS + 1) if segments == 1 else range(min(segments, MOST_WINDOWED), 0, -1)
+    if segments == 1:
+        return range(1, MOST_PER_LOG + 1)
+    return range(min(segments, MOST_WINDOWED), 0, -1)
 
 
 def rough_problem(problem: Problem, z: Array) -> Problem | None:
@@ -166,7 +168,7 @@ def rough_problem(problem: Problem, z: Array) -> Problem | None:
     length = thinning(problem)
     if length > 1:
         averaged = ThinnedProblem(problem, length)
-        holds_most = averaged.n_samples >= WHOLE * problem.n_samples / length
+        holds_most = averaged.n_samples >= LEAST_WHOLE_BLOCKS * problem.n_samples / length
         if holds_most and _steps(averaged, z) <= WORTHWHILE * _steps(problem, z):
             return averaged
     return None
@@ -188,7 +190,7 @@ def _show_the_motion(windows: Problem, whole: Problem, z: Array) -> bool:
     shortest_s = min(float(s.time_s[-1] - s.time_s[0]) for s in windows.segments)
     times_s = [
         value
-        for level in np.linspace(low, high, LEVELS).tolist()
+        for level in np.linspace(low, high, TIME_LEVELS).tolist()
         for name, (value, _) in whole.model.derived(values, (level, level)).items()
         if name.startswith("time_constant")
     ]
@@ -270,7 +272,7 @@ def _steps(problem: Problem, z: Array) -> int:
 def thinning(problem: Problem) -> int:
     """Samples in a block of averages; 1 where the problem is small or its segments are short."""
     shortest = min((s.time_s.size for s in problem.segments), default=0)
-    return max(1, min(problem.n_samples // SAMPLES, shortest // LEAST_BLOCKS, LONGEST))
+    return max(1, min(problem.n_samples // KEPT_RESIDUALS, shortest // LEAST_BLOCKS, LONGEST_BLOCK))
 
 
 def _averaged(segment: Segment, length: int) -> Segment:

@@ -25,7 +25,7 @@ Array = npt.NDArray[np.float64]
 AVERAGED = "averaged"
 """What the record of a fit says of an input whose noise was taken away."""
 
-REACH = 10
+FURTHEST_NEIGHBOUR = 10
 """Samples to either side through which a parabola goes at most where the input moves."""
 
 PASSES = 2
@@ -45,7 +45,7 @@ many standard errors of the level between them: it may slope there, but hardly b
 PARABOLA = 9.0 / 4.0
 """Variance of a parabola's value in the middle of many samples, in units of their mean's."""
 
-FEWEST = 5
+FEWEST_NEIGHBOURS = 5
 """Samples that show how a course bends; a parabola through three takes no noise away."""
 
 
@@ -96,7 +96,7 @@ def _smoothed_where_held(recorded: Array, course: Array, sigma: float) -> Array:
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import
 
-    found, inside = course, REACH
+    found, inside = course, FURTHEST_NEIGHBOUR
     held = np.ones(recorded.size, bool)
     for reach in LONGER_REACHES:
         width, count = 2 * reach + 1, 2 * (reach - inside)
@@ -137,7 +137,7 @@ def _smoothed(values: Array, limit: float) -> Array:
     s0, s2, s4 = np.ones(values.size), np.zeros(values.size), np.zeros(values.size)
     y0, y2 = values.copy(), np.zeros(values.size)
     goes_on = np.ones(values.size, bool)
-    for k in range(1, min(REACH, (values.size - 1) // 2) + 1):
+    for k in range(1, min(FURTHEST_NEIGHBOUR, (values.size - 1) // 2) + 1):
         middle, before, after = values[k:-k], values[: -2 * k], values[2 * k :]
         alike = (np.abs(before - middle) <= limit) & (np.abs(after - middle) <= limit)
         goes_on[:k] = goes_on[-k:] = False
@@ -147,7 +147,7 @@ def _smoothed(values: Array, limit: float) -> Array:
         s0, s2, s4 = s0 + count, s2 + count * k**2, s4 + count * k**4
         y0[k:-k] += pair
         y2[k:-k] += pair * k**2
-    bends = s0 >= FEWEST
+    bends = s0 >= FEWEST_NEIGHBOURS
     spread = np.where(bends, s0 * s4 - s2**2, 1.0)
     smooth: Array = np.where(bends, (s4 * y0 - s2 * y2) / spread, values)
     return smooth

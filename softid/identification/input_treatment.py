@@ -126,18 +126,19 @@ def _same_course(one: Log, other: Log) -> bool:
     return all(np.array_equal(a.input, b.input) for a, b in pairs)
 
 
-WAYS: Mapping[Intersample | None, str] = {
+HOLDING_WORDS: Mapping[Intersample | None, str] = {
     "held": "only where it jumps",
     "zoh": "at every sample",
 }
+"""Where an input is held, as the remark on a log that is held otherwise says it."""
 
 
 def _told(log: Log) -> Log:
     issue = Issue(
         HELD_OTHERWISE,
         "info",
-        f"{log.name}: {log.input} held {WAYS[log.intersample]} explains it better than held as in "
-        "the fitted logs, which do not tell the two apart, and is taken so",
+        f"{log.name}: {log.input} held {HOLDING_WORDS[log.intersample]} explains it better than "
+        "held as in the fitted logs, which do not tell the two apart, and is taken so",
         "declare it with --intersample",
     )
     return replace(log, issues=(*log.issues, issue))

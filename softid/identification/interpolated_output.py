@@ -28,10 +28,10 @@ LARGE, STRAIGHT = 0.95, 0.01
 """A sample lies on the line through its neighbours when it is off by less than this share of how
 far one in twenty is: noise and curves come so near by chance in one of sixty samples."""
 
-STILL = 1e-6
+STILL_BEND = 1e-6
 """Where the neighbours differ by less than this share of the range nothing moves."""
 
-LOOKS = 2000
+FIRST_SAMPLES = 2000
 """Samples, about, that are looked at first, and show in most logs that an output is not
 interpolated."""
 
@@ -128,7 +128,7 @@ def _between_readings(time_s: Array, values: Array) -> BoolArray:
     if values.size < 4 or not np.isfinite(values).all():
         return nothing
     inner = np.arange(1, values.size - 1)
-    few = inner[:: max(inner.size // LOOKS, 1)]
+    few = inner[:: max(inner.size // FIRST_SAMPLES, 1)]
     straight, moving = _on_lines(time_s, values, few)
     if straight.sum() < 0.5 * LEAST_SHARE * max(int(moving.sum()), 1):
         return nothing
@@ -156,7 +156,7 @@ def _on_lines(time_s: Array, values: Array, at: IntArray) -> tuple[BoolArray, Bo
     before_s, after_s = time_s[at] - time_s[at - 1], time_s[at + 1] - time_s[at]
     line = (values[at - 1] * after_s + values[at + 1] * before_s) / (before_s + after_s)
     off = np.abs(values[at] - line)
-    moving = np.abs(values[at + 1] - values[at - 1]) > STILL * float(np.ptp(values))
+    moving = np.abs(values[at + 1] - values[at - 1]) > STILL_BEND * float(np.ptp(values))
     return (off < STRAIGHT * float(np.quantile(off, LARGE))) & moving, moving
 
 

@@ -20,7 +20,7 @@ IntArray = npt.NDArray[np.intp]
 LEAST_CORNERS = 20
 """Corners that a clock is found from."""
 
-FIRST = 64
+FIRST_CORNERS = 64
 """Corners that are looked at first, then twice as many, and so on: the period gets sharper."""
 
 TIMED, AT_TIMES = 0.25, 0.5
@@ -31,7 +31,7 @@ SAMPLED = 0.02
 """Distance, as a share of the bends between readings, within which samples must lie of the
 readings."""
 
-MOST = 0.98
+LEAST_NEAR_READINGS = 0.98
 """Share of the samples that must lie within `SAMPLED` of the readings."""
 
 TOLD = 0.05
@@ -62,9 +62,9 @@ def reading_clock(time_s: Array, values: Array, straight: BoolArray) -> SensorCl
     if corners_s.size < LEAST_CORNERS:
         return None
     row_s = even_interval_s(time_s)
-    clock = _first_clock(corners_s[:FIRST], row_s)
-    doublings = int(np.ceil(np.log2(max(corners_s.size / FIRST, 1.0))))
-    for count in (FIRST * 2 ** np.arange(doublings + 2)).tolist():
+    clock = _first_clock(corners_s[:FIRST_CORNERS], row_s)
+    doublings = int(np.ceil(np.log2(max(corners_s.size / FIRST_CORNERS, 1.0))))
+    for count in (FIRST_CORNERS * 2 ** np.arange(doublings + 2)).tolist():
         seen_s = corners_s[:count]
         number = np.round((seen_s - clock.first_s) / clock.period_s)
         missed_s = np.abs(seen_s - clock.first_s - clock.period_s * number)
@@ -126,7 +126,7 @@ def readings_at(taken_s: Array, time_s: Array, values: Array) -> Array | None:
     found: Array = solveh_banded(banded, right)
     missed = np.abs(weights[0] * found[before] + weights[1] * found[before + 1] - values)
     bend = float(np.median(np.abs(np.diff(found, 2))))
-    if float(np.quantile(missed, MOST)) > SAMPLED * bend:
+    if float(np.quantile(missed, LEAST_NEAR_READINGS)) > SAMPLED * bend:
         return None
     return np.where(is_told, found, np.nan)
 

@@ -34,7 +34,7 @@ LONG = 100_000
 """Where the logs have more samples, beginnings of together so many are looked at: how an input is
 recorded does not change."""
 
-LOOKS = 2
+FIRST_EVALUATIONS = 2
 """Evaluations before the promise of the normal equations is asked."""
 
 TRUSTED = 3.0
@@ -188,7 +188,7 @@ def explains_better(own: Explained, other: LogSet, by: float = BETTER_BY) -> boo
     wanted = own.misfit - by
     if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:
         looking = Objective(changed, dict.fromkeys(problem.outputs, 1.0))
-        there = looking.solve(own.unknowns, LOOKS, bends=False).normal
+        there = looking.solve(own.unknowns, FIRST_EVALUATIONS, bends=False).normal
         if np.isfinite(there.cost) and _promised(there) > wanted:
             return False
     values = problem.values(own.unknowns)

@@ -14,7 +14,7 @@ TOO_LATE = 30.0
 """A spring that would bring the motion back in more lengths of the longest log is none: by the end
 of that its force is a thirtieth of the damping's."""
 
-LEVELS = 9
+SWING_LEVELS = 9
 """Inputs over the fitted range at which the swing is looked at."""
 
 
@@ -79,7 +79,7 @@ def _aliased(
     if spec.options.get("order") != "second":
         return None
     slowest_hz = float("inf")
-    for level in np.linspace(*input_range, LEVELS).tolist():
+    for level in np.linspace(*input_range, SWING_LEVELS).tolist():
         derived = model.derived(values, (level, level))
         swing = _one(derived, "natural_frequency")
         ratio = _one(derived, "damping_ratio")

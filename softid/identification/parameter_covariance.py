@@ -42,7 +42,7 @@ OWN_NOISE_SAMPLES = 100
 Logs whose residuals differ in size, pooled into one model, had intervals that covered 84 % in place
 of 97 %."""
 
-WIDEST = 2
+WIDEST_MEANS = 2
 """Every log brings a zero of its own, so that rows of many logs are long; averages over so many
 times the samples make up for that, and no more, for they would miss too much."""
 
@@ -53,7 +53,7 @@ stays; noise of half a step blurs it."""
 SILENT = 0.25
 """Noise at the end of a sensor's range, as a share of that elsewhere, below which it is clipped."""
 
-NOTHING = 1e-6
+ROUNDING_SHARE = 1e-6
 """Share of the largest derivative by a limit that is rounding."""
 
 EXACTLY = 100.0
@@ -210,7 +210,7 @@ def _covariance_of_means(
     if optimum.linearised is not None or problem.n_samples * problem.size <= SUMMED_ENTRIES:
         return None
     rows, channels = sum(s.time_s.size for s in problem.segments), len(problem.outputs)
-    width = min(max(N_COLUMNS, columns.size), WIDEST * N_COLUMNS)
+    width = min(max(N_COLUMNS, columns.size), WIDEST_MEANS * N_COLUMNS)
     stretch = -(-rows * channels * width // min(KEPT_ENTRIES, rows * (2 + channels)))
     found = linearise(problem, optimum.unknowns, optimum.sigma, plans=None, keep=stretch)
     if not found.affine:
@@ -272,7 +272,7 @@ def _without_silence(rows: _Rows, limits: Sequence[int]) -> _Rows:
     used = np.isfinite(rows.residual)
     derivatives = rows.by(np.array(limits))
     by_limit = np.abs(derivatives @ np.eye(len(limits)))
-    stands = (by_limit > NOTHING * by_limit.max(axis=0, initial=0.0)) & used[:, None]
+    stands = (by_limit > ROUNDING_SHARE * by_limit.max(axis=0, initial=0.0)) & used[:, None]
     others = rows.residual[used & ~stands.any(axis=1)]
     heard, factor = used.copy(), np.ones(used.size)
     for at in (np.flatnonzero(there) for there in stands.T):

@@ -21,7 +21,7 @@ from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
-CLEAR = 0.5
+CLEAR_CORRELATION = 0.5
 """Correlation from which on an output goes one way with the input, where logs are compared."""
 
 UNDOUBTED = 0.9
@@ -43,7 +43,7 @@ many times the squares of those of a rising one, none of the two is fitted: unde
 slow sines they leave 7 to 90 times as many, past the natural frequency of one that falls 0.1 to
 1.2."""
 
-ENOUGH = 20_000
+TRIED_SAMPLES = 20_000
 """Samples at the beginning of a log that show in which direction its output goes."""
 
 CLEARLY_LESS = 0.5
@@ -81,15 +81,15 @@ def falls_with_input(logs: LogSet, *, rng: np.random.Generator) -> bool:
     found = correlation(logs)
     if found == 0.0 or found >= UNDOUBTED:
         return False
-    if found >= CLEAR and _rises_behind_a_lag(logs):
+    if found >= CLEAR_CORRELATION and _rises_behind_a_lag(logs):
         return False
     first = LogSet(tuple(log.with_roles(outputs=log.outputs[:1]) for log in logs))
     baseline: Model = MODELS[BASELINE]()
     rising, falling = (
         baseline.adapted(units_of(first), inverted=inverted) for inverted in (False, True)
     )
-    if found >= CLEAR:
-        part = LogSet(tuple(beginning(log, ENOUGH) for log in first))
+    if found >= CLEAR_CORRELATION:
+        part = LogSet(tuple(beginning(log, TRIED_SAMPLES) for log in first))
         if _cost_of_start(falling, part) > NO_RIVAL * _cost_of_start(rising, part):
             return False
     costs = [_draft_cost(model, first) for model in (rising, falling)]
@@ -108,7 +108,7 @@ def opposed(logs: LogSet, held: Sequence[Log]) -> tuple[Issue, ...]:
         Fitted and held-out logs.
     """
     ways = [(log, correlation(LogSet((log,)))) for log in (*logs, *held)]
-    clear = [(log, way) for log, way in ways if abs(way) >= CLEAR]
+    clear = [(log, way) for log, way in ways if abs(way) >= CLEAR_CORRELATION]
     if not clear:
         return ()
     first, usual = clear[0]
@@ -164,7 +164,7 @@ def _behind_lag(segment: Segment, lag_s: float) -> Array:
 
 
 def _rises_behind_a_lag(logs: LogSet) -> bool:
-    part = LogSet(tuple(beginning(log, ENOUGH) for log in logs))
+    part = LogSet(tuple(beginning(log, TRIED_SAMPLES) for log in logs))
     segments = [segment for log in part for segment in log.segments()]
     shortest_s = min(log.period_s for log in part)
     longest_s = LONGEST_LAG * max(float(s.time_s[-1] - s.time_s[0]) for s in segments)

@@ -26,7 +26,7 @@ OWN_ROWS = 0.25
 """Median distance of the intervals before such rows from the log's own, as a share of it, from
 which a sensor has rows of its own with the times of its readings, as merged files have them."""
 
-LATER = 0.1
+CLOCK_TOLERANCE = 0.1
 """Share of a sampling interval by which the rounding of a log's times may contradict the clock."""
 
 
@@ -102,7 +102,7 @@ def find_clock(time_s: Array, seen: IntArray) -> SensorClock | None:
     period_s = float(np.polyfit(number, 0.5 * (seen_s + before_s), 1)[0])
     latest_s = np.quantile(seen_s - period_s * number, EXCEPTIONS, method="lower")
     earliest_s = np.quantile(before_s - period_s * number, 1.0 - EXCEPTIONS, method="higher")
-    allowance_s = LATER * row_s
+    allowance_s = CLOCK_TOLERANCE * row_s
     if earliest_s - latest_s > allowance_s:
         return None
     return SensorClock(float(latest_s), period_s, allowance_s)

@@ -26,10 +26,10 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
 
-APART = 1e-6
+SAME_ROW = 1e-6
 """Share of a sampling interval within which two rows are one."""
 
-USUAL = 0.5
+SLOW_SHARE = 0.5
 """An output is slow where more than this share of its readings follow each other with rows between
 them; where samples were lost most readings have none."""
 
@@ -66,7 +66,7 @@ class SlowOutputLog(Log):
         )
         at_samples = np.interp(samples.time_s, whole.time_s, whole.input)
         within_s = whole.time_s[(whole.time_s > first_s) & (whole.time_s < last_s)]
-        between_s = absent_times(samples.time_s, within_s, APART * self.recorded.period_s)
+        between_s = absent_times(samples.time_s, within_s, SAME_ROW * self.recorded.period_s)
         return with_rows(
             replace(samples, input=at_samples),
             between_s,
@@ -95,7 +95,7 @@ def at_readings(log: Log) -> Log:
         if readings is not None:
             return _before_interpolation(log, *readings)
     rows = np.flatnonzero(_is_read(log))
-    if rows.size < 2 or float(np.mean(np.diff(rows) > 1)) <= USUAL:
+    if rows.size < 2 or float(np.mean(np.diff(rows) > 1)) <= SLOW_SHARE:
         return log
     rows, time_s = _taken(log, rows)
     channels = {k: replace(c, values=c.values[rows]) for k, c in log.channels.items()}

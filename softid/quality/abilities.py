@@ -43,7 +43,7 @@ LEAST_SAMPLES_OF_RISE = 3.0
 """Sampling periods in which the output makes 63 % of its way at least: with fewer its time is known
 no better than to a third."""
 
-OVERSHOOT = 0.05
+LEAST_OVERSHOOT = 0.05
 """Overshoot beyond that of the input, as a share of the step, from which inertia shows: a motion of
 second order with a damping ratio of 0.7."""
 
@@ -263,7 +263,7 @@ def _inertia(e: Evidence) -> Ability:
             reason = "no change between two holds could be timed"
         return Ability(name, serves, "no", reason, wanted)
     own = (r.overshoot or 0.0) - (r.input_overshoot or 0.0)
-    if own >= OVERSHOOT and r.output_t63_s > LEAST_SAMPLES_OF_RISE * e.sampling.period_s:
+    if own >= LEAST_OVERSHOOT and r.output_t63_s > LEAST_SAMPLES_OF_RISE * e.sampling.period_s:
         reason = f"the output overshoots by {100 * own:.0f} % of the step more than the input"
         if r.settled < SETTLED_HOLDS:
             reason += ", but it is still moving when a hold ends"

@@ -6,9 +6,14 @@ import numpy as np
 
 from softid.errors import Issue
 from softid.log import Log
-from softid.quality.lagged_correlation import GRID, common_grid, lagged_correlations, longest_lag_s
+from softid.quality.lagged_correlation import (
+    MOST_POINTS,
+    common_grid,
+    lagged_correlations,
+    longest_lag_s,
+)
 
-LEADS = "output-leads"
+LEADING_OUTPUT = "output-leads"
 """Code of the remark that an output leads the input."""
 
 LEAST_CORRELATION = 0.7
@@ -58,7 +63,7 @@ def _may_lead(log: Log, output: str) -> bool:
     known = np.isfinite(answered)
     if not known.all():
         given, answered = given[known], answered[known]
-    shift = LEAST_SAMPLES * max(given.size // GRID, 1)
+    shift = LEAST_SAMPLES * max(given.size // MOST_POINTS, 1)
     if given.size <= shift:
         return False
     x, y = given - given.mean(), answered - answered.mean()
@@ -79,7 +84,7 @@ def leading_outputs(log: Log) -> tuple[Issue, ...]:
         if ahead_s is not None:
             found.append(
                 Issue(
-                    LEADS,
+                    LEADING_OUTPUT,
                     "warning",
                     f"{name} moves {ahead_s:.2g} s before {log.input} does, but an actuator "
                     "follows its input: the two channels may be exchanged, or their clocks differ",

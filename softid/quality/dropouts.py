@@ -30,7 +30,7 @@ SPIKE_STEPS = 5.0
 """Steps of the grid that a spike lies off its neighbours at least: a value that hardly moves may
 jump by a few."""
 
-NEARBY = 4
+NEARBY_MOVES = 4
 """Moves on either side that say how fast a channel is moving: few enough that one motion makes all,
 and enough that a second spike among them is none of their median."""
 
@@ -182,8 +182,8 @@ def _far_off(values: Array, runs: Runs) -> IntArray:
 def _moves_nearby(values: Array, at: IntArray) -> Array:
     """Median size of the moves near some of the runs, their own two left out, shape of ``at``."""
     moves = np.abs(np.diff(values))
-    padded = np.pad(moves, NEARBY, mode="reflect")
-    around = np.delete(np.arange(2 * NEARBY), [NEARBY - 1, NEARBY])
+    padded = np.pad(moves, NEARBY_MOVES, mode="reflect")
+    around = np.delete(np.arange(2 * NEARBY_MOVES), [NEARBY_MOVES - 1, NEARBY_MOVES])
     nearby: Array = np.median(padded[at[:, None] + around], axis=1)
     return nearby
 

@@ -22,11 +22,11 @@ MOST_JITTER = 0.1
 """Standard deviation of the intervals over their mean, beyond which samples are too irregular for
 the periodogram, which takes them as regular; a judgement."""
 
-SIGNIFICANCE = 1e-5
+LINE_CHANCE = 1e-5
 """Chance that white noise gives such a line anywhere in the spectrum. A judgement on the strict
 side: what is left of a motion is not white."""
 
-NEIGHBOURS = 25
+NEIGHBOURING_LINES = 25
 """Lines on either side whose median is the floor: it is known to 20 %, and noise that is not white
 is nearly as strong there."""
 
@@ -87,12 +87,12 @@ def find_hum(
     frequency = np.fft.rfftfreq(n, period_s)
     lowest = max(LOWEST_HZ, LEAST_CYCLES / (n * period_s))
     usable = np.flatnonzero((frequency > lowest) & (frequency < frequency[-1]))
-    if usable.size < 2 * NEIGHBOURS or not power[usable].max() > 0.0:
+    if usable.size < 2 * NEIGHBOURING_LINES or not power[usable].max() > 0.0:
         return None
     k = int(usable[power[usable].argmax()])
-    beside = power[max(k - NEIGHBOURS, 1) : k + NEIGHBOURS + 1]
+    beside = power[max(k - NEIGHBOURING_LINES, 1) : k + NEIGHBOURING_LINES + 1]
     floor = float(np.median(beside)) / log(2.0)
-    if power[k] <= floor * (log(usable.size) - log(SIGNIFICANCE)):
+    if power[k] <= floor * (log(usable.size) - log(LINE_CHANCE)):
         return None
     skirts = power[[max(k - LINE_WIDTH, 0), min(k + LINE_WIDTH, power.size - 1)]]
     shift, gain = _between_bins(power, k)

@@ -15,7 +15,7 @@ from softid.quality.second_inputs import second_input_issues
 from softid.quality.wording import NAMED, first_names
 from softid.units import CHANNEL_QUANTITY
 
-ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}
+SEVERITY_ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "info": 2}
 
 MUCH_JITTER = 0.2
 """Robust spread of the sampling interval, over its median, that is worth a remark."""
@@ -84,7 +84,7 @@ def list_issues(
             found.append(_of_dead_neighbour(channel))
     by_name = {channel.name: channel for channel in channels}
     found += [_of_sign(check, by_name[check.output]) for check in signs if check.inverted]
-    return tuple(sorted(found, key=lambda issue: ORDER[issue.severity]))
+    return tuple(sorted(found, key=lambda issue: SEVERITY_ORDER[issue.severity]))
 
 
 def _of_input(channels: Sequence[ChannelReport], excitation: Sequence[Stretch]) -> Iterator[Issue]:

@@ -9,7 +9,7 @@ from softid.log import Log
 
 Array = npt.NDArray[np.float64]
 
-GRID = 2000
+MOST_POINTS = 2000
 """Points to which a log is interpolated for correlations at most: a lag is then known to 1/2000 of
 the log."""
 
@@ -40,7 +40,7 @@ def common_grid(log: Log, first: str, second: str) -> tuple[float, Array, Array]
         return None
     times = log.time_s[finite]
     span_s = float(times[-1] - times[0])
-    count = int(min(GRID, max(span_s / log.period_s, 8.0)))
+    count = int(min(MOST_POINTS, max(span_s / log.period_s, 8.0)))
     regular = np.linspace(times[0], times[-1], count)
     one = np.interp(regular, times, log.channels[first].values[finite])
     two = np.interp(regular, times, log.channels[second].values[finite])

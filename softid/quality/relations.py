@@ -34,7 +34,7 @@ judgement."""
 RESPONDED = 0.632
 """Share of the way that is timed, 1 − 1/e: a lag of first order makes it in one time constant."""
 
-SETTLED = 0.03
+LARGEST_DRIFT = 0.03
 """Drift between the last two fifths, as a share of the step, above which a response has no
 overshoot: its end is not known yet."""
 
@@ -191,7 +191,7 @@ def _overshoot(values: Array, start: float, stop: float, noise_std: float) -> fl
     """By how much a response passes its end, beyond the noise; NaN when it has not settled."""
     way = (values[np.isfinite(values)] - start) / (stop - start)
     fifth = max(way.size // 5, 1)
-    if abs(float(way[-fifth:].mean() - way[-2 * fifth : -fifth].mean())) > SETTLED:
+    if abs(float(way[-fifth:].mean() - way[-2 * fifth : -fifth].mean())) > LARGEST_DRIFT:
         return float("nan")
     noise = NOISE_OF_MEDIAN * noise_std / abs(stop - start)
     return max(float(median_of_five(way).max()) - 1.0 - noise, 0.0)

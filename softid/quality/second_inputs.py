@@ -19,7 +19,7 @@ OF_RANGE = 0.25
 """Travel of another channel, in units of the input's range, from which it moves like an input; a
 judgement between a leak from the input and a second drive."""
 
-TINY = 1e-12
+LEAST_TRAVEL = 1e-12
 """Least travel of another channel that moves like an input, in its unit, where the input itself
 does not move."""
 
@@ -53,7 +53,7 @@ def other_inputs(log: Log, output: str) -> tuple[str, ...]:
         if copied or name == output or channel.unit != given.unit:
             continue
         finite = channel.values[np.isfinite(channel.values)]
-        if finite.size and float(np.ptp(finite)) >= max(least, TINY):
+        if finite.size and float(np.ptp(finite)) >= max(least, LEAST_TRAVEL):
             found.append(name)
     return tuple(found)
 

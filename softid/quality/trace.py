@@ -21,11 +21,11 @@ NOISE_STEPS = 0.6
 """Noise, in steps of the grid, below which a channel may well repeat a value for long: the longest
 run in 100,000 samples of rounded noise of this size is one of 21, of half as much one of 115."""
 
-REVERSALS = 0.5
+NOISY_BENDS = 0.5
 """Share of the bends that go the other way than the one before from which noise makes them; white
 noise turns in three of four, a smooth motion hardly ever."""
 
-ROUNDING = 1e-9
+ROUNDING_BEND = 1e-9
 """Bends below this share of the range of slopes are rounding."""
 
 
@@ -75,8 +75,8 @@ class Trace:
         runs = Runs.of(self.values)
         slopes = np.diff(runs.value) / np.diff(self.time_s[runs.start])
         bends = np.diff(slopes)
-        bends = bends[np.abs(bends) > ROUNDING * float(np.ptp(slopes))]
-        return bends.size > 1 and float(np.mean((bends[1:] > 0) != (bends[:-1] > 0))) >= REVERSALS
+        bends = bends[np.abs(bends) > ROUNDING_BEND * float(np.ptp(slopes))]
+        return bends.size > 1 and float(np.mean((bends[1:] > 0) != (bends[:-1] > 0))) >= NOISY_BENDS
 
 
 @dataclass(frozen=True, eq=False)

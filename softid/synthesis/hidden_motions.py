@@ -25,15 +25,15 @@ from softid.synthesis.hidden_base import (
 
 Generator = np.random.Generator
 Draw = Callable[[Sizes, Generator, float], dict[str, float]]
-KNOTS = 6
-HEIGHTS = tuple(f"k{i + 1}" for i in range(1, KNOTS))
-CORNER = 0.01
+CURVE_KNOTS = 6
+HEIGHTS = tuple(f"k{i + 1}" for i in range(1, CURVE_KNOTS))
+CORNER_WIDTH = 0.01
 """Share of the range over which a contact closes."""
 
-SOFTEST = 0.12
+LARGEST_SOFTENING = 0.12
 """Largest share of cubic softening: above 4/27 no position balances the largest force."""
 
-LEVELLING = 0.1
+LEVELLING_WIDTH = 0.1
 """Share of the pressures over which a static curve levels off beyond its range."""
 
 
@@ -63,11 +63,11 @@ def _static_curve(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw
 
     del occasion
     low, high = sizes.p_low, sizes.p_high
-    knots = np.linspace(low, high, KNOTS)
+    knots = np.linspace(low, high, CURVE_KNOTS)
     spline = CubicSpline(knots, [0.0, *(values[name] for name in HEIGHTS)], bc_type="natural")
     cubes = spline.c.T.tolist()
     ends = (float(spline(low, 1)), float(spline(high, 1)))
-    width, pieces = LEVELLING * (high - low), KNOTS - 1
+    width, pieces = LEVELLING_WIDTH * (high - low), CURVE_KNOTS - 1
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
         inside = min(max(p, low), high)
@@ -106,7 +106,7 @@ def _contact_below(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLa
 def _obstacle(values: Values, sizes: Sizes, side: float) -> MotionLaw:
     """An obstacle above a position (side 1), or below it (−1)."""
     kw, xw = values["kw"], values["xw"]
-    width = CORNER * sizes.x_span / (1.0 + kw * sizes.x_span / sizes.force)
+    width = CORNER_WIDTH * sizes.x_span / (1.0 + kw * sizes.x_span / sizes.force)
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
         depth = side * (x - xw)
@@ -221,7 +221,7 @@ def _mass(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
 
 def _draw_curve(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
     """A random mixture of a bow and an S that no linear function explains."""
-    at = np.linspace(-1.0, 1.0, KNOTS)
+    at = np.linspace(-1.0, 1.0, CURVE_KNOTS)
     bow, bend = at**2 - np.mean(at**2), at**3 - at * np.sum(at**4) / np.sum(at**2)
     angle = rng.uniform(0.0, 2.0 * np.pi)
     shape = np.cos(angle) * bow / np.max(np.abs(bow)) + np.sin(angle) * bend / np.max(np.abs(bend))
@@ -233,7 +233,7 @@ def _draw_stiffening(s: Sizes, rng: Generator, size: float) -> dict[str, float]:
     natural = s.force / s.x_span / max(abs(s.x_low), abs(s.x_high)) ** 2
     if rng.random() < 0.5:
         return {"k3": about(rng, 0.3 * size) * natural}
-    return {"k3": -min(about(rng, 0.1 * size), SOFTEST) * natural}
+    return {"k3": -min(about(rng, 0.1 * size), LARGEST_SOFTENING) * natural}
 
 
 def _draw_mass(s: Sizes, rng: Generator, size: float) -> dict[str, float]:

@@ -14,7 +14,7 @@ from softid.synthesis.hidden_log import HiddenPair
 FROM_TRUTH = 0.2
 """A parameter counts as recovered within its interval or a fifth of the truth."""
 
-KNOTS = 4
+FEWEST_KNOTS = 4
 """Fewest parameters that are taken for the knots of a curve."""
 
 
@@ -43,7 +43,7 @@ def is_recovered(cause: Cause, truth: Mapping[str, float]) -> bool | None:
     ]
     if not known:
         return None
-    if len(known) >= KNOTS:
+    if len(known) >= FEWEST_KNOTS:
         found, true = _bend([e.value for e, _ in known]), _bend([t for _, t in known])
         return bool(np.linalg.norm(found - true) <= FROM_TRUTH * np.linalg.norm(true))
     return all(

@@ -20,7 +20,7 @@ RANK_TOLERANCE = 1e-8
 """Singular values of the column-scaled Jacobian below this share of the largest count as zero:
 exact sensitivities carry errors of some 1e-12, and a direction that weak is unknown anyway."""
 
-CLEAR = 1e-3
+SAFE_FOR_PRODUCTS = 1e-3
 """Smallest singular value as a share of the largest down to which the products JᵀJ tell it to 1e-9;
 their rounding is that of the squares. Below, J itself is decomposed."""
 
@@ -304,7 +304,7 @@ def _scaled_svd(gram: Array, stacked: Callable[[], Array]) -> tuple[Array, Array
     singular = np.zeros(norm.size)
     if count and np.isfinite(scaled).all():
         values, vectors = np.linalg.eigh(scaled[np.ix_(felt, felt)])
-        if values[0] > CLEAR**2 * values[-1]:
+        if values[0] > SAFE_FOR_PRODUCTS**2 * values[-1]:
             singular[:count] = np.sqrt(values[::-1])
             right = np.zeros(gram.shape)
             right[:count, felt] = vectors.T[::-1]
@@ -324,7 +324,7 @@ def is_clear(block: ResidualBlock) -> bool:
     """
     singular = block.decomposed[1]
     felt = int(np.count_nonzero(np.diag(block.gram) > 0.0))
-    return felt > 0 and bool(singular[felt - 1] > CLEAR * singular[0])
+    return felt > 0 and bool(singular[felt - 1] > SAFE_FOR_PRODUCTS * singular[0])
 
 
 def projection(block: ResidualBlock) -> Array:

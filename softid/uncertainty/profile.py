@@ -23,7 +23,7 @@ MAX_DOUBLINGS = 12
 LOG_REACH = float(np.log(1e6))
 """On a logarithmic scale a side that reaches a factor of a million is called unbounded."""
 
-TOLERANCE = 0.01
+LIMIT_TOLERANCE = 0.01
 """Accuracy of a limit, as an error of the square root of the cost rise over its threshold."""
 
 MAX_REFINEMENTS = 30
@@ -165,7 +165,7 @@ def profile(
         threshold=quantile**2,
         ci95=(limits[0], limits[1]),
         evaluations=len(points) - 1,
-        better_value=worst[0] if worst[1] < -TOLERANCE else None,
+        better_value=worst[0] if worst[1] < -LIMIT_TOLERANCE else None,
     )
 
 
@@ -283,7 +283,7 @@ class _Search:
 
         With it comes the last point before a jump, where there is no root but a jump.
         """
-        close = TOLERANCE * self._quantile
+        close = LIMIT_TOLERANCE * self._quantile
         (near, low), (far, high) = inside, outside
         if high <= close:
             return far, None

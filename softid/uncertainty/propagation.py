@@ -10,7 +10,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Quantities = Mapping[str, tuple[float, str]]
 
-STEP = 1e-4
+RELATIVE_STEP = 1e-4
 """Relative step of the central differences."""
 
 RESTS_ON = 0.01
@@ -74,6 +74,6 @@ def propagated_errors(
 def _slopes(
     compute: Callable[[Mapping[str, float]], Quantities], values: Mapping[str, float], name: str
 ) -> dict[str, float]:
-    step = STEP * (abs(values[name]) or 1.0)
+    step = RELATIVE_STEP * (abs(values[name]) or 1.0)
     up, down = (compute({**values, name: values[name] + move}) for move in (step, -step))
     return {key: (up[key][0] - down[key][0]) / (2.0 * step) for key in up if key in down}

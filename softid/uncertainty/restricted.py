@@ -18,7 +18,7 @@ from softid.uncertainty.moments import Moments
 
 Array = npt.NDArray[np.float64]
 
-STEP = 1e-3
+REFLECTION_STEP = 1e-3
 """Step of the central differences in artanh k; second differences are then good to 1e-3."""
 
 Differences = tuple[Array, Array, tuple[float, float]]
@@ -238,17 +238,17 @@ def draw_in(phi: Array, longest: int) -> tuple[Array, bool]:
 def differences(moments: Moments, x: Array) -> Differences:
     """Gradient and Hessian of the objective in artanh k, its value and the innovation variance."""
     q = x.size
-    eye = STEP * np.eye(q)
+    eye = REFLECTION_STEP * np.eye(q)
     first, second = np.triu_indices(q, 1)
     pairs = eye[first][:, None, None] * SIGNS[:, None] + eye[second][:, None, None] * SIGNS
     points = np.concatenate([x[None], x + eye, x - eye, x + pairs.reshape(-1, q)])
     found = evaluate(moments, np.tanh(points))
     value = found.value
     centre, plus, minus = value[0], value[1 : q + 1], value[q + 1 : 2 * q + 1]
-    gradient = (plus - minus) / (2.0 * STEP)
-    curvature = np.diag((plus - 2.0 * centre + minus) / STEP**2)
+    gradient = (plus - minus) / (2.0 * REFLECTION_STEP)
+    curvature = np.diag((plus - 2.0 * centre + minus) / REFLECTION_STEP**2)
     mixed = value[2 * q + 1 :].reshape(-1, 4) @ np.array([1.0, -1.0, -1.0, 1.0])
-    curvature[first, second] = curvature[second, first] = mixed / (4.0 * STEP**2)
+    curvature[first, second] = curvature[second, first] = mixed / (4.0 * REFLECTION_STEP**2)
     return gradient, curvature, (float(centre), float(found.innovation_variance[0]))
 
 

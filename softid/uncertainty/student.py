@@ -9,7 +9,7 @@ MANY = 16.0
 """Degrees of freedom, in units of 1 or the squared normal quantile, beyond which five terms of the
 expansion in 1/ν are exact to 1e-10; Abramowitz and Stegun, 26.7.5, and the term behind theirs."""
 
-FEW = 4.0
+EXPANSION_FROM = 4.0
 """Degrees of freedom beyond which the expansion in 1/ν is a start within a few per cent."""
 
 EXPANSION = (
@@ -52,7 +52,7 @@ def student_quantile(freedom: float, probability: float) -> float:
     t = z = _normal_quantile(probability)
     if isnan(freedom):
         return nan
-    if freedom > FEW:
+    if freedom > EXPANSION_FROM:
         for order, (divisor, powers) in enumerate(EXPANSION, 1):
             odd = sum(c * z ** (2 * k + 1) for k, c in enumerate(reversed(powers)))
             t += odd / divisor / freedom**order

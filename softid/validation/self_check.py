@@ -15,7 +15,7 @@ from softid.readers import load
 from softid.results import FitResult, ParameterEstimate
 from softid.synthesis import KnownLog, bundled_datasets, read_manifest
 
-FAR = 2.0
+FAR_OFF_TRUTH = 2.0
 """A truth this many half-widths of the 95 % interval away (about four standard errors) fails."""
 
 LEAST_CHANCE = 1e-3
@@ -139,7 +139,7 @@ def judged(rows: Sequence[SelfCheckRow], groups: Sequence[SelfCheckGroup]) -> Se
     rows, groups
         What was compared.
     """
-    near = all(row.distance is not None and row.distance <= FAR for row in rows)
+    near = all(row.distance is not None and row.distance <= FAR_OFF_TRUTH for row in rows)
     distances = [group.distance for group in groups if group.distance is not None]
     chances = [group.chance for group in groups if group.chance is not None]
     chance = None

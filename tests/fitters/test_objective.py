@@ -7,7 +7,7 @@ import pytest
 
 from softid.fitters import objective as module
 from softid.fitters.normal_equations import Linearised
-from softid.fitters.objective import CHEAP_ENTRIES, TOLERANCE, Objective
+from softid.fitters.objective import CHEAP_ENTRIES, RESTING_OFFSET, Objective
 from softid.fitters.problem import Problem
 from softid.models.muscle import Muscle
 from softid.synthesis import muscle_log, random_muscle_truth
@@ -36,7 +36,7 @@ def test_columns_that_are_kept_late_change_no_optimum(monkeypatch: pytest.Monkey
     early = Objective(problem, {"contraction": 1.0}).solve(start, 400)
     assert isinstance(found.normal, Linearised)
     assert found.normal.kept
-    assert max(found.offset, early.offset) <= TOLERANCE
+    assert max(found.offset, early.offset) <= RESTING_OFFSET
     assert found.normal.cost == pytest.approx(early.normal.cost, rel=1e-9)
     variance = 2.0 * early.normal.cost / early.normal.n
     errors = np.sqrt(variance * np.diag(np.linalg.inv(early.normal.matrix)))

@@ -134,7 +134,7 @@ def test_an_optimiser_that_stops_at_once_is_not_success(monkeypatch: pytest.Monk
 def test_restarts_that_go_on_improving_are_told_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
     """Any rival counts as better: the optimum is reached, but not known to be the best one."""
     monkeypatch.setattr(scouting, "at_noise_level", lambda *_: False)
-    monkeypatch.setattr(fitter, "BETTER", -1.0)
+    monkeypatch.setattr(fitter, "LEAST_COST_DROP", -1.0)
     found, _, _ = fitted(noisy())
     assert found.offset <= fitter.OFFSET_TOLERANCE
     assert found.status is FitStatus.STILL_IMPROVING

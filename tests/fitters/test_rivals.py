@@ -97,7 +97,7 @@ def test_a_ringing_muscle_is_found_on_a_part_of_a_long_log(
     """As good as a start at the truth over all samples, of which a rival saw a part."""
     whole = problem(SWINGING)
     assert whole.n_samples > 2 * enough
-    monkeypatch.setattr(rivals, "ENOUGH", enough)
+    monkeypatch.setattr(rivals, "SAMPLES_TO_SEARCH", enough)
     seen: list[int] = []
     through = rivals._ringing_rival
 
@@ -133,7 +133,7 @@ def test_starts_that_have_met_go_on_as_one(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(rivals, "has_structure", lambda problem, z: True)  # no start is the last
     point, used = best_rival(whole, objective.sigma, best)
     assert point is not best.point
-    monkeypatch.setattr(rivals, "SAME", -1.0)
+    monkeypatch.setattr(rivals, "SAME_COST", -1.0)
     alone, all_used = best_rival(whole, objective.sigma, best)
     assert used < 0.95 * all_used
     assert objective(point).cost == pytest.approx(objective(alone).cost, rel=1e-3)

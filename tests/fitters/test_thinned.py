@@ -11,11 +11,11 @@ from softid.fitters.objective import Objective
 from softid.fitters.output_error import output_error
 from softid.fitters.problem import Problem
 from softid.fitters.thinned import (
-    LONGEST,
+    KEPT_RESIDUALS,
+    LONGEST_BLOCK,
+    MOST_PER_LOG,
     MOST_WINDOWED,
-    SAMPLES,
     WINDOWED,
-    WINDOWS,
     ThinnedProblem,
     WindowedProblem,
     leads,
@@ -61,12 +61,12 @@ def test_blocks_are_means_and_count_when_all_samples_do() -> None:
 def test_short_problems_stay_whole() -> None:
     """Up to twice the samples that are left, and where a segment would lose its transients."""
     log = staircase(100.0)
-    assert len(log) < 2 * SAMPLES
+    assert len(log) < 2 * KEPT_RESIDUALS
     assert thinning(problem_of(log)) == 1
     long = problem_of(staircase(1000.0))
-    assert thinning(long) == long.n_samples // SAMPLES > 1
+    assert thinning(long) == long.n_samples // KEPT_RESIDUALS > 1
     longer = problem_of(staircase(4000.0))
-    assert thinning(longer) == LONGEST < longer.n_samples // SAMPLES
+    assert thinning(longer) == LONGEST_BLOCK < longer.n_samples // KEPT_RESIDUALS
     first = long.segments[0]
     long.segments.append(replace(first, time_s=first.time_s[:30]))
     assert thinning(long) == 1
@@ -162,7 +162,7 @@ def test_two_windows_lead_where_the_middle_rests() -> None:
     problem = problem_of(made.to_log())
     windows = rough_problem(problem, problem.unknowns(FAST))
     assert isinstance(windows, WindowedProblem)
-    assert [s.time_s.size for s in windows.segments] == [WINDOWED // WINDOWS] * WINDOWS
+    assert [s.time_s.size for s in windows.segments] == [WINDOWED // MOST_PER_LOG] * MOST_PER_LOG
     assert [s.index for s in windows.segments] == [0, 0]
 
 

@@ -11,8 +11,8 @@ from scipy.signal import savgol_coeffs, savgol_filter
 
 from softid.identification import fit
 from softid.identification.input_denoising import (
+    FURTHEST_NEIGHBOUR,
     LONGER_REACHES,
-    REACH,
     SIGMAS,
     without_input_noise,
 )
@@ -51,7 +51,7 @@ def test_a_slope_loses_the_noise_of_two_parabolas() -> None:
     Longer reaches end where the slope leaves the limit of pairs. Where a sample itself lies far out
     its pairs end sooner, so the noise is above the closed form by up to a third.
     """
-    least = left_by_parabolas(REACH, REACH)
+    least = left_by_parabolas(FURTHEST_NEIGHBOUR, FURTHEST_NEIGHBOUR)
     truth = 0.36 * SIGMA * np.arange(SAMPLES)
     error = without_input_noise(recorded(truth + noise())).pressure_kpa - truth
     found = float(np.std(error[40:-40])) / SIGMA
@@ -64,7 +64,7 @@ def test_a_level_is_as_quiet_as_the_longest_reach_makes_it() -> None:
     Some levels end sooner by chance, so the noise is above the closed form by up to a half; the
     mean stays.
     """
-    least = left_by_parabolas(LONGER_REACHES[-1], REACH)
+    least = left_by_parabolas(LONGER_REACHES[-1], FURTHEST_NEIGHBOUR)
     clean = without_input_noise(recorded(80.0 + noise())).pressure_kpa
     inside = clean[LONGER_REACHES[-1] : -LONGER_REACHES[-1]]
     assert 0.9 * least < float(np.std(inside)) / SIGMA < 1.5 * least
@@ -83,7 +83,7 @@ def test_holds_add_little_to_the_path(level_s: float) -> None:
     clean = without_input_noise(recorded(given)).pressure_kpa
     short = given
     for _ in range(2):
-        short = savgol_filter(short, 2 * REACH + 1, 2)
+        short = savgol_filter(short, 2 * FURTHEST_NEIGHBOUR + 1, 2)
 
     def trembling(course: Array) -> float:
         steps = np.abs(np.diff(course))[np.diff(truth) == 0.0]

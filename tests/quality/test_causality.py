@@ -8,7 +8,7 @@ import pytest
 from softid.identification.preparation import with_faults_told
 from softid.log import Log
 from softid.quality import inspect
-from softid.quality.causality import LEADS, lead_s, leading_outputs
+from softid.quality.causality import LEADING_OUTPUT, lead_s, leading_outputs
 from softid.quality.lagged_correlation import lagged_correlations
 
 TIME_S = 0.01 * np.arange(4000)
@@ -56,9 +56,9 @@ def test_exchanged_columns_are_told(tau_s: float) -> None:
     assert 0.3 * tau_s < ahead_s < 1.5 * tau_s
     (issue,) = leading_outputs(log)
     assert f"angle moves {ahead_s:.2g} s before pressure does" in issue.message
-    assert [i.code for i in inspect(log).issues].count(LEADS) == 1
+    assert [i.code for i in inspect(log).issues].count(LEADING_OUTPUT) == 1
     told = with_faults_told(with_faults_told(log)).issues
-    assert [i.code for i in told].count(LEADS) == 1
+    assert [i.code for i in told].count(LEADING_OUTPUT) == 1
     assert leading_outputs(recorded(pressure, behind(pressure, tau_s))) == ()
 
 

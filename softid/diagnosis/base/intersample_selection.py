@@ -44,7 +44,7 @@ beside a held input: lost samples and other causes blur the half of an interval.
 SINGLE_DELAYS = ("delay", "pneumatic_lag", "sensor_lag")
 """Causes that make the response late by a single number."""
 
-REFITTING = 15
+REFIT_EVALUATIONS = 15
 """Evaluations from the optimum of one intersample behaviour to that of the other."""
 
 REFITTING_FROM_AFAR = 60
@@ -194,7 +194,7 @@ def _delayed(
     values = named_values(effect, {"tau": max(delay_s, 0.5 * known.logs[0].period_s)})
     z = start_unknowns(problem, known, candidate.minimum.point, values)
     late = begun(candidate, (*candidate.effects, effect), problem, z)
-    return advance(late, sigma, REFITTING_FROM_AFAR if delay_s > 0.0 else REFITTING)
+    return advance(late, sigma, REFITTING_FROM_AFAR if delay_s > 0.0 else REFIT_EVALUATIONS)
 
 
 def _delay_of_second_order(candidate: Candidate) -> float:
@@ -271,7 +271,7 @@ def refitted_as(
     if changed.size != problem.size:
         return None
     begin = replace(candidate.minimum, damping=None)
-    refitted = advance(replace(candidate, problem=changed, minimum=begin), sigma, REFITTING)
+    refitted = advance(replace(candidate, problem=changed, minimum=begin), sigma, REFIT_EVALUATIONS)
     return refitted if np.isfinite(refitted.squares) else None
 
 

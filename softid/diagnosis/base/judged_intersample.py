@@ -20,14 +20,14 @@ from softid.identification.intersample_choice import BETTER_BY, HELD_INPUT, misf
 from softid.intersample import Intersample
 from softid.log import LogSet
 
-MORE = 1.25
+DOUBTFUL_RATIO = 1.25
 """What is held out is looked at where its error is so many times that of the fitted samples."""
 
 TELLS = 0.5
 """Largest share of the mean square of what is held out that another intersample behaviour leaves:
 errors of the parameters, which are others with every one, make less of a difference."""
 
-WAYS: dict[Intersample, str] = {
+BEHAVIOUR_WORDS: dict[Intersample, str] = {
     "straight": "going straight from sample to sample",
     "held": "held where it jumps",
     "zoh": "held at every sample",
@@ -54,13 +54,13 @@ def with_judged_intersample(
     if not recordings.hold_out or is_measured(recordings.logs):
         return recordings, base
     before = base.held_out.rms(base.candidate)
-    if not before > MORE * base.rms:
+    if not before > DOUBTFUL_RATIO * base.rms:
         return recordings, base
     misfit = misfit_of(base.candidate.problem, base.candidate.minimum.point)
     now = recordings.logs.logs[0].effective_intersample
     best, least = (recordings, base), TELLS**0.5 * before
     for intersample in choices_of(recordings.logs):
-        if intersample == now or intersample not in WAYS:
+        if intersample == now or intersample not in BEHAVIOUR_WORDS:
             continue
         changed = _told(recordings_with_intersample(recordings, intersample), intersample)
         other = request.fit_base(changed.logs, changed.hold_out, thorough=False)
@@ -77,8 +77,8 @@ def _told(recordings: Recordings, intersample: Intersample) -> Recordings:
     issue = Issue(
         HELD_INPUT,
         "info",
-        f"{first.input} {WAYS[intersample]} explains what is held out far better, while the fitted "
-        "logs do not tell what it does between its samples, and is taken so",
+        f"{first.input} {BEHAVIOUR_WORDS[intersample]} explains what is held out far better, while "
+        "the fitted logs do not tell what it does between its samples, and is taken so",
         f"declare it with --intersample {intersample}",
     )
     kept = (known for known in first.issues if known.code != HELD_INPUT)

@@ -20,7 +20,7 @@ from softid.models.base import Model
 FEWEST_LOGS = 3
 """With two logs one that is left out is predicted from one alone."""
 
-BETTER = 0.95
+PLAINER_SHARE = 0.95
 """The plainer model must leave less than this share on the logs left out, in the geometric mean."""
 
 
@@ -51,7 +51,7 @@ def reduced_if_better(
     candidate, gauges = base.candidate, base.gauges
     if not assess(candidate, candidate, base.scale, rng=rng, gauges=gauges).structured:
         return request, base
-    if share_left(recordings, request, other, model) > BETTER:
+    if share_left(recordings, request, other, model) > PLAINER_SHARE:
         return request, base
     changed = replace(request, model=other, instead_of=base)
     return changed, changed.fit_base(recordings.logs, recordings.hold_out, thorough=False)

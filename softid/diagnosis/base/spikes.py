@@ -18,10 +18,10 @@ BoolArray = npt.NDArray[np.bool_]
 SPIKES = "spikes"
 """Code of the remark that spikes of an output are left out."""
 
-ROUNDS = 3
+SPIKE_ROUNDS = 3
 """Where a spike is taken out, the one beside it shows."""
 
-MOST = 0.01
+MOST_SPIKES = 0.01
 """Where a larger share of a log would be spikes they are its noise."""
 
 
@@ -54,7 +54,7 @@ def _marked(candidate: Candidate) -> dict[str, BoolArray]:
         residual = segment.outputs[first] - problem.response(z, k).outputs[first]
         residual = segment.samples_of(residual)
         known = np.flatnonzero(np.isfinite(residual))
-        for _ in range(ROUNDS):
+        for _ in range(SPIKE_ROUNDS):
             far_off = spikes_in(residual[known])
             far_off[:1] = far_off[-1:] = False  # one neighbour says too little
             marks[segment.log_name][segment.start + known[far_off]] = True
@@ -67,7 +67,7 @@ def _without(log: Log, spikes: BoolArray | None) -> Log:
         return log
     new = spikes & ~log.masked
     count = int(new.sum())
-    if count == 0 or count > MOST * len(log):
+    if count == 0 or count > MOST_SPIKES * len(log):
         return log
     first_s = float(log.time_s[np.flatnonzero(new)[0]])
     readings, are = ("reading", "is") if count == 1 else ("readings", "are")

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.changes.probes import MotionProbe
-from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plans
+from softid.diagnosis.refit.candidates import FINE_STEPS, Candidate, limited_plans
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.residual.projection import Rows, added_basis, basis_of, project_out, rows_of
 from softid.effects import extended_name
@@ -34,14 +34,14 @@ FINER = 12
 EDGE = 0.08
 """Nothing is looked for in this share of a log at either end: too little would tell of it."""
 
-TAKES = 0.94
+LEAST_TAKEN = 0.94
 """A change must take away so much of the misfit above the noise."""
 
 TAKES_AT_LARGE = 0.985
 """Share of the misfit above the noise that a change of everything must take away where no single
 kind does: it takes much of any misfit."""
 
-USUAL = 0.75
+MEDIAN_SHARE = 0.75
 """Share of what a change at the best moment takes away that one at the median moment must stay
 below: what goes on throughout a log, such as a drift, is made up for by a change at any moment."""
 
@@ -49,7 +49,7 @@ GRADUAL = 0.9
 """Share of what a change takes away from which on a weight that goes evenly with the time speaks
 against a moment."""
 
-CHANCE = 0.01
+LARGEST_ODDS = 0.01
 """Odds of a change somewhere in a log that takes as much of mere noise, above which it is none."""
 
 ALONE = 0.93
@@ -144,11 +144,11 @@ class _ScoreTest:
         moments = begin + EDGE * length + step * np.arange(MOMENTS)
         taken = np.array([self.taken(self.columns, log, t) for t in moments.tolist()])
         most = float(taken.max())
-        if most < TAKES * misfit or float(np.median(taken)) > USUAL * most:
+        if most < LEAST_TAKEN * misfit or float(np.median(taken)) > MEDIAN_SHARE * most:
             return None
         at = float(moments[int(taken.argmax())])
         variance = max(noise / self.left.size, self.long_run_variance(log, at))
-        if MOMENTS * chi_square_tail(most / variance, 1 + self.columns.shape[1]) > CHANCE:
+        if MOMENTS * chi_square_tail(most / variance, 1 + self.columns.shape[1]) > LARGEST_ODDS:
             return None
         near = at + np.linspace(-step, step, 2 * FINER + 1)
         finer = [self.taken(self.columns, log, t) for t in near.tolist()]
@@ -210,7 +210,7 @@ def _by_load(model: Candidate, scale: Scale) -> Array:
     none = named_values(probe, probe.starts(scale)[0])
     z = start_unknowns(problem, model.problem, model.minimum.point, none)
     load = problem.free.index(extended_name(probe, "load"))
-    blocks = problem.blocks(z, derivatives=True, plans=limited_plans(problem, z, FINE))
+    blocks = problem.blocks(z, derivatives=True, plans=limited_plans(problem, z, FINE_STEPS))
     columns = [b.jacobian[:, load] for b in blocks if b.channel == first and b.jacobian is not None]
     return np.concatenate(columns)
 

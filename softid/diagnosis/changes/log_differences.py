@@ -24,7 +24,7 @@ from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
 
-TAKES = 0.9
+LEAST_TAKEN = 0.9
 """A difference must take away so much of the misfit above the noise."""
 
 RIVAL_SHARE = 0.97
@@ -110,7 +110,7 @@ def log_differences(
     if zero_counts and falls[0] > RIVAL_SHARE * falls[ranked[0]]:
         ranked = np.zeros(1, np.intp)
     most = falls[ranked[0]]
-    if not most > TAKES:
+    if not most > LEAST_TAKEN:
         return None
     alike = [k for k in ranked.tolist() if falls[k] > RIVAL_SHARE * most]
     outside = [k for k in alike if changes[k].kind not in reference.problem.free]

@@ -16,7 +16,7 @@ from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
-LARGEST = 0.6
+LARGEST_DIFFERENCE = 0.6
 """Bound of a difference as a share of what it changes."""
 
 LATEST_S = 0.5
@@ -58,9 +58,9 @@ class MotionProbe(Probe, StateEffect):
     name: ClassVar[str] = "motion_probe"
     title: ClassVar[str] = "Change in the motion"
     kinds: ClassVar[Mapping[str, tuple[str, float]]] = {
-        "load": ("1", LARGEST),
-        "stiffness": ("1", LARGEST),
-        "damping": ("1", LARGEST),
+        "load": ("1", LARGEST_DIFFERENCE),
+        "stiffness": ("1", LARGEST_DIFFERENCE),
+        "damping": ("1", LARGEST_DIFFERENCE),
     }
 
     def constants(self, scale: Scale) -> tuple[float, ...]:
@@ -82,8 +82,8 @@ class InputProbe(Probe, InputEffect):
     name: ClassVar[str] = "input_probe"
     title: ClassVar[str] = "Change of the input"
     kinds: ClassVar[Mapping[str, tuple[str, float]]] = {
-        "pressure_gain": ("1", LARGEST),
-        "pressure_zero": ("1", LARGEST),
+        "pressure_gain": ("1", LARGEST_DIFFERENCE),
+        "pressure_zero": ("1", LARGEST_DIFFERENCE),
     }
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
@@ -100,7 +100,7 @@ class ReadingProbe(Probe, OutputEffect):
     name: ClassVar[str] = "reading_probe"
     title: ClassVar[str] = "Change of the reading"
     kinds: ClassVar[Mapping[str, tuple[str, float]]] = {
-        "gain": ("1", LARGEST),
+        "gain": ("1", LARGEST_DIFFERENCE),
         "delay": ("s", LATEST_S),
     }
 

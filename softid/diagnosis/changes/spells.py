@@ -24,22 +24,22 @@ from softid.log import Log
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-PARTS = 3
+FIRST_PARTS = 3
 """Parts of a log that a search begins with, each in turn, after the whole of it."""
 
-ROUNDS = 4
+FITS_PER_PART = 4
 """Fits from a part to what the model follows."""
 
-LOUD = 4.0
+LOUD_SQUARE = 4.0
 """A spell is where the squared residual is larger than so many variances on the average."""
 
 LOUDEST = 12.0
 """Largest squared residual that counts, in variances: with more the quiet between two spells would
 count for nothing."""
 
-SURE = 100.0
-"""Least sum over a spell of the squared residuals beyond `LOUD`, in variances: noise sums up to
-less."""
+LEAST_EVIDENCE = 100.0
+"""Least sum over a spell of the squared residuals beyond `LOUD_SQUARE`, in variances: noise sums up
+to less."""
 
 MOST_SPELLS = 3
 """Most spells of a log that count as such; what is loud more often is no exception."""
@@ -50,7 +50,7 @@ LESSER = 0.05
 QUIET = 1.25
 """Outside of spells no more is left than so many times the variance of the noise."""
 
-CLEAR = 12.0
+LEAST_CONTRAST = 12.0
 """Times the variance outside of all spells that the mean square in them exceeds."""
 
 LEAST_OUTSIDE = 0.4
@@ -60,7 +60,7 @@ exceptions."""
 BEGINNING = 0.1
 """What begins in this share of a log is no spell, for much relaxes after the first motion."""
 
-WITHIN = 0.95
+INSIDE_SHARE = 0.95
 """Share of a spell whose positions lie within those outside, and quantile of its speeds that the
 fastest ones outside reach: else a law may act there alone."""
 
@@ -98,10 +98,10 @@ def spells_of(log: Log, fit: Callable[[Log], Candidate], noise: float) -> Spells
         Variance of the noise of the first output.
     """
     found: list[Spells] = []
-    for part in range(PARTS + 1):
+    for part in range(FIRST_PARTS + 1):
         outside = np.ones(len(log), bool)
         if part > 0:
-            at = np.arange(len(log)) * PARTS // len(log)
+            at = np.arange(len(log)) * FIRST_PARTS // len(log)
             outside = at == part - 1
         with suppress(IdentificationError, InputError):  # a part may be at rest, or not measured
             one = _grown(log, fit, noise, outside)
@@ -160,7 +160,7 @@ def _grown(
 ) -> Spells | None:
     """The spells beside a part of a log, after the part has grown by all that the model follows."""
     model, spans = fit(log if outside.all() else log.with_masked(~outside)), []
-    for _ in range(ROUNDS):
+    for _ in range(FITS_PER_PART):
         at, residual = _residual(log, model)
         inside = ~outside[at]
         if not np.isfinite(residual).all() or inside.all():
@@ -170,7 +170,7 @@ def _grown(
         grown = np.ones(len(log), bool)
         for begin, end in spans:
             grown[at[begin] : at[end - 1] + 1] = False
-        if np.count_nonzero(grown) < LEAST_OUTSIDE * grown.size / PARTS:
+        if np.count_nonzero(grown) < LEAST_OUTSIDE * grown.size / FIRST_PARTS:
             return None
         if not spans or (grown == outside).all():
             break
@@ -190,7 +190,7 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
     if variance > QUIET * own or not _are_covered(model, outside):
         return None
     before = float(np.sum(residual[inside] ** 2))
-    if before < CLEAR * variance * np.count_nonzero(inside):
+    if before < LEAST_CONTRAST * variance * np.count_nonzero(inside):
         return None
     edges = np.flatnonzero(np.diff(np.concatenate(([0], (~outside).astype(int), [0]))))
     if edges[0] < BEGINNING * len(log):
@@ -210,17 +210,17 @@ def _are_covered(model: Candidate, outside: BoolArray) -> bool:
     if without.all() or not (np.isfinite(x).all() and np.isfinite(v).all()):
         return False
     low, high = x[without].min(), x[without].max()
-    met = np.mean((x[~without] >= low) & (x[~without] <= high)) >= WITHIN
-    return bool(met and np.quantile(np.abs(v[~without]), WITHIN) <= np.abs(v[without]).max())
+    met = np.mean((x[~without] >= low) & (x[~without] <= high)) >= INSIDE_SHARE
+    return bool(met and np.quantile(np.abs(v[~without]), INSIDE_SHARE) <= np.abs(v[without]).max())
 
 
 def _loudness(residual: Array, variance: float) -> Array:
-    return np.minimum(residual**2 / variance, LOUDEST) - LOUD
+    return np.minimum(residual**2 / variance, LOUDEST) - LOUD_SQUARE
 
 
 def _loud_stretches(excess: Array) -> list[tuple[int, int]]:
     """Stretches whose sums are no noise, the loudest first."""
-    pieces, least = [(0, excess.size)], SURE
+    pieces, least = [(0, excess.size)], LEAST_EVIDENCE
     found: list[tuple[int, int]] = []
     while pieces and len(found) < MOST_SPELLS:
         within = [(loudest(excess[a:b]), a, b) for a, b in pieces]

@@ -31,7 +31,7 @@ from softid.segment import absent_times
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-ENOUGH = 6000
+MOST_KEPT_SAMPLES = 6000
 """Up to so many samples in all logs together nothing is averaged."""
 
 SAMPLES_PER_MOTION = 30.0
@@ -44,7 +44,7 @@ LEAST_MEANS = 3
 MOST_JUMPS = 0.05
 """Jumps stay where they were up to this share of the means: a train of pulses is averaged."""
 
-APART = 1e-6
+SAME_KNOT = 1e-6
 """Share of a sampling interval within which a knot is a sample."""
 
 REGULAR = 0.2
@@ -55,7 +55,7 @@ def samples_to_average(
     logs: Sequence[Log],
     motion_s: float,
     *,
-    enough: int = ENOUGH,
+    enough: int = MOST_KEPT_SAMPLES,
     per_motion: float = SAMPLES_PER_MOTION,
 ) -> int:
     """Over how many samples the logs may be averaged; 1 for not at all.
@@ -233,7 +233,7 @@ class _Jumps:
     def knots_beside(self, time_s: Array) -> Array:
         """Times at which jumps begin and end, in order, without those at given times."""
         knot_s = np.concatenate((self.begin_s, self.end_s))
-        return absent_times(time_s, knot_s, APART * float(np.median(np.diff(time_s))))
+        return absent_times(time_s, knot_s, SAME_KNOT * float(np.median(np.diff(time_s))))
 
 
 def with_other_intersample(log: Log, intersample: Intersample) -> Log:

@@ -19,7 +19,7 @@ from softid.log import Log
 
 Array = npt.NDArray[np.float64]
 
-WIDEST = 2.5
+WIDEST_GAP = 2.5
 """Periods between two samples up to which a line stands for the output: over one that was lost."""
 
 
@@ -56,7 +56,7 @@ def evenly_sampled(log: Log) -> Log | None:
     count = int((log.time_s[-1] - log.time_s[0]) / log.period_s) + 1
     time_s = log.time_s[0] + log.period_s * np.arange(count)
     after = np.clip(np.searchsorted(log.time_s, time_s), 1, len(log) - 1)
-    is_wide = log.time_s[after] - log.time_s[after - 1] > WIDEST * log.period_s
+    is_wide = log.time_s[after] - log.time_s[after - 1] > WIDEST_GAP * log.period_s
     channels = {
         name: replace(channel, values=np.interp(time_s, log.time_s, channel.values))
         for name, channel in log.channels.items()

@@ -31,7 +31,7 @@ LONGEST_S, LONGEST_SHARE = 1.0, 0.1
 AT_ENDS = 5
 """Samples that are averaged for where an output is."""
 
-SURE = 5.0
+LEAST_MOVE = 5.0
 """Standard errors by which an output has moved at least, to count as moving when the log begins."""
 
 DIES_AWAY = 2.0
@@ -108,7 +108,7 @@ def _dies_away(segment: Segment, begins: BoolArray, spans: Mapping[str, float]) 
             float(seen[k : k + AT_ENDS].mean()) for k in (0, middle, seen.size - AT_ENDS)
         )
         sigma = noise_std(segment.time_s[counts], seen) or 0.0
-        least = max(REST_FRACTION * spans[name], SURE * sigma * (2.0 / AT_ENDS) ** 0.5)
+        least = max(REST_FRACTION * spans[name], LEAST_MOVE * sigma * (2.0 / AT_ENDS) ** 0.5)
         if abs(second - first) > max(least, DIES_AWAY * abs(last - second)):
             return True
     return False

@@ -34,14 +34,14 @@ NOTABLE_SET = 0.05
 LONGEST_START_S = 1.0
 """Longest part, in s, of a rest at the beginning that is averaged for where the output began."""
 
-TAIL = 0.25
+REST_TAIL = 0.25
 """Share of a rest, at its end, in which the output is to have settled."""
 
 STILL_GOING = 0.05
 """The output has settled when the halves of the window's tail differ by less than this share of the
 set."""
 
-SETTLED = 4.0
+LEAST_REST_TIMES = 4.0
 """A rest lasts so many time constants of the motion at least: 2 % of a move are left then."""
 
 NOISES = 4.957
@@ -101,10 +101,14 @@ def residual_set(log: Log, output: str, motion_s: float = 0.0) -> ResidualSet | 
     left = int(np.argmax(away > SAME_LEVEL * span))
     start = slice(0, max(min(left, int(np.searchsorted(time_s, time_s[0] + LONGEST_START_S))), 1))
     cycle = int(np.argmax(away > AWAY * span))
-    for window in settled_windows(time_s, u, tail=TAIL):
+    for window in settled_windows(time_s, u, tail=REST_TAIL):
         apart = abs(window.level - float(np.median(u[start]))) / span
-        rests_s = (time_s[window.stop - 1] - time_s[window.start]) / TAIL
-        if apart <= SAME_LEVEL and window.start > cycle > 0 and rests_s >= SETTLED * motion_s:
+        rests_s = (time_s[window.stop - 1] - time_s[window.start]) / REST_TAIL
+        if (
+            apart <= SAME_LEVEL
+            and window.start > cycle > 0
+            and rests_s >= LEAST_REST_TIMES * motion_s
+        ):
             return _set_of(y, start, slice(window.start, window.stop), window.level, apart)
     return None
 

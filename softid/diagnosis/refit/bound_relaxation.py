@@ -32,7 +32,7 @@ MOVED = 0.02
 RELEASED = 30
 """Evaluations from a start away from the bounds."""
 
-NEAR = 1e-3
+AT_BOUND = 1e-3
 """Distance from a bound, as a share of the way between both, that is at it."""
 
 
@@ -141,7 +141,7 @@ def _is_held(candidate: Candidate) -> bool:
             if full not in own or full not in problem.free:
                 continue
             k = problem.free.index(full)
-            near = NEAR * (upper[k] - lower[k])
+            near = AT_BOUND * (upper[k] - lower[k])
             negative = problem.parameters[full].lower < 0.0
             if upper[k] - z[k] <= near or (negative and z[k] - lower[k] <= near):
                 return True

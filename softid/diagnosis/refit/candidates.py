@@ -28,7 +28,7 @@ BASE_SD = 1.5
 """Standard deviation of the log-normal prior about the base fit: a flat direction cannot run away
 and make a wrong name look good."""
 
-TOLERANCE = 1e-2
+RESTING_OFFSET = 1e-2
 """A refit rests within a hundredth of a standard error of its optimum."""
 
 PULLS = 2.0
@@ -36,12 +36,12 @@ PULLS = 2.0
 want elsewhere: by two standard deviations along one direction. Two levels of the input leave a base
 anywhere along a valley of its curves, ten and more away from where a cause would have it."""
 
-COARSE = 1
+COARSE_STEPS = 1
 """Most steps in a sampling interval while candidates race; twice as many where an affine law
 oscillates, and few nodes in each at which effects on the input act. Overdamped and sharp laws ask
 for more to reach 1e-4 of the range; noise is far above what this costs."""
 
-FINE = 2
+FINE_STEPS = 2
 """Most steps in a sampling interval while candidates are compared; twice as many where an affine
 law oscillates."""
 
@@ -270,8 +270,8 @@ def advance(
     sigma: Mapping[str, float],
     evaluations: int,
     *,
-    substeps: int = FINE,
-    tolerance: float = TOLERANCE,
+    substeps: int = FINE_STEPS,
+    tolerance: float = RESTING_OFFSET,
     straight: bool = False,
 ) -> Candidate:
     """Take a candidate nearer to its optimum.
@@ -355,7 +355,7 @@ def limited_plan(
     """
     if plan is None:
         return None
-    if substeps == COARSE:
+    if substeps == COARSE_STEPS:
         plan = replace(plan, bends_in_s=np.inf)
     if plan.counts.max(initial=1) <= substeps:
         return plan

@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 LONGEST_SHARE = 0.1
 """An output is late by a tenth of its log at most."""
 
-SHIFTS = 200
+TRIED_SHIFTS = 200
 """Shifts of an input in time that are tried, up to `LONGEST_SHARE` of its log."""
 
 FASTEST = 0.05
@@ -185,7 +185,7 @@ def _lateness(problem: Problem, k: int) -> float:
     used = segment.used[first]
     time_s, y = segment.time_s[used], segment.outputs[first][used]
     longest_s = LONGEST_SHARE * float(np.ptp(segment.time_s))
-    shifts = np.linspace(0.0, longest_s, SHIFTS)
+    shifts = np.linspace(0.0, longest_s, TRIED_SHIFTS)
     moved = [np.interp(time_s - s, segment.time_s, segment.input) for s in shifts]
     with np.errstate(all="ignore"):
         alike = [abs(np.corrcoef(shifted, y)[0, 1]) for shifted in moved]

@@ -23,7 +23,7 @@ from softid.segment import Segment
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-BLOCKS = 5
+HELD_OUT_BLOCKS = 5
 """Blocks of a log that are held out when no other log is."""
 
 BLOCK_SHARE = 0.04
@@ -366,8 +366,8 @@ def _blocks(log: Log) -> BoolArray:
     held = np.zeros(n, bool)
     u = log.channels[log.input].values
     length = max(int(BLOCK_SHARE * n), 1)
-    stratum = (1.0 - FIRST_SHARE) / BLOCKS
-    for k in range(BLOCKS):
+    stratum = (1.0 - FIRST_SHARE) / HELD_OUT_BLOCKS
+    for k in range(HELD_OUT_BLOCKS):
         place = (0.5 + k * GOLDEN_FRACTION) % 1.0
         first = int((FIRST_SHARE + k * stratum + place * (stratum - BLOCK_SHARE)) * n)
         held[first : first + length] = True

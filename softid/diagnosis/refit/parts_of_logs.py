@@ -14,7 +14,7 @@ from softid.log import Log
 EXACT = 1000
 """Most steps in a sampling interval: as many as the law asks for, since noise is what is left."""
 
-SETTLED = 0.99
+SETTLED_SHARE = 0.99
 """A refit goes on under a lighter prior while a run leaves less than this share of the squares."""
 
 
@@ -50,7 +50,7 @@ def refitted(
     ends = []
     for start in starts:
         end, before = begun(known, known.effects, problem, problem.unknowns(start)), np.inf
-        while end.squares < SETTLED * before:  # the prior gets lighter as the residual does
+        while end.squares < SETTLED_SHARE * before:  # the prior gets lighter as the residual does
             before = end.squares
             end = advance(end, sigma, evaluations, substeps=EXACT)
         ends.append(end)

@@ -21,7 +21,7 @@ from softid.diagnosis.refit.extension import extend_in_order
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 
-ENOUGH = 1200
+COPY_SAMPLES = 1200
 """Up to so many samples nothing is averaged, and of many more about so many averages are left."""
 
 SAMPLES_PER_MOTION = 3.0
@@ -52,7 +52,9 @@ def rough_copy(
     logs = [log for log in even if log is not None]
     if len(logs) < len(even) or not whole.has_spring:
         return whole, sigma
-    count = samples_to_average(logs, scale.motion_s, enough=ENOUGH, per_motion=SAMPLES_PER_MOTION)
+    count = samples_to_average(
+        logs, scale.motion_s, enough=COPY_SAMPLES, per_motion=SAMPLES_PER_MOTION
+    )
     if count == 1:
         return whole, sigma
     averaged = [decimated(log, count) for log in logs]

@@ -9,11 +9,11 @@ from dataclasses import replace
 from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of, variables_left
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
-    BEYOND,
     HELD_INPUT,
-    LEADS,
+    LEAD_AND_RELAXATION,
     LINEAR_FILTERS,
     LOWER_END,
+    ONE_FOR_ALL,
     OWN_DAMPING,
     PRESLIDING,
     REPLACED,
@@ -88,7 +88,7 @@ def told_as_tied(alternative: Alternative, title: str, *, linear: bool) -> str:
     """
     named, first = titles_of(alternative.keys, last=" or "), lowered(title)
     known = law_that_ties(alternative, linear=linear)
-    which = "most likely the last" if known is BEYOND else "and the logs do not say which"
+    which = "most likely the last" if known is ONE_FOR_ALL else "and the logs do not say which"
     why, splits, _ = alternative.why.partition(SPLITS)
     if known is not None:
         reason = f"{why or known.why}. As {first} it"
@@ -163,7 +163,7 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     tied = set(alternative.effects)
     if tied.issuperset(TWO_LATE.effects) and not are_alike(alternative):
         return TWO_LATE
-    for known in (OWN_DAMPING, LOWER_END, HELD_INPUT, THINNING, LEADS):
+    for known in (OWN_DAMPING, LOWER_END, HELD_INPUT, THINNING, LEAD_AND_RELAXATION):
         if tied.issuperset(known.effects):
             return known
     for known in REPLACED:

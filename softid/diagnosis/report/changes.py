@@ -77,7 +77,7 @@ LOOK_THEN = (
 MOST_KINDS = 3
 """Most kinds of a difference that a sentence names."""
 
-FOLLOWED = 2.0
+FOLLOWED_RATIO = 2.0
 """A log is followed where no more than so many times the noise of all logs is left."""
 
 REFIT_EVALUATIONS = 40
@@ -212,7 +212,7 @@ def _is_followed(log: Log, fit: Callable[[Log], Candidate], noise: float) -> boo
     with suppress(IdentificationError, InputError):
         alone = fit(log)
         left = squares_of(alone.problem, alone.minimum.point)
-        return left < FOLLOWED * noise * alone.problem.n_samples / len(alone.problem.outputs)
+        return left < FOLLOWED_RATIO * noise * alone.problem.n_samples / len(alone.problem.outputs)
     return True
 
 

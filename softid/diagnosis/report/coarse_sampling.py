@@ -18,7 +18,7 @@ from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.errors import Issue
 
-COARSE = 0.25
+TOLD_SHARE = 0.25
 """Share of the power of what is left from which on the coarse sampling of the input is told."""
 
 COARSE_SAMPLING = "coarse-sampling"
@@ -62,7 +62,7 @@ def coarse_sampling_issues(final: Candidate, *, open_jumps: int = 0) -> tuple[Is
     power = float(np.mean(moved**2))
     left = mean_square(residual_context(final))
     share = power / left if left > 0.0 else 0.0
-    if not share >= COARSE:
+    if not share >= TOLD_SHARE:
         return ()
     name, first = problem.logs[0].input, problem.outputs[0]
     output = problem.logs[0].channels[first]

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from softid.diagnosis.report.phrases import doubt_about, listed, lowered
 from softid.diagnosis_results import Cause, Doubt
 
-SMALL = 0.85
+LARGE_PART = 0.85
 """What leaves less than this share of the error on what is held out is no small part of it."""
 
-FEW = 0.3
+LEAST_EVIDENCE = 0.3
 """A description is no small part of the misfit where the evidence for it is more than this share of
 that for any cause."""
 
@@ -29,8 +29,10 @@ def described(descriptive: Sequence[Cause], causes: Sequence[Cause]) -> str:
     fewest = min((cause.delta_bic for cause in causes), default=math.inf)
     least = min((_held_out_fall(cause) for cause in causes), default=math.inf)
     occur = all(c.doubt is not Doubt.DOES_NOT_OCCUR for c in descriptive)
-    small = all(c.holdout_rmse_after > SMALL * c.holdout_rmse_before for c in descriptive)
-    less = all(c.delta_bic < FEW * fewest and _held_out_fall(c) < least for c in descriptive)
+    small = all(c.holdout_rmse_after > LARGE_PART * c.holdout_rmse_before for c in descriptive)
+    less = all(
+        c.delta_bic < LEAST_EVIDENCE * fewest and _held_out_fall(c) < least for c in descriptive
+    )
     if occur and small and less:
         return f"Besides, {names} {verb} a part of the rest, too small to be named as a cause."
     reasons = filter(None, map(doubt_about, descriptive))

@@ -10,10 +10,10 @@ from softid.diagnosis.verdict.held_out_error import ASTRAY
 from softid.diagnosis_results import Cause, Gain, Remainder
 from softid.results import FitResult
 
-MORE = 1.25
+MUCH_MORE = 1.25
 """What is held out keeps more when its error is so many times that of the fitted samples."""
 
-HARDLY = 2.0
+HARDLY_ANY_FIT = 2.0
 """Fit in per cent below which a model says no more than a constant."""
 
 RUNS_AWAY = -900.0
@@ -113,7 +113,7 @@ class ErrorTexts:
                 f"The held-out samples keep more, {self.size(after)}, than noise and the errors of "
                 f"the parameters make of them: {another}something that the fitted ones hardly show."
             )
-        if not (self.held_out and after > MORE * remainder.rms):
+        if not (self.held_out and after > MUCH_MORE * remainder.rms):
             return ""
         if remainder.open_jumps_held_out:
             open_moments = with_open_moments(remainder.open_jumps_held_out)
@@ -127,7 +127,7 @@ class ErrorTexts:
 
     def nothing_to_mend(self, remainder: Remainder) -> str:
         """The last word on an adequate model, and what it is worth."""
-        if any(g.fit_percent_before < HARDLY for g in self.rows):
+        if any(g.fit_percent_before < HARDLY_ANY_FIT for g in self.rows):
             return "But a constant would do as well: the logs show too little to judge the model."
         more = self.more_held_out(remainder)
         if more and not remainder.open_jumps_held_out:

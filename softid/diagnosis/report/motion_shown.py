@@ -30,10 +30,10 @@ SAME_FREQUENCY = 1.05
 NOTABLE_DEG = 5.0
 """Least lag of phase that is told, in degrees."""
 
-LITTLE = 0.98
+NEARLY_ALL = 0.98
 """From this share of what the model explains on, a static curve explains nearly as much."""
 
-ORDER = 4
+CURVE_ORDER = 4
 """Order of the polynomial that stands for the static curve."""
 
 LAG_EFFECTS = (
@@ -124,7 +124,7 @@ def static_share(problem: Problem, squares: float) -> float:
     owner = np.repeat(problem.owner, [int(own.sum()) for own in used])
     zeros = (owner[:, None] == np.unique(owner)).astype(float)
     scaled = (u - u.mean()) / max(float(np.std(u)), np.finfo(float).tiny)
-    curve = np.column_stack([zeros, *(scaled**k for k in range(1, ORDER + 1))])
+    curve = np.column_stack([zeros, *(scaled**k for k in range(1, CURVE_ORDER + 1))])
     left = [y - columns @ np.linalg.lstsq(columns, y)[0] for columns in (zeros, curve)]
     whole, static = (float(r @ r) for r in left)
     return (whole - static) / (whole - squares) if whole > squares else 0.0
@@ -177,7 +177,7 @@ def _nearly_static(base: BaseFit) -> tuple[Issue, ...]:
         return ()
     first = problem.outputs[0]
     share = static_share(problem, base.candidate.squares * base.sigma[first] ** 2)
-    if share < LITTLE:
+    if share < NEARLY_ALL:
         return ()
     told = percent(share) if share < 0.995 else "nearly all"
     return (

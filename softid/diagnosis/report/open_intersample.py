@@ -10,7 +10,7 @@ from softid.diagnosis.base.intersample_selection import (
     explained_alike,
     is_measured,
 )
-from softid.diagnosis.base.judged_intersample import WAYS
+from softid.diagnosis.base.judged_intersample import BEHAVIOUR_WORDS
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.parameter_doubts import less_sure, other_values, outside_intervals
 from softid.diagnosis_results import Diagnosis
@@ -41,7 +41,7 @@ def with_open_intersample(found: Diagnosis, final: Candidate, base: BaseFit) -> 
         return found
     told = (found.extended or found.base).parameters
     now = logs[0].effective_intersample
-    others = [other for other in choices_of(logs) if other in WAYS and other != now]
+    others = [other for other in choices_of(logs) if other in BEHAVIOUR_WORDS and other != now]
     for intersample in others:
         refitted = explained_alike(final, base.sigma, intersample)
         if refitted is None:
@@ -49,7 +49,7 @@ def with_open_intersample(found: Diagnosis, final: Candidate, base: BaseFit) -> 
         moved = outside_intervals(told, refitted.parameters)
         if not moved:
             continue
-        way = f"{logs[0].input} {WAYS[intersample]}"
+        way = f"{logs[0].input} {BEHAVIOUR_WORDS[intersample]}"
         found = less_sure(
             found,
             moved,

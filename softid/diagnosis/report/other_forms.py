@@ -14,7 +14,7 @@ from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forms import is_richer
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis.verdict.refitted_laws import NEAR, refitted_with, standing_of
+from softid.diagnosis.verdict.refitted_laws import PROMISING_RATIO, refitted_with, standing_of
 from softid.diagnosis_results import Diagnosis
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
@@ -105,8 +105,10 @@ def _other_forms(effect: Effect, scale: Scale) -> Iterator[Effect]:
 def _alike_with(form: Effect, effect: Effect, final: Candidate, base: BaseFit) -> Candidate | None:
     """The model with another form in the place of an effect, if that explains the logs as well."""
     kept = [other for other in final.acting if other.key != effect.key]
-    other = refitted_with(standing_of(final, base), kept, (form,), near=NEAR * final.squares)
-    if other is None or other.squares > NEAR * final.squares:
+    other = refitted_with(
+        standing_of(final, base), kept, (form,), near=PROMISING_RATIO * final.squares
+    )
+    if other is None or other.squares > PROMISING_RATIO * final.squares:
         return None
     bic = {id(row.plain): row.bic for row in rank([final, other], base.sigma)}
     return other if bic[id(other)] - bic[id(final)] < INDISTINCT else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import VARIABLES, lowered
+from softid.diagnosis.report.phrases import VARIABLE_WORDS, lowered
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.results import FitResult, ParameterEstimate
 
@@ -84,8 +84,8 @@ def with_varying_sizes(found: Diagnosis) -> Diagnosis:
             found = less_sure(
                 found,
                 [p.name for p in cause.parameters],
-                f"the size of {lowered(cause.title)} varies with {VARIABLES[cause.variation.by]}, "
-                "so its law is not exactly this one",
+                f"the size of {lowered(cause.title)} varies with "
+                f"{VARIABLE_WORDS[cause.variation.by]}, so its law is not exactly this one",
                 "see in the plots of what is left where it does, and fit a law of your own",
             )
     return found

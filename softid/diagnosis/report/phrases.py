@@ -13,7 +13,7 @@ from softid.effects import EFFECTS, confusable_with
 from softid.results import ParameterEstimate
 from softid.uncertainty.profile import CI_METHOD as PROFILE
 
-VARIABLES = {
+VARIABLE_WORDS = {
     "x": "the position",
     "v": "the speed",
     "p": "the input",
@@ -32,12 +32,12 @@ VARIATIONS = {
     "lagged p": "holds of several lengths",
     "x and v": "every position passed at several speeds",
 }
-"""What would show a dependence on each of the `VARIABLES` better."""
+"""What would show a dependence on each of the `VARIABLE_WORDS` better."""
 
 PREDICTORS = "the motion, the input and the time"
 """What a residual is predicted from."""
 
-LITTLE = 0.01
+TOLD_VARIATION = 0.01
 """A variation is told with its size from this share on."""
 
 UNLIKE_NOISE = {
@@ -297,10 +297,10 @@ def unsteady(cause: Cause) -> str:
     if cause.variation is None:
         return ""
     spread = cause.variation.spread
-    size = f"by about {percent(spread)}" if spread > LITTLE else "a little"
+    size = f"by about {percent(spread)}" if spread > TOLD_VARIATION else "a little"
     return (
         f"The size of {lowered(cause.title)} is not the same throughout: it varies {size} "
-        f"with {VARIABLES[cause.variation.by]}, so its law is not exactly this one."
+        f"with {VARIABLE_WORDS[cause.variation.by]}, so its law is not exactly this one."
     )
 
 

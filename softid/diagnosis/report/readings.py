@@ -7,7 +7,7 @@ from softid.effects import EFFECTS
 from softid.errors import Issue
 from softid.results import FitResult
 
-READING = "told-reading"
+TOLD_READING = "told-reading"
 """Code of the remark that says at which reading a cause acts."""
 
 LEAST_ZERO = 0.01
@@ -54,4 +54,4 @@ def _told(cause: Cause, extended: FitResult) -> Issue | None:
         parts.append(f"{name} is a reading of {' and '.join(where)}")
     if not parts:
         return None
-    return Issue(READING, "info", f"{cause.key}: {'; '.join(parts)}")
+    return Issue(TOLD_READING, "info", f"{cause.key}: {'; '.join(parts)}")

@@ -23,7 +23,7 @@ from softid.results import FitResult
 
 Array = npt.NDArray[np.float64]
 
-COARSE = 0.25
+TOLD_SHARE = 0.25
 """Share of the power of what is left from which on a rounding is told."""
 
 COARSE_INPUT = "coarse-input"
@@ -71,7 +71,7 @@ def rounding_issues(logs: Iterable[Log], base: FitResult, rms: float) -> tuple[I
     for log in logs:
         grid = find_quantisation(log.channels[first].values) if first in log.channels else None
         share = grid.step**2 / 12.0 / rms**2 if grid is not None and rms > 0.0 else 0.0
-        if grid is not None and share > COARSE:
+        if grid is not None and share > TOLD_SHARE:
             found.append(
                 Issue(
                     "coarse-quantisation",
@@ -106,7 +106,7 @@ def input_rounding_issues(final: Candidate, remainder: Remainder) -> tuple[Issue
     moved = [_moved_by_rounding(final, k, grid.step) for k in range(len(problem.segments))]
     rms = float(np.sqrt(np.mean(np.concatenate(moved) ** 2)))
     share = rms**2 / remainder.rms**2
-    if share < COARSE:
+    if share < TOLD_SHARE:
         return ()
     output = problem.logs[0].channels[first]
     return (

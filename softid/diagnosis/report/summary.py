@@ -29,7 +29,7 @@ from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
 from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW, UNLISTED_LAW
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
-    VARIABLES,
+    VARIABLE_WORDS,
     doubt_about,
     given_up,
     known_noise,
@@ -67,7 +67,7 @@ from softid.diagnosis_results import (
     cause_before,
     dropped_from,
 )
-from softid.quality.causality import LEADS
+from softid.quality.causality import LEADING_OUTPUT
 from softid.results import FitResult
 
 WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW, FOLLOWS_SECOND_INPUT)
@@ -124,8 +124,8 @@ def write_summary(found: Diagnosis) -> Diagnosis:
 def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
     """Codes of the remarks on the logs that belong into the paragraph: a cause explains a set."""
     if verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
-        return LEADS, ONE_FREQUENCY, NEARLY_STATIC, RESIDUAL_SET, OPEN_INTERSAMPLE
-    return LEADS, ONE_FREQUENCY, OPEN_INTERSAMPLE
+        return LEADING_OUTPUT, ONE_FREQUENCY, NEARLY_STATIC, RESIDUAL_SET, OPEN_INTERSAMPLE
+    return LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE
 
 
 def _remedy_of_disturbance(found: Diagnosis) -> str | None:
@@ -298,7 +298,7 @@ def _partial(teller: ErrorTexts, remainder: Remainder, *, is_tied: bool) -> list
 
 def _left(teller: ErrorTexts, remainder: Remainder) -> str:
     """What is left, where that is more than noise."""
-    named = [VARIABLES.get(name, name) for name in variables_left(remainder)]
+    named = [VARIABLE_WORDS.get(name, name) for name in variables_left(remainder)]
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
     if remainder.predictable:
         told += f"is not noise: {structure_of_rest(remainder)}"

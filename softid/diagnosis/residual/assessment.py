@@ -33,7 +33,7 @@ LEAST_NOISE = 1e-9
 """Share of the base's misfit that the noise is at least: recordings that repeat their values show
 none."""
 
-FAINT = 0.5
+NOISE_MARGIN = 0.5
 """A held-out error counts as noise while its square is no more than this share above the noise's:
 parameters are a little off on other logs."""
 
@@ -206,7 +206,7 @@ def held_out_share(before: float, after: float, noise: float) -> float:
     left, whole = after**2 - noise, before**2 - noise
     if np.isinf(after):
         return 0.0
-    if np.isnan(left) or left <= FAINT * noise:
+    if np.isnan(left) or left <= NOISE_MARGIN * noise:
         return 1.0
     return float(np.clip(1.0 - left / whole, 0.0, 1.0)) if whole > 0.0 else 0.0
 

@@ -25,7 +25,7 @@ from softid.uncertainty.autoregression import fit_ar, run_slices, whiten
 
 Array = npt.NDArray[np.float64]
 
-WIDTH = 0.25
+SHORTEST_MEANS = 0.25
 """The shortest means are over so many time constants of the motion, or just below twice as many: a
 misfit lasts longer."""
 
@@ -36,7 +36,7 @@ white noise."""
 FEWEST_MEANS = 200
 """The widest means are so many. Fewer do not tell one kind of residual from the other."""
 
-ENOUGH = 0.8
+LEAST_SHARE_OF_MEANS = 0.8
 """Share of `FEWEST_MEANS` that is enough, for lost samples and the ends of logs take some."""
 
 LONGEST_S, LONGEST_TIMES = 2.0, 2.0
@@ -66,20 +66,20 @@ FOLLOWS = 0.04
 """The size of the innovations follows from the motion where that predicts so large a share of its
 logarithm's variance, and chance does not."""
 
-CHANCE = 16.0
+CHANCE_SHARE = 16.0
 """The share that chance predicts in one of 10,000 logs, times the number of innovations: what is
 looked at for several widths, in every log, must be so rare."""
 
 AT_REST = 0.01
 """Speeds below this share of their mean are no more telling than it is."""
 
-SMALLEST = 1e-4
+LEAST_SQUARE = 1e-4
 """Squares of innovations below this share of their mean are no more telling than it is."""
 
-ROUNDS = 2
+NOISE_ROUNDS = 2
 """The noise and the errors of the parameters are fitted in turn so many times."""
 
-DISTINCT = 1e-8
+LEAST_SINGULAR = 1e-8
 """Directions of the slopes that are weaker than this share of the strongest are rounding."""
 
 OF_ITS_OWN = 20
@@ -160,12 +160,12 @@ def colour_test(
     activities = _activities(parts)
     times_s: list[float] = []
     is_white, is_brief, widest = False, True, 0
-    most, few = length_s / FEWEST_MEANS / period_s, WIDTH * motion_s / period_s
+    most, few = length_s / FEWEST_MEANS / period_s, SHORTEST_MEANS * motion_s / period_s
     for count in _samples_a_mean(most, few):
         width_s = count * period_s
         given = enumerate(zip(parts, columns, activities, strict=True))
         runs = [run for part, each in given for run in _runs(*each, width_s, part=part)]
-        if sum(run.residual.size for run in runs) < ENOUGH * FEWEST_MEANS:
+        if sum(run.residual.size for run in runs) < LEAST_SHARE_OF_MEANS * FEWEST_MEANS:
             if widest < few:
                 return ColourTest()
             break
@@ -263,13 +263,13 @@ def _separated(runs: Sequence[_Run]) -> tuple[list[Array], list[Array]]:
     Both in units of the innovations' deviation in their segment.
     """
     left, sizes = [run.residual - run.residual.mean() for run in runs], [1.0] * len(runs)
-    for _ in range(ROUNDS):
+    for _ in range(NOISE_ROUNDS):
         noise = fit_ar([values / size for values, size in zip(left, sizes, strict=True)])
         sized = list(zip(runs, sizes, strict=True))
         rows = np.concatenate([whiten(noise, run.residual / size) for run, size in sized])
         columns = np.concatenate([whiten(noise, run.slopes / size) for run, size in sized])
         norms = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
-        moves = np.linalg.lstsq(columns / norms, rows, rcond=DISTINCT)[0] / norms
+        moves = np.linalg.lstsq(columns / norms, rows, rcond=LEAST_SINGULAR)[0] / norms
         left = [run.residual - run.slopes @ moves for run in runs]
         sizes = _sizes([whiten(noise, values) for values in left], [run.part for run in runs])
     left = [values / size for values, size in zip(left, sizes, strict=True)]
@@ -361,11 +361,11 @@ def _follow_motion(
 ) -> bool:
     """Whether the size of the innovations follows from the motion."""
     squares = np.concatenate(innovations) ** 2
-    sizes = np.log(squares + max(SMALLEST * float(squares.mean()), np.finfo(float).tiny))
+    sizes = np.log(squares + max(LEAST_SQUARE * float(squares.mean()), np.finfo(float).tiny))
     share, limit = predicted_beyond_chance(
         np.concatenate([run.activity for run in runs]),
         sizes - sizes.mean(),
         [run.time_s for run in runs],
         rng=rng,
     )
-    return share > max(limit, FOLLOWS, CHANCE / squares.size)
+    return share > max(limit, FOLLOWS, CHANCE_SHARE / squares.size)

@@ -30,10 +30,10 @@ LEAST_SAMPLES = 256
 LEAST_CYCLES = 6.0
 """A line goes round so often in a log at least; what is slower may be a wander."""
 
-NEIGHBOURS = 25
+NEIGHBOURING_BINS = 25
 """A line is held against so many bins of the spectrum on either side, where noise is as loud."""
 
-SIGNIFICANCE = 1e-4
+LINE_CHANCE = 1e-4
 """Chance of a line anywhere in the spectrum of noise that is as loud as the bins beside it: one log
 in 10,000."""
 
@@ -49,7 +49,7 @@ MIXED_LINES = 5
 """Most lines of the input, the strongest, whose sums and differences count; those of more are
 everywhere."""
 
-ORDERS = ((1, 1), (1, 2), (2, 1))
+MIXED_ORDERS = ((1, 1), (1, 2), (2, 1))
 """How often two lines count in a sum or a difference up to the third order."""
 
 ABOVE_BESIDE = 12.0
@@ -85,7 +85,7 @@ BETWEEN_BINS = np.linspace(-1.0, 1.0, 41)
 WINDOW_SAMPLES = 5
 """Samples of a window in which an event is looked for: a few, for a bump or a spike is short."""
 
-LOUD = 16.0
+LOUD_WINDOW = 16.0
 """Windows count as events when their power is so many times the median one."""
 
 MOST_EVENTS = 0.05
@@ -138,9 +138,9 @@ def line_in(parts: Sequence[ResidualContext]) -> Line | None:
     usable = np.arange(power.size) * 1.0 > LEAST_CYCLES
     usable &= ~_harmonics_of(driven)
     places = np.flatnonzero(usable)
-    if places.size < 2 * NEIGHBOURS:
+    if places.size < 2 * NEIGHBOURING_BINS:
         return None
-    chance = log(places.size) - log(SIGNIFICANCE)
+    chance = log(places.size) - log(LINE_CHANCE)
     in_input = _height(driven, places) > chance
     in_input |= np.append(in_input[1:], False) | np.append(False, in_input[:-1])
     height = np.where(in_input, 0.0, _height(power, places))
@@ -215,7 +215,7 @@ def events_in(parts: Sequence[ResidualContext], motion_s: float) -> tuple[float,
     joined = np.concatenate(power)
     if joined.size < WINDOW_SAMPLES / MOST_EVENTS:
         return ()
-    limit = LOUD * float(np.median(joined))
+    limit = LOUD_WINDOW * float(np.median(joined))
     loud = [_begun_within(p > limit, f) for p, f in zip(power, follows, strict=True)]
     marked = np.concatenate(loud)
     few = 0 < int(marked.sum()) <= MOST_EVENTS * marked.size
@@ -304,8 +304,8 @@ def _power(values: Array) -> Array:
 
 def _beside(power: Array, places: npt.NDArray[np.intp]) -> Array:
     """Median power of the bins around each place, the mean's left out."""
-    known = np.pad(power[1:], (1 + NEIGHBOURS, NEIGHBOURS), constant_values=np.nan)
-    around = np.lib.stride_tricks.sliding_window_view(known, 2 * NEIGHBOURS + 1)[places]
+    known = np.pad(power[1:], (1 + NEIGHBOURING_BINS, NEIGHBOURING_BINS), constant_values=np.nan)
+    around = np.lib.stride_tricks.sliding_window_view(known, 2 * NEIGHBOURING_BINS + 1)[places]
     found: Array = np.maximum(np.nanmedian(around, axis=1), np.finfo(float).tiny)
     return found
 
@@ -326,7 +326,7 @@ def _harmonics_of(driven: Array) -> BoolArray:
     for place in _overtones(driven, peaks):
         take(place, 1)
     for one, other in combinations(peaks, 2):
-        for m, n in ORDERS:
+        for m, n in MIXED_ORDERS:
             take(m * one + n * other, m + n)
             take(abs(m * one - n * other), m + n)
     return taken

@@ -37,10 +37,10 @@ MOST_JUMPS = 200
 MOST_SPENT = 0.5
 """Share of the samples that the moments use up at most in what scales the rest."""
 
-TRIED = 0.25
+TRIAL_SHARE = 0.25
 """Share of a jump by which the input is moved within its interval to see what its moment does."""
 
-KNOTS = np.array([0.0, 0.25, 0.75, 1.0])
+PULSE_KNOTS = np.array([0.0, 0.25, 0.75, 1.0])
 """Places within the interval of a jump between which its pulse goes straight; the input is moved at
 the inner two."""
 
@@ -70,7 +70,7 @@ PULSES = (Pulse(1.0, 1.0, 0.75, 12.0**-0.5), Pulse(-1.0, 1.0, 0.125, 720.0**-0.5
 TOGETHER = 4
 """Jumps are shared out among so many simulations, neighbours to different ones."""
 
-SETTLING = 4
+TIMING_ROUNDS = 4
 """Rounds in which moments beside a misfit are estimated anew."""
 
 FADED = 0.1
@@ -234,7 +234,7 @@ class JumpResponses:
         """
         least = float(np.finfo(float).tiny)
         found = self.opened(max(mean_square(self.parts), least))
-        for _ in range(SETTLING):
+        for _ in range(TIMING_ROUNDS):
             found = self.opened(max(mean_square(found.parts), least))
         return found
 
@@ -325,18 +325,18 @@ def _has_faded(response: Array) -> bool:
 def _response(model: Candidate, k: int, spans_s: Array, pulse: Pulse) -> Array:
     """Change of the first output with a pulse in every interval, per standard deviation."""
     segment = model.problem.segments[k]
-    heights = TRIED * np.diff(np.interp(spans_s, segment.time_s, segment.input)).ravel()
+    heights = TRIAL_SHARE * np.diff(np.interp(spans_s, segment.time_s, segment.input)).ravel()
     there, back = (
         simulated(model, k, _with_pulses(segment, spans_s, side * heights, pulse))
         for side in (1.0, -1.0)
     )
-    apart: Array = (there - back) / (2.0 * TRIED * pulse.moment) * pulse.deviation
+    apart: Array = (there - back) / (2.0 * TRIAL_SHARE * pulse.moment) * pulse.deviation
     return apart
 
 
 def _with_pulses(segment: Segment, spans_s: Array, heights: Array, pulse: Pulse) -> Segment:
     """A segment with an input that is moved at the inner knots of every interval."""
-    knot_s = spans_s[:, :1] + np.diff(spans_s) * KNOTS
+    knot_s = spans_s[:, :1] + np.diff(spans_s) * PULSE_KNOTS
     return with_added(
         segment, knot_s, heights[:, np.newaxis] * (0.0, pulse.first, pulse.second, 0.0)
     )

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plan
+from softid.diagnosis.refit.candidates import FINE_STEPS, Candidate, limited_plan
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.effects import own_values
 from softid.identification.interpolated_output import INTERPOLATED
@@ -19,10 +19,10 @@ Array = npt.NDArray[np.float64]
 STANDS = 3
 """A simulated reading that is at its largest in so many samples stands at a limit."""
 
-SAME = 1e-9
+SAME_VALUE = 1e-9
 """Values that differ by less, as a share of the range, differ by rounding."""
 
-BESIDE = 3.0
+CLIPPED_WITHIN = 3.0
 """Noise is clipped within so many deviations of a limit."""
 
 
@@ -98,10 +98,10 @@ def muted_samples(
         muted = np.zeros(part.residual.size, np.bool_)
         if is_muted and np.isfinite(part.residual).any():
             told = segment.samples_of(segment.outputs[first]) - part.residual
-            near = BESIDE * float(np.sqrt(np.nanmean(part.residual**2)))
+            near = CLIPPED_WITHIN * float(np.sqrt(np.nanmean(part.residual**2)))
             for sign in (1.0, -1.0):
                 below = np.nanmax(sign * told) - sign * told
-                if np.sum(below <= SAME * np.nanmax(below)) >= STANDS:
+                if np.sum(below <= SAME_VALUE * np.nanmax(below)) >= STANDS:
                     muted |= below <= near
         found.append(muted)
     return found
@@ -138,6 +138,6 @@ def simulated(candidate: Candidate, k: int, segment: Segment) -> Array:
     problem, z = candidate.problem, candidate.minimum.point
     theta = problem.theta(z)
     law = problem.model.motion_law(theta)
-    plan = limited_plan(problem.model.plan(theta, segment), segment, law, FINE)
+    plan = limited_plan(problem.model.plan(theta, segment), segment, law, FINE_STEPS)
     found: Array = problem.response(z, k, segment, plan).outputs[problem.outputs[0]]
     return segment.samples_of(found)

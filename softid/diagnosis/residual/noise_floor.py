@@ -19,10 +19,10 @@ Array = npt.NDArray[np.float64]
 REST_S = 15.0
 """Shortest rest, in one piece and after the motion has died out, that shows the noise's colour."""
 
-SETTLED = 5.0
+DEAD_AFTER = 5.0
 """Time constants after which the motion counts as dead: less than a hundredth is left."""
 
-STILL = 0.02
+STILL_SPAN = 0.02
 """The input rests while it stays within this share of its span over all logs."""
 
 MOST_OF_IT, SPREAD = 0.8, 1.5
@@ -30,7 +30,7 @@ MOST_OF_IT, SPREAD = 0.8, 1.5
 noise with a deviation of the tolerance itself: with half of that deviation, a few samples of a
 piece do not go beyond by chance."""
 
-BRIEF = 0.04
+SPIKE_SHARE = 0.04
 """Largest share of a still piece of the input that lies far off its middle: a spike or two."""
 
 FAR_OFF = 3.0
@@ -56,7 +56,7 @@ SQUARES_COST = 5.0
 """Relative variance of the estimate, times the number of differences: 3.9 for their squares, which
 are correlated, and more for a quantile in place of the mean."""
 
-BLOCK = 32
+BLOCK_SAMPLES = 32
 """Samples whose fastest part has one size. Noise that grows with the reading, and that of the
 pressure where the static curve is steep, has another one elsewhere."""
 
@@ -148,7 +148,7 @@ def fastest_part(runs: Sequence[Array], alike: int = 1) -> NoiseFloor:
     """
     spaced = [run[first::alike] for run in runs for first in range(alike)]
     second = np.concatenate([np.diff(run, 2) for run in spaced if run.size > 2] or [np.zeros(1)])
-    blocks = np.array_split(second, max(second.size // BLOCK, 1))
+    blocks = np.array_split(second, max(second.size // BLOCK_SAMPLES, 1))
     deviations = [float(np.quantile(np.abs(block), QUANTILE)) / AT_QUANTILE for block in blocks]
     variance = float(np.mean(np.square(deviations))) / SECOND_DIFFERENCE
     return NoiseFloor(variance, float(np.sqrt(SQUARES_COST * alike / second.size)), from_rest=False)
@@ -190,9 +190,9 @@ def rest_spans(part: ResidualContext, motion_s: float, u_span: float) -> tuple[s
         the noise of its gauge alone.
     """
     found: list[slice] = []
-    for still in still_spans(part.u, part.time_s, STILL * u_span):
+    for still in still_spans(part.u, part.time_s, STILL_SPAN * u_span):
         moved = still.start > 0 or not part.begins_at_rest
-        found += _settled(part.time_s, still, SETTLED * motion_s if moved else 0.0)
+        found += _settled(part.time_s, still, DEAD_AFTER * motion_s if moved else 0.0)
     return tuple(found)
 
 
@@ -247,7 +247,7 @@ def _is_still(piece: Array, level: float, tolerance: float) -> bool:
     middle = float(np.median(piece))
     off = np.sort(np.abs(piece - middle))
     most = off[int(MOST_OF_IT * (off.size - 1))]
-    rare = off[off.size - 1 - round(BRIEF * off.size)]
+    rare = off[off.size - 1 - round(SPIKE_SHARE * off.size)]
     return bool(
         abs(middle - level) <= tolerance
         and most <= SPREAD * tolerance

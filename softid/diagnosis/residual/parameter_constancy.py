@@ -19,7 +19,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.whitening import whitener_of
 from softid.diagnosis.residual.jump_timing import part_of_jumps
 from softid.diagnosis.residual.projection import (
-    DISTINCT,
+    LEAST_DISTINCT,
     Rows,
     added_basis,
     basis_of,
@@ -32,18 +32,18 @@ from softid.effects.base import Effect
 
 Array = npt.NDArray[np.float64]
 
-KNOTS = 6
+SIZE_KNOTS = 6
 """The size varies linearly between so many values of a variable, which part the log into pieces
 that weigh alike."""
 
-CHANCE = 1e-4
+FALSE_ALARM_RATE = 1e-4
 """A size that is the same throughout seems to vary so by chance in one of so many logs."""
 
 NOTABLE_VARIATION = 0.005
 """No material follows a law to the last digit: what a size that varies would take away is not told
 while it is less than this share of what the cause takes away."""
 
-VARIABLES = ("t", "x", "v", "p")
+VARIED_WITH = ("t", "x", "v", "p")
 """What a size may vary with: time, position, speed and input."""
 
 
@@ -123,10 +123,10 @@ class _ScoreTest:
         whole = self.white(growth[:, None])
         weight = float(np.sum(whole**2))
         taken = float(np.sum(project_out(others, whole) ** 2))
-        if taken <= DISTINCT**2 * weight:
+        if taken <= LEAST_DISTINCT**2 * weight:
             return None  # the model without the effect can do all that it does
         found = []
-        for name in VARIABLES:
+        for name in VARIED_WITH:
             columns = self.white(growth[:, None] * _piecewise_linear(name, self.rows, growth**2))
             asked = added_basis(self.basis, columns)
             variation = _judged(name, asked, self.left, self.variance, weight, taken)
@@ -147,7 +147,7 @@ def _judged(
     further = float(np.sum((asked.T @ left) ** 2)) / variance
     chance = chi_square_tail(further, freedom)
     beyond = max(further - freedom, 0.0) * variance
-    if chance > CHANCE or beyond < NOTABLE_VARIATION * taken:
+    if chance > FALSE_ALARM_RATE or beyond < NOTABLE_VARIATION * taken:
         return None
     return Variation(name, (beyond / weight) ** 0.5, beyond / taken, chance)
 
@@ -210,5 +210,5 @@ def _piecewise_linear_over(values: Array, weight: Array) -> Array:
     sums = np.cumsum(weight[order])
     if not sums[-1] > 0.0:
         return np.zeros((values.size, 0))
-    knots = np.unique(np.interp(np.linspace(0.0, sums[-1], KNOTS), sums, values[order]))
+    knots = np.unique(np.interp(np.linspace(0.0, sums[-1], SIZE_KNOTS), sums, values[order]))
     return np.column_stack([np.interp(values, knots, row) for row in np.eye(knots.size)])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import FINE, Candidate, limited_plans
+from softid.diagnosis.refit.candidates import FINE_STEPS, Candidate, limited_plans
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.structure import ResidualContext
 
@@ -16,7 +16,7 @@ Array = npt.NDArray[np.float64]
 SEEN = 1e-10
 """Directions that are weaker than this share of the strongest are rounding."""
 
-DISTINCT = 1e-6
+LEAST_DISTINCT = 1e-6
 """Columns of which others leave less than this share are rounding, and so are directions within
 what they leave: to take out those others has cost digits."""
 
@@ -59,7 +59,7 @@ def rows_of(candidate: Candidate) -> list[Rows]:
     """
     problem, z = candidate.problem, candidate.minimum.point
     motions = residual_context(candidate)
-    plans = limited_plans(problem, z, FINE)
+    plans = limited_plans(problem, z, FINE_STEPS)
     found = []
     for block in problem.blocks(z, derivatives=True, plans=plans):
         assert block.jacobian is not None
@@ -163,5 +163,5 @@ def added_basis(basis: Array, columns: Array) -> Array:
         Of shape (m, C).
     """
     left = project_out(basis, columns)
-    adds = np.linalg.norm(left, axis=0) > DISTINCT * np.linalg.norm(columns, axis=0)
-    return basis_of(left[:, adds], DISTINCT)
+    adds = np.linalg.norm(left, axis=0) > LEAST_DISTINCT * np.linalg.norm(columns, axis=0)
+    return basis_of(left[:, adds], LEAST_DISTINCT)

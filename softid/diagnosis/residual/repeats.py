@@ -10,7 +10,13 @@ from math import ceil
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.residual.noise_floor import LOOK_S, SETTLED, STILL, input_span, rest_spans
+from softid.diagnosis.residual.noise_floor import (
+    DEAD_AFTER,
+    LOOK_S,
+    STILL_SPAN,
+    input_span,
+    rest_spans,
+)
 from softid.diagnosis.residual.structure import ResidualContext
 from softid.excitation.motion import turning_points
 
@@ -19,10 +25,10 @@ Array = npt.NDArray[np.float64]
 LEAST_REST_S = 30.0
 """Shortest time, the dying out of the motion included, for which the input rests."""
 
-SWING = 0.25
+LEAST_SWING = 0.25
 """An input turns where it comes back by this share of its range."""
 
-REPEAT_TOLERANCE = 2.0 * STILL
+REPEAT_TOLERANCE = 2.0 * STILL_SPAN
 """One cycle repeats another while the input differs by no more than this share of its range."""
 
 MOST_TURNS = 6
@@ -70,7 +76,7 @@ def resting_runs(
         for span in rest_spans(part, motion_s, u_span):
             times = part.time_s[span]
             length_s = float(times[-1] - times[0])
-            died_out_s = SETTLED * motion_s if span.start > 0 else 0.0
+            died_out_s = DEAD_AFTER * motion_s if span.start > 0 else 0.0
             if length_s + died_out_s >= LEAST_REST_S and length_s >= block_s:
                 count = min(int(length_s / block_s), MOST_BLOCKS)
                 found.append(Run(k, np.linspace(times[0], times[-1], count + 1)))
@@ -93,7 +99,7 @@ def cycling_runs(
     for k, part in enumerate(parts):
         for starts_s in _repeated(part):
             cycle_s = float(np.median(np.diff(starts_s)))
-            settled = starts_s[max(ceil(SETTLED * motion_s / cycle_s), 1) :]
+            settled = starts_s[max(ceil(DEAD_AFTER * motion_s / cycle_s), 1) :]
             wide = max(ceil(block_s / cycle_s), ceil(settled.size / MOST_BLOCKS))
             edges_s = settled[::wide]
             if edges_s.size > 1:
@@ -123,11 +129,11 @@ def _rises(part: ResidualContext) -> Array:
     span = float(np.ptp(part.u))
     if span <= 0.0:
         return np.empty(0)
-    turns = [0, *turning_points(part.u, SWING * span).tolist(), part.u.size - 1]
+    turns = [0, *turning_points(part.u, LEAST_SWING * span).tolist(), part.u.size - 1]
     found = []
     for low, high in pairwise(turns):
         rise = part.u[low : high + 1]
-        if rise[-1] - rise[0] > SWING * span:
+        if rise[-1] - rise[0] > LEAST_SWING * span:
             after = int(np.argmax(rise > 0.5 * (rise[0] + rise[-1])))
             beside = slice(low + after - 1, low + after + 1)
             middle = 0.5 * (rise[0] + rise[-1])

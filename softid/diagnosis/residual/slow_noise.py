@@ -39,10 +39,10 @@ SLOWER = 3.0
 SOUGHT = 10.0
 """The statistic looks best for a wander so many times slower than the limit."""
 
-SIGNIFICANCE = 0.01
+WANDER_CHANCE = 0.01
 """Noise at the limit is taken for a wander in one of so many logs; faster noise hardly ever."""
 
-TIMES = 16
+TRIED_TIMES = 16
 """Times of the wander among which the likeliest is taken."""
 
 COLOUR_SHARES = (0.0, 0.03, 0.1, 0.3, 0.6)
@@ -65,7 +65,7 @@ some other law."""
 EXCURSION = 0.75
 """One excursion holds so much of the slow power."""
 
-BRIEF = 0.25
+EXCURSION_BLOCKS = 0.25
 """Largest share of the blocks, in a row, that one excursion takes."""
 
 TENS_S = 15.0
@@ -240,7 +240,7 @@ def _judged(
     if power < LEAST_SHARE * whole or float(y @ y) < LEAST_IRREGULAR * float(slow @ slow):
         return None
     colour = _covariance(series, limit_s)
-    if _p_value(y, colour, colour + _covariance(series, SOUGHT * limit_s)) > SIGNIFICANCE:
+    if _p_value(y, colour, colour + _covariance(series, SOUGHT * limit_s)) > WANDER_CHANCE:
         return None
     time_s = _likeliest_s(y, series, limit_s)
     if time_s < SLOWER * limit_s:
@@ -324,7 +324,7 @@ def chance_of_positive(weights: Array) -> float:
 def _likeliest_s(y: Array, series: Sequence[_Series], limit_s: float) -> float:
     """Correlation time under which the contrasts are likeliest, whatever size and colour."""
     longest_s = max(float(s.ends_s[-1] - s.begins_s[0]) for s in series)
-    times_s = np.geomspace(limit_s, max(longest_s, SOUGHT * limit_s), TIMES).tolist()
+    times_s = np.geomspace(limit_s, max(longest_s, SOUGHT * limit_s), TRIED_TIMES).tolist()
     colour = _covariance(series, limit_s)
     best_s, least = limit_s, np.inf
     for time_s in times_s:
@@ -342,7 +342,7 @@ def _excursion_s(series: Sequence[_Series]) -> float | None:
     """Middle of the fewest blocks in a row that hold most of the slow power, if they are few."""
     powers = [(s.means - np.median(s.means)) ** 2 for s in series]
     wanted = EXCURSION * sum(float(power.sum()) for power in powers)
-    most = int(BRIEF * sum(power.size for power in powers))
+    most = int(EXCURSION_BLOCKS * sum(power.size for power in powers))
     found: list[tuple[float, float]] = []
     for s, power in zip(series, powers, strict=True):
         held = np.concatenate(([0.0], np.cumsum(power)))

@@ -19,10 +19,10 @@ from softid.diagnosis_results import NOTABLE
 
 Array = npt.NDArray[np.float64]
 
-BLOCKS = 12
+FOLD_COUNT = 12
 """Folds of the cross-validation, each of two contiguous blocks of a log."""
 
-SHIFTS = 199
+NULL_SHIFTS = 199
 """Circular shifts of the residual that make up the null distribution."""
 
 NULL_QUANTILE = 0.95
@@ -33,13 +33,13 @@ WANDERING_QUANTILE = 0.99
 nothing pulls the motion back: a residual that adds up disturbances resembles every slow
 variable."""
 
-KNOTS = 7
+KNOTS_PER_VARIABLE = 7
 """Knots of the smooth function of one variable."""
 
 FINE_KNOTS = 21
 """Knots of the smooth function of position: a thread, a rack or pleats repeat within the stroke."""
 
-RIDGE = 1e-3
+RIDGE_SHARE = 1e-3
 """Penalty of the smooth function, as a share of the data's weight."""
 
 INPUT_LAGS = (0.1, 0.5, 2.0)
@@ -167,7 +167,7 @@ def predicted_beyond_chance(
 
 def _many_shifted(rows: Array, rng: np.random.Generator) -> Array:
     """The null distribution, one residual in each column, shape (n, SHIFTS)."""
-    return np.array([_shifted(rows, rng) for _ in range(SHIFTS)]).T
+    return np.array([_shifted(rows, rng) for _ in range(NULL_SHIFTS)]).T
 
 
 def _shifted(rows: Array, rng: np.random.Generator) -> Array:
@@ -186,7 +186,7 @@ class _Smooth:
 
     def __init__(self, matrix: Array, fold: npt.NDArray[np.intp]) -> None:
         order = np.argsort(fold, kind="stable")
-        edges = np.searchsorted(fold[order], np.arange(BLOCKS + 1))
+        edges = np.searchsorted(fold[order], np.arange(FOLD_COUNT + 1))
         self._order = order
         self._slices = [slice(*ends) for ends in pairwise(edges.tolist()) if ends[0] < ends[1]]
         self._parts = [matrix[order[part]] for part in self._slices]
@@ -216,7 +216,7 @@ class _Smooth:
         grams = [gram[square] for gram in self._grams]
         products = [mine[columns] for mine in own]
         whole, along = np.sum(grams, axis=0), np.sum(products, axis=0)
-        ridge = RIDGE * self._order.size * np.eye(columns.size)
+        ridge = RIDGE_SHARE * self._order.size * np.eye(columns.size)
         missed = np.zeros(along.shape[1])
         for gram, mine in zip(grams, products, strict=True):
             weights = np.linalg.solve(whole - gram + ridge, along - mine)
@@ -229,7 +229,9 @@ def _folds(times: Sequence[Array]) -> npt.NDArray[np.intp]:
     folds = []
     for time_s in times:
         share = (time_s - time_s[0]) / max(float(time_s[-1] - time_s[0]), 1e-12)
-        folds.append(np.minimum((share * 2 * BLOCKS).astype(np.intp), 2 * BLOCKS - 1) % BLOCKS)
+        folds.append(
+            np.minimum((share * 2 * FOLD_COUNT).astype(np.intp), 2 * FOLD_COUNT - 1) % FOLD_COUNT
+        )
     return np.concatenate(folds)
 
 
@@ -264,7 +266,7 @@ def _size(values: Array) -> float:
     return max(float(np.quantile(np.abs(values - np.median(values)), 0.98)), 1e-12)
 
 
-def _basis(values: Array, knots: int = KNOTS) -> Array:
+def _basis(values: Array, knots: int = KNOTS_PER_VARIABLE) -> Array:
     """Smooth bumps over the quantiles of a variable."""
     low, high = np.quantile(values, [0.01, 0.99])
     width = max((high - low) / (knots - 1), 1e-12)

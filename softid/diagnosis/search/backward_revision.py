@@ -27,7 +27,7 @@ from softid.parallel import in_parallel
 WITHOUT_ROUND = 25
 """Evaluations that bring a chain without one of its links to its optimum."""
 
-BEYOND = 3.0
+HOPELESS_RATIO = 3.0
 """A link is not asked again when every rival was behind by more than so many times what the later
 links took away."""
 
@@ -146,7 +146,9 @@ def _is_beyond_doubt(link: Link, final: Candidate) -> bool:
         if link.added_by(row).name != link.added.name
     ]
     had_rivals = any(s.effect.name != link.added.name for s in link.signatures)
-    return had_rivals and BEYOND * (chosen - final.squares) < min([CLEAR_LEAD * misfit, *others])
+    return had_rivals and HOPELESS_RATIO * (chosen - final.squares) < min(
+        [CLEAR_LEAD * misfit, *others]
+    )
 
 
 def _contenders(

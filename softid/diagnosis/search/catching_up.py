@@ -8,11 +8,11 @@ import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate
 
-NEAR = 0.3
+CLOSE_BEHIND = 0.3
 """A candidate may catch up with the leader whose ln(S) is so little above the leader's: that may be
 little where none explains the misfit."""
 
-REACH = 4.0
+TIMES_PREDICTED = 4.0
 """A candidate may catch up with the leader also where it would be there if its sum of squares fell
 by so many times what its quadratic model predicts; one for which that is all of the sum may come
 from anywhere."""
@@ -109,7 +109,7 @@ def can_catch_up(candidate: Candidate, leader: float, *, gained: float = 0.0) ->
     """
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
     distance = -gain(leader, candidate)
-    return distance <= NEAR * n + _hoped_for(candidate) or distance <= PACE * gained
+    return distance <= CLOSE_BEHIND * n + _hoped_for(candidate) or distance <= PACE * gained
 
 
 def is_outdone(candidate: Candidate, others: Sequence[Candidate], *, gained: float) -> bool:
@@ -144,7 +144,7 @@ def _promised(candidate: Candidate) -> float:
 
 
 def _hoped_for(candidate: Candidate) -> float:
-    """Fall of n ln(S) if the sum of squares fell by `REACH` times as much."""
+    """Fall of n ln(S) if the sum of squares fell by `TIMES_PREDICTED` times as much."""
     n = max(candidate.problem.n_samples - candidate.problem.size, 1)
-    share = REACH * _promised(candidate) / n
+    share = TIMES_PREDICTED * _promised(candidate) / n
     return float(-n * np.log1p(-share)) if share < 1.0 else np.inf

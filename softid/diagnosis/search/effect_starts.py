@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import (
-    COARSE,
+    COARSE_STEPS,
     Candidate,
     begun,
     limited_plans,
@@ -36,7 +36,7 @@ EQUAL_SQUARES = 1e-9
 """Of two starts whose sums of squares differ by less the first is taken, and rounding picks none:
 the shift may move the sensor's zero alone, which is at its best in both."""
 
-KEPT = 0.5
+KEPT_PROMISE = 0.5
 """No smaller fraction is tried of a start that keeps half of what its signature promises."""
 
 INERTIA_SHARES = (1.0, 0.1, 0.01)
@@ -89,7 +89,7 @@ def candidate_from(
             squares = squares_at(problem, start, sigma)
             if best is None or squares < (1.0 - EQUAL_SQUARES) * least:
                 best, least = start, squares
-        if fitted.squares - least > KEPT * signature.drop:
+        if fitted.squares - least > KEPT_PROMISE * signature.drop:
             break
     assert best is not None
     return _placed(fitted, signature.effect, problem, best, variance)
@@ -273,7 +273,7 @@ def _placed(
 
 def squares_at(problem: Problem, z: Array, sigma: Mapping[str, float]) -> float:
     """Weighted sum of squares with every zero at its best; infinite where the response is lost."""
-    plans = limited_plans(problem, z, COARSE)
+    plans = limited_plans(problem, z, COARSE_STEPS)
     with np.errstate(all="ignore"):
         blocks = list(problem.blocks(z, derivatives=False, plans=plans))
         if not all(np.all(np.abs(b.residual) < LOST * sigma[b.channel]) for b in blocks):

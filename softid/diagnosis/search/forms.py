@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from softid.diagnosis.refit.candidates import COARSE, FINE, Candidate
+from softid.diagnosis.refit.candidates import COARSE_STEPS, FINE_STEPS, Candidate
 from softid.diagnosis.search.catching_up import SMALLEST_GAIN, best_of_each, gain
 from softid.diagnosis.search.effect_starts import forms_of
 from softid.diagnosis.search.rounds import FAR_ROUND, SECOND_ROUND, run_round, variance_of
@@ -132,7 +132,7 @@ def simpler_forms(
             is_simpler = is_richer(added, effect, scale) or may_imitate(added, effect, scale)
             if known is not None or is_simpler:
                 placed += forms_of(fitted, leader, effect, scale, variance, known=known)
-    return run_round(placed, sigma, FAR_ROUND, FINE)
+    return run_round(placed, sigma, FAR_ROUND, FINE_STEPS)
 
 
 def forms_that_gain(
@@ -165,7 +165,7 @@ def forms_that_gain(
         if is_richer(effect, candidate.effects[-1], scale)
         for form in forms_of(fitted, candidate, effect, scale, variance)
     ]
-    tried = run_round([form for _, form in pairs], sigma, SECOND_ROUND, COARSE)
+    tried = run_round([form for _, form in pairs], sigma, SECOND_ROUND, COARSE_STEPS)
     return best_of_each(
         [
             form

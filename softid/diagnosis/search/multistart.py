@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, standing_at
+from softid.diagnosis.refit.candidates import COARSE_STEPS, Candidate, advance, standing_at
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.effect_starts import candidate_at
 from softid.diagnosis.search.racing import refined
@@ -24,13 +24,13 @@ from softid.intersample import HELD
 from softid.parallel import in_parallel
 from softid.segment import Segment
 
-PLACES = 3
+BASE_STARTS = 3
 """Best start values of the base that are tried with every start of an effect."""
 
 STARTS = 2
 """Most promising combinations of a start of the base and one of an effect that are led on."""
 
-ENOUGH = 3000
+LEADING_SAMPLES = 3000
 """Samples that lead the candidates where a log cannot be averaged."""
 
 OVER_ALL = 5
@@ -62,7 +62,7 @@ def _has_run_away(base: Candidate) -> bool:
     scaled = [k for k, name in enumerate(problem.free) if problem.parameters[name].scale == "log"]
     if not scaled:
         return False
-    guesses = problem.model.guess(problem.plain_segments, problem.outputs[0])[:PLACES]
+    guesses = problem.model.guess(problem.plain_segments, problem.outputs[0])[:BASE_STARTS]
     starts = [problem.free_unknowns(guess.values_dict()) for guess in guesses]
     ways = [float(np.abs(start - base.minimum.point)[scaled].max()) for start in starts]
     return min(ways, default=0.0) > FAR_OFF
@@ -116,14 +116,14 @@ def multistart_candidates(
 
     def finished(candidate: Candidate) -> Candidate:
         whole = over_samples_of(candidate, base, scale)
-        return advance(whole, sigma, OVER_ALL, substeps=COARSE)
+        return advance(whole, sigma, OVER_ALL, substeps=COARSE_STEPS)
 
     return in_parallel(finished, led)
 
 
 def _sparse(base: Candidate) -> Candidate:
     """The base over every k-th sample of long logs that cannot be averaged."""
-    step = base.problem.n_samples // ENOUGH
+    step = base.problem.n_samples // LEADING_SAMPLES
     if step < 2 or any(log.intersample in HELD for log in base.problem.logs):
         return base
     logs = [log.every(step) for log in base.problem.logs]
@@ -177,7 +177,7 @@ def driven(
 def _places(base: Candidate, segments: Sequence[Segment]) -> Iterator[Candidate]:
     """The base at the best start values for given segments."""
     problem = base.problem
-    for start in problem.model.guess(segments, problem.outputs[0])[:PLACES]:
+    for start in problem.model.guess(segments, problem.outputs[0])[:BASE_STARTS]:
         point = problem.unknowns(start.values_dict())
         place = standing_at(point, base.minimum, base.prior, base.squares)
         yield replace(base, minimum=place)

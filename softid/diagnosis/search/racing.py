@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
-from softid.diagnosis.refit.candidates import COARSE, FINE, Candidate
+from softid.diagnosis.refit.candidates import COARSE_STEPS, FINE_STEPS, Candidate
 from softid.diagnosis.refit.equivalent_places import alternatives, exchanged
 from softid.diagnosis.refit.rough_copy import over_samples_of, rough_copy
 from softid.diagnosis.search.catching_up import (
@@ -80,7 +80,7 @@ PROMISING_SIGNATURES = 5
 """Effects of the best signatures stay for the second round however far the first one brought them:
 a motion that integrates its force answers violently to a start that is a little off."""
 
-FAR = 5.0
+UNSETTLED_OFFSET = 5.0
 """Standard errors from its optimum beyond which a candidate stays for the second round in any
 case."""
 
@@ -154,13 +154,13 @@ def race(
     first = _first_round(rough, found, running, scale, rough_sigma)
     promising = list(dict.fromkeys(s.effect.key for s in found))
     second = _second_round(rough, first, promising, running, scale, rough_sigma)
-    far, near = run_rounds([(far, FAR_ROUND), (near, 1)], rough_sigma, COARSE)
+    far, near = run_rounds([(far, FAR_ROUND), (near, 1)], rough_sigma, COARSE_STEPS)
     second = best_of_each([*second, *near, *far])
     entering = [effect for effect in richer if effect.key in late_forms]
     second = by_squares([*second, *forms_that_gain(rough, second, entering, scale, rough_sigma)])
     if not second or gain(rough.squares, second[0]) < SMALLEST_GAIN:
         best = [over_samples_of(candidate, fitted, scale) for candidate in second[:1]]
-        return run_round(best, sigma, 1, FINE)
+        return run_round(best, sigma, 1, FINE_STEPS)
     kept = _contenders(rough, second, promising, rough_sigma)
     last = _last_rounds([over_samples_of(c, fitted, scale) for c in kept], sigma)
     last += simpler_forms(fitted, best_of_each(last)[:FORM_SURVIVORS], effects, scale, sigma)
@@ -184,7 +184,7 @@ def refined(
     running, out = list(starts), list[Candidate]()
     for evaluations in MULTISTART_ROUNDS:
         running, out_of_reach = run_in_reach(
-            running, out, sigma, evaluations, COARSE, known=base.squares
+            running, out, sigma, evaluations, COARSE_STEPS, known=base.squares
         )
         out += out_of_reach
     return best_of_each([*running, *out])[:MULTISTART_SURVIVORS]
@@ -212,7 +212,8 @@ def _first_round(
     ]
     return best_of_each(
         in_parallel(
-            lambda begin: one_round(begin(), sigma, FIRST_ROUND, COARSE, straight=True), begins
+            lambda begin: one_round(begin(), sigma, FIRST_ROUND, COARSE_STEPS, straight=True),
+            begins,
         )
     )
 
@@ -235,7 +236,9 @@ def _second_round(
     field = [
         c
         for k, c in enumerate(first)
-        if k < SECOND_SURVIVORS or c.effects[-1].key in favoured or c.minimum.offset > FAR
+        if k < SECOND_SURVIVORS
+        or c.effects[-1].key in favoured
+        or c.minimum.offset > UNSETTLED_OFFSET
     ]
     far_off = [form for candidate in first for form in exchanged(candidate)]
     variance = variance_of(fitted)
@@ -245,7 +248,7 @@ def _second_round(
         lambda one: in_better_order(one, sigma),
         [one for one in first if other_order(one.acting) != one.acting],
     )
-    afar, near = run_rounds([(far_off, SECOND_ROUND), (field, SECOND_ROUND)], sigma, COARSE)
+    afar, near = run_rounds([(far_off, SECOND_ROUND), (field, SECOND_ROUND)], sigma, COARSE_STEPS)
     _, left_behind = those_in_reach(far_off, afar, near)
     return by_squares(_led_on([*afar, *near], left_behind, [], sigma))
 
@@ -261,7 +264,9 @@ def _led_on(
     for _ in range(EXTRA_ROUNDS):
         moving = [c for c in found if _is_moving(c) and c not in behind]
         resting = [c for c in found if c not in moving]
-        again, out_of_reach = run_in_reach(moving, [*resting, *others], sigma, SECOND_ROUND, COARSE)
+        again, out_of_reach = run_in_reach(
+            moving, [*resting, *others], sigma, SECOND_ROUND, COARSE_STEPS
+        )
         found = resting + again + out_of_reach
         behind += out_of_reach
     return found
@@ -280,7 +285,7 @@ def _contenders(
     kept = _last_survivors(second, promising, limit, leader + UNCONVERGED_LEAD * misfit)
     forms = [form for candidate in kept for form in exchanged(candidate)]
     forms += [form for candidate in kept[:FORM_SURVIVORS] for form in alternatives(candidate)]
-    moved = run_round(forms, sigma, SECOND_ROUND, COARSE)
+    moved = run_round(forms, sigma, SECOND_ROUND, COARSE_STEPS)
     _, left_behind = those_in_reach(forms, moved, kept)
     forms = _led_on(moved, left_behind, kept, sigma)
     return one_of_each_place([*kept, *(form for form in forms if form.squares <= limit)])
@@ -317,7 +322,7 @@ def _last_rounds(kept: Sequence[Candidate], sigma: Mapping[str, float]) -> list[
     """The contenders at their optimum, and those that cannot catch up as far as they got."""
     running, out = list(kept), list[Candidate]()
     for evaluations in LAST_ROUNDS:
-        running, out_of_reach = run_in_reach(running, out, sigma, evaluations, FINE)
+        running, out_of_reach = run_in_reach(running, out, sigma, evaluations, FINE_STEPS)
         out += out_of_reach
     return running + out
 

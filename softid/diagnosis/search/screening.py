@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.refit.candidates import COARSE, FINE, Candidate, limited_plans
+from softid.diagnosis.refit.candidates import COARSE_STEPS, FINE_STEPS, Candidate, limited_plans
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.refit.rough_copy import rough_copy
 from softid.diagnosis.refit.state_sizes import reach_of
@@ -20,7 +20,7 @@ from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
 
-FOLLOWED = 1e-6
+LEAST_FOLLOWED = 1e-6
 """Directions of the Jacobian that are weaker than this share of the strongest are not followed: the
 unknowns would have to go so far along them that no linear model holds."""
 
@@ -90,7 +90,7 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
     sigma
         Output channel → scale that its residual is divided by.
     """
-    fine, coarse = (limited_plans(problem, unknowns, most) for most in (FINE, COARSE))
+    fine, coarse = (limited_plans(problem, unknowns, most) for most in (FINE_STEPS, COARSE_STEPS))
     blocks = list(problem.blocks(unknowns, derivatives=True, plans=fine))
     rough = problem.blocks(unknowns, derivatives=False, plans=coarse)
     rows = np.concatenate([b.residual / sigma[b.channel] for b in blocks])
@@ -103,7 +103,7 @@ def residual_of(problem: Problem, unknowns: Array, sigma: Mapping[str, float]) -
     for at in (at for k in range(len(problem.segments)) for at in problem.state_positions(k)):
         if reach[at] * np.linalg.norm(jacobian[:, at]) < least:
             jacobian[:, at] = 0.0
-    return Residual(rows, span_of(jacobian, FOLLOWED), _measured(problem, sigma) - roughly)
+    return Residual(rows, span_of(jacobian, LEAST_FOLLOWED), _measured(problem, sigma) - roughly)
 
 
 def _measured(problem: Problem, sigma: Mapping[str, float]) -> Array:
@@ -147,7 +147,7 @@ def screen(
         named = named_values(effect, values)
         z = start_unknowns(problem, fitted.problem, fitted.minimum.point, named)
         with np.errstate(all="ignore"):
-            plans = limited_plans(problem, z, COARSE)
+            plans = limited_plans(problem, z, COARSE_STEPS)
             blocks = problem.blocks(z, derivatives=False, plans=plans)
             rows = [b.residual / sigma[b.channel] for b in blocks]
             whole = measured - np.concatenate(rows) - residual.simulated

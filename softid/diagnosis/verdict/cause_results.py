@@ -23,7 +23,7 @@ from softid.scores import fit_percent
 
 Array = npt.NDArray[np.float64]
 
-HARDLY = 0.05
+SAME_RATIO = 0.05
 """A richer form whose ratio differs from that of the plain one by less than this share is told as
 plain: so much is the work of what else is not in the model. A vent that is 2 % slower is none."""
 
@@ -90,7 +90,8 @@ def told_as(effect: Effect, parameters: Sequence[ParameterEstimate]) -> Effect:
     name, value = effect.plain_at
     for p in parameters:
         if p.name == extended_name(effect, name) and p.ci95 is not None:
-            is_plain = p.ci95[0] <= value <= p.ci95[1] or abs(p.value - value) < HARDLY * abs(value)
+            is_near = abs(p.value - value) < SAME_RATIO * abs(value)
+            is_plain = is_near or p.ci95[0] <= value <= p.ci95[1]
             return effect_of(effect.name) if is_plain else effect
     return effect
 

@@ -162,7 +162,7 @@ TWO_CREEPS = EquivalenceClass(
 )
 """A material that creeps with several times."""
 
-SETTLING = EquivalenceClass(
+SETTLING_STIFFNESS = EquivalenceClass(
     ("a stiffness or a gain that changes", UNLISTED["settling_stiffness"]),
     ("settling_stiffness", "recovering_softening"),
     "A refit with such a stiffness in its place explains these logs better",
@@ -187,7 +187,7 @@ TWO_LATE = EquivalenceClass(
 )
 """What is late twice."""
 
-BEYOND = EquivalenceClass(
+ONE_FOR_ALL = EquivalenceClass(
     ("causes of the catalogue", "a law in no catalogue"),
     (
         "position_damping",
@@ -210,8 +210,8 @@ REPLACED = (
     UNEVEN_READING,
     SMOOTHED_INPUT,
     TWO_CREEPS,
-    SETTLING,
-    BEYOND,
+    SETTLING_STIFFNESS,
+    ONE_FOR_ALL,
 )
 """Told where a law in no catalogue is in a tie."""
 
@@ -254,7 +254,7 @@ POLE_AND_ZERO = EquivalenceClass(
 )
 """A creep that begins while the actuator still moves."""
 
-LEADS = EquivalenceClass(
+LEAD_AND_RELAXATION = EquivalenceClass(
     ("relaxation of the reading", UNLISTED["sensor_lead"], UNLISTED["gauge_lag"]),
     ("relaxation", "sensor_lead", "gauge_lag"),
     "Each makes the first part of a motion larger, and this relaxation is not much slower than the "

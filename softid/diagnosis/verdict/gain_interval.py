@@ -19,7 +19,7 @@ FEWEST_SAMPLES = 192
 MIN_BLOCKS = 4
 """A block holds at most this part of all samples: one in so many."""
 
-PARTS = 6
+PARTS_IN_A_ROW = 6
 """Where the error falls in all of so many parts, which chance alone does once in 64 times, the
 interval holds no loss, however slow a misfit is: one that grows throughout the logs is a single
 event to its memory, and yet each part of them shows the gain."""
@@ -76,8 +76,8 @@ def gain_interval(
     half = student_quantile(max(independent - 1.0, 1.0), 0.975) * deviation
     ratio = float(np.sqrt(means[1] / means[0]))
     low, high = 1.0 - ratio * float(np.exp(half)), 1.0 - ratio * float(np.exp(-half))
-    gained, _ = _blocks(np.split(squares[0] - squares[1], ends), n // PARTS)
-    always = gained.size >= PARTS and bool((gained > 0.0).all())
+    gained, _ = _blocks(np.split(squares[0] - squares[1], ends), n // PARTS_IN_A_ROW)
+    always = gained.size >= PARTS_IN_A_ROW and bool((gained > 0.0).all())
     return (max(low, 0.0) if always else low), high
 
 

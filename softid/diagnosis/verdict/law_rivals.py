@@ -14,7 +14,7 @@ from softid.diagnosis.refit.usual_law import usual_law
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.equivalence import (
     HELD_INPUT,
-    LEADS,
+    LEAD_AND_RELAXATION,
     OWN_DAMPING,
     POLE_AND_ZERO,
     PRESLIDING,
@@ -31,10 +31,10 @@ GIVES_WAY = 0.02
 DRY = 0.1
 """Dry friction has come up at this share of the largest speed."""
 
-KEPT = 0.2
+OWN_TIME = 0.2
 """An actuator keeps no time of its own when it is below this share of the lag's."""
 
-LATER = 3.0
+LASTING_RATIO = 3.0
 """A creep or a relaxation goes on for so many times as long as the motion itself, at least; what is
 over sooner may be any other pole and zero."""
 
@@ -99,16 +99,16 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
     others: tuple[str, ...] = ()
     if cause.effect == "hysteresis" and values.get("zs", np.inf) <= GIVES_WAY * scale.x_span:
         others = PRESLIDING.effects[1:]
-    elif key == "pneumatic_lag.level" and own_time(final) < KEPT * values["tau"]:
+    elif key == "pneumatic_lag.level" and own_time(final) < OWN_TIME * values["tau"]:
         others = OWN_DAMPING.effects[1:]
     elif cause.effect == "coulomb_friction" and values["vs"] > DRY * scale.v_max:
         others = THINNING.effects[1:]
     elif key in SINGLE_DELAYS and _may_be_held(cause, final):
         others = HELD_INPUT.effects
     elif cause.effect == "creep" and final.problem.model.is_linear:
-        others = POLE_AND_ZERO.effects[1:] if values["tau"] < LATER * scale.motion_s else ()
-    elif cause.effect == "relaxation" and values["tau"] < LATER * scale.motion_s:
-        others = LEADS.effects[1:]
+        others = POLE_AND_ZERO.effects[1:] if values["tau"] < LASTING_RATIO * scale.motion_s else ()
+    elif cause.effect == "relaxation" and values["tau"] < LASTING_RATIO * scale.motion_s:
+        others = LEAD_AND_RELAXATION.effects[1:]
     return replace(link, rivals=tuple(dict.fromkeys((*link.rivals, *others))))
 
 

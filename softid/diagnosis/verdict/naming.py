@@ -18,7 +18,7 @@ from softid.results import FitResult, ParameterEstimate
 EXPLAINED = 0.93
 """Share of the misfit that the causes must explain when something is left."""
 
-MOSTLY = 0.6
+LEAST_EXPLAINED = 0.6
 """Measured logs hold small disturbances that no law takes away, which a drive without a spring even
 adds up. Where the rest follows from nothing that moves, causes may be named from this explained
 share on."""
@@ -27,7 +27,7 @@ DOMINANT = 0.3
 """Least share of the misfit that each cause takes away by itself where a rest follows from nothing
 that moves."""
 
-HALF = 0.5
+LEAST_JOINT_GAIN = 0.5
 """Least share of the error on what is held out that all causes take away together where a rest
 follows from nothing that moves."""
 
@@ -57,7 +57,7 @@ VARIES_BESIDE = 0.1
 """Share of what a cause takes away that letting its size vary takes away beside it from which on it
 is another cause, where something else is left, whose law the size may follow a little."""
 
-SAME = 0.05
+SAME_SIZE = 0.05
 """A size whose standard deviation throughout the logs is a smaller share of it is the same: beside
 parameters that share a scale with it, as those of a muscle with another static curve do, next to
 nothing is the cause's own, and any trace of another law would be much of that."""
@@ -66,7 +66,7 @@ SHORT_OF = 0.001
 """A value that is short of its upper bound by so small a share lies on it: where it hardly matters,
 a fit ends a little before."""
 
-ROUNDING = 1e-14
+LEAST_EIGENVALUE = 1e-14
 """Variances below this share of the largest are not told from it by the covariance's digits."""
 
 
@@ -123,7 +123,11 @@ def nameable(
         return (False,) * len(links)
     if explains_enough(remainder):
         return (True,) * len(links)
-    if remainder.predictable or remainder.explained_share <= MOSTLY or gain < HALF:
+    if (
+        remainder.predictable
+        or remainder.explained_share <= LEAST_EXPLAINED
+        or gain < LEAST_JOINT_GAIN
+    ):
         return (False,) * len(links)
     squares = [*(link.squares_before for link in links), final.squares]
     return tuple(before - after >= DOMINANT * squares[0] for before, after in pairwise(squares))
@@ -227,7 +231,7 @@ def doubt_of(
     if may_gain_nothing(cause):
         return Doubt.MAY_GAIN_NOTHING
     variation = cause.variation
-    if variation is not None and variation.share > varies and variation.spread > SAME:
+    if variation is not None and variation.share > varies and variation.spread > SAME_SIZE:
         return Doubt.VARIES
     if not effect.changes_sign and _is_unknown(cause, effect):
         if _is_slight(cause, whole):
@@ -238,7 +242,7 @@ def doubt_of(
     return _doubt_of_values(cause, effect, extended)
 
 
-CHANCE = (
+DOUBTS_OF_BEING = (
     Doubt.GAINS_NOTHING,
     Doubt.MAY_GAIN_NOTHING,
     Doubt.DOES_NOT_OCCUR,
@@ -257,7 +261,7 @@ def may_be_chance(descriptions: Sequence[Cause]) -> bool:
     descriptions
         What may not be named.
     """
-    return all(cause.doubt in CHANCE for cause in descriptions)
+    return all(cause.doubt in DOUBTS_OF_BEING for cause in descriptions)
 
 
 def _doubt_of_values(cause: Cause, effect: Effect, extended: FitResult) -> Doubt | None:
@@ -324,7 +328,7 @@ def _cover_zero_together(sizes: Sequence[ParameterEstimate], extended: FitResult
         return all(_covers_zero(p) for p in sizes)
     z = np.array([p.value for p in sizes])
     variances, axes = np.linalg.eigh(extended.covariance[np.ix_(rows, rows)])
-    least = max(ROUNDING * float(variances[-1]), np.finfo(float).tiny)
+    least = max(LEAST_EIGENVALUE * float(variances[-1]), np.finfo(float).tiny)
     distance = float(np.sum((axes.T @ z) ** 2 / np.maximum(variances, least)))
     return chi_square_tail(distance, len(sizes)) > NO_EFFECT
 

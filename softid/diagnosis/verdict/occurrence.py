@@ -12,7 +12,7 @@ from softid.diagnosis.refit.held_out import HeldOut
 from softid.effects.base import Effect
 from softid.effects.scale import Scale
 
-NOTHING = 0.05
+NO_EFFECT = 0.05
 """An effect does nothing where leaving it out moves the simulation by less than this share of what
 the model misses."""
 
@@ -39,4 +39,4 @@ def occurs(
     problem, z = with_fewer_effects(final.problem, final.minimum.point, base.problem, others, scale)
     without = replace(final, problem=problem, minimum=replace(final.minimum, point=z))
     errors, bare = held_out.first_errors(final), held_out.first_errors(without)
-    return not np.linalg.norm(bare - errors) < NOTHING * np.linalg.norm(errors)
+    return not np.linalg.norm(bare - errors) < NO_EFFECT * np.linalg.norm(errors)

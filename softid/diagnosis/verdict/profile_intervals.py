@@ -34,11 +34,11 @@ from softid.uncertainty.profile import CI_METHOD, ProfileResult, profile
 
 Array = npt.NDArray[np.float64]
 
-STRAIGHT = 0.1
+TRUSTED_ERROR = 0.1
 """Relative standard error below which an interval from the covariance stands, where it ends within
 the bounds of the search."""
 
-REFITTING = 25
+REFIT_EVALUATIONS = 25
 """Evaluations of one refit with a parameter held."""
 
 ACCURACY = 0.01
@@ -148,7 +148,7 @@ def _rough_ones(own: Sequence[ParameterEstimate]) -> list[ParameterEstimate]:
 
 def _is_rough(p: ParameterEstimate) -> bool:
     """Whether its interval from the covariance may be another one than the logs tell."""
-    if p.stderr is None or p.ci95 is None or p.stderr > STRAIGHT * abs(p.value):
+    if p.stderr is None or p.ci95 is None or p.stderr > TRUSTED_ERROR * abs(p.value):
         return True
     lower, upper = p.lower, p.upper
     return (lower is not None and p.ci95[0] < lower) or (upper is not None and p.ci95[1] > upper)
@@ -175,7 +175,7 @@ def _profile_of(
         nearer = (starts.predicted, starts.nearest)
         z = min(nearer, key=lambda start: squares_at(rival, start, sigma))
         begin = begun(final, final.effects, rival, z)
-        found = advance(begin, sigma, REFITTING, tolerance=tolerance)
+        found = advance(begin, sigma, REFIT_EVALUATIONS, tolerance=tolerance)
         return found.squares, found.minimum.point
 
     at = final.minimum

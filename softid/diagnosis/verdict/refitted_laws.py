@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 
 from softid.diagnosis.base.base_fit import BaseFit
-from softid.diagnosis.refit.candidates import COARSE, Candidate, advance, begun
+from softid.diagnosis.refit.candidates import COARSE_STEPS, Candidate, advance, begun
 from softid.diagnosis.refit.extension import (
     acting_order,
     extend_in_order,
@@ -31,7 +31,7 @@ MORE_ROUNDS, STILL_FALLS = 3, 0.8
 """Further rounds of as many evaluations that are granted, as long as each leaves less than this
 share of the one before: the edge of a limit moves over the samples one by one."""
 
-NEAR = 2.0
+PROMISING_RATIO = 2.0
 """Most times the sum of squares that the causes leave which what is put in their place may leave
 after its first evaluations."""
 
@@ -74,7 +74,7 @@ def standing_of(model: Candidate, base: BaseFit) -> Standing:
     """
     rough_base, sigma = rough_copy(base.candidate, base.scale, base.sigma)
     rough = over_samples_of(model, rough_base, base.scale)
-    rough = advance(rough, sigma, 1, substeps=COARSE)
+    rough = advance(rough, sigma, 1, substeps=COARSE_STEPS)
     return Standing(model, base, rough, rough_base, sigma)
 
 
@@ -136,17 +136,17 @@ def refitted_with(
             for place in driven(rough_base, laws[0], own, base.scale)
         ]
     z = min(starts, key=lambda start: squares_at(problem, start, sigma))
-    found = advance(begun(known, effects, problem, z), sigma, FIRST, substeps=COARSE)
+    found = advance(begun(known, effects, problem, z), sigma, FIRST, substeps=COARSE_STEPS)
     limit = known.squares + near - standing.model.squares
     for _ in range(MORE_ROUNDS):
         if found.squares <= limit:
             break
-        before, found = found, advance(found, sigma, FIRST, substeps=COARSE)
+        before, found = found, advance(found, sigma, FIRST, substeps=COARSE_STEPS)
         if not found.squares < STILL_FALLS * before.squares:
             break
     if not found.squares <= limit:
         return None
-    found = advance(found, sigma, REFITTING, substeps=COARSE)
+    found = advance(found, sigma, REFITTING, substeps=COARSE_STEPS)
     if found.squares - known.squares > enough - standing.model.squares:
         return None
     whole = over_samples_of(found, base.candidate, base.scale)

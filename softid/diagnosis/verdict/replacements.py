@@ -16,7 +16,7 @@ from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
-from softid.diagnosis.verdict.refitted_laws import NEAR, refitted_with, standing_of
+from softid.diagnosis.verdict.refitted_laws import PROMISING_RATIO, refitted_with, standing_of
 from softid.diagnosis.verdict.unlisted_drifts import (
     DampingDrift,
     LoadDrift,
@@ -135,7 +135,7 @@ def with_replacements(
     ]
     if len(named) < len(final.effects):  # what is described may come of the wrong name
         tries += [(row, laws, []) for row, laws in asked if all(map(row.takes, named))]
-    standing, near = standing_of(final, base), NEAR * final.squares
+    standing, near = standing_of(final, base), PROMISING_RATIO * final.squares
     others = in_parallel(lambda each: refitted_with(standing, each[2], each[1], near=near), tries)
     ranked = rank([final, *(other for other in others if other is not None)], base.sigma)
     bic = {id(row.plain): row.bic for row in ranked}

@@ -16,7 +16,7 @@ CHIRP = "a chirp from slow to fast"
 EXPERIMENTS = (SINE, STAIRCASE, STEPS, HOLD, CHIRP)
 """What may be recorded to split two causes, in the order of `SEPARATIONS`."""
 
-HOPELESS = 0.2
+LEAST_SEPARATION = 0.2
 """Two causes that differ by less than this, in units of the noise of 0.5 %, are not told apart."""
 
 _SEPARATIONS: dict[tuple[str, str], tuple[float, float, float, float, float]] = {
@@ -88,7 +88,7 @@ def splitting_experiment(effects: Sequence[str]) -> Split | None:
     if rows:
         worst = [min(column) for column in zip(*rows, strict=True)]
         best = max(worst)
-        if best >= HOPELESS:
+        if best >= LEAST_SEPARATION:
             measured = best if len(rows) == len(known) else None
             return Split(EXPERIMENTS[worst.index(best)], measured)
     shown = dict.fromkeys(EFFECTS[key].shown_by for key in effects if key in EFFECTS)

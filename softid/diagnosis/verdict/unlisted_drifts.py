@@ -18,19 +18,19 @@ from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
-LARGEST = 0.8
+LARGEST_CHANGE = 0.8
 """Bound of what has changed by the end of the longest log, as a share of the force or the input."""
 
-START = 0.1
+STARTING_CHANGE = 0.1
 """Start of what has changed by the end of the longest log, either way."""
 
 SETTLING, SETTLING_STARTS = (0.03, 1.0), (0.1, 0.3)
 """Bounds and starts of a time in which something settles, as shares of the longest log."""
 
-PATHS = (0.01, 3.0)
+PATH_BOUNDS = (0.01, 3.0)
 """Bounds of a path over which something is lost, as shares of the whole one."""
 
-LEAST = 1e-4
+LEAST_LOSS = 1e-4
 """Least share of a stiffness that is lost."""
 
 
@@ -59,12 +59,12 @@ class ConstantRate(Effect):
     def parameters(self, scale: Scale) -> ParameterSet:
         """The rate."""
         largest, unit = self.largest(scale)
-        bound, start = LARGEST * largest, START * largest
+        bound, start = LARGEST_CHANGE * largest, STARTING_CHANGE * largest
         return one_parameter("rate", start, unit, -bound, bound, "rate of change", self.source)
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Two starts: a rate of either sign."""
-        rate = START * self.largest(scale)[0]
+        rate = STARTING_CHANGE * self.largest(scale)[0]
         return ({"rate": rate}, {"rate": -rate})
 
 
@@ -175,7 +175,7 @@ class SettlingStiffness(StateEffect):
     def parameters(self, scale: Scale) -> ParameterSet:
         """The share s that is gained at last, and the time τ."""
         gained = one_parameter(
-            "share", START, "1", -LARGEST, LARGEST, "gained at last", self.source
+            "share", STARTING_CHANGE, "1", -LARGEST_CHANGE, LARGEST_CHANGE, "gained at last", self.source
         )
         tau = _settling_time(scale, "time in which it settles", self.source)
         return ParameterSet((*gained.values(), tau))
@@ -183,7 +183,9 @@ class SettlingStiffness(StateEffect):
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Either way, within a tenth or a third of the log."""
         times = [share * scale.duration_s for share in SETTLING_STARTS]
-        return tuple({"share": s, "tau": tau} for s in (START, -START) for tau in times)
+        return tuple(
+            {"share": s, "tau": tau} for s in (STARTING_CHANGE, -STARTING_CHANGE) for tau in times
+        )
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
@@ -212,8 +214,8 @@ class RecoveringSoftening(StateEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The share s that is lost at most, the path W0 over which it goes, and the time τ."""
-        least, most = (share * scale.travel for share in PATHS)
-        share = Parameter("share", START, "1", LEAST, LARGEST, "log", meaning="lost at most")
+        least, most = (share * scale.travel for share in PATH_BOUNDS)
+        share = Parameter("share", STARTING_CHANGE, "1", LEAST_LOSS, LARGEST_CHANGE, "log", meaning="lost at most")
         path = Parameter("W0", (least * most) ** 0.5, scale.x_unit, least, most, "log")
         return ParameterSet(
             (
@@ -226,7 +228,11 @@ class RecoveringSoftening(StateEffect):
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """As much as the mean speed holds up, within a tenth or a third of the log."""
         return tuple(
-            {"share": 2.0 * START, "W0": share * scale.travel, "tau": share * scale.duration_s}
+            {
+                "share": 2.0 * STARTING_CHANGE,
+                "W0": share * scale.travel,
+                "tau": share * scale.duration_s,
+            }
             for share in SETTLING_STARTS
         )
 

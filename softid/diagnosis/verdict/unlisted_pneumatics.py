@@ -31,7 +31,7 @@ LEAST_LOST, MOST_LOST, START_LOST = 1e-3, 20.0, 0.3
 LIMITED_AT = (0.5, 0.75, 0.9)
 """Starts of the pressure that a supply does not exceed, as shares of the input's range."""
 
-CORNER = 0.005
+CORNER_WIDTH = 0.005
 """Width of the corner at the pressure that a supply does not exceed, as a share of the range: an
 edge has no slope to follow."""
 
@@ -163,6 +163,6 @@ class InputLimit(InputEffect):
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
         """The input up to the limit."""
         del time_s
-        width = CORNER * scale.u_span
+        width = CORNER_WIDTH * scale.u_span
         arriving: Array = u - width * np.logaddexp(0.0, (u - eta[0]) / width)
         return arriving

@@ -8,7 +8,7 @@ from linear_motion import TRUTH, linear_problem
 from scipy import signal
 
 from softid.diagnosis.logs.decimation import (
-    ENOUGH,
+    MOST_KEPT_SAMPLES,
     SAMPLES_PER_MOTION,
     AveragedLog,
     decimated,
@@ -28,11 +28,11 @@ def regular(samples: int, period_s: float = 0.001, name: str = "log") -> Log:
 @pytest.mark.parametrize(
     ("samples", "motion_s", "count"),
     [
-        (ENOUGH, 100.0, 1),
-        (ENOUGH + 1, 100.0, 2),
-        (10 * ENOUGH, 100.0, 10),
-        (10 * ENOUGH, 4.5 * SAMPLES_PER_MOTION * 0.001, 4),
-        (10 * ENOUGH, 0.9 * SAMPLES_PER_MOTION * 0.001, 1),
+        (MOST_KEPT_SAMPLES, 100.0, 1),
+        (MOST_KEPT_SAMPLES + 1, 100.0, 2),
+        (10 * MOST_KEPT_SAMPLES, 100.0, 10),
+        (10 * MOST_KEPT_SAMPLES, 4.5 * SAMPLES_PER_MOTION * 0.001, 4),
+        (10 * MOST_KEPT_SAMPLES, 0.9 * SAMPLES_PER_MOTION * 0.001, 1),
     ],
 )
 def test_how_many_samples_a_mean_holds(samples: int, motion_s: float, count: int) -> None:
@@ -42,14 +42,17 @@ def test_how_many_samples_a_mean_holds(samples: int, motion_s: float, count: int
 
 def test_logs_count_together_and_the_slowest_sets_the_limit() -> None:
     """Two logs of 6000 samples are 12000; 30 samples of 2 ms in 0.09 s leave a mean of 1.5."""
-    fast, slow = regular(ENOUGH, name="fast"), regular(ENOUGH, 0.002, name="slow")
+    fast, slow = (
+        regular(MOST_KEPT_SAMPLES, name="fast"),
+        regular(MOST_KEPT_SAMPLES, 0.002, name="slow"),
+    )
     assert samples_to_average([fast, slow], 100.0) == 2
     assert samples_to_average([fast, slow], 0.09) == 1
 
 
 def test_irregular_logs_are_left_alone() -> None:
     """A mean of samples at uneven times is no value at their mean time; 30 % off is uneven."""
-    even = regular(10 * ENOUGH)
+    even = regular(10 * MOST_KEPT_SAMPLES)
     for share, count in ((0.1, 10), (0.3, 1)):
         time_s = np.array(even.time_s)
         time_s[500] += share * 0.001

@@ -10,9 +10,9 @@ from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standin
 
 from softid.diagnosis.refit.candidates import (
     BASE_SD,
-    COARSE,
+    COARSE_STEPS,
     EFFECT_SD,
-    FINE,
+    FINE_STEPS,
     TemperedPrior,
     WhitenedObjective,
     advance,
@@ -83,8 +83,8 @@ def test_steps_in_an_interval_are_capped() -> None:
     z = start_unknowns(problem, base, base.unknowns(TRUTH), values)
     (whole,) = problem.plans(z)
     assert whole is not None
-    assert whole.counts.max() > FINE
-    for most in (COARSE, FINE):
+    assert whole.counts.max() > FINE_STEPS
+    for most in (COARSE_STEPS, FINE_STEPS):
         (plan,) = limited_plans(problem, z, most)
         assert plan is not None
         assert np.array_equal(plan.counts, np.minimum(whole.counts, most))  # it is overdamped
@@ -93,7 +93,9 @@ def test_steps_in_an_interval_are_capped() -> None:
     assert np.array_equal(same.counts, whole.counts)
 
 
-@pytest.mark.parametrize(("most", "nodes"), [(COARSE, SMOOTH_NODES), (FINE, NODES_PER_STEP)])
+@pytest.mark.parametrize(
+    ("most", "nodes"), [(COARSE_STEPS, SMOOTH_NODES), (FINE_STEPS, NODES_PER_STEP)]
+)
 def test_a_race_takes_few_nodes(most: int, nodes: int) -> None:
     """A delayed step is where it belongs all the same: the angle errs by a thousandth of its range.
 
@@ -113,11 +115,11 @@ def test_more_steps_where_the_law_swings() -> None:
     problem, _ = base_problem()
     z = problem.unknowns({**TRUTH, "M": 0.005, "N": 0.1})
     (whole,) = problem.plans(z)
-    (plan,) = limited_plans(problem, z, COARSE)
+    (plan,) = limited_plans(problem, z, COARSE_STEPS)
     assert whole is not None
     assert plan is not None
-    assert whole.counts.max() > 2 * COARSE
-    assert plan.counts.max() == 2 * COARSE
+    assert whole.counts.max() > 2 * COARSE_STEPS
+    assert plan.counts.max() == 2 * COARSE_STEPS
 
 
 def test_a_step_ends_at_the_optimum() -> None:
@@ -148,7 +150,7 @@ def test_what_goes_on_is_not_simulated_again(
     begun = standing(extended, extended.unknowns({**TRUTH, "bow_c": 0.1}))
     known = advance(begun, SIGMA, 3)
     anew = WhitenedObjective(extended, SIGMA, whitener)
-    anew.plans = limited_plans(extended, known.minimum.point, FINE)
+    anew.plans = limited_plans(extended, known.minimum.point, FINE_STEPS)
     wanted = anew(known.minimum.point).cost
     elsewhere = Problem(extended.model, extended.parameters, extended.logs)
 

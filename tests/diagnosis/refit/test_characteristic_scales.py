@@ -18,7 +18,7 @@ from linear_motion import (
 
 from softid.diagnosis.refit.characteristic_scales import (
     LONGEST_SHARE,
-    SHIFTS,
+    TRIED_SHIFTS,
     fastest_time,
     scale_of,
 )
@@ -135,7 +135,7 @@ def test_a_static_law_takes_how_late_the_output_comes(late_samples: int) -> None
     static = Oscillator(order="static", x_unit="rad", u_unit="kPa")
     problem = Problem(static, static.parameters(), [log])
     found = scale_of(problem, problem.unknowns({"Q": TRUTH["Q"]})).motion_s
-    step_s = LONGEST_SHARE * time_s[-1] / (SHIFTS - 1)
+    step_s = LONGEST_SHARE * time_s[-1] / (TRIED_SHIFTS - 1)
     assert found == pytest.approx(max(late_samples * PERIOD_S, PERIOD_S), abs=1.01 * step_s)
 
 

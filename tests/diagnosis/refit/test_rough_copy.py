@@ -167,7 +167,7 @@ def test_a_race_over_averages_ends_where_one_over_all_samples_does(
     z = problem.unknowns(TRUTH)
     base, scale = advance(standing(problem, z), SIGMA, 40), scale_of(problem, z)
     found = race(base, [DRIFT, Bow()], scale, SIGMA)
-    monkeypatch.setattr(module, "ENOUGH", SAMPLES)
+    monkeypatch.setattr(module, "COPY_SAMPLES", SAMPLES)
     whole = race(base, [DRIFT, Bow()], scale, SIGMA)
     assert [c.keys for c in found] == [c.keys for c in whole]
     assert found[0].keys == ("bow",)

@@ -9,8 +9,8 @@ from noise import coloured
 from scipy.signal import lfilter
 
 from softid.diagnosis.residual.coloured_noise import (
-    CHANCE,
-    SMALLEST,
+    CHANCE_SHARE,
+    LEAST_SQUARE,
     ColourTest,
     _activities,
     _p_of_white,
@@ -177,9 +177,9 @@ def test_a_size_follows_by_chance_in_one_of_ten_thousand_logs() -> None:
     smooth = _Smooth(_standardised(run.activity), _folds([run.time_s]))
     beyond = 0
     for _ in range(3):
-        sizes = np.log(rng.standard_normal((run.time_s.size, 20_000)) ** 2 + SMALLEST)
+        sizes = np.log(rng.standard_normal((run.time_s.size, 20_000)) ** 2 + LEAST_SQUARE)
         (shares,) = smooth.predicted_shares(sizes - sizes.mean(axis=0))
-        beyond += int(np.sum(shares > CHANCE / run.time_s.size))
+        beyond += int(np.sum(shares > CHANCE_SHARE / run.time_s.size))
     assert 1 <= beyond <= 18
 
 

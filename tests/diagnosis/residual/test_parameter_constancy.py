@@ -26,7 +26,7 @@ from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.residual import parameter_constancy
-from softid.diagnosis.residual.parameter_constancy import CHANCE, _judged, variations
+from softid.diagnosis.residual.parameter_constancy import FALSE_ALARM_RATE, _judged, variations
 from softid.diagnosis_results import Variation
 from softid.effects.base import Effect
 from softid.effects.scale import Scale
@@ -100,7 +100,7 @@ def test_the_p_value_is_that_of_chance(slow: bool, monkeypatch: pytest.MonkeyPat
 
     That is 6 to 22 of 120; fewer than 2 or more than 33 have odds below 2 % at either end.
     """
-    monkeypatch.setattr(parameter_constancy, "CHANCE", 0.05)
+    monkeypatch.setattr(parameter_constancy, "FALSE_ALARM_RATE", 0.05)
     monkeypatch.setattr(parameter_constancy, "NOTABLE_VARIATION", -1.0)
     found = [
         found_in(log_of(SIZE, seed, slow_noise(seed) if slow else None)) for seed in range(100, 220)
@@ -118,7 +118,7 @@ def test_a_size_that_jumps_is_found_with_its_spread(change: float) -> None:
     told = found_in(log_of(SIZE * np.where(TIME_S > 10.0, 1.0 + change, 1.0 - change), 1))
     assert told is not None
     assert told.by == "t"
-    assert told.chance < CHANCE
+    assert told.chance < FALSE_ALARM_RATE
     assert 0.7 * abs(change) < told.spread < 1.2 * abs(change)
     assert told.share > told.spread**2
 

@@ -22,7 +22,13 @@ from softid.diagnosis.search.backward_revision import (
     refit_without,
     revised,
 )
-from softid.diagnosis.search.forward_selection import FURTHER, Chain, Link, converged, next_link
+from softid.diagnosis.search.forward_selection import (
+    FURTHER,
+    Chain,
+    Link,
+    converged,
+    next_link,
+)
 from softid.diagnosis.search.screening import Signature
 from softid.effects import effect_of
 from softid.effects.scale import Scale
