@@ -23,7 +23,7 @@ REST_FRACTION = 0.02
 """Share of its span in the log within which the input stays at rest, and the outputs until the
 input first moves, or within less where noise lets less be seen."""
 
-LEAST_FRACTION, SURE = 0.005, 4.0
+LEAST_FRACTION, SURE_ERRORS = 0.005, 4.0
 """Least share of its span in the log that an output may move at rest, since slow noise moves, too,
 and how many standard errors of what it moved count otherwise, up to `REST_FRACTION`."""
 
@@ -51,7 +51,7 @@ def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
             return False
         few = min(n, still.size // 2)
         moved = abs(float(still[-few:].mean() - still[:few].mean()))
-        seen = SURE * _noise(still) * float(np.sqrt(2.0 / few))
+        seen = SURE_ERRORS * _noise(still) * float(np.sqrt(2.0 / few))
         if moved > np.clip(seen, LEAST_FRACTION * spans[name], REST_FRACTION * spans[name]):
             return False
         if _swing(still) > REST_FRACTION * spans[name]:
@@ -61,7 +61,7 @@ def starts_at_rest(segment: Segment, spans: Mapping[str, float]) -> bool:
 
 def _swing(still: npt.NDArray[np.float64]) -> float:
     """Standard deviation of what is surely no noise, for what swings ends where it began."""
-    most_noise = _noise(still) ** 2 * (1.0 + SURE * (2.0 / still.size) ** 0.5)
+    most_noise = _noise(still) ** 2 * (1.0 + SURE_ERRORS * (2.0 / still.size) ** 0.5)
     return float(np.sqrt(max(np.var(still) - most_noise, 0.0)))
 
 

@@ -24,7 +24,7 @@ INTERPOLATED = "interpolated-output"
 RECOVERED = "recovered-readings"
 """Code of the remark that an output was interpolated and that its sensor's readings are known."""
 
-LARGE, STRAIGHT = 0.95, 0.01
+LARGE_QUANTILE, STRAIGHT_SHARE = 0.95, 0.01
 """A sample lies on the line through its neighbours when it is off by less than this share of how
 far one in twenty is: noise and curves come so near by chance in one of sixty samples."""
 
@@ -157,7 +157,7 @@ def _on_lines(time_s: Array, values: Array, at: IntArray) -> tuple[BoolArray, Bo
     line = (values[at - 1] * after_s + values[at + 1] * before_s) / (before_s + after_s)
     off = np.abs(values[at] - line)
     moving = np.abs(values[at + 1] - values[at - 1]) > STILL_BEND * float(np.ptp(values))
-    return (off < STRAIGHT * float(np.quantile(off, LARGE))) & moving, moving
+    return (off < STRAIGHT_SHARE * float(np.quantile(off, LARGE_QUANTILE))) & moving, moving
 
 
 def _runs(flags: BoolArray) -> IntArray:

@@ -21,7 +21,7 @@ POOR_FIT_PERCENT = 70.0
 """Fit below which the user is told: it leaves 30 % of the output's standard deviation, or 9 % of
 its variance. A judgement of what is worth a look at the residual."""
 
-LEAST_R2, CHANCE = 0.02, 3.0
+LEAST_R2, CHANCE_TIMES = 0.02, 3.0
 """Least share of an output's variance that a model explains, a fit of 1 %, and the times of what so
 many unknowns take away from noise that it must explain: less is nothing."""
 
@@ -67,7 +67,7 @@ def _is_explained(rows: Sequence[FitStatistics], unknowns: int) -> bool:
     left = sum(row.n * row.rmse**2 for row in rows)
     whole = sum(row.n * (row.rmse / row.nrmse) ** 2 for row in rows)
     by_chance = unknowns / sum(row.n for row in rows)
-    return whole == 0.0 or 1.0 - left / whole >= max(LEAST_R2, CHANCE * by_chance)
+    return whole == 0.0 or 1.0 - left / whole >= max(LEAST_R2, CHANCE_TIMES * by_chance)
 
 
 def fitted_range(logs: LogSet) -> dict[str, tuple[float, float]]:

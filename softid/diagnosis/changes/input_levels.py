@@ -15,7 +15,7 @@ SAME_RANGE = 0.6
 """Logs are held against each other whose inputs have so much of their common range in common: what
 differs from level to level is the model, not the log."""
 
-PARTS, VISITED, MET = 12, 0.005, 0.8
+RANGE_PARTS, VISITED_SHARE, MET_SHARE = 12, 0.005, 0.8
 """Parts of the common range of two logs' inputs; least share of the samples in a part, or beside
 it, from which it is known; least share of another log that lies in known parts. Between two levels
 that alone were fitted the static curve is a guess, and a third one shows that, not another load."""
@@ -46,8 +46,8 @@ def _is_among(u: Array, known: Array) -> bool:
     common = min(high, end) - max(low, begin)
     if common < SAME_RANGE * (max(high, end) - min(low, begin)):
         return False
-    edges = np.linspace(low, high, PARTS + 1)
-    visited = np.histogram(known, edges)[0] >= VISITED * known.size
+    edges = np.linspace(low, high, RANGE_PARTS + 1)
+    visited = np.histogram(known, edges)[0] >= VISITED_SHARE * known.size
     near = np.convolve(visited, np.ones(3), "same") > 0.0
-    part = np.clip(np.searchsorted(edges, u, side="right") - 1, 0, PARTS - 1)
-    return bool(np.mean(near[part]) >= MET)
+    part = np.clip(np.searchsorted(edges, u, side="right") - 1, 0, RANGE_PARTS - 1)
+    return bool(np.mean(near[part]) >= MET_SHARE)

@@ -96,7 +96,7 @@ def _share_of(name: str, base: BaseFit, recorded: Sequence[Log], seed: int) -> f
 
 
 def _lagged(log: Log, name: str, time_s: Array, motion_s: float) -> Array:
-    """A channel behind first-order lags at given times, a column for each lag, (n, len(LAGS))."""
+    """A channel behind first-order lags at given times, a column for each of `LAG_TIMES`."""
     from scipy.signal import lfilter  # slow to import, and few logs need it
 
     values = log.channels[name].values

@@ -166,7 +166,7 @@ def predicted_beyond_chance(
 
 
 def _many_shifted(rows: Array, rng: np.random.Generator) -> Array:
-    """The null distribution, one residual in each column, shape (n, SHIFTS)."""
+    """The null distribution, one residual in each column, shape (n, NULL_SHIFTS)."""
     return np.array([_shifted(rows, rng) for _ in range(NULL_SHIFTS)]).T
 
 

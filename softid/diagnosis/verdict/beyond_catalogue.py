@@ -19,14 +19,14 @@ from softid.effects import belongs_to
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
 
-NEARLY, HOPEFUL, TAKES = 0.5, 0.8, 0.9
+TAKEN_SOON, TAKEN_ROUGHLY, LEAST_TAKEN = 0.5, 0.8, 0.9
 """Share of the misfit above the noise that a law in no catalogue takes away: soon, at its optimum
 over averages, and in the end."""
 
 CARRIES = 0.8
 """Share of the misfit above the noise on what is held out that a law in no catalogue takes away."""
 
-WHOLE, CLEARLY = 0.96, 0.9
+WHOLE_SHARE, OUTDONE_RATIO = 0.96, 0.9
 """A law in no catalogue is all that is missing when it takes so much on fitted and held-out
 samples, and outdoes a cause when it leaves less than this share of what the cause does."""
 
@@ -63,7 +63,7 @@ class BeyondCatalogue:
     @property
     def is_whole(self) -> bool:
         """Whether next to nothing is left for anything else."""
-        return min(self.share, self.held_out_share) > WHOLE
+        return min(self.share, self.held_out_share) > WHOLE_SHARE
 
     def outdoes(self, cause: Candidate) -> bool:
         """Whether the best explains so much that no second cause need be looked for.
@@ -74,7 +74,7 @@ class BeyondCatalogue:
             The base with the best cause of the catalogue.
         """
         leaves_nothing = self.is_whole and self.squares < AS_NOISE * self.noise
-        return leaves_nothing and self.squares < CLEARLY * cause.squares
+        return leaves_nothing and self.squares < OUTDONE_RATIO * cause.squares
 
 
 def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
@@ -92,12 +92,14 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     if not variance > noise:
         return None
     left = noise / variance * known.squares
-    near, hopeful = (left + (1.0 - share) * (known.squares - left) for share in (NEARLY, HOPEFUL))
+    near, hopeful = (
+        left + (1.0 - share) * (known.squares - left) for share in (TAKEN_SOON, TAKEN_ROUGHLY)
+    )
     standing = standing_of(known, base)
     found = in_parallel(
         lambda law: refitted_with(standing, (), (law(),), near=near, enough=hopeful), BEYOND_ONE
     )
-    enough = [one for one in found if one is not None and _share(known, one, left) > TAKES]
+    enough = [one for one in found if one is not None and _share(known, one, left) > LEAST_TAKEN]
     ranked = rank([known, *enough], base.sigma) if enough else []
     alike = [row.plain for row in ranked if row.bic < ranked[0].bic + INDISTINCT]
     carried = [one for one in alike if one is not known and _held(base, one, noise) > CARRIES]

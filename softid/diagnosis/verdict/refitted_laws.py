@@ -23,7 +23,7 @@ from softid.diagnosis.search.multistart import driven
 from softid.effects import belongs_to
 from softid.effects.base import Effect, InputEffect
 
-FIRST, REFITTING = 8, 40
+FIRST_EVALUATIONS, REFIT_EVALUATIONS = 8, 40
 """Evaluations from where a cause stood: of all that is put in its place, over averages, and to the
 optimum of what has come near by then, over averages and from there over all samples."""
 
@@ -136,21 +136,23 @@ def refitted_with(
             for place in driven(rough_base, laws[0], own, base.scale)
         ]
     z = min(starts, key=lambda start: squares_at(problem, start, sigma))
-    found = advance(begun(known, effects, problem, z), sigma, FIRST, substeps=COARSE_STEPS)
+    found = advance(
+        begun(known, effects, problem, z), sigma, FIRST_EVALUATIONS, substeps=COARSE_STEPS
+    )
     limit = known.squares + near - standing.model.squares
     for _ in range(MORE_ROUNDS):
         if found.squares <= limit:
             break
-        before, found = found, advance(found, sigma, FIRST, substeps=COARSE_STEPS)
+        before, found = found, advance(found, sigma, FIRST_EVALUATIONS, substeps=COARSE_STEPS)
         if not found.squares < STILL_FALLS * before.squares:
             break
     if not found.squares <= limit:
         return None
-    found = advance(found, sigma, REFITTING, substeps=COARSE_STEPS)
+    found = advance(found, sigma, REFIT_EVALUATIONS, substeps=COARSE_STEPS)
     if found.squares - known.squares > enough - standing.model.squares:
         return None
     whole = over_samples_of(found, base.candidate, base.scale)
-    return advance(whole, base.sigma, REFITTING)
+    return advance(whole, base.sigma, REFIT_EVALUATIONS)
 
 
 def _start_values(laws: Sequence[Effect], base: BaseFit) -> list[dict[str, float]]:

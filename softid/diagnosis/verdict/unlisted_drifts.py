@@ -24,7 +24,7 @@ LARGEST_CHANGE = 0.8
 STARTING_CHANGE = 0.1
 """Start of what has changed by the end of the longest log, either way."""
 
-SETTLING, SETTLING_STARTS = (0.03, 1.0), (0.1, 0.3)
+SETTLING_BOUNDS, SETTLING_STARTS = (0.03, 1.0), (0.1, 0.3)
 """Bounds and starts of a time in which something settles, as shares of the longest log."""
 
 PATH_BOUNDS = (0.01, 3.0)
@@ -175,7 +175,13 @@ class SettlingStiffness(StateEffect):
     def parameters(self, scale: Scale) -> ParameterSet:
         """The share s that is gained at last, and the time τ."""
         gained = one_parameter(
-            "share", STARTING_CHANGE, "1", -LARGEST_CHANGE, LARGEST_CHANGE, "gained at last", self.source
+            "share",
+            STARTING_CHANGE,
+            "1",
+            -LARGEST_CHANGE,
+            LARGEST_CHANGE,
+            "gained at last",
+            self.source,
         )
         tau = _settling_time(scale, "time in which it settles", self.source)
         return ParameterSet((*gained.values(), tau))
@@ -215,7 +221,9 @@ class RecoveringSoftening(StateEffect):
     def parameters(self, scale: Scale) -> ParameterSet:
         """The share s that is lost at most, the path W0 over which it goes, and the time τ."""
         least, most = (share * scale.travel for share in PATH_BOUNDS)
-        share = Parameter("share", STARTING_CHANGE, "1", LEAST_LOSS, LARGEST_CHANGE, "log", meaning="lost at most")
+        share = Parameter(
+            "share", STARTING_CHANGE, "1", LEAST_LOSS, LARGEST_CHANGE, "log", meaning="lost at most"
+        )
         path = Parameter("W0", (least * most) ** 0.5, scale.x_unit, least, most, "log")
         return ParameterSet(
             (
@@ -244,6 +252,6 @@ class RecoveringSoftening(StateEffect):
 
 
 def _settling_time(scale: Scale, meaning: str, source: str) -> Parameter:
-    shortest, longest = (share * scale.duration_s for share in SETTLING)
+    shortest, longest = (share * scale.duration_s for share in SETTLING_BOUNDS)
     middle = (shortest * longest) ** 0.5
     return Parameter("tau", middle, "s", shortest, longest, "log", meaning=meaning, source=source)

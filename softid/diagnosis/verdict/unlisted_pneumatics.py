@@ -18,7 +18,7 @@ from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
-SHORTEST, LONGEST = 1e-3, 0.25
+SHORTEST_TIMES, LONGEST_SHARE = 1e-3, 0.25
 """Bounds of the time that a limit makes the whole range take: in times of the motion, and as a
 share of the longest log."""
 
@@ -54,14 +54,14 @@ class RateLimit(InputEffect):
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time that the whole range takes."""
-        longest = max(LONGEST * scale.duration_s, scale.motion_s)
+        longest = max(LONGEST_SHARE * scale.duration_s, scale.motion_s)
         return ParameterSet(
             (
                 Parameter(
                     "time",
                     0.5 * scale.motion_s,
                     "s",
-                    SHORTEST * scale.motion_s,
+                    SHORTEST_TIMES * scale.motion_s,
                     longest,
                     "log",
                     meaning="time in which the input passes through its range",
