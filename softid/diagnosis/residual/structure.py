@@ -33,6 +33,10 @@ WANDERING_QUANTILE = 0.99
 nothing pulls the motion back: a residual that adds up disturbances resembles every slow
 variable."""
 
+SHIFT_PARTS = 10
+"""A shift is a tenth of the samples at least, either way: a slow residual that is shifted by less
+still goes with the motion."""
+
 KNOTS_PER_VARIABLE = 7
 """Knots of the smooth function of one variable."""
 
@@ -47,6 +51,21 @@ INPUT_LAGS = (0.1, 0.5, 2.0)
 
 SLOW_PIECES = 4
 """Knots of the smooth function of time: only what is slow counts as following from it."""
+
+KNOTS_WITHIN = (0.01, 0.99)
+"""Quantiles of a variable between which its knots lie: one beyond would have next to no samples."""
+
+SIZE_QUANTILE = 0.98
+"""Quantile of the distances from the median that is the size of a variable. The largest distance
+may be a short peak, as the speed has at a step."""
+
+REVERSAL_WIDTH = 0.02
+"""Share of the size of the speed over which the direction of the motion turns round: the step of
+dry friction, with a slope at zero."""
+
+LEAST_SIZE = 1e-12
+"""Least size and distance of knots of a variable, as a share of its largest value: less is rounding
+of a variable that stands still."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +136,16 @@ def structure_of(
     wanders
         Whether nothing pulls the motion back to a rest. Then it adds up every small disturbance,
         and that its residual follows from the time says nothing.
+    chance
+        Residuals that mere noise leaves, drawn by the caller at the samples that are used: one in
+        each column, shape (m, D). Structure predicts more than of any of them; None where the
+        shifted residual alone says what chance predicts.
+
+    Returns
+    -------
+    Structure
+        The share predicted by all variables together, what chance reaches, and the share predicted
+        by each variable alone.
     """
     features = [_features(part, motion_s) for part in parts]
     groups = dict(features[0][1])
@@ -172,8 +201,8 @@ def _many_shifted(rows: Array, rng: np.random.Generator) -> Array:
 
 def _shifted(rows: Array, rng: np.random.Generator) -> Array:
     """The residual turned by a random amount, and perhaps reversed, in time."""
-    n = rows.size
-    turned = np.roll(rows, int(rng.integers(n // 10, n - n // 10)))
+    least = rows.size // SHIFT_PARTS
+    turned = np.roll(rows, int(rng.integers(least, rows.size - least)))
     return turned[::-1] if rng.random() < 0.5 else turned
 
 
@@ -208,7 +237,7 @@ class _Smooth:
         ]
         everything = np.arange(own[0].shape[0])
         missed = (self._missed(own, columns) for columns in (everything, *groups))
-        return [np.where(power > 0.0, -m / np.maximum(power, 1e-300), 0.0) for m in missed]
+        return [np.divide(-m, power, out=np.zeros_like(m), where=power > 0.0) for m in missed]
 
     def _missed(self, own: Sequence[Array], columns: npt.NDArray[np.intp]) -> Array:
         """Σ(e − ê)² − Σe² over the blocks, predicted from some columns, shape (S,)."""
@@ -228,7 +257,7 @@ def _folds(times: Sequence[Array]) -> npt.NDArray[np.intp]:
     """Block of each sample; neighbouring blocks belong to different folds."""
     folds = []
     for time_s in times:
-        share = (time_s - time_s[0]) / max(float(time_s[-1] - time_s[0]), 1e-12)
+        share = (time_s - time_s[0]) / max(float(time_s[-1] - time_s[0]), _least(time_s))
         folds.append(
             np.minimum((share * 2 * FOLD_COUNT).astype(np.intp), 2 * FOLD_COUNT - 1) % FOLD_COUNT
         )
@@ -242,7 +271,7 @@ def _features(
     rate = np.gradient(part.u, part.time_s)
     variables = {
         "x": _basis(part.x, FINE_KNOTS),
-        "v": np.column_stack((_basis(part.v), np.tanh(part.v / (0.02 * _size(part.v))))),
+        "v": np.column_stack((_basis(part.v), np.tanh(part.v / (REVERSAL_WIDTH * _size(part.v))))),
         "p": _basis(part.u),
         "rate of p": _basis(rate),
         "t": _basis(part.time_s, SLOW_PIECES),
@@ -262,14 +291,20 @@ def _features(
     return np.concatenate(columns, axis=1), groups
 
 
+def _least(values: Array) -> float:
+    """What of a variable is more than rounding; above zero also where all of it is zero."""
+    return max(LEAST_SIZE * float(np.abs(values).max()), float(np.finfo(np.float64).tiny))
+
+
 def _size(values: Array) -> float:
-    return max(float(np.quantile(np.abs(values - np.median(values)), 0.98)), 1e-12)
+    distances = np.abs(values - np.median(values))
+    return max(float(np.quantile(distances, SIZE_QUANTILE)), _least(values))
 
 
 def _basis(values: Array, knots: int = KNOTS_PER_VARIABLE) -> Array:
     """Smooth bumps over the quantiles of a variable."""
-    low, high = np.quantile(values, [0.01, 0.99])
-    width = max((high - low) / (knots - 1), 1e-12)
+    low, high = np.quantile(values, KNOTS_WITHIN)
+    width = max((high - low) / (knots - 1), _least(values))
     centres = np.linspace(low, high, knots)
     bumps: Array = np.exp(-0.5 * ((values[:, None] - centres[None, :]) / width) ** 2)
     return bumps

@@ -56,6 +56,10 @@ MAX_LINKS = 3
 MOST_TRIED = 3
 """When what is held out refuses the best contender, so many are tried in all."""
 
+LARGEST_PROMISE = 0.999
+"""Largest share of the sum of squares that a signature is taken to promise: rounding may make it
+all, of which there is no logarithm."""
+
 CONVERGING = 40
 """Evaluations that bring a model to its optimum."""
 
@@ -270,8 +274,9 @@ def next_link(
         screened = screen(now, left, scale, sigma)
     asked = {effect.key for effect in left}
     signatures = [signature for signature in screened if signature.effect.key in asked]
-    share = max((s.drop for s in signatures), default=0.0) / max(now.squares, 1e-300)
-    predicted_fall = -now.problem.n_samples * np.log1p(-min(share, 0.999))
+    promised = max((s.drop for s in signatures), default=0.0)
+    share = min(promised / now.squares, LARGEST_PROMISE) if now.squares > 0.0 else 0.0
+    predicted_fall = -now.problem.n_samples * np.log1p(-share)
     if predicted_fall < acceptance.predicted_fall and not extra:
         return None
     contenders = race(

@@ -57,6 +57,16 @@ def test_structure_is_found_with_its_share(name: str, share: float) -> None:
     assert 0.8 * share - 0.02 < found.by[name] < share + 0.04
 
 
+def test_structure_does_not_go_with_the_units() -> None:
+    """Known law: the smooth function is one of shares. In units of 1e13 the same is found."""
+    residual = SHAPES["v"] + np.random.default_rng(1).standard_normal(TIME_S.size)
+    small = ResidualContext(TIME_S, 1e-13 * X, 1e-13 * V, 1e-13 * PRESSURE, residual)
+    found = structure_of([small], MOTION_S, rng=np.random.default_rng(0))
+    usual = look(residual)
+    assert found.share == pytest.approx(usual.share, rel=1e-6)
+    assert found.by == pytest.approx(usual.by, rel=1e-6, abs=1e-9)
+
+
 def test_what_repeats_within_the_stroke_follows_from_the_position() -> None:
     """Known truth: a ripple, half of the power. Of the pressure, which is late to it, less."""
     noise = np.random.default_rng(1).standard_normal(TIME_S.size)
