@@ -18,7 +18,11 @@ for the normal equations. `affine_simulation` takes a log through them, block by
 from __future__ import annotations
 
 LANES = 8
+"""Stretches side by side: as many doubles as the widest vector registers hold, of 512 bits."""
+
 ROWS = 16
+"""Steps of a stretch, so few that the workspace, of 43 kB, stays in the fastest cache."""
+
 STEPS = ROWS * LANES
 POINTS = STEPS + LANES
 """Starts of all steps and, in the last row, the ends of the stretches."""
@@ -27,6 +31,8 @@ MUSCLE, OSCILLATOR = 0, 1
 RK4, RADAU = 0, 1
 N_PARAMETERS = 7
 N_STATES = 2
+"""The laws and rules that a block can follow, and the numbers of parameters and initial states that
+it takes derivatives by."""
 
 INPUT, STEP = 0 * POINTS, 1 * POINTS
 START, INNER, OUTER = 2 * POINTS, 6 * POINTS, 10 * POINTS

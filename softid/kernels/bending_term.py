@@ -33,6 +33,7 @@ N_THETA = 8
 """Parameters of the model: those of the law, then the sensor's drift, which no torque knows."""
 
 REST_TORQUE = 6
+"""Place of τ0 among the parameters."""
 
 N_CONSTANTS = 5
 """Length of `Body.constants`."""

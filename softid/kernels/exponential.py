@@ -16,6 +16,8 @@ _LARGEST = 708.0
 _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10, _C11, _C12, _C13 = (
     1.0 / math.factorial(k) for k in range(2, 14)
 )
+"""1/ln 2; ln 2 in two parts, of which the first ends in zeros, so that a whole number times it is
+exact; the largest argument, short of 709.8, where e^x overflows; and the Taylor coefficients."""
 
 NO_REORDERING = {"contract", "arcp", "nsz"}
 """Freedoms that let a multiply and an add become one instruction, and nothing that reorders."""

@@ -20,6 +20,7 @@ from softid.kernels.decorators import inlined
 Array = npt.NDArray[np.float64]
 
 LANES = 8
+"""Doubles in the widest vector registers, of 512 bits."""
 
 
 def groups(count: int) -> int:
@@ -83,6 +84,7 @@ def _weighted_sum(
 
 _FIRST = ir.Constant(ir.IntType(32), 0)
 _ALL_FIRST = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+"""Where a number is put into a vector, and which lane all lanes then take."""
 
 weighted_sum: Any = intrinsic(_weighted_sum)
 """Write Σ wᵢ · rowᵢ, with rows of `LANES` numbers: (address of the result, address of w, address of

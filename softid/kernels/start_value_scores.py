@@ -21,6 +21,9 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 LANES = 32
+"""Sets of parameters side by side: four of the widest vectors, so that one is worked on while
+another waits for its result."""
+
 MASS, A1, B1, C1, A2, B2, C2 = (k * LANES for k in range(7))
 """Where the parameters of the lanes stand in the workspace."""
 
@@ -32,12 +35,14 @@ SUM, CROSS, POWER = 10 * LANES, 11 * LANES, 12 * LANES
 
 DAMPING, FORCE = 13 * LANES, 14 * LANES
 SIZE = 15 * LANES
+"""Damping and force at the middle of a step, and the length of the workspace."""
 
 LEAST_INERTIA = 1e-3
 LEAST_PERIOD = 1e-3
 """A motion without inertia, or without damping too, follows within a thousandth of a step."""
 
 _TINY = 1e-70
+"""Inertia where damping and stiffness are zero as well: its square can still be divided by."""
 
 
 @njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)

@@ -17,17 +17,26 @@ LARGEST_BULGE_RAD = pi
 """The wall as a half circle. Past it the sides of a chamber would swell over its own edges."""
 
 _KPA_PER_MPA = 1000.0
+"""Moduli are in MPa, pressures in kPa."""
+
 _TERMS = 16
+"""Terms of each series; at a half circle the next one is far below rounding."""
+
 _SINC = np.polynomial.Polynomial(
     [c for k in range(_TERMS) for c in ((-1) ** k / factorial(2 * k + 1), 0.0)]
 )
 _SHORTFALL = -np.polynomial.Polynomial([0.0, *_SINC.coef[1:]])
-# 6 (δ − sin δ)/δ²: both series converge to rounding over the whole range, without cancellation.
 _SEGMENT = np.polynomial.Polynomial(
     [c for k in range(_TERMS) for c in (0.0, 6.0 * (-1) ** k / factorial(2 * k + 3))]
 )
+"""sin(h)/h, what it lacks of 1, and 6 (δ − sin δ)/δ²: the series converge to rounding over the
+whole range, without the cancellation of the closed forms."""
+
 _GRID = 513
+"""Bulges in the table. Straight lines between them are 1e-5 off, a start for Newton's steps."""
+
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+"""Gauss points over the height of the column; its stress is so smooth that more change no digit."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,6 +38,8 @@ SMOOTH_STEPS = 2.0
 four nodes of a step then show the same as sixteen to 1e-4 of a jump of the input."""
 
 _CHUNK = 1 << 13
+"""Intervals whose coefficients are kept at a time: those of a whole log would take as much memory
+as the log again."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,6 +47,9 @@ can show, takes π/0.2 steps. A motion that is stiffer than that ends in NaN, wh
 
 OVERSHOOT = 2.0
 N_ANGLES = 9
+"""Angles at which the fastest motion is looked for, up to so many times the largest rest: a swing
+without damping goes as far beyond its rest as it came from before it."""
+
 _DEE = "DEE 2022"
 
 

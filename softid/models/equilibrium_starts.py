@@ -20,10 +20,22 @@ Array = npt.NDArray[np.float64]
 
 STIFFNESSES: Array = np.geomspace(0.05, 20.0, 61)
 MASSES: Array = np.geomspace(0.05, 20.0, 31)
+"""Stiffness scales and constant C_m that are tried, 10 and 22 % apart. Either would be 1 if the
+geometry were right; a factor of 20 is more than it can be wrong, a judgement."""
+
 DAMPING_RATIO = 0.3
+"""Damping ratio with which all masses are tried first: one that swings, and dies out in a hold."""
+
 OTHER_DAMPING_RATIOS = (0.03, 0.1, 1.0, 3.0)
+"""Damping ratios that are tried with the best masses, a factor of three apart: from a motion that
+swings throughout a hold to one that creeps."""
+
 STATIC_POINTS = 200
+"""Samples of a segment, about, at which the static curve is compared: one parameter is sought, and
+every stiffness costs a rest angle at each of them."""
+
 N_STARTS = 4
+"""Starts that are handed on at most, a judgement: each costs a run of the optimiser."""
 
 BEST_MASSES = 8
 """Masses, the best ones, that are tried with all dampings: how fast a motion swings is seen with

@@ -15,11 +15,17 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 _SERIES_BELOW = 0.5
+"""Argument below which the series are taken: the closed form of the slope loses a digit there, and
+more and more below."""
+
 _TERMS = 9
+"""Terms of each series; the next one is below 1e-22 where they are taken."""
+
 _SINC = np.polynomial.Polynomial([(-1) ** k / factorial(2 * k + 1) for k in range(_TERMS)])
 _SINC_SLOPE_BY_U = np.polynomial.Polynomial(
     [(-1) ** k * 2 * k / factorial(2 * k + 1) for k in range(1, _TERMS + 1)]
 )
+"""sin(u)/u and its slope over u, as functions of u²."""
 
 
 def sinc(u: Array) -> Array:

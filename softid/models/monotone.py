@@ -10,7 +10,11 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 MAX_ITERATIONS = 200
+"""Rounds at most, more than any takes: a Newton step that is taken halves the one before at least,
+a step to the midpoint halves the bracket, and a double has 53 bits."""
+
 _RESOLUTION = 4.0 * float(np.finfo(np.float64).eps)
+"""Step relative to the solution that is rounding: smaller ones go to and fro for ever."""
 
 
 def invert_monotone(

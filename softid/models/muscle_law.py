@@ -19,6 +19,8 @@ NAMES = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
 _PER_KPA = np.array([1.0, 1.0, 1.0 / KPA_PER_BAR, 1.0, 1.0, 1.0 / KPA_PER_BAR, 1.0])
 _BY_THETA = np.diag(_PER_KPA)
 _BY_MASS = np.eye(len(NAMES))[0]
+"""Factors from θ to what the kernels take, with b1 and b2 per kPa, and the derivatives of that and
+of the mass by θ."""
 
 
 class MuscleLaw(Law):

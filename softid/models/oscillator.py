@@ -35,7 +35,11 @@ WINDOWS = (0.01, 0.03, 0.1, 0.3)
 
 SPEEDS = 7
 DAMPING_RATIOS = (0.15, 0.7, 3.0)
+"""Time constants, from a sampling interval to a quarter of the log, and damping ratios, ringing,
+hardly and creeping, that are tried beside the weak form, which noise misleads; a judgement."""
+
 N_STARTS = 4
+"""Starts that are handed on at most, a judgement: each costs a run of the optimiser."""
 
 
 class OscillatorLaw(Law):

@@ -18,7 +18,11 @@ from softid.segment import Segment
 Array = npt.NDArray[np.float64]
 
 MAX_ORDER = 12
+"""Highest order, a judgement: a static curve needs three or four, and higher ones follow noise."""
+
 _NEGLIGIBLE_RISE = 1e-12
+"""Share of all that a curve rises and falls between two turns that is no more than rounding."""
+
 _SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 

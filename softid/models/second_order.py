@@ -30,6 +30,8 @@ Array = npt.NDArray[np.float64]
 Order = Literal["second", "first", "static"]
 ORDERS: tuple[Order, ...] = ("static", "first", "second")
 _BLOCK = 4096
+"""Steps whose derivatives are kept at a time: those of a whole log would take many times its
+memory."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,13 +39,14 @@ N_SPEEDS = 7
 N_FREQUENCIES = 14
 N_BASES = 8
 N_MOTIONS = 5
-
 N_STARTS = 5
-"""Starts that are handed on at most, no two of a kind."""
+"""Time constants and natural frequencies on the grids; static curves and motions, the best ones,
+that are looked at further; starts that are handed on at most, no two of a kind: judgements."""
 
 RINGING_RATIO = 0.25
 RINGING_FREQUENCIES = slice(4, 11)
-"""Which of the natural frequencies are combined with every plausible static curve."""
+"""Damping ratio, with which two periods are seen, and which of the natural frequencies are combined
+with every plausible static curve."""
 
 RINGING_BELOW = 0.9
 """Damping ratio below which a start is refined."""

@@ -29,6 +29,8 @@ WIDTH_MM = 14.7
 
 _ZHAO = "Zhao et al. 2021"
 _STARTING_SAMPLES = 400
+"""Samples, evenly spread, from which the width is guessed: one number needs no more."""
+
 _NEWTON_STEPS = 3
 """Newton's steps from the table, which starts them 1e-5 from the solution; each squares the
 error."""

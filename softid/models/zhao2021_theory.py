@@ -28,7 +28,10 @@ COARSEST_ANGLE_RAD = 0.01
 """Table 2 and the stated errors have two decimals; errors closer than this are the same number."""
 
 _KPA_PER_MPA = 1000.0
+"""Moduli are in MPa, pressures in kPa."""
+
 _NARROWEST_MM, _WIDEST_MM = 1.0, 200.0
+"""Widths between which the best is sought, ten times less and more than it turns out to be."""
 
 
 @dataclass(frozen=True)

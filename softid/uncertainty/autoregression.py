@@ -23,7 +23,12 @@ MAX_ORDER = 8
 ``tests/benchmarks/coverage_of_intervals.py``."""
 
 _BLOCK = 256
+"""Autocovariances that one product of matrices continues at most, a judgement: few calls for
+thousands of them, and few that are made after all have faded."""
+
 _FADED = 1e-18
+"""Share of the variance below which autocovariances count as zero: even a hundred of them are lost
+in the rounding of the variance."""
 
 
 @dataclass(frozen=True)

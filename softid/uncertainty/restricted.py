@@ -24,6 +24,7 @@ REFLECTION_STEP = 1e-3
 Differences = tuple[Array, Array, tuple[float, float]]
 
 SIGNS = np.array([[1.0], [-1.0]])
+"""Both ways of a step: a mixed difference takes all four corners."""
 
 MAX_ITERATIONS = 30
 """Newton steps; five are usual."""
