@@ -18,6 +18,8 @@ RAD_PER_MM = 1.0 / 20.0
 """A muscle's angle per contraction: an arc of 20 mm between its sides."""
 
 _SMALL = 1e-4
+"""Step of the central differences, as a share of the position or of one unit: near enough for a
+slope, and far above rounding."""
 
 
 @dataclass(frozen=True)

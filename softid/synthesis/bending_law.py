@@ -21,11 +21,19 @@ Array = npt.NDArray[np.float64]
 
 EQUILIBRIUM_PARAMETERS = ("C_d", "a", "b", "c", "stiffness", "drive", "rest_torque", "drift")
 LARGEST_ANGLE_RAD = 2.0 * pi
+"""A full circle, at which the actuator would meet itself."""
+
 _POINTS_PER_PART = 8
 _POINTS_OF_WALL = 24
+"""Gauss points over a chamber or a rib and over the height of a wall, more than the fitted model
+takes: the truth shares no error with it."""
+
 _PA_PER_KPA = 1000.0
 _SMALLEST_HALF = 1e-8
+"""Angle below which D, in proportion to it, is rounding beside the other terms."""
+
 _BRACKET_RAD = 0.02
+"""Step to the smallest angle at which the torques are equal: too small to pass over two of them."""
 
 
 @dataclass(frozen=True)

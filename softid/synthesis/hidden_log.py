@@ -28,8 +28,12 @@ Array = npt.NDArray[np.float64]
 COARSE_TOLERANCE = 1e-5
 COARSE_HZ = 50.0
 _LEVELS = 21
-_LARGEST_SEED = 2**63
+"""Tolerance, sampling and levels at which an actuator without a hidden effect is looked at: only
+the sizes of effects come from it, and those are drawn at random."""
+
 _STREAMS = ("actuator", "draw", "train", "hold_out")
+_LARGEST_SEED = 2**63
+"""Seeds are whole numbers below this, as many as the generator draws."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,6 +32,8 @@ LEAST_DAMPING = 0.05
 """Share of a damping that stays whatever takes it away."""
 
 FRACTIONAL_TIMES_S = (0.05, 0.2, 0.8, 3.2, 12.8)
+"""Times of the creeps that together stand for a power law, a factor of four apart, from faster than
+the motion to a good part of a hold."""
 
 
 def _maxwell_slip(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:

@@ -22,14 +22,21 @@ Array = npt.NDArray[np.float64]
 
 RELATIVE_TOLERANCE = 1e-8
 LONGEST_STEP_S = 0.01
-SMALLEST_RATE = 1e-150
+"""Of the solver: far below any noise, and too short to pass over what is brief in a long rest."""
+
 DENSE_HZ = 1000.0
+"""Sampling at which laws of the sensor see the motion, ten times that of a usual log."""
+
+SMALLEST_RATE = 1e-150
 ROUNDING_S = 1e-9
+"""Below them a rate, which a solver squares, is none, and times, sums of decimals, are the same."""
+
 CHANGED = ("drive", "spring", "damping")
 """Terms that a hidden law changes one by one."""
 
 _MOST_STEPS = 200_000
 _REST_ITERATIONS = 60
+"""Far more than a law with a response, and one with a rest, take: an end to those without."""
 
 
 @dataclass(frozen=True, eq=False)

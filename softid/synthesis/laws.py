@@ -22,6 +22,8 @@ Term = Callable[[float, float, float, float], float]
 """A force: (time_s, pressure_kpa, x, v) → force in the scale of its law."""
 
 KPA_PER_BAR = 100.0
+"""b1 and b2 are per bar, as in the paper; pressures are in kPa."""
+
 MUSCLE_PARAMETERS = ("M", "a1", "b1", "c1", "a2", "b2", "c2")
 OSCILLATOR_PARAMETERS = ("M", "N", "Q", "G", "offset")
 POLYNOMIAL_PARAMETERS = ("p1", "p2", "p3", "p4", "p5")

@@ -15,6 +15,7 @@ from softid.synthesis.truth import Valve
 from softid.synthesis.waveforms import Waveform
 
 SINE_PEAK_BAR = 2.4
+"""Peak of the sine that logs are made with, for which the share of the growing damping is drawn."""
 
 
 def random_muscle_truth(rng: np.random.Generator) -> dict[str, float]:

@@ -14,9 +14,16 @@ from softid.synthesis.tables import Checked, Count, Decimals, Fraction, NonNegat
 Array = npt.NDArray[np.float64]
 
 LARGEST_JITTER_PERIODS = 0.4
+"""A row is shifted by less than half of a period, so that rows keep their order."""
+
 MOST_ROWS = 1_000_000
+"""More is a slip in a recipe; a file of so many rows has tens of megabytes."""
+
 _SETTLING_SAMPLES = 500
+"""Samples after which coloured noise has forgotten that it began at zero."""
+
 _HALF_ULP = 2.0**-54
+"""Half the distance of two draws, by which zero, whose quantile is infinite, is none."""
 
 
 @dataclass(frozen=True)

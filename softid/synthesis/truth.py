@@ -18,6 +18,9 @@ Array = npt.NDArray[np.float64]
 
 RELATIVE_TOLERANCE = 1e-11
 ABSOLUTE_TOLERANCE = 1e-11
+"""Tolerances of the solver, far below the digits that a log keeps, which are to be the same on
+every machine."""
+
 LONGEST_STEP_S = 0.012
 """Twelve evaluations a step: the law is seen at 1 kHz or more, and by far more where it moves."""
 
@@ -25,7 +28,10 @@ STIFF_PER_S = 2000.0
 """Damping over inertia beyond which the explicit method would crawl."""
 
 _LOOKS_PER_PIECE = 5
+"""Times in a piece at which it is looked whether the law is stiff: both ends, and three between."""
+
 _SMALL_VELOCITY = 1e-3
+"""Speed of the central differences in position units a second, small against any motion."""
 
 
 @dataclass(frozen=True)
