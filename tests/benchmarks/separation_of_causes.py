@@ -1,4 +1,4 @@
-"""In which experiment two causes differ most: the table of `softid.diagnosis.verdict.equivalence`.
+"""In which experiment two causes differ most: the table of `softid.diagnosis.verdict.separations`.
 
     python tests/benchmarks/separation_of_causes.py
 
