@@ -16,7 +16,6 @@ from softid.kernels.muscle import KPA_PER_BAR
 
 Array = npt.NDArray[np.float64]
 
-
 POORLY_KNOWN = 0.5
 """Relative standard error of a parameter above which the user is told: its interval of two of them
 then reaches down to zero."""

@@ -16,6 +16,7 @@ KPA_PER_BAR = 100.0
 """b1 and b2 are per bar, as in the paper; pressures are in kPa."""
 
 _PER_KPA = 1.0 / KPA_PER_BAR
+"""A product is cheaper than a quotient, sample by sample."""
 
 
 @kernel

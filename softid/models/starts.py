@@ -40,8 +40,7 @@ N_FREQUENCIES = 14
 N_BASES = 8
 N_MOTIONS = 5
 N_STARTS = 5
-"""Time constants and natural frequencies on the grids; static curves and motions, the best ones,
-that are looked at further; starts that are handed on at most, no two of a kind: judgements."""
+"""Judgements: sizes of the grids, how many of the best are looked at further, and are handed on."""
 
 RINGING_RATIO = 0.25
 RINGING_FREQUENCIES = slice(4, 11)

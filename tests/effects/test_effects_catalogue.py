@@ -1,4 +1,4 @@
-"""Every effect of the catalogue: words, bounds, and its law against one that scipy solves."""
+"""Every effect of the catalogue: bounds, and its law against one that scipy solves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 from muscle_rig import times
-from printed_laws import unnamed_in
 from textbook_effects import (
     LAWS,
     MUSCLE,
@@ -25,7 +24,6 @@ from softid.effects import (
     ExtendedModel,
     Scale,
     StateEffect,
-    confusable_with,
     effects_of,
 )
 from softid.models.base import Model
@@ -34,13 +32,6 @@ from softid.models.oscillator import Oscillator
 from softid.parameters import Parameter
 from softid.segment import Segment
 
-NAMES = (
-    "delay", "pneumatic_lag", "line_resonance", "valve_flow", "dead_zone",
-    "static_curve", "stiffening", "contact", "quadratic_damping", "asymmetric_damping",
-    "coulomb_friction", "hysteresis", "creep", "softening", "ageing", "pressure_mass",
-    "sensor_drift", "sensor_gain_drift", "sensor_warmup", "sensor_lag", "sensor_resonance",
-    "relaxation", "smoothing", "sensor_clipping", "clock_rate",
-)  # fmt: skip
 BASES: dict[str, tuple[Model, np.ndarray]] = {
     "muscle": (Muscle(), MUSCLE),
     "oscillator": (Oscillator(), OSCILLATOR),
@@ -77,89 +68,6 @@ def moved(model: Model, theta: np.ndarray, drive: Segment) -> np.ndarray:
 def eta_of(effect: Effect, scale: Scale, values: dict[str, float]) -> np.ndarray:
     """Parameter values in their order."""
     return np.array([values[name] for name in effect.parameters(scale)])
-
-
-@pytest.mark.parametrize("key", EFFECTS)
-def test_words_are_there(key: str) -> None:
-    """Every text is given, in sentences where people read sentences; neighbours are effects."""
-    effect = EFFECTS[key]()
-    assert effect.key == key
-    assert effect.name in NAMES
-    for text in (effect.title, effect.law, effect.remedy, effect.shown_by, effect.source):
-        assert text
-        assert not text.endswith(".")
-    for sentence in (effect.meaning, effect.signature):
-        assert sentence.endswith(".")
-        assert sentence[0].isupper()
-    assert effect.neighbours
-    assert set(effect.neighbours) <= set(NAMES) - {effect.name}
-
-
-@pytest.mark.parametrize(
-    ("key", "goes_by"),
-    [
-        ("quadratic_damping.power", ["v_max"]),
-        ("pneumatic_lag.level", ["u_low", "u_high"]),
-        ("static_curve", ["u_low", "u_high"]),
-    ],
-)
-def test_a_law_that_goes_by_sizes_tells_them(key: str, goes_by: list[str]) -> None:
-    """Whoever has the parameters and the law can compute the effect elsewhere."""
-    scale = replace(sizes("muscle", driven("muscle")), u_unit="kPa", x_unit="rad")
-    told = EFFECTS[key]().law_at(scale)
-    for name in goes_by:
-        assert f"{getattr(scale, name):.5g}" in told
-    assert EFFECTS["delay"]().law_at(scale) == EFFECTS["delay"].law
-
-
-@pytest.mark.parametrize("key", EFFECTS)
-def test_the_law_names_every_parameter(key: str) -> None:
-    """So that who reads the values below the law knows where they go; also with the sizes told."""
-    effect, scale = EFFECTS[key](), rig("muscle")[1]
-    for law in (effect.law, effect.law_at(scale)):
-        assert unnamed_in(law, effect.parameters(scale).names) == set()
-
-
-@pytest.mark.parametrize("key", EFFECTS)
-def test_the_docstring_has_the_source_that_is_printed(key: str) -> None:
-    """In a paragraph of its own, with titles in italics; where and for what may follow it."""
-    *_, last = (EFFECTS[key].__doc__ or "").split("\n\n")
-    told = " ".join(last.replace("*", "").split())
-    assert told.startswith(f"Source: {EFFECTS[key]().source}")
-    assert told.endswith(".")
-
-
-def test_effects_are_confused_with_each_other() -> None:
-    """Each with what any form of it names, and with those of which any form names it."""
-    confused = {
-        name: {n for key in EFFECTS if EFFECTS[key].name == name for n in names_of(key)}
-        for name in NAMES
-    }
-    for name, others in confused.items():
-        for other in others:
-            assert name in confused[other], (name, other)
-    assert "smoothing" not in EFFECTS["sensor_lag"].neighbours
-    assert names_of("sensor_lag")[-1] == "smoothing"
-    for key, effect in EFFECTS.items():
-        assert names_of(key)[: len(effect.neighbours)] == effect.neighbours
-        assert len(set(names_of(key)) - {effect.name}) == len(names_of(key))
-
-
-def names_of(key: str) -> tuple[str, ...]:
-    """What an effect of the catalogue can be confused with."""
-    return confusable_with(EFFECTS[key]())
-
-
-@pytest.mark.parametrize("key", EFFECTS)
-def test_roles_are_played_by_parameters(key: str) -> None:
-    """Bounds that make a law another one's, the plain form and the simpler effect all exist."""
-    effect, declared = EFFECTS[key](), EFFECTS[key]().parameters(rig("muscle")[1])
-    assert set(effect.essential) | set(effect.ceilings) <= set(declared)
-    assert set(effect.draws) <= set(NAMES)
-    if effect.plain_at is not None:
-        name, value = effect.plain_at
-        assert effect.variant
-        assert declared[name].lower < value < declared[name].upper
 
 
 @pytest.mark.parametrize("base", BASES)
