@@ -127,7 +127,7 @@ def test_the_demo(softid: Cli) -> None:
 def test_the_diagnosis(softid: Cli) -> None:
     """The README's two commands, and the report that it shows below them."""
     before, rest = README.split("<!-- diagnosis -->\n```\n")
-    synthesize, diagnose = re.findall(r"`softid ([^`]+)`", before.rsplit("\n\n", 2)[1])
+    synthesize, diagnose = re.findall(r"`softid ([^`]+)`", before.rsplit("\n\n", 1)[1])
     assert softid(*synthesize.split(), "--quiet").code == 0
     told = softid(*diagnose.split(), "--quiet", "--no-plots")
     assert (told.code, told.err) == (0, "")

@@ -6,6 +6,7 @@ import errno
 import os
 import signal
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -156,6 +157,15 @@ def test_a_record_that_says_nothing_of_plots(tmp_path: Path, content: str) -> No
     assert recorded_plots(tmp_path / "none.json") == {}
 
 
+@pytest.fixture
+def is_heard() -> Iterator[None]:
+    """Ctrl-C raises; tests that run in the background are started deaf to it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("is_heard")
 def test_an_interrupt_waits_for_the_last_step(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

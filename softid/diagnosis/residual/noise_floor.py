@@ -56,6 +56,16 @@ SQUARES_COST = 5.0
 """Relative variance of the estimate, times the number of differences: 3.9 for their squares, which
 are correlated, and more for a quantile in place of the mean."""
 
+SAMPLES_OF_LINE = 20
+"""Samples of a rest that show a straight line at least: of fewer, chance makes one."""
+
+NEARLY_WHITE, LINE_SDS = 0.15, 3.0
+"""What is left about a line is white where its variance is above that of its fastest part by this
+share at most, and by so many standard deviations of the latter."""
+
+MOSTLY_LINE = 0.5
+"""A line that leaves more than this share of a rest's power is no drift to speak of."""
+
 BLOCK_SAMPLES = 32
 """Samples whose fastest part has one size. Noise that grows with the reading, and that of the
 pressure where the static curve is steep, has another one elsewhere."""
@@ -111,7 +121,7 @@ def noise_floor(parts: Sequence[ResidualContext], motion_s: float, *, alike: int
     """
     u_span = input_span(parts)
     rests = [
-        _without_events(part.residual[span], part.time_s[span])
+        _without_drift(part.residual[span], part.time_s[span], alike)
         for part in parts
         for span in rest_spans(part, motion_s, u_span)
         if np.isfinite(part.residual[span]).any()
@@ -172,6 +182,24 @@ def _without_events(rest: Array, time_s: Array) -> Array:
     ]
     quiet = np.concatenate(kept)
     return quiet - float(np.nanmean(quiet))
+
+
+def _without_drift(residual: Array, time_s: Array, alike: int) -> Array:
+    """The rest without events, about a straight line where that is most of it and leaves no colour.
+
+    Slow noise is not straight: a reading that drifts at a constant rate is a cause to be found.
+    """
+    rest = _without_events(residual, time_s)
+    seen = np.isfinite(rest)
+    if seen.sum() < SAMPLES_OF_LINE:
+        return rest
+    offset_s, values = time_s[seen] - time_s[seen].mean(), rest[seen]
+    about = np.full(rest.size, np.nan)
+    about[seen] = values - (offset_s @ values) / (offset_s @ offset_s) * offset_s
+    white = fastest_part(contiguous_runs(about), alike)
+    power = float(np.nanmean(about**2))
+    is_white = power <= (1.0 + NEARLY_WHITE + LINE_SDS * white.relative_sd) * white.variance
+    return about if is_white and power < MOSTLY_LINE * float(np.mean(values**2)) else rest
 
 
 def rest_spans(part: ResidualContext, motion_s: float, u_span: float) -> tuple[slice, ...]:

@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter, lsim
 
 from softid import Log, diagnose
-from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT, LAGS, _lagged
+from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT, LAG_TIMES, _lagged
 from softid.diagnosis_results import Diagnosis, Verdict
 
 TIME_S = np.arange(0.0, 40.0, 0.02)
@@ -75,6 +75,6 @@ def test_a_channel_in_pairs_of_samples_lags_as_another() -> None:
     log = Log.from_arrays(time_s, {"pressure": 3.0 * time_s, "angle": time_s})
     lagged = _lagged(log, "pressure", time_s, 0.5)
     late = time_s > 15.0
-    for lag, column in zip(LAGS, lagged.T, strict=True):
+    for lag, column in zip(LAG_TIMES, lagged.T, strict=True):
         expected = 3.0 * (time_s - 0.5 * lag) if lag else 3.0 * time_s
         np.testing.assert_allclose(column[late], expected[late], atol=0.05)

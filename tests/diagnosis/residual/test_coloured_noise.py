@@ -218,7 +218,7 @@ def test_noise_of_pairs_of_samples_is_told() -> None:
     """Every second sample 1 µs before the next: means over median intervals would be 20,000 times
     as many as the samples, and none of them has another beside it."""
     rng = np.random.default_rng(3)
-    rows = coloured(rng, 0.5) + 0.3 * rng.standard_normal(TIME_S.size)
+    rows = slow_noise(rng, 0.5) + 0.3 * rng.standard_normal(TIME_S.size)
     u = steps(rng)
     x, v = lagging(u, MOTION_S), np.gradient(lagging(u, MOTION_S), TIME_S)
     time_s = TIME_S.copy()

@@ -278,3 +278,30 @@ def test_a_slow_ramp_moves_when_it_has_gone_further_than_the_tolerance() -> None
     assert lengths[:2] == pytest.approx([20.0, 20.0], abs=4.0)
     swinging = 4.0 * np.sin(2.0 * np.pi * 7.0 * time_s)
     assert still_spans(swinging + noise, time_s, 2.0) == ()
+
+
+@pytest.mark.parametrize(
+    ("phi", "rate", "variance"),
+    [(0.0, 0.3, 1.0), (0.0, -0.3, 1.0), (0.98, 0.3, None)],
+    ids=["rising", "falling", "in slow noise"],
+)
+def test_a_straight_drift_is_no_noise(phi: float, rate: float, variance: float | None) -> None:
+    """Known truth: beside white noise of variance 1 the rests drift by 12. In slow noise, which
+    wanders as far, a drift cannot be told from it and stays."""
+    time_s, u = with_rests()
+    for seed in SEEDS:
+        noise = ar1(np.random.default_rng(seed), time_s.size, phi) + rate * time_s
+        floor = floor_of(noise, u, time_s)
+        if variance is None:
+            assert floor.variance > 5.0
+        else:
+            assert abs(floor.variance - variance) < 4.0 * floor.relative_sd
+
+
+def test_what_wanders_is_noise_though_a_line_takes_most_of_it() -> None:
+    """Stands on the definition: a random walk is slow noise, and more than its fastest part."""
+    time_s, u = with_rests()
+    for seed in SEEDS:
+        steps = np.random.default_rng(seed).standard_normal((2, time_s.size))
+        walk = np.cumsum(0.1 * steps[0]) + steps[1]
+        assert floor_of(walk, u, time_s).variance > 1.5
