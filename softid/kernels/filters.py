@@ -255,7 +255,7 @@ def lag_with_relief(step_s: Array, values: Array, tau_s: float, opens: float, lo
 
 
 @kernel
-def play(values: Array, width: float) -> None:
+def play(values: Array, width: float, side: float) -> None:
     """Follow the input with play: move only when it leaves a band of ± a width.
 
     Parameters
@@ -264,8 +264,10 @@ def play(values: Array, width: float) -> None:
         Input, shape (n,); overwritten by the output.
     width
         Half width of the band, not negative.
+    side
+        Output less input at the beginning, in widths, from −1 after a rise to 1 after a fall.
     """
-    y = values[0]
+    y = values[0] + side * width
     for k in range(values.size):
         y = min(max(y, values[k] - width), values[k] + width)
         values[k] = y

@@ -15,7 +15,7 @@ from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
 from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE
-from softid.effects import belongs_to
+from softid.effects import belongs_to, extended_name
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
 
@@ -50,7 +50,7 @@ class BeyondCatalogue:
     squares, noise
         Weighted sum of squares that the best leaves, and that of the noise.
     sizes
-        Values and units of the parameters of the best.
+        Values and units of the parameters of the best, without where it begins.
     """
 
     laws: tuple[Effect, ...]
@@ -109,7 +109,8 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     laws = tuple(one.effects[-1] for one in carried)
     share = min(_share(known, best, left), 1.0)
     declared, values = best.problem.parameters, best.parameters
-    own = [name for name in declared.names if belongs_to(laws[0], name)]
+    beginning = extended_name(laws[0], laws[0].plain_at[0]) if laws[0].plain_at else ""
+    own = [name for name in declared.names if belongs_to(laws[0], name) and name != beginning]
     sizes = tuple((values[name], declared[name].unit) for name in own)
     return BeyondCatalogue(laws, share, _held(base, best, noise), best.squares, left, sizes)
 

@@ -54,6 +54,9 @@ MOST_GAINED = 9.0
 MOST_PLAY, START_PLAY = 0.6, (0.04, 0.16)
 """Bound and starts of a play, as a share of the range."""
 
+START_SIDES = (0.0, -0.8, 0.8)
+"""Starts of the side of a play on which a log begins; at its very end it could move but one way."""
+
 
 @dataclass(frozen=True)
 class BentReading(OutputEffect):
@@ -161,23 +164,31 @@ class PositionDamping(StateEffect):
 
 @dataclass(frozen=True)
 class Play(Effect):
-    """Play of the width w, from one side to the other, as a share of the range."""
+    """Play of the width w, from one side to the other, as a share of the range.
 
-    law: ClassVar[str] = "it follows only when it is half the play w away"
+    A log that begins in motion, or after one, begins on a side of the play.
+    """
+
+    law: ClassVar[str] = "it follows only when it is w/2 away, and begins side w/2 away"
     shown_by: ClassVar[str] = "small moves up and down"
     signature: ClassVar[str] = "The residual is flat for a while after every turn."
     source: ClassVar[str] = "Tao and Kokotović, Adaptive Control of Systems, Wiley 1996"
     amplitude: ClassVar[str] = "w"
+    plain_at: ClassVar[tuple[str, float] | None] = ("side", 0.0)
 
     def parameters(self, scale: Scale) -> ParameterSet:
-        """The width as a share of the range."""
+        """The width as a share of the range, and the side."""
         del scale
-        return one_parameter("w", START_PLAY[0], "1", 0.0, MOST_PLAY, "the play", self.source)
+        width = one_parameter("w", START_PLAY[0], "1", 0.0, MOST_PLAY, "the play", self.source)
+        side = one_parameter(
+            "side", 0.0, "1", -1.0, 1.0, "its lead as a log begins, in halves of w", self.source
+        )
+        return ParameterSet((*width.values(), *side.values()))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Small and large."""
+        """Small and large, in the middle and on either side."""
         del scale
-        return tuple({"w": width} for width in START_PLAY)
+        return tuple({"w": width, "side": side} for width in START_PLAY for side in START_SIDES)
 
 
 @dataclass(frozen=True)
@@ -193,7 +204,7 @@ class InputPlay(Play, InputEffect):
         """The input with play."""
         del time_s
         arriving = np.array(u, np.float64)
-        play(arriving, 0.5 * max(float(eta[0]), 0.0) * scale.u_span)
+        play(arriving, 0.5 * max(float(eta[0]), 0.0) * scale.u_span, float(eta[1]))
         return arriving
 
 
@@ -210,7 +221,7 @@ class OutputPlay(Play, OutputEffect):
         """The reading with play."""
         del time_s
         recorded = np.array(y, np.float64)
-        play(recorded, 0.5 * max(float(eta[0]), 0.0) * scale.y_span)
+        play(recorded, 0.5 * max(float(eta[0]), 0.0) * scale.y_span, float(eta[1]))
         return recorded
 
 

@@ -153,14 +153,20 @@ def test_a_sensor_lags_up_and_down_by_its_own_times() -> None:
     np.testing.assert_allclose(even, lagged, atol=0.01)
 
 
+@pytest.mark.parametrize(
+    ("side", "first"),
+    [(0.0, [0.0, 0.4]), (-0.5, [-0.05, 0.4]), (1.0, [0.1, 0.4])],
+    ids=["middle", "after a rise", "after a fall"],
+)
 @pytest.mark.parametrize("law", [InputPlay(), OutputPlay()], ids=lambda law: law.name)
-def test_play_keeps_a_band(law: Any) -> None:
-    """Closed form: it stays within half of the play, and moves only when pushed."""
+def test_play_keeps_a_band(law: Any, side: float, first: list[float]) -> None:
+    """Closed form: it stays within half of the play, moves only when pushed, and forgets where it
+    began."""
     scale = sizes_of("muscle")
     span = scale.u_span if law.stage == "input" else scale.y_span
     moved = span * np.array([0.0, 0.5, 0.45, 0.3, 0.35, 0.9])
-    found = law.apply(np.array([0.2]), np.arange(6.0), moved, scale) / span
-    np.testing.assert_allclose(found, [0.0, 0.4, 0.4, 0.4, 0.4, 0.8], atol=1e-12)
+    found = law.apply(np.array([0.2, side]), np.arange(6.0), moved, scale) / span
+    np.testing.assert_allclose(found, [*first, 0.4, 0.4, 0.4, 0.8], atol=1e-12)
 
 
 def test_a_damping_is_known_at_its_knots() -> None:
