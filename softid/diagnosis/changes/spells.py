@@ -109,8 +109,8 @@ def spells_of(log: Log, fit: Callable[[Log], Candidate], noise: float) -> Spells
     return min(found, key=lambda one: sum(end - begin for begin, end in one.spans_s), default=None)
 
 
-def is_followed(log: Log, model: Candidate, noise: float) -> bool:
-    """Whether a model leaves noise in most of a log that it was not fitted to.
+def spells_elsewhere(log: Log, model: Candidate, noise: float) -> int | None:
+    """How many spells a model that leaves noise in most of another log does not follow there.
 
     Parameters
     ----------
@@ -120,18 +120,24 @@ def is_followed(log: Log, model: Candidate, noise: float) -> bool:
         A model, fitted to another log.
     noise
         Variance of the noise of the first output.
+
+    Returns
+    -------
+    int or None
+        None where it leaves more than noise elsewhere, too.
     """
     residual = _of_first_output(HeldOutLogs((log,)), model)
     if not np.isfinite(residual).all():
-        return False
+        return None
     residual = residual - np.median(residual)  # a spell of its own pulls at its zero
     own = max(noise, fastest_part([residual]).variance)
     quiet = np.ones(residual.size, bool)
-    for begin, end in _loud_stretches(_loudness(residual, own)):
+    stretches = _loud_stretches(_loudness(residual, own))
+    for begin, end in stretches:
         quiet[begin:end] = False
     if np.count_nonzero(quiet) < LEAST_OUTSIDE * quiet.size:
-        return False
-    return float(np.mean(residual[quiet] ** 2)) <= QUIET * own
+        return None
+    return len(stretches) if float(np.mean(residual[quiet] ** 2)) <= QUIET * own else None
 
 
 def loudest(excess: Array) -> tuple[int, int, float]:

@@ -18,7 +18,7 @@ from softid.diagnosis.changes.log_differences import (
     log_differences,
     squares_of,
 )
-from softid.diagnosis.changes.spells import Spells, is_followed, spells_of
+from softid.diagnosis.changes.spells import Spells, spells_elsewhere, spells_of
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import refitted
@@ -67,6 +67,12 @@ SIZES = {
     "pressure_zero": "{1:+.1f} % of the range",
 }
 """Format of the size of a difference by its kind; all others are told in per cent."""
+
+RECURS = (
+    "; what is held out has such spells, too, so that a law may be missing that acts at few "
+    "moments, such as a snap from one state into another"
+)
+"""Said of spells where an event would have had to happen again."""
 
 LOOK_THEN = (
     "look at what happened then, such as a slipped mount, a touched cable, a part that gave way or "
@@ -184,7 +190,8 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
             if not _is_followed(log, fit, noise):
                 return ()  # what one log has throughout is no event in another
             continue
-        if not all(is_followed(other, spells.reference, noise) for other in judges):
+        others = [spells_elsewhere(other, spells.reference, noise) for other in judges]
+        if None in others:
             return ()
         within = [log.between(begin, np.nextafter(end, np.inf)) for begin, end in spells.spans_s]
         change = log_differences(
@@ -200,7 +207,7 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
                 CHANGE_POINT,
                 "warning",
                 f"the misfit of {first} is confined to {_when(spells, log)} of {log.name}"
-                f"{_as_if(change)}",
+                f"{_as_if(change)}{RECURS if any(others) else ''}",
                 LOOK_THEN,
             )
         )

@@ -9,7 +9,7 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_probl
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import Request
-from softid.diagnosis.changes.spells import is_followed, loudest, spells_of
+from softid.diagnosis.changes.spells import loudest, spells_elsewhere, spells_of
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.report.changes import CHANGE_POINT, spell_issues
 from softid.diagnosis_results import Verdict
@@ -101,20 +101,30 @@ def test_a_model_that_follows_nothing_has_no_spells() -> None:
 def test_what_judges_is_followed_but_in_its_own_spells() -> None:
     """A model that lacks what fast motion does is wrong throughout a log that moves fast."""
     model = fit(log_of(linear_angle(TIME_S, pressure())))
-    assert is_followed(log_of(linear_angle(TIME_S, pressure()), seed=1), model, NOISE**2)
-    assert is_followed(log_of(changed((12.0, 17.0)), seed=1), model, NOISE**2)
+    usual = log_of(linear_angle(TIME_S, pressure()), seed=1)
+    assert spells_elsewhere(usual, model, NOISE**2) == 0
+    assert spells_elsewhere(log_of(changed((12.0, 17.0)), seed=1), model, NOISE**2) == 1
     late = linear_angle(TIME_S, np.interp(TIME_S - 0.05, TIME_S, pressure()))
-    assert not is_followed(log_of(late, seed=1), model, NOISE**2)
+    assert spells_elsewhere(log_of(late, seed=1), model, NOISE**2) is None
 
 
-@pytest.mark.parametrize(("judge", "is_told"), [("usual", True), ("late", False)])
-def test_a_spell_is_told_where_the_rest_predicts_what_judges(judge: str, is_told: bool) -> None:
+@pytest.mark.parametrize(
+    ("judge", "is_told", "recurs"),
+    [("usual", True, False), ("late", False, False), ("changed", True, True)],
+)
+def test_a_spell_is_told_where_the_rest_predicts_what_judges(
+    judge: str, is_told: bool, recurs: bool
+) -> None:
+    """One that comes again in what judges may be a law."""
     late = np.interp(TIME_S - 0.05 * (judge == "late"), TIME_S, pressure())
-    hold_out = log_of(linear_angle(TIME_S, late), seed=1)
+    angle = changed((24.0, 29.0)) if judge == "changed" else linear_angle(TIME_S, late)
+    hold_out = log_of(angle, seed=1)
     request = Request("oscillator", None, 0, lambda message, fraction: None)
     train = LogSet((log_of(changed((12.0, 17.0))),))
     base = request.fit_base(train, (hold_out,), thorough=False)
-    assert bool(spell_issues(base)) is is_told
+    issues = spell_issues(base)
+    assert bool(issues) is is_told
+    assert any("snap" in issue.message for issue in issues) is recurs
 
 
 def test_the_loudest_stretch_of_nothing_is_empty() -> None:
