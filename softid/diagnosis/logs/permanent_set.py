@@ -34,6 +34,9 @@ NOTABLE_SET = 0.05
 LONGEST_START_S = 1.0
 """Longest part, in s, of a rest at the beginning that is averaged for where the output began."""
 
+SHORTEST_START_S = 0.05
+"""A log that leaves its first level sooner may begin in mid-motion."""
+
 REST_TAIL = 0.25
 """Share of a rest, at its end, in which the output is to have settled."""
 
@@ -99,6 +102,8 @@ def residual_set(log: Log, output: str, motion_s: float = 0.0) -> ResidualSet | 
         return None
     away = np.abs(u - u[0])
     left = int(np.argmax(away > SAME_LEVEL * span))
+    if time_s[left] - time_s[0] < SHORTEST_START_S:
+        return None
     start = slice(0, max(min(left, int(np.searchsorted(time_s, time_s[0] + LONGEST_START_S))), 1))
     cycle = int(np.argmax(away > AWAY * span))
     for window in settled_windows(time_s, u, tail=REST_TAIL):

@@ -250,7 +250,7 @@ def _unknown(
     told = []
     if tried and remainder.explained_share < NEXT_TO_NOTHING:
         share = percent(remainder.explained_share)
-        told.append(f"No effect takes away more than {share} of the misfit above the noise.")
+        told.append(f"No effect takes away more than {share} of the misfit of the fitted samples.")
     elif tried:
         names = listed([lowered(cause.title) for cause in tried])
         takes = "takes" if len(tried) == 1 else "take"

@@ -33,7 +33,7 @@ ASTRAY = 3.0
 """A model does not carry over to what is held out when it errs there by so many times as much.
 
 Where only slow noise that no rest shows could explain that, it is wrong: unsure parameters and slow
-noise are one guess too many."""
+noise are one guess too many. Nor is a model without causes adequate then, unsure as it may be."""
 
 
 def with_held_out(
@@ -79,7 +79,8 @@ def with_held_out(
     if jumps is not None and timed <= most:
         power = timed
         remainder = replace(remainder, open_jumps_held_out=jumps.count)
-    strays = remainder.colour_s is not None and power > (ASTRAY * remainder.rms) ** 2
+    is_a_guess = remainder.colour_s is not None or not after.effects
+    strays = is_a_guess and power > (ASTRAY * remainder.rms) ** 2
     return replace(
         remainder,
         held_out_share=held_out_share(before, float(np.sqrt(power)), noise + unsure),

@@ -64,6 +64,17 @@ def test_a_motion_that_ends_at_the_beginning_leaves_no_set() -> None:
     assert residual_set(begun, "angle") is None
 
 
+@pytest.mark.parametrize(("held", "leaves"), [(1, False), (30, True)], ids=["one sample", "0.3 s"])
+def test_a_log_that_leaves_its_first_level_at_once_begins_in_motion(
+    held: int, leaves: bool
+) -> None:
+    """Known truth: 0.2 of the range stay after a cycle, seen by who rested before it."""
+    log = cycled(0.2, noise=0.001)
+    first = int(np.argmax(log.pressure_kpa > log.pressure_kpa[0] + 1.0))
+    begun = log.between(log.time_s[first - held], log.time_s[-1])
+    assert (residual_set(begun, "angle") is not None) is leaves
+
+
 def test_a_rest_that_is_short_against_the_motion_leaves_no_set() -> None:
     """Ten seconds are ten time constants of one second, and not yet three of four."""
     log = cycled(0.2, tau_s=1.0)

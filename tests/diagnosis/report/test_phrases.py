@@ -211,7 +211,7 @@ def test_a_description_of_next_to_nothing_is_not_told() -> None:
     assert found.descriptive
     left = replace(found.remainder, explained_share=0.02, held_out_share=0.02)
     text = told(replace(found, remainder=left))
-    assert "No effect takes away more than 2 % of the misfit above the noise." in text
+    assert "No effect takes away more than 2 % of the misfit of the fitted samples." in text
     assert "The best description" not in text
 
 

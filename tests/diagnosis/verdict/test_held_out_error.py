@@ -22,6 +22,7 @@ from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, hold_out_block
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.verdict.held_out_error import parametric_power, with_held_out
 from softid.diagnosis_results import Remainder
+from softid.effects import effect_of
 from softid.identification.gauge_errors import GaugeErrors
 from softid.identification.input_denoising import without_input_noise
 from softid.log import Log, LogSet
@@ -175,13 +176,20 @@ class Unsure(HeldOutLogs):
         return 100.0 * super().slopes(candidate)
 
 
-@pytest.mark.parametrize("colour_s", [None, 3.0])
-def test_unsure_parameters_and_slow_noise_are_no_excuse_together(colour_s: float | None) -> None:
+@pytest.mark.parametrize(
+    ("colour_s", "has_cause", "misses"),
+    [(None, True, False), (3.0, True, True), (None, False, True)],
+    ids=["a cause", "slow noise", "no cause"],
+)
+def test_unsure_parameters_are_no_excuse_for_all(
+    colour_s: float | None, has_cause: bool, misses: bool
+) -> None:
     """A sensor that is off by 30 % may be the errors of parameters, which are that unsure.
 
     Not so where what is left of the fitted samples is itself said to be slow noise that no rest
-    shows.
+    shows, nor where a model without causes would be called adequate.
     """
     judge = Unsure((fast_log(noise=NOISE, gain=1.3),))
-    told = told_of(replace(LEFT, colour_s=colour_s), fitted(seed=3), judge)
-    assert told.misses_held_out is (colour_s is not None)
+    model = replace(fitted(seed=3), effects=(effect_of("delay"),) if has_cause else ())
+    told = told_of(replace(LEFT, colour_s=colour_s), model, judge)
+    assert told.misses_held_out is misses
