@@ -41,11 +41,11 @@ TOLD_VARIATION = 0.01
 """A variation is told with its size from this share on."""
 
 UNLIKE_NOISE = {
-    NotNoise.GROWS_WITH_SPEED: "be larger where the motion is quick",
-    NotNoise.STRAYS: "stray so far",
-    NotNoise.SPECTRUM: "come in such waves",
+    NotNoise.GROWS_WITH_SPEED: "it is larger where the motion is quick",
+    NotNoise.STRAYS: "it strays too far",
+    NotNoise.SPECTRUM: "it comes in waves",
 }
-"""What speaks against noise, after "would not"."""
+"""What speaks against noise that wanders slowly."""
 
 DOUBTS = {
     Doubt.GAINS_NOTHING: "does not lower the error on what is held out",
@@ -379,8 +379,8 @@ def what_it_may_be(remainder: Remainder) -> str:
             "that noise is"
         )
     return (
-        "a law with a memory or a disturbance, for slow noise, which no long rest shows, would not "
-        f"{UNLIKE_NOISE[remainder.against_noise]}"
+        "a law with a memory or a disturbance rather than slow noise, for "
+        f"{UNLIKE_NOISE[remainder.against_noise]}; a rest of 30 s would show that noise"
     )
 
 

@@ -127,7 +127,7 @@ def test_what_speaks_against_slow_noise_is_told(mark: NotNoise) -> None:
     assert "Something is missing, or the noise is slow, and none" in told(nothing)
     text = told(replace(found, remainder=replace(left, against_noise=mark)))
     assert "a disturbance or slow noise" not in text
-    assert f"would not {UNLIKE_NOISE[mark]}" in text
+    assert f"rather than slow noise, for {UNLIKE_NOISE[mark]}" in text
     assert "the noise is slow" not in text
 
 
