@@ -296,17 +296,17 @@ def _last_survivors(
 ) -> list[Candidate]:
     """Those that stay after the second round: near the leader, or still on their way.
 
-    The neighbours of the leader's law, in any of its forms, stay, too, when they are near: it is
-    them that it is taken for. And so does whoever is hardly behind.
+    Whoever is hardly behind stays, and so do the neighbours of their laws, in any of their forms,
+    when they are near: it is them that these are taken for.
     """
     kept = []
-    added = [candidate.effects[-1] for candidate in second]
-    forms = [effect for effect in added if effect.name == added[0].name]
+    level = [-gain(second[0].squares, candidate) < FINAL_DISTANCE for candidate in second]
+    leading = {c.effects[-1].name for c, is_level in zip(second, level, strict=True) if is_level}
+    forms = [c.effects[-1] for c in second if c.effects[-1].name in leading]
     neighbours = {name for form in forms for name in confusable_with(form)}
     for k, candidate in enumerate(second):
         is_unconverged = _is_moving(candidate)
-        asked = k < LAST_SURVIVORS or candidate.effects[-1].name in neighbours
-        asked = asked or -gain(second[0].squares, candidate) < FINAL_DISTANCE
+        asked = k < LAST_SURVIVORS or level[k] or candidate.effects[-1].name in neighbours
         near = asked and candidate.squares <= (unconverged_limit if is_unconverged else limit)
         if near or (is_unconverged and candidate.effects[-1].key in promising[:FAVOURITES]):
             kept.append(candidate)

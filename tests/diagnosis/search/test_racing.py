@@ -101,6 +101,17 @@ def test_who_names_the_leader_stays() -> None:
     assert kept == [*keys[:4], "smoothing"]
 
 
+@pytest.mark.parametrize(("behind", "stays"), [(1e-4, True), (0.1, False)])
+def test_neighbours_of_who_is_hardly_behind_stay(behind: float, stays: bool) -> None:
+    """A moving average is taken for a resonance of the sensor, which is level with the delay that
+    leads; n = 10,000 turns 0.01 % into 1 and 10 % into 950."""
+    keys = ("delay", "sensor_resonance", "creep", "ageing", "softening", "smoothing")
+    squares = (10.0, 10.0 * (1.0 + behind), 12.0, 13.0, 14.0, 15.0)
+    field = [candidate((key,), value) for key, value in zip(keys, squares, strict=True)]
+    kept = [c.keys[0] for c in _last_survivors(field, (), 20.0, 20.0)]
+    assert ("smoothing" in kept) is stays
+
+
 @pytest.mark.parametrize(
     ("plain", "separate", "runs"),
     [(0.0, 31.0, True), (0.0, 29.0, False), (20.0, 61.0, True), (20.0, 59.0, False)],
