@@ -48,7 +48,7 @@ UNLIKE_NOISE = {
 """What speaks against noise that wanders slowly."""
 
 DOUBTS = {
-    Doubt.GAINS_NOTHING: "does not lower the error on what is held out",
+    Doubt.GAINS_NOTHING: "does not lower the error on what is held out by 1 %",
     Doubt.MAY_GAIN_NOTHING: "is not confirmed by what is held out, where the interval of its gain "
     "holds a loss",
     Doubt.DOES_NOT_OCCUR: "leaves no trace in what is held out, so what it gains is not known: "
