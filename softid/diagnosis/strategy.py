@@ -15,7 +15,7 @@ from softid.diagnosis.base.intersample_selection import (
 )
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.residual.assessment import SMALLEST_EXCESS
+from softid.diagnosis.residual.noise_floor import SMALLEST_EXCESS
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain
 from softid.diagnosis.search_result import SearchResult
@@ -107,14 +107,14 @@ def _from_another_cause(found: SearchResult, search: CauseSearch) -> SearchResul
     likelier takes its place.
     """
     links, left = found.chain.links, found.remainder
-    if found.chain.bends and left.leaves_something:
-        return search.search_from_other_causes(found.chain)
+    is_bent = found.chain.bends and left.leaves_something
     is_louder = left.excess > SMALLEST_EXCESS and not left.noise_is_known
-    if not (left.structured or len(links) == MAX_LINKS or (len(links) > 1 and is_louder)):
+    is_doubted = left.structured or len(links) == MAX_LINKS or (len(links) > 1 and is_louder)
+    if not (is_bent or is_doubted):
         return None
     other = search.search_from_other_causes(found.chain)
-    if other is None:
-        return None
+    if other is None or is_bent:
+        return other
     sigma = search.base.sigma
     return other if is_likelier(other.chain.final, found.chain.final, sigma) else None
 

@@ -39,8 +39,8 @@ are the most: what vents turns laminar, then fills, and turns turbulent if the s
 it stops nothing but a chatter by rounding on the border, where both laws are the same."""
 
 MAX_BISECTIONS = 60
-"""Rounds in which an instant is located: five to ten as a rule, and fifty in the worst of 200,000
-crossings, where one side is almost flat."""
+"""Rounds in which an instant is located: where one side is almost flat halving has to do, which
+leaves 1e-18 of the step after so many."""
 
 ALIKE = 1e-7
 """Difference of two intervals, in laminar time constants, up to which a straight line leads from

@@ -21,7 +21,7 @@ from handmade_searches import (
 
 from softid.diagnosis import strategy
 from softid.diagnosis.cause_search import CauseSearch
-from softid.diagnosis.residual.assessment import SMALLEST_EXCESS
+from softid.diagnosis.residual.noise_floor import SMALLEST_EXCESS
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import BETTER_BASE, search_causes, search_with_intersample
@@ -107,6 +107,26 @@ def test_a_law_that_outdoes_the_first_cause_ends_the_search(
     assert answer is (NOTHING if ends else NAMED)
 
 
+def answered(
+    found: SearchResult, other: SearchResult | None, monkeypatch: pytest.MonkeyPatch
+) -> tuple[SearchResult, list[Chain]]:
+    """The answer where the search finds one thing and other first causes another, and the chains
+    behind which these were asked for."""
+    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
+    monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
+    monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": found}, by=[]))
+    asked: list[Chain] = []
+
+    def from_another(self: CauseSearch, known: Chain) -> SearchResult | None:
+        asked.append(known)
+        return other
+
+    monkeypatch.setattr(CauseSearch, "search_from_other_causes", from_another)
+    unused: Any = None
+    answer, _ = search_causes(unused, unused, search_over(), others)
+    return answer, asked
+
+
 LOUD = replace(NOISE, excess=1.1 * SMALLEST_EXCESS, noise_from_rest=False)
 THREE = ("delay", "creep", "ageing")
 
@@ -148,19 +168,8 @@ def test_what_is_likelier_takes_the_place_of_three_causes_and_of_what_leaves_mor
     """The first may stand for two others. Where rests tell the noise, what is above it is structure
     in any case."""
     named = SearchResult(chain_of(*keys), left, (True,) * len(keys))
-    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
-    monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
-    monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": named}, by=[]))
     monkeypatch.setattr(strategy, "is_likelier", lambda one, other, sigma: likelier)
-    asked: list[Chain] = []
-
-    def from_another(self: CauseSearch, known: Chain) -> SearchResult | None:
-        asked.append(known)
-        return other
-
-    monkeypatch.setattr(CauseSearch, "search_from_other_causes", from_another)
-    unused: Any = None
-    answer, _ = search_causes(unused, unused, search_over(), others)
+    answer, asked = answered(named, other, monkeypatch)
     assert asked == ([named.chain] if asks else [])
     assert answer is (other if replaced else named)
 
@@ -185,18 +194,7 @@ def test_other_first_causes_are_tried_where_a_curve_leaves_something(
 ) -> None:
     """What is not sure does not replace what has a name."""
     named = SearchResult(chain_of(*keys), left, (True,) * len(keys))
-    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
-    monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
-    monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": named}, by=[]))
-    asked: list[Chain] = []
-
-    def other(self: CauseSearch, known: Chain) -> SearchResult | None:
-        asked.append(known)
-        return sure
-
-    monkeypatch.setattr(CauseSearch, "search_from_other_causes", other)
-    unused: Any = None
-    answer, _ = search_causes(unused, unused, search_over(), others)
+    answer, asked = answered(named, sure, monkeypatch)
     assert answer is (sure if asks and sure else named)
     assert asked == ([named.chain] if asks else [])
 

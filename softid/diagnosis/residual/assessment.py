@@ -19,7 +19,12 @@ from softid.diagnosis.residual.motion import (
     residual_context,
     samples_alike,
 )
-from softid.diagnosis.residual.noise_floor import NoiseFloor, noise_floor
+from softid.diagnosis.residual.noise_floor import (
+    EXCESS_SDS,
+    SMALLEST_EXCESS,
+    NoiseFloor,
+    noise_floor,
+)
 from softid.diagnosis.residual.projection import slopes_of
 from softid.diagnosis.residual.rounding_floor import rounding_floor
 from softid.diagnosis.residual.structure import ResidualContext, Structure, structure_of
@@ -36,14 +41,6 @@ none."""
 NOISE_MARGIN = 0.5
 """A held-out error counts as noise while its square is no more than this share above the noise's:
 parameters are a little off on other logs."""
-
-SMALLEST_EXCESS = 0.15
-"""The residual is larger than the noise when its variance is so far above it, as a share: pressure
-noise leaves less."""
-
-EXCESS_SDS = 3.0
-"""Standard deviations of the estimate of the noise variance that are added to the least excess at
-which a residual is larger than the noise."""
 
 LEAST_COLOUR = 0.5
 """Noise that lasts as long as a motion is looked for where its power would be this share of the
@@ -142,7 +139,7 @@ def _look(
     least = _least_noise(floor, before)
     excess, excess_before = mean_square(after) / least - 1.0, mean_square(before) / least - 1.0
     explained = 1.0
-    if excess_before > _largest_excess(floor):
+    if excess_before > floor.largest_excess():
         explained = float(np.clip(1.0 - max(excess, 0.0) / excess_before, 0.0, 1.0))
     return Remainder(
         rms=float(np.sqrt(mean_square(after))),
@@ -221,11 +218,7 @@ def _is_structured(
     """
     shows = not floor.is_known or excess > floor.relative_sd
     deviations = EXCESS_SDS if explained > LITTLE_EXPLAINED else FEWER_SDS
-    return (structure.significant and shows) or excess > _largest_excess(floor, deviations)
-
-
-def _largest_excess(floor: NoiseFloor, deviations: float = EXCESS_SDS) -> float:
-    return SMALLEST_EXCESS + deviations * floor.relative_sd
+    return (structure.significant and shows) or excess > floor.largest_excess(deviations)
 
 
 def _floor_of(parts: Sequence[ResidualContext], scale: Scale, alike: int = 1) -> NoiseFloor:

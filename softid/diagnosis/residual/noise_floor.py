@@ -56,12 +56,16 @@ SQUARES_COST = 5.0
 """Relative variance of the estimate, times the number of differences: 3.9 for their squares, which
 are correlated, and more for a quantile in place of the mean."""
 
+SMALLEST_EXCESS = 0.15
+"""The residual is larger than the noise when its variance is so far above it, as a share: pressure
+noise leaves less."""
+
+EXCESS_SDS = 3.0
+"""Standard deviations of the estimate of the noise variance that are added to the least excess at
+which a residual is larger than the noise."""
+
 SAMPLES_OF_LINE = 20
 """Samples of a rest that show a straight line at least: of fewer, chance makes one."""
-
-NEARLY_WHITE, LINE_SDS = 0.15, 3.0
-"""What is left about a line is white where its variance is above that of its fastest part by this
-share at most, and by so many standard deviations of the latter."""
 
 MOSTLY_LINE = 0.5
 """A line that leaves more than this share of a rest's power is no drift to speak of."""
@@ -102,6 +106,16 @@ class NoiseFloor:
     def is_known(self) -> bool:
         """Whether rests or rounding told the noise, which no misfit of the motion changes."""
         return self.from_rest or self.from_rounding
+
+    def largest_excess(self, deviations: float = EXCESS_SDS) -> float:
+        """How much more a residual may have that is no larger than the noise, as a share.
+
+        Parameters
+        ----------
+        deviations
+            Of the estimate, that are added to `SMALLEST_EXCESS`.
+        """
+        return SMALLEST_EXCESS + deviations * self.relative_sd
 
 
 def noise_floor(parts: Sequence[ResidualContext], motion_s: float, *, alike: int = 1) -> NoiseFloor:
@@ -198,7 +212,7 @@ def _without_drift(residual: Array, time_s: Array, alike: int) -> Array:
     about[seen] = values - (offset_s @ values) / (offset_s @ offset_s) * offset_s
     white = fastest_part(contiguous_runs(about), alike)
     power = float(np.nanmean(about**2))
-    is_white = power <= (1.0 + NEARLY_WHITE + LINE_SDS * white.relative_sd) * white.variance
+    is_white = power <= (1.0 + white.largest_excess()) * white.variance
     return about if is_white and power < MOSTLY_LINE * float(np.mean(values**2)) else rest
 
 

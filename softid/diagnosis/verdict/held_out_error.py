@@ -11,11 +11,11 @@ import numpy.typing as npt
 from softid.diagnosis.refit.candidates import Candidate, prior_sd
 from softid.diagnosis.refit.held_out import HeldOut, fitted_range, mean_power
 from softid.diagnosis.refit.optimum import optimum_of
-from softid.diagnosis.residual.assessment import EXCESS_SDS, held_out_share
+from softid.diagnosis.residual.assessment import held_out_share
 from softid.diagnosis.residual.input_noise import input_noise
 from softid.diagnosis.residual.jump_timing import JumpResponses, OpenJumps
 from softid.diagnosis.residual.motion import mean_square
-from softid.diagnosis.residual.noise_floor import fastest_part
+from softid.diagnosis.residual.noise_floor import EXCESS_SDS, fastest_part
 from softid.diagnosis.residual.projection import rows_of
 from softid.diagnosis_results import Remainder
 from softid.identification.parameter_covariance import errors_of

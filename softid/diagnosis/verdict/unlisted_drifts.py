@@ -166,7 +166,7 @@ class SettlingStiffness(StateEffect):
     signature: ClassVar[str] = "The residual grows with the position, at first and then no more."
     remedy: ClassVar[str] = "let it settle before the log begins"
     shown_by: ClassVar[str] = "the same two levels again and again, for long"
-    source: ClassVar[str] = "Incropera, Fundamentals of Heat and Mass Transfer, 6th ed., §5.1"
+    source: ClassVar[str] = "first order"
     amplitude: ClassVar[str] = "share"
     counts_position: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
@@ -212,7 +212,7 @@ class RecoveringSoftening(StateEffect):
     )
     remedy: ClassVar[str] = "let it cool down between the moves, or cycle it until it stays warm"
     shown_by: ClassVar[str] = "the same moves after a long rest and after many others"
-    source: ClassVar[str] = "Incropera, Fundamentals of Heat and Mass Transfer, 6th ed., §5.1"
+    source: ClassVar[str] = "first order"
     amplitude: ClassVar[str] = "share"
     counts_position: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
