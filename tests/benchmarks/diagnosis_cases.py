@@ -12,7 +12,7 @@ import numpy as np
 from softid.diagnosis import diagnose
 from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW
 from softid.diagnosis.report.summary import WHAT_IT_IS
-from softid.diagnosis_results import Diagnosis
+from softid.diagnosis_results import Diagnosis, Gain
 from softid.effects import EFFECTS, confusable_with
 from softid.identification import fit
 from softid.synthesis import HiddenPair, hidden_pair
@@ -75,10 +75,9 @@ class Case:
     kind
         ``clean``, ``single``, ``form`` for the richer forms, ``other_form``, ``outside``, ``pair``,
         ``any_pair``, ``background``, ``faint``, ``wide`` or ``tie``. In the background of the first
-        effect each
-        of the others causes a tenth to a fifth of its misfit; faint ones have a tenth to a fifth of
-        the usual size, whatever that causes; wide ones are single effects of much longer or shorter
-        times than those usually drawn, and actuators of another pace.
+        effect each of the others causes a tenth to a fifth of its misfit; faint ones have a tenth
+        to a fifth of the usual size, whatever that causes; wide ones are single effects of much
+        longer or shorter times than those usually drawn, and actuators of another pace.
     names
         What is hidden, the dominant effect first.
     seed, size, model, protocol
@@ -297,6 +296,10 @@ class Score:
         What the misfit is beside them: what changed, or a law in no catalogue, in words.
     explained, structure, structure_limit
         Of the remainder.
+    beside_snr
+        Least misfit over the noise that is left where one of the hidden effects is not considered
+        and the others are refitted; None unless several effects of the catalogue are hidden. What
+        one effect does may look like what another or the base can do, whatever its size alone.
     """
 
     key: str
@@ -317,6 +320,7 @@ class Score:
     structure_limit: float
     values: dict[str, float] = field(default_factory=dict)
     told: tuple[str, ...] = ()
+    beside_snr: float | None = None
 
     @property
     def hidden(self) -> tuple[str, ...]:
@@ -339,15 +343,21 @@ def run(case: Case) -> Score:
     found = diagnose([train], hold_out=judges, model=base)
     seconds, cpu_seconds = time.perf_counter() - begin, time.process_time() - begin_cpu
     channel = next(c for c in pair.train.sigma if "pressure" not in c)
-    inside, outside = (next(g for g in found.gains if g.held_out is h) for h in (False, True))
+    inside, outside = _gain(found, held_out=False), _gain(found, held_out=True)
     factor = 1.0 / train.channels[train.outputs[0]].display_factor
     sigma = factor * pair.train.sigma[channel]
-    misfit = inside.rmse_before**2 / sigma**2 - 1.0
     before, after = outside.rmse_before, outside.rmse_after
-    oracle_after = factor * pair.hold_out.sigma[channel]
+    oracle_after, beside_snr = factor * pair.hold_out.sigma[channel], None
     if case.names and set(case.names) <= set(EFFECTS):
-        known = diagnose([train], hold_out=judges, model=case.model, effects=case.names)
-        oracle_after = next(g.rmse_after for g in known.gains if g.held_out)
+
+        def known(effects: tuple[str, ...]) -> Diagnosis:
+            return diagnose([train], hold_out=judges, model=case.model, effects=effects)
+
+        oracle_after = _gain(known(case.names), held_out=True).rmse_after
+        if case.kind in ("pair", "any_pair"):
+            without = [known(tuple({*case.names} - {name})) for name in case.names]
+            left = min(_gain(other, held_out=False).rmse_after for other in without)
+            beside_snr = _snr(left, sigma)
     return Score(
         key=case.key,
         kind=case.kind,
@@ -356,7 +366,7 @@ def run(case: Case) -> Score:
         causes=tuple(c.effect for c in found.causes),
         described=tuple(c.effect for c in found.descriptive),
         tied=tuple(sorted({e for a in found.alternatives for e in a.effects})),
-        snr=float(np.sqrt(max(misfit, 0.0))),
+        snr=_snr(inside.rmse_before, sigma),
         gain=1.0 - after / before,
         oracle_gain=max(1.0 - oracle_after / before, 0.0),
         recovered=_recovered(found, pair),
@@ -367,7 +377,17 @@ def run(case: Case) -> Score:
         structure_limit=float(found.remainder.structure_limit),
         values={p.name: float(p.value) for c in found.causes for p in c.parameters},
         told=tuple(issue.message for issue in found.issues if issue.code in TOLD),
+        beside_snr=beside_snr,
     )
+
+
+def _gain(found: Diagnosis, *, held_out: bool) -> Gain:
+    return next(gain for gain in found.gains if gain.held_out is held_out)
+
+
+def _snr(rmse: float, sigma: float) -> float:
+    """Root mean square of what is left beside noise of the standard deviation sigma, over it."""
+    return float(np.sqrt(max(rmse**2 / sigma**2 - 1.0, 0.0)))
 
 
 def _recovered(found: Diagnosis, pair: HiddenPair) -> bool | None:

@@ -137,9 +137,10 @@ def _tell(score: Score) -> None:
     answer = "+".join(score.causes) or "-"
     described = f" described {'+'.join(score.described)}" if score.described else ""
     tied = f" tied {','.join(score.tied)}" if score.tied else ""
+    beside = "" if score.beside_snr is None else f" beside {score.beside_snr:.2f}"
     print(
         f"{'ok ' if is_right(score) else 'BAD'} {score.key}: {score.verdict} {answer}{described}"
-        f"{tied} snr {score.snr:.2f} gain {score.gain:.3f}/{score.oracle_gain:.3f}"
+        f"{tied} snr {score.snr:.2f}{beside} gain {score.gain:.3f}/{score.oracle_gain:.3f}"
         f" recovered {score.recovered} explained {score.explained:.2f} structure"
         f" {score.structure:.2f}/{score.structure_limit:.2f} {score.seconds:.1f} s"
         f" ({score.cpu_seconds:.1f} s CPU)",
@@ -191,6 +192,10 @@ def _print_kind(kind: str, scores: Sequence[Score]) -> None:
     strong = [s for s in scores if s.snr >= 0.5]
     if strong and kind != "clean":
         _print_bin("0.5 and up", strong)
+    besides = [s for s in scores if s.beside_snr is not None and s.beside_snr >= 0.5]
+    if besides:
+        print("  of these where either effect leaves 0.5 or more if only the other is considered:")
+        _print_bin("0.5 and up", besides)
     seconds = np.array([s.seconds for s in scores])
     cpu = np.array([s.cpu_seconds for s in scores])
     print(f"  time: median {np.median(seconds):.1f} s, longest {seconds.max():.1f} s;", end=" ")
