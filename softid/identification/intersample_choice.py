@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from softid.errors import Issue
-from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.objective import SCOUT_EVALUATIONS, Objective
 from softid.fitters.output_error import Optimum, draft_fit
 from softid.fitters.problem import Problem
+from softid.identification.liveliest_part import LiveliestPart, promised
 from softid.identification.log_beginning import beginning
 from softid.intersample import HELD, Intersample, jumps, knots
 from softid.log import Log, LogSet
@@ -36,10 +37,6 @@ recorded does not change."""
 
 FIRST_EVALUATIONS = 2
 """Evaluations before the promise of the normal equations is asked."""
-
-TRUSTED = 3.0
-"""Times what the normal equations promise that is taken for possible: they may promise too
-little."""
 
 
 def held_choices(logs: Iterable[Log]) -> tuple[Intersample, ...]:
@@ -135,32 +132,32 @@ class Explained:
 
     Attributes
     ----------
-    problem, unknowns
-        A fit and its optimum.
-    misfit
-        n·ln(mean square) there.
+    problem, optimum
+        The fit.
     """
 
     problem: Problem
-    unknowns: Array
-    misfit: float
+    optimum: Optimum
 
-    @classmethod
-    def by(cls, problem: Problem, optimum: Optimum) -> Explained:
-        """From a fit at its optimum; of long logs, from the optimum over a part of them.
+    @cached_property
+    def part(self) -> LiveliestPart | None:
+        """The same of the part that is looked at first."""
+        return LiveliestPart.of(self.problem, self.optimum.unknowns)
 
-        Parameters
-        ----------
-        problem, optimum
-            A fit.
+    @cached_property
+    def enough(self) -> tuple[Problem, Array, float]:
+        """Problem, unknowns and n·ln(mean square) there; of long logs, at the optimum over a part.
+
+        Of shape (U,) each.
         """
+        problem, optimum = self.problem, self.optimum
         cut = _long_enough(problem.logs)
         if cut == tuple(problem.logs):
-            return cls(problem, optimum.unknowns, _misfit(problem, optimum))
+            return problem, optimum.unknowns, _misfit(problem, optimum)
         part = Problem(problem.model, problem.parameters, cut)
         start = part.unknowns(problem.values(optimum.unknowns))
         there = Objective(part, optimum.sigma).solve(start, SCOUT_EVALUATIONS)
-        return cls(part, there.point, misfit_of(part, there.point))
+        return part, there.point, misfit_of(part, there.point)
 
 
 def _long_enough(logs: Sequence[Log]) -> tuple[Log, ...]:
@@ -170,8 +167,8 @@ def _long_enough(logs: Sequence[Log]) -> tuple[Log, ...]:
 def explains_better(own: Explained, other: LogSet, by: float = BETTER_BY) -> bool:
     """Whether a model explains other logs better than its own, of as many samples.
 
-    A step from the optimum of its own logs often settles it: where `TRUSTED` times what the normal
-    equations promise beyond would not do, no search is made.
+    A look at a part of long logs often settles it, or a step from the optimum of its own logs:
+    where more than what the normal equations promise beyond would not do, no search is made.
 
     Parameters
     ----------
@@ -182,25 +179,20 @@ def explains_better(own: Explained, other: LogSet, by: float = BETTER_BY) -> boo
     by
         n·ln(mean square) must fall by more than this.
     """
-    problem = own.problem
+    if own.part is not None and own.part.rules_out(other):
+        return False
+    problem, unknowns, misfit = own.enough
     logs = [replace(log) for log in _long_enough(other.logs)]  # copies take their cuts along
     changed = Problem(problem.model, problem.parameters, logs)
-    wanted = own.misfit - by
+    wanted = misfit - by
     if changed.at_rest == problem.at_rest and len(problem.outputs) == 1:
         looking = Objective(changed, dict.fromkeys(problem.outputs, 1.0))
-        there = looking.solve(own.unknowns, FIRST_EVALUATIONS, bends=False).normal
-        if np.isfinite(there.cost) and _promised(there) > wanted:
+        there = looking.solve(unknowns, FIRST_EVALUATIONS, bends=False).normal
+        if np.isfinite(there.cost) and promised(there) > wanted:
             return False
-    values = problem.values(own.unknowns)
+    values = problem.values(unknowns)
     found = draft_fit(changed, [values], far=False)
     return bool(np.isfinite(found.cost)) and _misfit(changed, found) < wanted
-
-
-def _promised(there: NormalEquations) -> float:
-    """n·ln(mean square) of one channel, lowered by `TRUSTED` times what one step promises."""
-    step = np.linalg.lstsq(there.matrix, there.gradient, rcond=None)[0]
-    cost = max(there.cost - TRUSTED * 0.5 * float(step @ there.gradient), 0.0)
-    return there.n * float(np.log(2.0 * cost / there.n + np.finfo(float).tiny))
 
 
 def misfit_of(problem: Problem, unknowns: Array) -> float:
@@ -221,6 +213,10 @@ def misfit_of(problem: Problem, unknowns: Array) -> float:
 def _misfit(problem: Problem, optimum: Optimum) -> float:
     """n·ln(mean square) over all channels, of the residuals that an optimum may hold."""
     known = optimum.linearised
+    if known is None and len(problem.outputs) == 1:
+        (name,) = problem.outputs
+        squares = 2.0 * optimum.cost * optimum.sigma[name] ** 2
+        return _summed(problem, [(name, (squares, problem.n_samples))])
     if known is None:
         return misfit_of(problem, optimum.unknowns)
     return _summed(problem, [(piece.channel, piece.squares) for piece in known.pieces])

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.errors import IdentificationError, Issue, Severity
 from softid.identification.parameter_covariance import Errors
 from softid.log import Log, LogSet
 from softid.results import FitResult, FitStatistics, ParameterEstimate
+
+Array = npt.NDArray[np.float64]
 
 RANGE_MARGIN = 0.02
 """Share of the fitted range by which a log may pass it before that counts as extrapolation."""
@@ -74,10 +77,16 @@ def fitted_range(logs: LogSet) -> dict[str, tuple[float, float]]:
     """Smallest and largest recorded value of the input and of each output over the logs."""
     ranges = {}
     for name in (logs.input, *logs.outputs):
-        values = np.concatenate([log.as_recorded.channels[name].values for log in logs])
-        finite = values[np.isfinite(values)]
-        ranges[name] = (float(finite.min()), float(finite.max()))
+        every = [_finite(log.as_recorded.channels[name].values) for log in logs]
+        known = [values for values in every if values.size]
+        low, high = min(values.min() for values in known), max(values.max() for values in known)
+        ranges[name] = float(low), float(high)
     return ranges
+
+
+def _finite(values: Array) -> Array:
+    finite = np.isfinite(values)
+    return values if finite.all() else values[finite]
 
 
 def extrapolation(

@@ -25,6 +25,8 @@ def beginning(log: Log, samples: int) -> Log:
     >>> len(beginning(late, 10)), len(beginning(late, 50)), len(beginning(late, 200))
     (20, 50, 100)
     """
+    if samples >= len(log):
+        return log
     way = np.cumsum(np.abs(np.diff(log.channels[log.input].values)))
     while samples < len(log) and way[samples - 1] < LEAST_WAY * samples / len(log) * way[-1]:
         samples *= 2

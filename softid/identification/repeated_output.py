@@ -47,11 +47,12 @@ def rows_without_news(log: Log) -> BoolArray:
 
 def _repeated(time_s: Array, values: Array) -> BoolArray:
     """At which rows one channel repeats the value before; a missing value repeats none."""
-    known = np.flatnonzero(np.isfinite(values))
-    found = np.zeros(values.size, bool)
+    finite = np.isfinite(values)
+    known = slice(None) if finite.all() else finite
     hold = hold_of(time_s[known], values[known])
     if hold is None:
-        return found
-    found[known] = True
-    found[known[new_readings(time_s[known], values[known], hold)]] = False
+        return np.zeros(values.size, bool)
+    found = finite.copy()
+    fresh = new_readings(time_s[known], values[known], hold)
+    found[np.flatnonzero(finite)[fresh]] = False
     return found

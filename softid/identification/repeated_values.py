@@ -87,6 +87,9 @@ def has_new_values(values: Array) -> bool:
 
 def _repeats(values: Array) -> bool:
     """Whether runs of equal values are so long that a slower sensor may make them; soon told."""
+    changes = int(np.count_nonzero(values[1:] != values[:-1]))
+    if values.size - 1 < LEAST_OF_LOST * changes:
+        return False  # all runs together are too short, the longest among them
     lengths = np.diff(run_starts(values))
     if lengths.size == 0:
         return False

@@ -21,7 +21,6 @@ from softid.identification.intersample_choice import (
     as_smooth,
     explains_better,
     held_choices,
-    is_smooth,
     with_bends_told,
 )
 from softid.identification.issues import fitted_range, most_serious_first, require_explained
@@ -236,8 +235,8 @@ def identify(
     found = optimise(log_set, constraints, starts)
     taken, own = log_set, None
     is_finite = np.isfinite(found.optimum.cost)
-    for other in _with_other_intersamples(bridged, recorded) if is_finite else ():
-        own = own or Explained.by(found.problem, found.optimum)
+    for other in _with_other_intersamples(log_set, bridged, recorded) if is_finite else ():
+        own = own or Explained(found.problem, found.optimum)
         if explains_better(own, other):
             taken, own = other, None
             found = optimise(taken, constraints, starts)
@@ -255,9 +254,11 @@ def _at_readings(logs: Iterable[Log]) -> tuple[Log, ...]:
     return tuple(at_readings(log) for log in logs)
 
 
-def _with_other_intersamples(bridged: Sequence[Log], recorded: Sequence[Log]) -> Iterator[LogSet]:
+def _with_other_intersamples(
+    taken: LogSet, bridged: Sequence[Log], recorded: Sequence[Log]
+) -> Iterator[LogSet]:
     """The logs with other intersample behaviours; a held one is held as it was recorded."""
-    if is_smooth(bridged):
+    if any(log.intersample != own.intersample for log, own in zip(taken, bridged, strict=True)):
         yield LogSet(tuple(log.with_intersample("straight") for log in bridged))
     for intersample in held_choices(recorded):
         yield LogSet(as_held(recorded, intersample))

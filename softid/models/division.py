@@ -18,6 +18,7 @@ from softid.kernels.step_counts import count_steps
 
 if TYPE_CHECKING:
     from softid.models.second_order import Law
+    from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
 
@@ -68,8 +69,10 @@ class Division:
 
     def same_as(self, other: Division) -> bool:
         """Whether both divide every interval alike and step by the same rule."""
-        alike = (self.rule, self.nodes_per_step) == (other.rule, other.nodes_per_step)
-        return alike and bool(np.array_equal(self.counts, other.counts))
+        if self.rule != other.rule or not np.array_equal(self.counts, other.counts):
+            return False
+        bends_alike = self.bends_in_s == other.bends_in_s
+        return bends_alike or self.nodes_per_step == other.nodes_per_step
 
     @cached_property
     def nodes_per_step(self) -> int:
@@ -173,6 +176,28 @@ def divide(law: Law, time_s: Array, u: Array, *, implicit_only: bool = False) ->
     if not implicit_only and law.affine() is not None and explicit <= RADAU_COST * implicit:
         return Division(time_s, u, rk4, "rk4")
     return Division(time_s, u, radau, "radau")
+
+
+def divide_segment(law: Law, theta: Array, segment: Segment) -> Division:
+    """`divide` for a segment, with which the last division is kept.
+
+    Where a fit ends, its residual, errors and simulation ask for the same one in turn.
+
+    Parameters
+    ----------
+    law, theta
+        The coefficients, and the parameters that they are made of, shape (K,).
+    segment
+        Times and input.
+    """
+    key = type(law), theta.tobytes()
+    known = segment.kept.get("division")
+    if known is not None and known[0] == key:
+        found: Division = known[1]
+        return found
+    found = divide(law, segment.time_s, segment.input)
+    segment.kept["division"] = key, found
+    return found
 
 
 def divided(

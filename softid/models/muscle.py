@@ -12,7 +12,7 @@ import numpy.typing as npt
 from softid.errors import UsageError
 from softid.kernels.muscle import KPA_PER_BAR
 from softid.models.base import Model, Response, require_choice
-from softid.models.division import Division, divide
+from softid.models.division import Division, divide_segment
 from softid.models.geometry import ArcGeometry
 from softid.models.muscle_law import NAMES, MuscleLaw
 from softid.models.products import Products
@@ -252,7 +252,7 @@ class Muscle(Model):
             start,
             derivatives=derivatives,
             relative=relative,
-            plan=plan,
+            plan=self.plan(theta, segment) if plan is None else plan,
         )
         values: dict[str, Array] = {}
         by_parameter: dict[str, Array] = {}
@@ -297,7 +297,7 @@ class Muscle(Model):
             channel,
             start,
             relative=relative,
-            plan=plan,
+            plan=self.plan(theta, segment) if plan is None else plan,
             gain=float(gain),
             level=float(level) + zero,
             keep=keep,
@@ -317,7 +317,7 @@ class Muscle(Model):
 
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals; see `Model.plan`."""
-        return divide(MuscleLaw(theta), segment.time_s, segment.input)
+        return divide_segment(MuscleLaw(theta), theta, segment)
 
     def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
         """The sigmoid x∞(p) = 1/(a1 + c1·exp(−b1·p)) as the output records it."""

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from softid.kernels.affine_blocks import OSCILLATOR
 from softid.models.base import Model, Response, require_choice
-from softid.models.division import Division, divide
+from softid.models.division import Division, divide_segment
 from softid.models.products import Products
 from softid.models.second_order import (
     ORDERS,
@@ -231,7 +231,7 @@ class Oscillator(Model):
             start,
             derivatives=derivatives,
             relative=relative,
-            plan=plan,
+            plan=self.plan(theta, segment) if plan is None else plan,
         )
         first = np.array([motion.x[0], motion.v[0]])
         values = dict.fromkeys(outputs, motion.x)
@@ -269,7 +269,7 @@ class Oscillator(Model):
             channel,
             start,
             relative=relative,
-            plan=plan,
+            plan=self.plan(theta, segment) if plan is None else plan,
             gain=1.0,
             level=zero,
             keep=keep,
@@ -277,7 +277,7 @@ class Oscillator(Model):
 
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals; see `Model.plan`."""
-        return divide(OscillatorLaw(theta), segment.time_s, segment.input)
+        return divide_segment(OscillatorLaw(theta), theta, segment)
 
     def static_output(self, theta: Array, input_values: Array, output: str) -> Array:
         """The line x = G·(u − offset)/Q; NaN without a spring."""

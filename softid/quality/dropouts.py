@@ -169,6 +169,9 @@ def _far_off(values: Array, runs: Runs) -> IntArray:
     hardly any is left then.
     """
     depth = _depth(runs)
+    near_deepest = np.count_nonzero(depth >= depth.max() / SPIKE_OVER_USUAL)
+    if near_deepest > (1.0 - USUAL_DEPTH) * depth.size + 1.0:
+        return np.empty(0, np.intp)  # the quantile is no less than that, so nothing is deep
     low, high = np.quantile(values, BULK)
     usual = float(np.quantile(depth, USUAL_DEPTH))
     deep = depth > max(SPIKE_OVER_USUAL * usual, SPIKE_OF_RANGE * float(high - low))

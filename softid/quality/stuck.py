@@ -70,6 +70,9 @@ def may_be_stuck(values: Array, least: int = FLAT_SAMPLES) -> bool:
     least
         Length of the run from which on they can; `FROZEN_SAMPLES` for the latter alone.
     """
+    repeats = int(np.count_nonzero(values[1:] == values[:-1]))
+    if repeats < least - 1:
+        return False
     runs = Runs.of(values)
     return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= least
 

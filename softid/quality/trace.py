@@ -107,6 +107,9 @@ class Runs:
         finite = np.isfinite(values)
         changed = np.ones(values.size, bool)
         changed[1:] = (values[1:] != values[:-1]) | (finite[1:] != finite[:-1])
+        if finite.all() and changed.all():
+            start = np.arange(values.size)
+            return cls(start, start + 1, values)
         start = np.flatnonzero(changed)
         stop = np.append(start[1:], values.size)
         kept = finite[start]

@@ -178,4 +178,4 @@ def test_the_same_logs_explain_nothing_better() -> None:
     problem = Problem(model, model.parameters(), logs.logs)
     values = {"N": 100.0 * TAU_S, "Q": 100.0}
     optimum = draft_fit(problem, [values])
-    assert not explains_better(Explained.by(problem, optimum), logs)
+    assert not explains_better(Explained(problem, optimum), logs)

@@ -309,3 +309,14 @@ def test_a_jump_of_microseconds_needs_no_pieces() -> None:
         for p in (plan, replace(plan, counts=counts))
     )
     np.testing.assert_allclose(found, fine, rtol=0.0, atol=1e-4 * np.ptp(fine))
+
+
+def test_a_segment_keeps_its_last_division() -> None:
+    """The same one for the same parameters; for others, and in a copy of the segment, another."""
+    model, stretch = Muscle(), segment()
+    first = model.plan(MUSCLE, stretch)
+    assert model.plan(MUSCLE.copy(), stretch) is first
+    assert model.plan(MUSCLE, replace(stretch)) is not first
+    faster = model.plan(np.array([2e-5, *MUSCLE[1:]]), stretch)
+    assert not faster.same_as(first)
+    assert model.plan(MUSCLE, stretch).same_as(first)
