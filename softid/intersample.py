@@ -196,8 +196,9 @@ def knots(time_s: Array, values: Array, intersample: Intersample) -> tuple[Array
     whole = at[~is_lost]
     stop_s = time_s[whole + 1]
     parts = [(stop_s - BEFORE * (stop_s - time_s[whole]), values[whole])]
-    period_s = even_interval_s(time_s)
-    parts += [_staircase(time_s[k : k + 2], values[k : k + 2], period_s) for k in at[is_lost]]
+    if is_lost.any():
+        period_s = even_interval_s(time_s)
+        parts += [_staircase(time_s[k : k + 2], values[k : k + 2], period_s) for k in at[is_lost]]
     if intersample == "held":
         parts.append(_bends(time_s, values))
     knot_s, level = (np.concatenate(each) for each in zip(*parts, strict=True))
@@ -253,16 +254,18 @@ def _bends(time_s: Array, values: Array) -> tuple[Array, Array]:
     from softid.kernels.input_bends import bends_in_the_middle, third_steps
 
     time_s, values = np.ascontiguousarray(time_s), np.ascontiguousarray(values)
+    nothing = np.empty(0, np.int64), np.empty(0)
+    count = bends_in_the_middle(time_s, values, RESOLVED, least, *nothing)
+    if count == 0:
+        return np.empty(0), np.empty(0)
+    at, bend = np.empty(count, np.int64), np.empty(count)
+    bends_in_the_middle(time_s, values, RESOLVED, least, at, bend)
     steps = np.empty(values.size - 3)
     third_steps(time_s, values, steps)
     noise = float(np.median(steps)) * OF_THIRD_DIFFERENCE
-    least = max(least, ABOVE_ITS_NOISE * noise)
-    nothing = np.empty(0, np.int64), np.empty(0)
-    count = bends_in_the_middle(time_s, values, RESOLVED, least, *nothing)
-    at, bend = np.empty(count, np.int64), np.empty(count)
-    bends_in_the_middle(time_s, values, RESOLVED, least, at, bend)
     interval_s = np.diff(time_s)
     is_short = interval_s[at] <= LONGEST_BENT * float(np.median(interval_s))
-    at, bend = at[is_short], bend[is_short]
+    bends = is_short & (np.abs(bend) >= ABOVE_ITS_NOISE * noise)
+    at, bend = at[bends], bend[bends]
     middle_s = time_s[at] + 0.5 * interval_s[at]
     return middle_s, 0.5 * (values[at] + values[at + 1]) + SAME_AREA * bend

@@ -204,7 +204,8 @@ class ParameterSet(Mapping[str, Parameter]):
         )
 
     def _known(self, names: Mapping[str, float]) -> None:
-        unknown = [n for n in names if n not in self.names]
+        known = self.names
+        unknown = [n for n in names if n not in known]
         if unknown:
             raise UsageError(
                 f"the model has no parameter {unknown[0]}",

@@ -38,9 +38,10 @@ MAX_PLANS = 6
 """Divisions of the steps that one run goes through at most. Each optimum may call for another one,
 and two may call for each other by turns: then the last stays."""
 
-LAST_STEP_OFFSET = 1e-2
-"""`attainable_offset` from which the next step of a run over many samples is taken for the last:
-the columns, which cost a half more, are then kept at its end and nowhere else."""
+LAST_STEP_OFFSET = 0.1
+"""`attainable_offset` from which the next step of a run over many samples is taken for the last,
+since near the optimum each leaves a hundredth of it or less: it ends under the division of the
+steps that belongs there, and with the columns, which cost a half more, if they are to be kept."""
 
 LAST_STEP = 1e-4
 """`attainable_offset` from which a last step is worth to be taken; below, it is rounding."""
@@ -233,7 +234,7 @@ class Objective:
 
         point = np.clip(start, lower, upper)
         self.plans = self._plans(point)
-        sums_first = not rough and CHEAP_ENTRIES < self._entries <= SUMMED_ENTRIES
+        sums_first = not rough and self._entries > CHEAP_ENTRIES
         found = run(point, max(tolerance, LAST_STEP_OFFSET) if sums_first else tolerance, damping)
         for _ in range(0 if rough else MAX_PLANS - 1):
             on_the_way = sums_first and tolerance < found.offset <= LAST_STEP_OFFSET

@@ -29,7 +29,7 @@ LEAST_PART = 1000
 LEAST_SAVING = 4
 """Times as many samples that all logs hold at least, for a look to be worth its evaluations."""
 
-LOOKED = 4
+LOOKED = 3
 """Evaluations on the part: the first finds the state at its beginning, the others the optimum."""
 
 CLEARLY = 100.0

@@ -27,7 +27,8 @@ def beginning(log: Log, samples: int) -> Log:
     """
     if samples >= len(log):
         return log
-    way = np.cumsum(np.abs(np.diff(log.channels[log.input].values)))
-    while samples < len(log) and way[samples - 1] < LEAST_WAY * samples / len(log) * way[-1]:
+    moves = np.abs(np.diff(log.channels[log.input].values))
+    way = LEAST_WAY * float(moves.sum()) / len(log)
+    while samples < len(log) and moves[:samples].sum() < way * samples:
         samples *= 2
     return log if samples >= len(log) else log.between(log.time_s[0], log.time_s[samples])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,7 +65,7 @@ class ParameterConstraints:
                 )
         return constraints
 
-    @property
+    @cached_property
     def changed(self) -> dict[str, Parameter]:
         """The parameters that differ from the model's own."""
         return {name: p for name, p in self.asked.items() if p != self.base[name]}
@@ -117,7 +118,7 @@ class ParameterConstraints:
         """
 
         def within(p: Parameter, value: float) -> float:
-            return p.value if p.fixed else float(np.clip(value, p.lower, p.upper))
+            return p.value if p.fixed else float(min(max(value, p.lower), p.upper))
 
         starts = [{n: within(p, start[n]) for n, p in overlaid.items()} for start in found]
         own = {

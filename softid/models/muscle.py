@@ -258,6 +258,10 @@ class Muscle(Model):
         by_parameter: dict[str, Array] = {}
         by_state: dict[str, Array] = {}
         for name in outputs:
+            line = self._line(name)
+            if line is not None and not derivatives:
+                values[name] = _on(line, motion.x)
+                continue
             values[name], slope = self.observed(motion.x, name)
             if motion.by_parameter is not None and motion.by_state is not None:
                 by_parameter[name] = motion.by_parameter * slope[:, None]
@@ -288,9 +292,10 @@ class Muscle(Model):
         keep: int,
     ) -> Products | None:
         """Summed unless the output is a distance, nonlinear in x; see `Model.products`."""
-        if channel == "distance" and self.geometry is not None:
+        line = self._line(channel)
+        if line is None:
             return None
-        (level,), (gain,) = self.observed(np.zeros(1), channel)
+        level, gain = line
         return sum_law(
             MuscleLaw(theta),
             segment,
@@ -298,22 +303,30 @@ class Muscle(Model):
             start,
             relative=relative,
             plan=self.plan(theta, segment) if plan is None else plan,
-            gain=float(gain),
-            level=float(level) + zero,
+            gain=gain,
+            level=level + zero,
             keep=keep,
         )
 
     def observed(self, x: Array, output: str) -> tuple[Array, Array]:
         """Output and its slope dy/dx; Ru Eq 1 to 3."""
+        line = self._line(output)
+        if line is not None:
+            return _on(line, x), np.full(x.size, line[1])
+        geometry = self.geometry
+        assert geometry is not None
+        return geometry.distance_mm(x), geometry.distance_slope(x)
+
+    def _line(self, output: str) -> tuple[float, float] | None:
+        """Level and gain of the output, level + gain·x; None for a distance, which is no line."""
         geometry = self.geometry
         sign = -1.0 if self.inverted else 1.0
         if output == "distance" and geometry is not None:
-            return geometry.distance_mm(x), geometry.distance_slope(x)
+            return None
         if output == "length":
-            whole = geometry.fixed_length_mm if geometry is not None else 0.0
-            return whole - sign * x, np.full(x.size, -sign)
-        scale = sign / geometry.diameter_mm if geometry is not None and output == "angle" else sign
-        return scale * x, np.full(x.size, scale)
+            return (geometry.fixed_length_mm if geometry is not None else 0.0), -sign
+        bends = geometry is not None and output == "angle"
+        return 0.0, sign / geometry.diameter_mm if geometry is not None and bends else sign
 
     def plan(self, theta: Array, segment: Segment) -> Division:
         """Division of the sampling intervals; see `Model.plan`."""
@@ -347,6 +360,11 @@ class Muscle(Model):
         """First order when M/N is far below the sampling interval, static when N/Q is."""
         found = faded(MuscleLaw(theta), self.order, period_s, np.linspace(*input_range, 20))
         return (replace(self, order=found[0]), found[1]) if found else None
+
+
+def _on(line: tuple[float, float], x: Array) -> Array:
+    level, gain = line
+    return level + gain * x if level else gain * x
 
 
 def _positive(

@@ -366,13 +366,13 @@ def thinned(
 
 def _averaged_away(segments: Sequence[Segment], k: int) -> float:
     """Share of the variance of the input that blocks of so many samples do not show."""
-    lost = power = 0.0
-    for segment in segments:
-        n = segment.input.size // k
-        blocks = segment.input[: n * k].reshape(n, k)
-        power += float(blocks.var()) * n if n else 0.0
-        lost += float(blocks.var(axis=1).sum()) if n else 0.0
-    return lost / power if power > 0.0 else 0.0
+    shown = power = 0.0
+    for u in (s.input[: s.input.size // k * k] for s in segments if s.input.size >= k):
+        apart = u - u.mean()
+        means = apart.reshape(-1, k).mean(axis=1)
+        power += float(apart @ apart)
+        shown += k * float(means @ means)
+    return 1.0 - shown / power if power > 0.0 else 0.0
 
 
 def block_means(segment: Segment, motion: Array, output: str, k: int) -> Stretch:

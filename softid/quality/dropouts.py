@@ -104,9 +104,10 @@ def may_drop_out(values: Array) -> bool:
 
 def _depth(runs: Runs) -> Array:
     """How far each inner run lies off both neighbours on the same side, shape (r − 2,)."""
-    before = runs.value[1:-1] - runs.value[:-2]
-    after = runs.value[1:-1] - runs.value[2:]
-    depth: Array = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
+    move = np.diff(runs.value)
+    size = np.abs(move)
+    turns = move[:-1] * move[1:] < 0.0
+    depth: Array = np.where(turns, np.minimum(size[:-1], size[1:]), 0.0)
     return depth
 
 

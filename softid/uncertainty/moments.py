@@ -142,9 +142,9 @@ def _bulk(y: Array, p: int) -> Array:
     for j in range(p + 1):
         out[0, j] = y[p:].T @ y[p - j : n - j]
         out[j, 0] = out[0, j].T
+    first, last = y[:p][::-1], y[n - p :][::-1]
+    gained, lost = (np.einsum("ia,jb->ijab", ends, ends) for ends in (first, last))
     for i in range(p):
         for j in range(p):
-            gained = np.outer(y[p - 1 - i], y[p - 1 - j])
-            lost = np.outer(y[n - 1 - i], y[n - 1 - j])
-            out[i + 1, j + 1] = out[i, j] + gained - lost
+            out[i + 1, j + 1] = out[i, j] + gained[i, j] - lost[i, j]
     return out

@@ -29,6 +29,10 @@ SIGNS = np.array([[1.0], [-1.0]])
 MAX_ITERATIONS = 30
 """Newton steps; five are usual."""
 
+DAMPINGS = np.concatenate(([0.0], np.geomspace(1e-2, 1e3, 7)))
+"""Dampings tried in each step, in units of the largest curvature: none, and from a step that is
+hardly shortened to one along the gradient, seven times as much each."""
+
 MIN_CURVATURE = 1e-3
 """A direction of the noise model flatter than this is given a spread of 45 in artanh k."""
 
@@ -258,5 +262,5 @@ def damped_steps(gradient: Array, curvature: Array) -> Array:
     values, vectors = np.linalg.eigh(curvature)
     size = np.maximum(np.abs(values), 1e-6)
     along = vectors.T @ gradient
-    ladder = np.concatenate(([0.0], np.geomspace(1e-2, 1e3, 7) * size.max()))
+    ladder = DAMPINGS * size.max()
     return np.array([-vectors @ (along / (size + damping)) for damping in ladder])

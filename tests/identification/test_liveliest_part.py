@@ -1,4 +1,4 @@
-"""Another input is ruled out by a tenth of a long log, or by all of it where a tenth is not clear."""
+"""Another input is ruled out by a part of a long log, or by all of it where that is not clear."""
 
 from __future__ import annotations
 
