@@ -127,11 +127,11 @@ def _between_readings(time_s: Array, values: Array) -> BoolArray:
     nothing = np.zeros(values.size, bool)
     if values.size < 4 or not np.isfinite(values).all():
         return nothing
-    inner = np.arange(1, values.size - 1)
-    few = inner[:: max(inner.size // FIRST_SAMPLES, 1)]
+    few = np.arange(1, values.size - 1, max((values.size - 2) // FIRST_SAMPLES, 1))
     straight, moving = _on_lines(time_s, values, few)
     if straight.sum() < 0.5 * LEAST_SHARE * max(int(moving.sum()), 1):
         return nothing
+    inner = np.arange(1, values.size - 1)
     straight, moving = _on_lines(time_s, values, inner)
     count = int(moving.sum())
     if count < MOVING * moving.size or straight.sum() < LEAST_SHARE * count:

@@ -32,6 +32,9 @@ LEAST_SAVING = 4
 LOOKED = 3
 """Evaluations on the part: the first finds the state at its beginning, the others the optimum."""
 
+LOOKED_AGAIN = 2
+"""Evaluations with another input, which begin at the optimum with the logs' own."""
+
 CLEARLY = 100.0
 """n·ln(mean square) by which another input leaves more: ten times what two of them may differ by to
 be told apart, so that the rest of the logs does not turn it round."""
@@ -49,8 +52,6 @@ class LiveliestPart:
     ----------
     problem
         The model over that part.
-    values
-        Parameter → value at the optimum over all of the logs.
     spans
         First and last time of the part, one for each log.
     left
@@ -58,7 +59,6 @@ class LiveliestPart:
     """
 
     problem: Problem
-    values: dict[str, float]
     spans: tuple[Span, ...]
     left: NormalEquations
 
@@ -77,10 +77,10 @@ class LiveliestPart:
         is_long = problem.n_samples >= LEAST_SAVING * LOOK and size >= LEAST_PART
         if not is_long or len(problem.outputs) > 1:
             return None
-        values = problem.values(unknowns)
         spans = tuple(_liveliest(log, size) for log in problem.logs)
         part = _cut(problem, problem.logs, spans)
-        return cls(part, values, spans, _left(part, values))
+        start = part.free_unknowns(problem.values(unknowns))
+        return cls(part, spans, _left(part, start, LOOKED))
 
     def rules_out(self, other: LogSet) -> bool:
         """Whether the model leaves clearly more under another input.
@@ -93,7 +93,7 @@ class LiveliestPart:
         part = _cut(self.problem, other.logs, self.spans)
         if part.at_rest != self.problem.at_rest or not np.isfinite(self.left.cost):
             return False
-        there = _left(part, self.values)
+        there = _left(part, self.left.point, LOOKED_AGAIN)
         if not np.isfinite(there.cost) or there.n != self.left.n:
             return False
         return promised(there) > _misfit(self.left, self.left.cost) + CLEARLY
@@ -129,6 +129,6 @@ def _cut(problem: Problem, logs: Sequence[Log], spans: Sequence[Span]) -> Proble
     return Problem(problem.model, problem.parameters, parts)
 
 
-def _left(part: Problem, values: dict[str, float]) -> NormalEquations:
+def _left(part: Problem, start: Array, evaluations: int) -> NormalEquations:
     objective = Objective(part, dict.fromkeys(part.outputs, 1.0))
-    return objective.solve(part.free_unknowns(values), LOOKED, bends=False).normal
+    return objective.solve(start, evaluations, bends=False).normal

@@ -94,8 +94,12 @@ def at_readings(log: Log) -> Log:
         readings = recovered_readings(log)
         if readings is not None:
             return _before_interpolation(log, *readings)
-    rows = np.flatnonzero(_is_read(log))
-    if rows.size < 2 or float(np.mean(np.diff(rows) > 1)) <= SLOW_SHARE:
+    read = _is_read(log)
+    count = int(np.count_nonzero(read))
+    if count < 2 or len(log) - count <= SLOW_SHARE * (count - 1):
+        return log  # there are no more gaps than rows at which nothing was read
+    rows = np.flatnonzero(read)
+    if float(np.mean(np.diff(rows) > 1)) <= SLOW_SHARE:
         return log
     rows, time_s = _taken(log, rows)
     channels = {k: replace(c, values=c.values[rows]) for k, c in log.channels.items()}
