@@ -305,6 +305,8 @@ def _lagged_sums(first: Array, second: Array, max_lag: int) -> Array:
 
 def _lagged_pairs(first: BoolArray, second: BoolArray, max_lag: int) -> Array:
     """How many samples of the first have one of the second k later, k = 0 … max_lag."""
+    if first.size == second.size and first.all() and second.all():
+        return first.size - np.arange(max_lag + 1.0)
     if max_lag < min(first.size, FEW_LAGS):
         there = (first[: first.size - k] & second[k:] for k in range(max_lag + 1))
         return np.array([float(np.count_nonzero(each)) for each in there])

@@ -18,14 +18,13 @@ BoolArray = npt.NDArray[np.bool_]
 def rmse(measured: Array, simulated: Array) -> float:
     """Root mean square of the difference, √mean (y − ŷ)², over samples that are finite in both."""
     y, s = _pairs(measured, simulated)
-    return float(np.sqrt(np.mean((y - s) ** 2)))
+    return _rmse(y - s)
 
 
 def nrmse(measured: Array, simulated: Array) -> float:
     """Normalised error ‖y − ŷ‖/‖y − mean y‖; NaN for a constant measurement."""
     y, s = _pairs(measured, simulated)
-    spread = float(np.linalg.norm(y - y.mean())) if np.ptp(y) > 0.0 else 0.0
-    return float(np.linalg.norm(y - s)) / spread if spread > 0.0 else float("nan")
+    return _nrmse(y, y - s)
 
 
 def fit_percent(measured: Array, simulated: Array) -> float:
@@ -41,8 +40,7 @@ def r2(measured: Array, simulated: Array) -> float:
 def vaf(measured: Array, simulated: Array) -> float:
     """Variance accounted for, 100 (1 − var(y − ŷ)/var y); NaN for a constant measurement."""
     y, s = _pairs(measured, simulated)
-    variance = float(np.var(y)) if np.ptp(y) > 0.0 else 0.0
-    return 100.0 * (1.0 - float(np.var(y - s)) / variance) if variance > 0.0 else float("nan")
+    return _vaf(y, y - s)
 
 
 def fit_statistics(
@@ -89,9 +87,10 @@ def fit_statistics(
     >>> s.n, s.fit_percent
     (3, 100.0)
     """
-    whole = measured if used is None else np.where(used, measured, np.nan)
+    whole = measured if used is None or used.all() else np.where(used, measured, np.nan)
     y, s = _pairs(whole, simulated, where=f"{log}, {channel}")
-    relative = nrmse(y, s)
+    error = y - s
+    relative = _nrmse(y, error)
     return FitStatistics(
         log=log,
         channel=channel,
@@ -99,14 +98,28 @@ def fit_statistics(
         in_sample=in_sample,
         kind="simulated",
         n=y.size,
-        rmse=rmse(y, s),
+        rmse=_rmse(error),
         nrmse=relative,
         fit_percent=100.0 * (1.0 - relative),
         r2=1.0 - relative**2,
-        vaf=vaf(y, s),
+        vaf=_vaf(y, error),
         display_unit=unit if display_unit is None else display_unit,
         display_factor=display_factor,
     )
+
+
+def _rmse(error: Array) -> float:
+    return float(np.sqrt(np.mean(error**2)))
+
+
+def _nrmse(y: Array, error: Array) -> float:
+    spread = float(np.linalg.norm(y - y.mean())) if np.ptp(y) > 0.0 else 0.0
+    return float(np.linalg.norm(error)) / spread if spread > 0.0 else float("nan")
+
+
+def _vaf(y: Array, error: Array) -> float:
+    variance = float(np.var(y)) if np.ptp(y) > 0.0 else 0.0
+    return 100.0 * (1.0 - float(np.var(error)) / variance) if variance > 0.0 else float("nan")
 
 
 def _pairs(measured: Array, simulated: Array, where: str | None = None) -> tuple[Array, Array]:

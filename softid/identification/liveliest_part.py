@@ -1,7 +1,7 @@
 """A look at the part of long logs in which the input moves most: another input is soon ruled out.
 
 What an input does between its samples shows where it moves fast. There a wrong one leaves so much
-more that a tenth of a long log says so, and only where that is not clear all of it is asked.
+more that a part of a long log says so, and only where that is not clear all of it is asked.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from softid.log import Log, LogSet
 Array = npt.NDArray[np.float64]
 Span = tuple[float, float]
 
-LOOK = 10_000
+LOOK = 5000
 """Samples of the parts of all logs together."""
 
 LEAST_PART = 1000
 """Fewest samples of a part: it has an initial state and a zero of its own."""
 
-LEAST_SAVING = 4
+LEAST_SAVING = 8
 """Times as many samples that all logs hold at least, for a look to be worth its evaluations."""
 
 LOOKED = 3

@@ -64,8 +64,9 @@ def require_outputs(logs: Iterable[Log]) -> None:
     """
     for log in logs:
         for name in log.outputs:
-            values = log.channels[name].values[~log.masked]
-            finite = values[np.isfinite(values)]
+            values = log.channels[name].values
+            known = np.isfinite(values) & ~log.masked
+            finite = values if known.all() else values[known]
             if finite.size < 2:
                 raise InputError(
                     f"the output {name} has {finite.size} usable samples",

@@ -141,8 +141,9 @@ def correlation(logs: LogSet, *, lag_s: float = 0.0) -> float:
         used = segment.used[logs.outputs[0]]
         if used.sum() < 2:
             continue
-        u = _deviation(_behind_lag(segment, lag_s)[used])
-        y = _deviation(segment.outputs[logs.outputs[0]][used])
+        rows = slice(None) if used.all() else used
+        u = _deviation(_behind_lag(segment, lag_s)[rows])
+        y = _deviation(segment.outputs[logs.outputs[0]][rows])
         cross += float(u @ y)
         inputs += float(u @ u)
         outputs += float(y @ y)
@@ -157,9 +158,10 @@ def _deviation(values: Array) -> Array:
 
 
 def _behind_lag(segment: Segment, lag_s: float) -> Array:
+    if lag_s <= 0.0:
+        return segment.input
     late = np.array(segment.input, np.float64)
-    if lag_s > 0.0:
-        lag(np.diff(segment.time_s), late, lag_s, lag_s)
+    lag(np.diff(segment.time_s), late, lag_s, lag_s)
     return late
 
 
