@@ -110,9 +110,14 @@ def jumps(values: Array) -> IntArray:
         return np.empty(0, np.int64)
     before = np.concatenate(([0.0], moves[:-1]))
     after = np.concatenate((moves[1:], [0.0]))
-    least = max(SMALLEST * float(np.ptp(values)), ABOVE_NOISE * float(np.median(moves)))
-    found = (moves > 0.0) & (moves >= least) & (np.maximum(before, after) <= FLAT * moves)
-    return np.flatnonzero(found)
+    large = (moves > 0.0) & (moves >= SMALLEST * float(np.ptp(values)))
+    found = np.flatnonzero(large & (np.maximum(before, after) <= FLAT * moves))
+    if found.size == 0:
+        return found
+    noise = float(moves[found].min()) / ABOVE_NOISE
+    if 2 * int(np.count_nonzero(moves <= noise)) <= moves.size + 1:  # else the median is less
+        found = found[moves[found] >= ABOVE_NOISE * float(np.median(moves))]
+    return found
 
 
 def is_abrupt(values: Array) -> npt.NDArray[np.bool_]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 from softid.kernels.decorators import kernel
 
@@ -32,6 +33,28 @@ def third_steps(time_s: Array, values: Array, found: Array) -> None:
         found[k] = abs(third * (t2 - t1) ** 3)
 
 
+@njit(nogil=True, error_model="numpy", forceinline=True)
+def _bend(time_s, values, k):  # type: ignore[no-untyped-def]
+    """Second divided differences at both ends of interval k, and the bend in its middle."""
+    t0, t1, t2, t3 = time_s[k - 1], time_s[k], time_s[k + 1], time_s[k + 2]
+    first = (values[k] - values[k - 1]) / (t1 - t0)
+    middle = (values[k + 1] - values[k]) / (t2 - t1)
+    last = (values[k + 2] - values[k + 1]) / (t3 - t2)
+    before, after = (middle - first) / (t2 - t0), (last - middle) / (t3 - t1)
+    half = 0.5 * (t2 - t1)
+    # Newton's form on four samples, half way between the inner two.
+    third = (after - before) / (t3 - t0)
+    return before, after, -(before + third * ((t1 - t0) + half)) * half**2
+
+
+@njit(nogil=True, error_model="numpy", forceinline=True)
+def _counts(before, after, found, resolved, least):  # type: ignore[no-untyped-def]
+    """Whether both ends bend alike, and far enough."""
+    smaller, larger = min(abs(before), abs(after)), max(abs(before), abs(after))
+    is_alike = (before * after > 0.0) & (larger <= resolved * smaller)
+    return is_alike & (abs(found) >= least)
+
+
 @kernel
 def bends_in_the_middle(
     time_s: Array, values: Array, resolved: float, least: float, at: IntArray, bend: Array
@@ -51,21 +74,14 @@ def bends_in_the_middle(
         count alone.
     """
     count = 0
+    if at.size == 0:
+        for k in range(1, time_s.size - 2):  # no branch, so that several are looked at at a time
+            before, after, found = _bend(time_s, values, k)
+            count += 1 if _counts(before, after, found, resolved, least) else 0
+        return count
     for k in range(1, time_s.size - 2):
-        t0, t1, t2, t3 = time_s[k - 1], time_s[k], time_s[k + 1], time_s[k + 2]
-        first = (values[k] - values[k - 1]) / (t1 - t0)
-        middle = (values[k + 1] - values[k]) / (t2 - t1)
-        last = (values[k + 2] - values[k + 1]) / (t3 - t2)
-        before, after = (middle - first) / (t2 - t0), (last - middle) / (t3 - t1)
-        smaller, larger = min(abs(before), abs(after)), max(abs(before), abs(after))
-        if not (before * after > 0.0 and larger <= resolved * smaller):
-            continue
-        half = 0.5 * (t2 - t1)
-        # Newton's form on four samples, half way between the inner two.
-        third = (after - before) / (t3 - t0)
-        found = -(before + third * ((t1 - t0) + half)) * half**2
-        if abs(found) >= least:
-            if at.size:
-                at[count], bend[count] = k, found
+        before, after, found = _bend(time_s, values, k)
+        if _counts(before, after, found, resolved, least):
+            at[count], bend[count] = k, found
             count += 1
     return count

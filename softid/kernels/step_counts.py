@@ -106,18 +106,26 @@ def _rates(mass: float, damping: Array, stiffness: Array, radau: Array, rk4: Arr
 
 
 @njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
-def _counts(rate: Array, time_s: Array, bend: Array, limit: float, counts: Counts) -> float:
-    """Counts from 1 to MAX_SUBSTEPS; what is not finite asks for one step. Returns the most."""
-    most = 0.0
+def _counts(
+    rate: Array, time_s: Array, bend: Array, limit: float, counts: Counts
+) -> tuple[int, int]:
+    """Counts from 1 to MAX_SUBSTEPS; what is not finite asks for one step.
+
+    Returns their sum and how many intervals want more: whole numbers, which a loop that takes
+    several intervals at a time may add up in any order.
+    """
+    total, beyond = 0, 0
     for i in range(counts.size):
         a = rate[i] if rate[i] < _HUGE else 0.0
         b = rate[i + 1] if rate[i + 1] < _HUGE else 0.0
         wanted = max(a, b) * (time_s[i + 1] - time_s[i])
         turn = bend[i] if bend[i] < _HUGE and wanted > BRIEF else 0.0
         wanted = max(wanted, turn / limit)
-        most = max(most, wanted)
-        counts[i] = np.int16(min(max(np.ceil(wanted), 1.0), MAX_SUBSTEPS))
-    return most
+        beyond += 1 if wanted > MAX_SUBSTEPS else 0
+        steps = min(max(np.ceil(wanted), 1.0), MAX_SUBSTEPS)
+        total += int(steps)
+        counts[i] = np.int16(steps)
+    return total, beyond
 
 
 @kernel
@@ -152,16 +160,11 @@ def count_steps(
     """
     implicit, explicit = np.empty(damping.size), np.empty(damping.size)
     _rates(mass, damping, stiffness, implicit, explicit)
-    _counts(implicit, time_s, bend, MAX_EXPONENT_PER_STEP, radau)
-    safe = bool(_counts(explicit, time_s, bend, RK4_MAX_EXPONENT, rk4) <= MAX_SUBSTEPS)
+    total, _ = _counts(implicit, time_s, bend, MAX_EXPONENT_PER_STEP, radau)
+    total_explicit, unsafe = _counts(explicit, time_s, bend, RK4_MAX_EXPONENT, rk4)
     for rate in explicit:
-        if not rate < _HUGE:
-            safe = False
-    total, total_explicit = 0, 0
-    for i in range(radau.size):
-        total += radau[i]
-        total_explicit += rk4[i]
-    return float(total), float(total_explicit) if safe else np.inf
+        unsafe += 0 if rate < _HUGE else 1
+    return float(total), float(total_explicit) if unsafe == 0 else np.inf
 
 
 follow_sources(count_steps, (exponential,))
