@@ -15,6 +15,13 @@ import numpy.typing as npt
 from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.objective import Objective
 from softid.fitters.problem import Problem
+from softid.fitters.residual_whiteness import (
+    TESTED_LAGS,
+    WHITE_SDS,
+    largest_sum,
+    residuals_by_channel,
+    squared_autocorrelation,
+)
 from softid.log import Log, LogSet
 
 Array = npt.NDArray[np.float64]
@@ -66,6 +73,9 @@ class LiveliestPart:
     def of(cls, problem: Problem, unknowns: Array) -> LiveliestPart | None:
         """From a fit at its optimum; None where the logs are too short for a look to save anything.
 
+        None, too, where it leaves more than white noise: one part may then speak against what all
+        of the log speaks for.
+
         Parameters
         ----------
         problem
@@ -80,7 +90,8 @@ class LiveliestPart:
         spans = tuple(_liveliest(log, size) for log in problem.logs)
         part = _cut(problem, problem.logs, spans)
         start = part.free_unknowns(problem.values(unknowns))
-        return cls(part, spans, _left(part, start, LOOKED))
+        left = _left(part, start, LOOKED)
+        return cls(part, spans, left) if _is_white(part, left.point) else None
 
     def rules_out(self, other: LogSet) -> bool:
         """Whether the model leaves clearly more under another input.
@@ -91,7 +102,8 @@ class LiveliestPart:
             The logs with that input.
         """
         part = _cut(self.problem, other.logs, self.spans)
-        if part.at_rest != self.problem.at_rest or not np.isfinite(self.left.cost):
+        is_alike = part.at_rest == self.problem.at_rest and part.size == self.problem.size
+        if not is_alike or not np.isfinite(self.left.cost):
             return False
         there = _left(part, self.left.point, LOOKED_AGAIN)
         if not np.isfinite(there.cost) or there.n != self.left.n:
@@ -127,6 +139,12 @@ def _liveliest(log: Log, size: int) -> Span:
 def _cut(problem: Problem, logs: Sequence[Log], spans: Sequence[Span]) -> Problem:
     parts = [log.between(*span) for log, span in zip(logs, spans, strict=True)]
     return Problem(problem.model, problem.parameters, parts)
+
+
+def _is_white(part: Problem, unknowns: Array) -> bool:
+    (residuals,) = residuals_by_channel(part, unknowns)
+    squares = squared_autocorrelation(residuals, TESTED_LAGS)
+    return sum(r.size for r in residuals) * squares <= largest_sum(WHITE_SDS)
 
 
 def _left(part: Problem, start: Array, evaluations: int) -> NormalEquations:
