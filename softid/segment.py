@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -44,9 +45,6 @@ class Segment:
         Which rows are samples, shape (n,), where others are knots of a held input; else None.
     input_read_s
         As in `Log`, within this stretch.
-    kept
-        What was made of the stretch last, by kind, for whoever asks for it again; a stretch made of
-        this one begins without.
     """
 
     log_name: str
@@ -60,7 +58,14 @@ class Segment:
     log_start_s: float = 0.0
     is_sample: BoolArray | None = None
     input_read_s: Array | None = None
-    kept: dict[str, tuple[Hashable, Any]] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def kept(self) -> dict[str, tuple[Hashable, Any]]:
+        """What was made of the stretch last, by kind, for whoever asks for it again.
+
+        It is no part of the stretch: copies of the process need not have asked for the same.
+        """
+        return {}
 
     @property
     def since_s(self) -> Array:
