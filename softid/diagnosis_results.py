@@ -10,7 +10,7 @@ from softid.errors import Issue
 from softid.results import FitResult, ParameterEstimate
 
 NOTABLE = 0.02
-"""Structure of less than a fiftieth of a residual's power is not worth a word."""
+"""Structure of a smaller share of a residual's power is not worth a word."""
 
 MOST = 0.5
 """A steady line that holds more of a residual's power is what it is, though it goes on in rests."""
@@ -53,6 +53,7 @@ class Doubt(Enum):
     DISPLACES = "displaces"
     ACTS_BEHIND = "acts behind"
     DWARFED = "dwarfed"
+    ONE_STEP = "one step"
 
 
 @dataclass(frozen=True)
@@ -61,12 +62,10 @@ class Gain:
 
     Attributes
     ----------
-    log, channel, unit
-        Where.
+    log, channel, unit, n
+        Where, and over how many samples.
     held_out
         Whether the samples were not fitted.
-    n
-        Samples.
     rmse_before, rmse_after
         Root mean square error of the base and of the extended model.
     fit_percent_before, fit_percent_after

@@ -368,6 +368,19 @@ class OutputEffect(Effect):
             Sizes of the logs and of the base model.
         """
 
+    def recorded(self, eta: Array, time_s: Array, y: Array, u: Array, scale: Scale) -> Array:
+        """What is recorded where the sensor may also answer to the input.
+
+        Parameters
+        ----------
+        eta, time_s, y, scale
+            As in `apply`.
+        u
+            The recorded input, shape (n,).
+        """
+        del u
+        return self.apply(eta, time_s, y, scale)
+
 
 @cache
 def _compiled(step: Step) -> Any:

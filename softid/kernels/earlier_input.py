@@ -71,3 +71,33 @@ def means_between(edges_s: Array, time_s: Array, values: Array, found: Array) ->
         if i > 0:
             found[i - 1] = (whole - before) / (t - edges_s[i - 1])
         before = whole
+
+
+@kernel
+def largest_between(from_s: Array, to_s: Array, time_s: Array, values: Array, found: Array) -> None:
+    """Largest value of the straight line through the values from one time to another.
+
+    Beyond its ends the course goes on at its outermost values.
+
+    Parameters
+    ----------
+    from_s, to_s
+        Where each stretch begins and ends, shape (m,), both rising.
+    time_s, values
+        The course, each of shape (n,), times rising.
+    found
+        Room for the values, shape (m,).
+    """
+    read_at(from_s, time_s, values, found)
+    ends = np.empty(to_s.size)
+    read_at(to_s, time_s, values, ends)
+    first = 0
+    for i in range(from_s.size):
+        largest = max(found[i], ends[i])
+        while first < time_s.size and time_s[first] < from_s[i]:
+            first += 1
+        k = first
+        while k < time_s.size and time_s[k] <= to_s[i]:
+            largest = max(largest, values[k])
+            k += 1
+        found[i] = largest

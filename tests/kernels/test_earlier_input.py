@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from softid.kernels.earlier_input import means_between, read_at
+from softid.kernels.earlier_input import largest_between, means_between, read_at
 
 Array = npt.NDArray[np.float64]
 
@@ -55,3 +55,13 @@ def test_a_mean_by_hand() -> None:
         np.array([-1.0, 0.0, 0.5, 1.0]), np.array([0.0, 1.0]), np.array([0.0, 10.0]), found
     )
     assert found.tolist() == [0.0, 2.5, 7.5]
+
+
+def test_the_largest_of_a_stretch_lies_at_its_ends_or_at_a_corner_within() -> None:
+    """By hand: between 1.5 and 2.5 s it is the corner at 2 s, elsewhere the higher end."""
+    time_s, values = np.arange(5.0), np.array([0.0, 1.0, 3.0, 0.0, -1.0])
+    found = np.empty(4)
+    largest_between(
+        np.array([-1.0, 0.25, 1.5, 3.25]), np.array([-0.5, 0.75, 2.5, 9.0]), time_s, values, found
+    )
+    np.testing.assert_allclose(found, [0.0, 0.75, 3.0, -0.25])

@@ -9,22 +9,18 @@ from dataclasses import replace
 from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of, variables_left
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
-    HELD_INPUT,
-    LEAD_AND_RELAXATION,
+    LAWS_ALIKE,
     LINEAR_FILTERS,
-    LOWER_END,
     ONE_FOR_ALL,
-    OWN_DAMPING,
     PRESLIDING,
     REPLACED,
-    THINNING,
     TWO_LAGS,
     TWO_LATE,
     TWO_RESONANCES,
     EquivalenceClass,
 )
 from softid.diagnosis.verdict.separations import splitting_experiment, why_unsplit
-from softid.diagnosis_results import Alternative, Cause, Diagnosis, Remainder, Verdict
+from softid.diagnosis_results import Alternative, Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects import EFFECTS
 from softid.models import MODELS
 from softid.results import FitResult
@@ -76,7 +72,9 @@ def with_reasons(found: Diagnosis) -> tuple[Alternative, ...]:
     )
 
 
-def told_as_tied(alternative: Alternative, title: str, *, linear: bool) -> str:
+def told_as_tied(
+    alternative: Alternative, title: str, *, linear: bool, earlier: Sequence[Alternative] = ()
+) -> str:
     """The causes of a tie and what makes it, up to the values that the first would have.
 
     Parameters
@@ -85,9 +83,14 @@ def told_as_tied(alternative: Alternative, title: str, *, linear: bool) -> str:
         As in `why_tied`.
     title
         Heading of the first.
+    earlier
+        Ties that are told before it: one law may stand in the place of all causes.
     """
     named, first = titles_of(alternative.keys, last=" or "), lowered(title)
     known = law_that_ties(alternative, linear=linear)
+    *others, last = alternative.keys
+    if known is ONE_FOR_ALL and any(last == tie.keys[-1] for tie in earlier):
+        return f"that law again, or {titles_of(others, last=' or ')}. As {first} it"
     which = "most likely the last" if known is ONE_FOR_ALL else "and the logs do not say which"
     why, splits, _ = alternative.why.partition(SPLITS)
     if known is not None:
@@ -163,7 +166,7 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     tied = set(alternative.effects)
     if tied.issuperset(TWO_LATE.effects) and not are_alike(alternative):
         return TWO_LATE
-    for known in (OWN_DAMPING, LOWER_END, HELD_INPUT, THINNING, LEAD_AND_RELAXATION):
+    for known in LAWS_ALIKE:
         if tied.issuperset(known.effects):
             return known
     for known in REPLACED:
@@ -186,6 +189,7 @@ def what_next(
     remainder: Remainder,
     laws: Sequence[Cause] = (),
     linear: bool = False,
+    in_blocks: bool = False,
 ) -> str | None:
     """What to record next; None when nothing is open.
 
@@ -197,7 +201,11 @@ def what_next(
         Its causes and descriptions.
     linear
         Whether the base model is linear.
+    in_blocks
+        Whether blocks of the fitted logs judge.
     """
+    if any(law.doubt is Doubt.ONE_STEP for law in laws):
+        return "record several steps, up and down and to several levels, each held as long"
     for alternative in alternatives if verdict is not Verdict.UNKNOWN else ():
         known = law_that_ties(alternative, linear=linear)
         if known is not None:
@@ -210,23 +218,35 @@ def what_next(
             rest = titles_of(others, last=" or ")
             return f"record {split.experiment}, to tell {title_of(first)} from {rest}"
     if remainder.misses_held_out and not remainder.structured:
-        anew = [law.key for law in laws if law.key in EFFECTS and EFFECTS[law.key].begins_with_log]
-        if anew:
-            begin = "begins" if len(anew) == 1 else "begin"
-            return (
-                f"hold out none, so that blocks of these logs judge: {titles_of(anew)} {begin} "
-                "anew with every log here, and what is held out may have begun otherwise"
-            )
-        return "fit what is held out together with the rest, for it shows what the rest hardly does"
+        return _to_judge(laws, in_blocks=in_blocks)
     if verdict is Verdict.UNKNOWN and not remainder.structured:
         return "record more levels and more moves, which would show how sure the description is"
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
-        left = variables_left(remainder)
-        rest = "" if remainder.noise_is_known else ", and with a rest of 30 s that shows the noise"
-        if left == ["t"]:
-            return f"record the same for longer, to see how it goes on{rest}"
-        varied = [VARIATIONS[name] for name in left if name in VARIATIONS]
-        if varied:
-            return f"repeat these logs with {' and '.join(varied)}{rest}"
-        return f"record the same path once slowly and once fast{rest}"
+        return _to_see_more(remainder)
     return None
+
+
+def _to_judge(laws: Sequence[Cause], *, in_blocks: bool) -> str:
+    """What to hold out where the fitted samples are explained and those held out are not."""
+    if in_blocks:
+        return "record the same once more, from a rest, and hold that log out"
+    anew = [law.key for law in laws if law.key in EFFECTS and EFFECTS[law.key].begins_with_log]
+    if anew:
+        begin = "begins" if len(anew) == 1 else "begin"
+        return (
+            f"hold out none, so that blocks of these logs judge: {titles_of(anew)} {begin} "
+            "anew with every log here, and what is held out may have begun otherwise"
+        )
+    return "fit what is held out together with the rest, for it shows what the rest hardly does"
+
+
+def _to_see_more(remainder: Remainder) -> str:
+    """What varies that which is left follows."""
+    left = variables_left(remainder)
+    rest = "" if remainder.noise_is_known else ", and with a rest of 30 s that shows the noise"
+    if left == ["t"]:
+        return f"record the same for longer, to see how it goes on{rest}"
+    varied = [VARIATIONS[name] for name in left if name in VARIATIONS]
+    if varied:
+        return f"repeat these logs with {' and '.join(varied)}{rest}"
+    return f"record the same path once slowly and once fast{rest}"

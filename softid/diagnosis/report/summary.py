@@ -97,6 +97,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         remainder=found.remainder,
         laws=(*found.causes, *found.descriptive),
         linear=linear,
+        in_blocks=_judged_by_blocks(found),
     )
     summary = summarise(
         found.verdict,
@@ -119,6 +120,12 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
+
+
+def _judged_by_blocks(found: Diagnosis) -> bool:
+    """Whether what is held out are parts of the fitted logs."""
+    fitted = {gain.log for gain in found.gains if not gain.held_out}
+    return any(gain.held_out and gain.log in fitted for gain in found.gains)
 
 
 def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
@@ -285,21 +292,22 @@ def _partial(teller: ErrorTexts, remainder: Remainder, *, is_tied: bool) -> list
         explained += (
             f" on the fitted samples and {percent(remainder.held_out_share)} on those held out"
         )
-    elif remainder.explained_share >= 1.0:  # and yet it may follow from the motion
-        explained = "What is left has no more power than the noise"
     more = teller.more_held_out(remainder, is_tied=is_tied)
     if remainder.structured:
-        more = more if remainder.misses_held_out else ""
-        return [f"{explained}.", _left(teller, remainder), more]
+        if remainder.misses_held_out:
+            return [f"{explained}.", _left(teller, remainder), more]
+        if remainder.explained_share >= 1.0 and remainder.predictable:
+            return [_left(teller, remainder, but="has no more power than the noise, yet ")]
+        return [f"{explained}.", _left(teller, remainder)]
     left = teller.size(remainder.rms)
     looks = f"What is left on the fitted samples, {left} rms, {nature_of_rest(remainder)}."
     return [f"{explained}.", looks, more]
 
 
-def _left(teller: ErrorTexts, remainder: Remainder) -> str:
+def _left(teller: ErrorTexts, remainder: Remainder, *, but: str = "") -> str:
     """What is left, where that is more than noise."""
     named = [VARIABLE_WORDS.get(name, name) for name in variables_left(remainder)]
-    told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, "
+    told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, {but}"
     if remainder.predictable:
         told += f"is not noise: {structure_of_rest(remainder)}"
     elif remainder.is_a_line:
@@ -328,13 +336,14 @@ def _explained(
     descriptive: Sequence[Cause],
 ) -> list[str]:
     told = []
-    linear = is_linear(teller.base)
+    linear, earlier = is_linear(teller.base), list[Alternative]()
     for number, cause in enumerate(causes, start=1):
         tie = next((a for a in alternatives if cause.effect in a.effects), None)
         opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
         values = values_of(cause.parameters)
         if tie is not None:
-            tied = told_as_tied(tie, cause.title, linear=linear)
+            tied = told_as_tied(tie, cause.title, linear=linear, earlier=earlier)
+            earlier.append(tie)
             told.append(f"{opening} {tied} would have {values}.")
         else:
             told.append(

@@ -22,6 +22,10 @@ STANDS = 3
 SAME_VALUE = 1e-9
 """Values that differ by less, as a share of the range, differ by rounding."""
 
+TURNS = 0.05
+"""A motion turns round where it goes back by this share of its way, or more; a step that overshoots
+by a twentieth goes back less."""
+
 CLIPPED_WITHIN = 3.0
 """Noise is clipped within so many deviations of a limit."""
 
@@ -44,6 +48,20 @@ def residual_context(candidate: Candidate) -> list[ResidualContext]:
         at_rest = problem.at_rest[k] or problem.stuck[k]
         found.append(ResidualContext(t, x, v, u, residual, at_rest))
     return found
+
+
+def turns_round(candidate: Candidate) -> bool:
+    """Whether a model moves both ways.
+
+    Parameters
+    ----------
+    candidate
+        The model where it stands.
+    """
+    courses = [part.x for part in residual_context(candidate)]
+    way = sum(float(np.sum(np.abs(np.diff(x)))) for x in courses)
+    back = 0.5 * (way - sum(abs(float(x[-1] - x[0])) for x in courses))
+    return back >= TURNS * way
 
 
 def mean_square(parts: Sequence[ResidualContext]) -> float:

@@ -162,6 +162,14 @@ TWO_CREEPS = EquivalenceClass(
 )
 """A material that creeps with several times."""
 
+TWO_HYSTERESES = EquivalenceClass(
+    ("a cause beside the hysteresis", UNLISTED["second_hysteresis"]),
+    ("second_hysteresis",),
+    "A refit with a hysteresis of a second distance in its place explains most of what it does",
+    "slow loops of many sizes, one within the other",
+)
+"""A material that gives way over several distances."""
+
 SETTLING_STIFFNESS = EquivalenceClass(
     ("a stiffness or a gain that changes", UNLISTED["settling_stiffness"]),
     ("settling_stiffness", "recovering_softening"),
@@ -197,6 +205,9 @@ ONE_FOR_ALL = EquivalenceClass(
         "input_play",
         "output_play",
         "relief_leak",
+        "uneven_delay",
+        "feedthrough",
+        "swinging_part",
     ),
     "A refit with the last of them in the place of all causes explains these logs better",
     "small and large steps from many positions, up and down, early and late",
@@ -210,6 +221,7 @@ REPLACED = (
     UNEVEN_READING,
     SMOOTHED_INPUT,
     TWO_CREEPS,
+    TWO_HYSTERESES,
     SETTLING_STIFFNESS,
     ONE_FOR_ALL,
 )
@@ -233,6 +245,15 @@ THINNING = EquivalenceClass(
     "ones, and the motion when the pressure turns round after a rest",
 )
 """A friction that is full at a good part of the largest speed only."""
+
+ONE_WAY = EquivalenceClass(
+    ("dry friction", UNLISTED["giving_way"]),
+    ("coulomb_friction", "giving_way"),
+    "The motion hardly ever turns round in these logs, and friction that always acts one way only "
+    "slows the end of a motion",
+    "the way back as well: down to where it began, held as long as above",
+)
+"""A friction of which nobody has seen that it turns with the speed."""
 
 HELD_INPUT = EquivalenceClass(
     ("a delay or a lag", UNLISTED["held_input"]),
@@ -262,6 +283,9 @@ LEAD_AND_RELAXATION = EquivalenceClass(
     _FASTER,
 )
 """A relaxation that begins while the actuator still moves."""
+
+LAWS_ALIKE = (OWN_DAMPING, LOWER_END, HELD_INPUT, ONE_WAY, THINNING, LEAD_AND_RELAXATION)
+"""Told where all of their effects are in a tie; the first that is."""
 
 TWO_LAGS = EquivalenceClass(
     ("a lag of the pneumatics", "a lag of the sensor"),

@@ -11,10 +11,12 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.base.intersample_selection import SINGLE_DELAYS
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.usual_law import usual_law
+from softid.diagnosis.residual.motion import turns_round
 from softid.diagnosis.search.forward_selection import Chain, Link
 from softid.diagnosis.verdict.equivalence import (
     HELD_INPUT,
     LEAD_AND_RELAXATION,
+    ONE_WAY,
     OWN_DAMPING,
     POLE_AND_ZERO,
     PRESLIDING,
@@ -82,7 +84,7 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
     pole and one zero, as is the lag of a gauge or the lead of a sensor; a relaxation is one in any,
     as the lead of a sensor is. An input that is held until
     its next sample is late by half an interval. Fc tanh(v/vs) with a large vs is a damping that
-    falls with the speed.
+    falls with the speed, and so is one whose speed has one sign throughout.
 
     Parameters
     ----------
@@ -101,6 +103,8 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
         others = PRESLIDING.effects[1:]
     elif key == "pneumatic_lag.level" and own_time(final) < OWN_TIME * values["tau"]:
         others = OWN_DAMPING.effects[1:]
+    elif cause.effect == "coulomb_friction" and not turns_round(final):
+        others = ONE_WAY.effects[1:]
     elif cause.effect == "coulomb_friction" and values["vs"] > DRY * scale.v_max:
         others = THINNING.effects[1:]
     elif key in SINGLE_DELAYS and _may_be_held(cause, final):

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.bic_ranking import rank
@@ -32,6 +34,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
     OutputPlay,
     PositionDamping,
     SecondCreep,
+    SecondHysteresis,
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import SmoothedInput, UnevenReading
@@ -54,16 +57,36 @@ class Replacement:
         A BIC that is less above that of the causes says as much.
     beside
         Name of another cause that must be named as well; empty where none must.
+    most
+        So does a law that takes away this share of what the cause does, which no law of its kind
+        would if the cause were there.
     """
 
     causes: tuple[str, ...]
     laws: tuple[tuple[Effect, ...], ...]
     behind: float = INDISTINCT
     beside: str = ""
+    most: float = np.inf
 
     def takes(self, effect: Effect) -> bool:
         """Whether an effect is one of the causes."""
         return effect.name in self.causes or effect.key in self.causes
+
+    def takes_most(self, links: Sequence[Link], other: Candidate, final: Candidate) -> bool:
+        """Whether what stands in the place of causes takes away most of what these do.
+
+        Parameters
+        ----------
+        links
+            The chain.
+        other
+            The model with a law in their place.
+        final
+            The model with all causes.
+        """
+        kept = {effect.key for effect in other.effects}
+        before = max(link.squares_before for link in links if link.added.key not in kept)
+        return before - other.squares > self.most * (before - final.squares)
 
     def asks(self, named: Sequence[Effect]) -> bool:
         """Whether one of `causes` is named, and `beside` too where it is given.
@@ -76,6 +99,22 @@ class Replacement:
         has_other = not self.beside or any(effect.name == self.beside for effect in named)
         return has_other and any(self.takes(effect) for effect in named)
 
+
+BESIDE_A_LOOP = (
+    "softening",
+    "dead_zone",
+    "creep",
+    "stiffening",
+    "static_curve",
+    "quadratic_damping",
+    "asymmetric_damping",
+    "pressure_mass",
+)
+"""What a loop that gives way over several distances leaves of one distance looks like these."""
+
+MOST_OF_A_LOOP = 0.8
+"""Share of what such a cause does that a second loop does as well where there is a second loop: of
+what six elements leave of one, a second takes nine tenths."""
 
 REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(DRIFTS, ((LoadDrift(),), (PressureGainDrift(),), (PressureDrift(),))),
@@ -93,6 +132,7 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),)),
     Replacement(("pneumatic_lag.separate",), ((UnevenReading(),),)),
     Replacement((*DRIFTS, "hysteresis", "softening"), ((SecondCreep(),),), beside="creep"),
+    Replacement(BESIDE_A_LOOP, ((SecondHysteresis(),),), beside="hysteresis", most=MOST_OF_A_LOOP),
     Replacement(
         ("softening", "ageing", "sensor_gain_drift"),
         ((SettlingStiffness(),), (RecoveringSoftening(),)),
@@ -135,13 +175,21 @@ def with_replacements(
     ]
     if len(named) < len(final.effects):  # what is described may come of the wrong name
         tries += [(row, laws, []) for row, laws in asked if all(map(row.takes, named))]
+        tries += [
+            (row, laws, [e for e in final.acting if not row.takes(e)])
+            for row, laws in asked
+            if row.beside
+        ]
     standing, near = standing_of(final, base), PROMISING_RATIO * final.squares
     others = in_parallel(lambda each: refitted_with(standing, each[2], each[1], near=near), tries)
     ranked = rank([final, *(other for other in others if other is not None)], base.sigma)
     bic = {id(row.plain): row.bic for row in ranked}
     found, best = list(links), ranked[0].bic + INDISTINCT
     for (row, laws, _), other in zip(tries, others, strict=True):
-        if other is not None and bic[id(other)] < min(best, bic[id(final)] + row.behind):
+        if other is None:
+            continue
+        is_alike = bic[id(other)] < min(best, bic[id(final)] + row.behind)
+        if is_alike or row.takes_most(links, other, final):
             found = [_with_rivals(link, row, laws, other) for link in found]
     return found
 

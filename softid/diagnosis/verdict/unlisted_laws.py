@@ -21,10 +21,17 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     SettlingStiffness,
     one_parameter,
 )
-from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
+from softid.diagnosis.verdict.unlisted_pneumatics import (
+    InputLimit,
+    RateLimit,
+    ReliefLeak,
+    UnevenDelay,
+)
 from softid.diagnosis.verdict.unlisted_readings import (
     EarlyReading,
+    Feedthrough,
     SmoothedInput,
+    SwingingPart,
     UnevenReading,
 )
 from softid.effects import effect_of
@@ -263,6 +270,48 @@ class SecondCreep(StateEffect):
         out[RATE] += (x - z) / eta[1]
 
 
+@dataclass(frozen=True)
+class SecondHysteresis(StateEffect):
+    """Hysteresis over another distance beside one, + α z with zs ż = v − |v| z.
+
+    What slips inside a material gives way a little here and a little there: elements in parallel.
+    """
+
+    name: ClassVar[str] = "second_hysteresis"
+    title: ClassVar[str] = "Second hysteresis"
+    law: ClassVar[str] = "+ alpha z,  z' = (v - |v| z)/zs"
+    meaning: ClassVar[str] = (
+        "The material gives way within a short distance, and within a long one."
+    )
+    signature: ClassVar[str] = "The residual differs up and down, and turns over two distances."
+    remedy: ClassVar[str] = "approach every position from the same side"
+    shown_by: ClassVar[str] = "slow loops of many sizes, one within the other"
+    source: ClassVar[str] = "Rizos and Fassois, Chaos 14, 2004 (Maxwell slip: elements in parallel)"
+    amplitude: ClassVar[str] = "alpha"
+    essential: ClassVar[tuple[str, ...]] = ("zs",)
+    has_state: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Half height and distance of a hysteresis."""
+        return effect_of("hysteresis").parameters(scale)
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """The distances of a hysteresis, for the first one has any."""
+        return effect_of("hysteresis").starts(scale)
+
+    def rate(self, eta: Array, scale: Scale) -> float:
+        """That of a hysteresis."""
+        first = effect_of("hysteresis")
+        assert isinstance(first, StateEffect)
+        return first.rate(eta, scale)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force α z, and ż = (v − |v| z)/zs."""
+        out[FORCE] += eta[0] * z
+        out[RATE] += (v - abs(v) * z) / eta[1]
+
+
 UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     LoadDrift,
     PressureGainDrift,
@@ -270,6 +319,7 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     RateLimit,
     InputLimit,
     ReliefLeak,
+    UnevenDelay,
     BentReading,
     DampingDrift,
     SettlingStiffness,
@@ -278,11 +328,18 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
     EarlyReading,
     SmoothedInput,
     UnevenReading,
+    Feedthrough,
+    SwingingPart,
     InputPlay,
     OutputPlay,
 )
 """All laws of no catalogue that may stand in the place of all causes."""
 
-BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law not in (ReliefLeak, UnevenReading))
+BEYOND_ONE = tuple(
+    law
+    for law in UNLISTED_LAWS
+    if law not in (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart)
+)
 """Laws of no catalogue that no single cause can do as well: a leak may be next to none, and is a
-lag then, and a sensor may lag up and down alike."""
+lag then, a valve or a sensor may be late up and down alike, and what swings fast enough is late as
+a lag is."""

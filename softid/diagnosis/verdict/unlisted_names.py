@@ -16,11 +16,18 @@ UNLISTED: dict[str, str] = {
     "input_limit": "a supply that gives no more than one pressure",
     "relief_leak": "a leak that opens above a pressure, as a relief valve does",
     "thinning_damping": "a damping of the actuator that grows less than in proportion to its speed",
+    "giving_way": "a creep of the material, or a damping that grows less than in proportion to its "
+    "speed",
     "bent_reading": "a sensor whose gain is not the same over its range",
     "early_reading": "a reading that runs ahead of the recorded input, by an offset of the clocks "
     "or a gauge that is late",
     "smoothed_input": "a pressure whose record was smoothed, by what came before and after",
     "uneven_reading": "a sensor that lags by another time upward than downward",
+    "feedthrough": "a sensor that also answers to the pressure itself",
+    "swinging_part": "a part of what is read that swings by itself, as a flexible tip does",
+    "uneven_delay": "a delay that differs by direction, as of a valve that opens faster than it "
+    "closes",
+    "second_hysteresis": "a second hysteresis that gives way over another distance",
     "settling_stiffness": "a stiffness that changes with the time and settles",
     "recovering_softening": "a softening by use that recovers at rest, as a material that warms up",
     "second_creep": "a second creep of another time",

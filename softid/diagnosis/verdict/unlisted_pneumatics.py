@@ -1,4 +1,4 @@
-"""Laws of the supply in no catalogue, for which a lag, a valve or a curve may stand."""
+"""Laws of the supply in no catalogue, for which a lag, a valve, a delay or a curve may stand."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy.typing as npt
 from softid.effects import effect_of
 from softid.effects.base import InputEffect
 from softid.effects.scale import Scale
+from softid.kernels.earlier_input import largest_between
 from softid.kernels.filters import lag_with_relief, limit_rate
 from softid.parameters import Parameter, ParameterSet
 
@@ -34,6 +35,9 @@ LIMITED_AT = (0.5, 0.75, 0.9)
 CORNER_WIDTH = 0.005
 """Width of the corner at the pressure that a supply does not exceed, as a share of the range: an
 edge has no slope to follow."""
+
+START_DELAYS = (0.1, 0.4)
+"""Starts of the shorter and the longer of two delays, in times of the motion."""
 
 OPENS_AT = (0.3, 0.6)
 """Starts of the pressure at which a leak opens, as shares of the input's range."""
@@ -165,4 +169,55 @@ class InputLimit(InputEffect):
         del time_s
         width = CORNER_WIDTH * scale.u_span
         arriving: Array = u - width * np.logaddexp(0.0, (u - eta[0]) / width)
+        return arriving
+
+
+@dataclass(frozen=True)
+class UnevenDelay(InputEffect):
+    """A delay that differs by direction, pa(t) = p(t − up) on the way up, p(t − down) on that down.
+
+    It is the largest of what was between both times before, or the least if down is the shorter.
+    """
+
+    name: ClassVar[str] = "uneven_delay"
+    title: ClassVar[str] = "Delay that differs by direction"
+    law: ClassVar[str] = (
+        "arriving u(t) = max of u from t - down to t - up; where down is the shorter, min of u "
+        "from t - up to t - down"
+    )
+    meaning: ClassVar[str] = "A valve takes another time to open than to close."
+    signature: ClassVar[str] = "A short pulse after every change, of another length up than down."
+    remedy: ClassVar[str] = "the pressure at the actuator itself"
+    shown_by: ClassVar[str] = "fast steps up and down between the same levels"
+    source: ClassVar[str] = "two constant delays"
+    amplitude: ClassVar[str] = "up"
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """Both vanish together."""
+        return ("up", "down")
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Both delays."""
+        declared = effect_of("delay").parameters(scale)["tau"]
+        return ParameterSet(
+            tuple(
+                replace(declared, name=name, meaning=f"delay on the way {name}", source=self.source)
+                for name in self.amplitudes
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Either is the longer."""
+        longest = self.parameters(scale)["up"].upper
+        delays = [min(share * scale.motion_s, 0.5 * longest) for share in START_DELAYS]
+        return tuple({"up": up, "down": down} for up, down in (delays, reversed(delays)))
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """The input that has arrived by then."""
+        del scale
+        later, sign = max(eta), (1.0 if eta[1] >= eta[0] else -1.0)
+        arriving = np.empty(u.size)
+        largest_between(time_s - later, time_s - min(eta), time_s, sign * u, arriving)
+        arriving *= sign
         return arriving

@@ -1,9 +1,9 @@
-"""Laws of the records in no catalogue: clocks that differ, filters, sensors that lag unevenly."""
+"""Laws of the records in no catalogue: clocks that differ, filters, sensors with other inputs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -15,7 +15,7 @@ from softid.effects.base import InputEffect, OutputEffect
 from softid.effects.scale import Scale
 from softid.kernels.earlier_input import read_at
 from softid.kernels.filters import lag
-from softid.parameters import ParameterSet
+from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
 
@@ -25,8 +25,22 @@ EARLIEST = 0.1
 MOST_SAMPLES, START_SAMPLES = 200.0, (4.0, 16.0)
 """Bound and starts of the time over which an input is smoothed, in sampling intervals."""
 
+MOST_FELT, START_FELT = 1.0, (0.03, -0.03)
+"""Bound and starts of what a sensor makes of the whole range of the pressure, as a share of its
+own."""
+
+MOST_SWINGING, START_SWINGING = 0.6, 0.2
+"""Bound and start of the part of a reading that swings by itself; the whole of it is a sensor on a
+flexible mount."""
+
+MOST_DAMPED = 0.3
+"""Bound of the damping ratio of a part that swings; a part that is damped more is about a lag."""
+
 MEAN = "smoothing.mean"
 """Key of the effect that smooths a reading as such a record of the input was."""
+
+SWINGING = "sensor_resonance"
+"""Key of the effect that has the whole reading swing."""
 
 UNEVEN = "pneumatic_lag.separate"
 """Key of the effect that does to the input what an uneven sensor does to the reading."""
@@ -131,4 +145,96 @@ class UnevenReading(OutputEffect):
         del scale
         recorded = np.array(y, np.float64)
         lag(np.diff(time_s), recorded, float(eta[0]), float(eta[0] * eta[1]))
+        return recorded
+
+
+@dataclass(frozen=True)
+class Feedthrough(OutputEffect):
+    """A sensor that also answers to the input, y + g y_span (u − u_low)/u_span.
+
+    The model's zero takes up the constant part. The parameter g may have either sign.
+    """
+
+    name: ClassVar[str] = "feedthrough"
+    title: ClassVar[str] = "Sensor that answers to the pressure"
+    law: ClassVar[str] = "recorded y = y + g y_span (u - u_low)/u_span"
+    meaning: ClassVar[str] = (
+        "The pressure stretches or heats the sensor itself, or its wires pick up the valve, so "
+        "part of the reading comes at once."
+    )
+    signature: ClassVar[str] = "The residual goes with the pressure, and jumps where it does."
+    remedy: ClassVar[str] = "the sensor beside a camera, with the actuator held fast"
+    shown_by: ClassVar[str] = "steps of the pressure with the actuator held fast"
+    source: ClassVar[str] = "Ljung, System Identification, 2nd ed. 1999, §4.3 (direct term D)"
+    amplitude: ClassVar[str] = "g"
+    changes_sign: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """What the sensor makes of the range of the pressure."""
+        del scale
+        return one_parameter("g", 0.0, "1", -MOST_FELT, MOST_FELT, "share of range", self.source)
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Either sign."""
+        del scale
+        return tuple({"g": share} for share in START_FELT)
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """The reading under a pressure that stays at the lower end of its range."""
+        del eta, time_s, scale
+        return np.array(y, np.float64)
+
+    def recorded(self, eta: Array, time_s: Array, y: Array, u: Array, scale: Scale) -> Array:
+        """Add what the sensor makes of the pressure."""
+        del time_s
+        felt: Array = y + eta[0] * scale.y_span / scale.u_span * (u - scale.u_low)
+        return felt
+
+
+@dataclass(frozen=True)
+class SwingingPart(OutputEffect):
+    """A reading a part of which follows the motion in second order, (1 − c) y + c r(y).
+
+    r obeys r̈/ω² + 2ζ ṙ/ω + r = y, with ω = 2π/period.
+    """
+
+    name: ClassVar[str] = "swinging_part"
+    title: ClassVar[str] = "Part of the reading that swings"
+    law: ClassVar[str] = (
+        "recorded y = (1 - c) y + c r,  r''/w^2 + 2 zeta r'/w + r = y, w = 2 pi/period"
+    )
+    meaning: ClassVar[str] = (
+        "The marker or the tip that carries it swings on what is bent, as a second mode does."
+    )
+    signature: ClassVar[str] = "The residual rings with one frequency after every fast motion."
+    remedy: ClassVar[str] = "a marker nearer to the base, or a stiffer tip"
+    shown_by: ClassVar[str] = "a blow against the tip while the pressure is held"
+    source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.3 (second order)"
+    amplitude: ClassVar[str] = "c"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The part that swings, its period and its damping ratio."""
+        swinging = effect_of(SWINGING).parameters(scale)
+        part = Parameter(
+            "c",
+            START_SWINGING,
+            "1",
+            0.0,
+            MOST_SWINGING,
+            meaning="part that swings",
+            source=self.source,
+        )
+        damping = replace(swinging["zeta"], upper=MOST_DAMPED)
+        return ParameterSet((part, swinging["period"], damping))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """A fifth of it, with the periods at which the whole of it would be looked for."""
+        whole = effect_of(SWINGING).starts(scale)
+        return tuple({"c": START_SWINGING, **start} for start in whole)
+
+    def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
+        """The reading with the part that swings, settled at the first sample."""
+        whole = effect_of(SWINGING)
+        assert isinstance(whole, OutputEffect)
+        recorded: Array = (1.0 - eta[0]) * y + eta[0] * whole.apply(eta[1:], time_s, y, scale)
         return recorded

@@ -252,7 +252,7 @@ class ExtendedModel(Model):
         since_s = segment.since_s
         for effect, eta in self._own(theta):
             if isinstance(effect, OutputEffect):
-                y = effect.apply(eta, since_s, y, self.scale)
+                y = effect.recorded(eta, since_s, y, segment.input, self.scale)
         return y
 
     def _carried(self, theta: Array, segment: Segment, y: Array, by: Array) -> Array:

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import pytest
 from handmade import fit_result
-from handmade_diagnosis import remainder
+from handmade_diagnosis import FRICTION, cause, remainder
 
 from softid.diagnosis.report.ambiguity import law_that_ties, told_as_tied, what_next, why_tied
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     HELD_INPUT,
     LINEAR_FILTERS,
+    ONE_WAY,
     OWN_DAMPING,
     PRESLIDING,
     THINNING,
@@ -20,7 +21,7 @@ from softid.diagnosis.verdict.equivalence import (
     EquivalenceClass,
 )
 from softid.diagnosis.verdict.separations import CHIRP
-from softid.diagnosis_results import Alternative, Remainder, Verdict
+from softid.diagnosis_results import Alternative, Doubt, Remainder, Verdict
 
 NOISE = remainder(structured=False, explained=1.0)
 FAR = INDISTINCT + 1.0
@@ -145,11 +146,45 @@ def test_nothing_more_is_asked_for(verdict: Verdict) -> None:
     assert what_next(verdict, alternatives=[tie("delay")], remainder=NOISE) is None
 
 
+def test_one_law_for_all_causes_is_told_once() -> None:
+    """What another cause would be beside it is told in short."""
+    first, second = tie("sensor_resonance", "swinging_part"), tie("smoothing", "swinging_part")
+    alone = told_as_tied(second, "Smoothing", linear=False)
+    assert "most likely the last" in alone
+    again = told_as_tied(second, "Smoothing", linear=False, earlier=[first])
+    assert again == "that law again, or smoothing of the record afterwards. As smoothing it"
+    other = tie("delay", "input_play")
+    assert told_as_tied(second, "Smoothing", linear=False, earlier=[other]) == alone
+
+
+def test_after_a_single_step_more_steps_are_asked_for() -> None:
+    """Whatever else is open."""
+    doubted = replace(FRICTION, doubt=Doubt.ONE_STEP)
+    told = what_next(
+        Verdict.UNKNOWN, alternatives=[tie("delay", "creep")], remainder=NOISE, laws=[doubted]
+    )
+    assert told is not None
+    assert "several steps" in told
+
+
+@pytest.mark.parametrize(("in_blocks", "word"), [(False, "hold out none"), (True, "once more")])
+def test_blocks_are_not_asked_for_where_they_judge(in_blocks: bool, word: str) -> None:
+    """Softening begins anew with every log; a hold-out that fails may have begun worn in."""
+    laws = [cause("softening", [], before=2.0, after=1.0)]
+    missed = replace(NOISE, misses_held_out=True)
+    told = what_next(
+        Verdict.UNKNOWN, alternatives=(), remainder=missed, laws=laws, in_blocks=in_blocks
+    )
+    assert told is not None
+    assert word in told
+
+
 @pytest.mark.parametrize("linear", [True, False])
 @pytest.mark.parametrize(
     ("keys", "known"),
     [
         (("coulomb_friction.stribeck", "thinning_damping"), THINNING),
+        (("coulomb_friction", "giving_way"), ONE_WAY),
         (("delay", "sensor_lag", "held_input"), HELD_INPUT),
         (("pneumatic_lag", "held_input"), HELD_INPUT),
         (("pneumatic_lag.level", "position_damping"), OWN_DAMPING),

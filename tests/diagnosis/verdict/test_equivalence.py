@@ -6,12 +6,10 @@ import pytest
 
 from softid.diagnosis.verdict.equivalence import (
     CLASSES,
-    HELD_INPUT,
+    LAWS_ALIKE,
     LINEAR_CLASSES,
     LINEAR_FILTERS,
-    OWN_DAMPING,
     REPLACED,
-    THINNING,
     UNLISTED,
     classes_of,
 )
@@ -79,11 +77,7 @@ def test_tables_name_effects() -> None:
     names = {name for pair in SEPARATIONS for name in pair}
     names |= {name for known in (*CLASSES, *LINEAR_CLASSES) for name in known.effects}
     assert names <= set(EFFECTS)
-    tied = {
-        name
-        for known in (*LINEAR_FILTERS, OWN_DAMPING, HELD_INPUT, THINNING, *REPLACED)
-        for name in known.effects
-    }
+    tied = {name for known in (*LINEAR_FILTERS, *LAWS_ALIKE, *REPLACED) for name in known.effects}
     assert tied - set(EFFECTS) | {law.name for law in UNLISTED_LAWS} == set(UNLISTED)
     assert {len(row) for row in SEPARATIONS.values()} == {len(EXPERIMENTS)}
 

@@ -10,7 +10,7 @@ import pytest
 from extended_fits import scale_of as sizes_of
 from handmade_diagnosis import cause, estimate
 from handmade_rounds import ranked
-from linear_motion import TRUTH, linear_log, linear_problem, standing
+from linear_motion import TRUTH, linear_angle, linear_log, linear_problem, standing
 from scipy.signal import lsim
 
 from softid.diagnosis.refit.candidates import Candidate
@@ -20,6 +20,7 @@ from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.law_rivals import own_time, with_law_rivals
 from softid.effects import effect_of
 from softid.effects.scale import Scale
+from softid.log import Log
 
 OWN_S = TRUTH["N"] / TRUTH["Q"]
 
@@ -132,9 +133,24 @@ def test_friction_that_comes_up_slowly_may_be_a_damping(share: float, rivals: in
     scale = sizes_of("muscle")
     speed = estimate("coulomb_friction_vs", share * scale.v_max, "mm/s")
     told = cause("coulomb_friction", [speed], before=2.0, after=1.0)
-    final: Any = None
+    final = linear_with("coulomb_friction", Fc=1.0, vs=0.5)[0]
     found = with_law_rivals(link_of("coulomb_friction"), told, "coulomb_friction", final, scale)
     assert found.rivals == ("coulomb_friction", "thinning_damping")[:rivals]
+
+
+@pytest.mark.parametrize(("way_back", "rivals"), [(0.0, 2), (1.0, 1)])
+def test_friction_that_never_turns_round_may_be_a_creep(way_back: float, rivals: int) -> None:
+    """One step up, and one with the step back that shows with which sign the friction acts."""
+    time_s = np.arange(1000) / 50.0
+    pressure = np.interp(time_s, [1.0, 1.1, 11.0, 11.1], [0.0, 60.0, 60.0, 60.0 * (1.0 - way_back)])
+    angle = linear_angle(time_s, pressure)
+    problem = linear_problem([Log.from_arrays(time_s, {"pressure": pressure, "angle": angle})])
+    final = standing(problem, problem.unknowns(TRUTH))
+    speed = estimate("coulomb_friction_vs", 0.01, "rad/s")
+    told = cause("coulomb_friction", [speed], before=2.0, after=1.0)
+    scale = scale_of(problem, problem.unknowns(TRUTH))
+    found = with_law_rivals(link_of("coulomb_friction"), told, "coulomb_friction", final, scale)
+    assert found.rivals == ("coulomb_friction", "giving_way")[:rivals]
 
 
 @pytest.mark.parametrize(

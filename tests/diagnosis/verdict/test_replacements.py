@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -129,6 +130,26 @@ def test_a_second_creep_in_the_place_of_a_cause_beside_a_creep(
     links = [link_of("creep"), link_of(second)]
     first, other = with_replacements(links, [True, True], final, base)
     assert first.rivals == ("creep",)
+    assert other.rivals[1:] == rivals
+
+
+@pytest.mark.parametrize(
+    ("hidden", "rivals"),
+    [
+        (("maxwell_slip",), ("second_hysteresis",)),
+        pytest.param(("hysteresis", "static_curve"), (), marks=pytest.mark.slow),
+    ],
+)
+def test_a_second_loop_in_the_place_of_a_cause_beside_a_loop(
+    hidden: tuple[str, ...], rivals: tuple[str, ...]
+) -> None:
+    """Stands on the generator: what several elements leave of a loop is no curve."""
+    base = base_of(*hidden_pair(hidden, seed=710004, size=2.0).logs)
+    first = converged_with(base, (effect_of("hysteresis"),))
+    final = converged_with(base, (effect_of("hysteresis"), effect_of("static_curve")))
+    links = [link_of("hysteresis"), replace(link_of("static_curve"), squares_before=first.squares)]
+    loop, other = with_replacements(links, [True, True], final, base)
+    assert loop.rivals == ("hysteresis",)
     assert other.rivals[1:] == rivals
 
 

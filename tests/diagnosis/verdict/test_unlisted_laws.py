@@ -27,18 +27,30 @@ from softid.diagnosis.verdict.unlisted_laws import (
     OutputPlay,
     PositionDamping,
     SecondCreep,
+    SecondHysteresis,
 )
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
-from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
+from softid.diagnosis.verdict.unlisted_pneumatics import (
+    InputLimit,
+    RateLimit,
+    ReliefLeak,
+    UnevenDelay,
+)
 from softid.diagnosis.verdict.unlisted_readings import (
     EarlyReading,
+    Feedthrough,
     SmoothedInput,
+    SwingingPart,
     UnevenReading,
 )
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.effects.sensor_lag import SensorLag
+from softid.effects.sensor_resonance import SensorResonance
 from softid.kernels.terms import DAMPING, FORCE, RATE, STIFFNESS
+
+SECOND = (SecondCreep, SecondHysteresis)
+"""Laws that only stand beside another one."""
 
 
 def residual_with(effect: Effect, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -153,6 +165,26 @@ def test_a_sensor_lags_up_and_down_by_its_own_times() -> None:
     np.testing.assert_allclose(even, lagged, atol=0.01)
 
 
+def test_a_sensor_answers_to_the_pressure_at_once() -> None:
+    """Closed form: a tenth of its range over the whole range of the pressure, whatever moves."""
+    scale = sizes_of("muscle")
+    u = scale.u_low + scale.u_span * np.array([0.0, 1.0, 0.5])
+    y = np.array([0.3, 0.4, 0.2])
+    found = Feedthrough().recorded(np.array([0.1]), np.arange(3.0), y, u, scale)
+    np.testing.assert_allclose(found, y + 0.1 * scale.y_span * np.array([0.0, 1.0, 0.5]))
+    np.testing.assert_array_equal(Feedthrough().apply(np.array([0.1]), u, y, scale), y)
+
+
+def test_a_part_of_the_reading_swings() -> None:
+    """Closed form: without any part the reading is the motion; all else is as much of the swing."""
+    time_s, scale = np.arange(400) / 100.0, sizes_of("muscle")
+    y = np.where(time_s > 1.0, 1.0, 0.0)
+    swings = SensorResonance().apply(np.array([0.3, 0.1]), time_s, y, scale)
+    for part in (0.0, 0.25):
+        found = SwingingPart().apply(np.array([part, 0.3, 0.1]), time_s, y, scale)
+        np.testing.assert_allclose(found, y + part * (swings - y), atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("side", "first"),
     [(0.0, [0.0, 0.4]), (-0.5, [-0.05, 0.4]), (1.0, [0.1, 0.4])],
@@ -198,6 +230,27 @@ def test_a_softening_recovers_with_its_time() -> None:
     assert out[RATE] == pytest.approx(0.45)
 
 
+def test_a_second_hysteresis_follows_the_law_of_a_hysteresis() -> None:
+    """By hand: α z = 3·0.4, and (v − |v| z)/zs = (−2 − 2·0.4)/0.5, as the catalogue has it."""
+    for law in (SecondHysteresis(), effect_of("hysteresis")):
+        out = np.zeros(8)
+        law.step(0.5, -2.0, 0.4, 0.0, 0.0, np.array([3.0, 0.5]), out)  # type: ignore[union-attr]
+        assert out[FORCE] == pytest.approx(1.2)
+        assert out[RATE] == pytest.approx(-5.6)
+
+
+@pytest.mark.parametrize(("up", "down"), [(0.05, 0.2), (0.2, 0.05), (0.1, 0.1)])
+def test_a_valve_opens_and_closes_after_other_times(up: float, down: float) -> None:
+    """Closed form: a ramp up comes late by the one time, a ramp down by the other."""
+    time_s, scale = np.arange(800) / 100.0, sizes_of("muscle")
+    corners = np.array([1.0, 2.0, 5.0, 6.0])
+    found = UnevenDelay().apply(
+        np.array([up, down]), time_s, np.interp(time_s, corners, [0.0, 1.0, 1.0, 0.0]), scale
+    )
+    late = corners + np.array([up, up, down, down])
+    np.testing.assert_allclose(found, np.interp(time_s, late, [0.0, 1.0, 1.0, 0.0]), atol=1e-9)
+
+
 def test_a_second_creep_follows_the_law_of_a_creep() -> None:
     """By hand: k (x − z) = 3·0.4 and (x − z)/τ = 0.4/2, as the creep of the catalogue has them."""
     for law in (SecondCreep(), effect_of("creep")):
@@ -207,7 +260,7 @@ def test_a_second_creep_follows_the_law_of_a_creep() -> None:
         assert out[RATE] == pytest.approx(0.2)
 
 
-@pytest.mark.parametrize("law", [*UNLISTED_LAWS, SecondCreep], ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [*UNLISTED_LAWS, *SECOND], ids=lambda law: law.name)
 def test_starts_lie_within_the_bounds(law: Any) -> None:
     scale = sizes_of("muscle")
     declared = law().parameters(scale)
@@ -217,7 +270,7 @@ def test_starts_lie_within_the_bounds(law: Any) -> None:
             assert declared[name].lower <= value <= declared[name].upper
 
 
-@pytest.mark.parametrize("law", [*UNLISTED_LAWS, SecondCreep], ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [*UNLISTED_LAWS, *SECOND], ids=lambda law: law.name)
 def test_the_law_names_every_parameter_and_says_what_it_is(law: Any) -> None:
     declared = law().parameters(sizes_of("muscle"))
     assert unnamed_in(law().law, declared.names) == set()
@@ -227,7 +280,7 @@ def test_the_law_names_every_parameter_and_says_what_it_is(law: Any) -> None:
 
 
 def test_they_are_told_and_are_in_no_catalogue() -> None:
-    names = {law.name for law in (*UNLISTED_LAWS, SecondCreep)}
+    names = {law.name for law in (*UNLISTED_LAWS, *SECOND)}
     told = {name for known in REPLACED for name in known.effects}
     assert told <= names <= set(UNLISTED)
     assert not names & {key.split(".")[0] for key in EFFECTS}
