@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from softid.diagnosis.base.base_fit import NEGLIGIBLE, BaseFit
-from softid.diagnosis.refit.held_out import HeldOut
+from softid.diagnosis.refit.held_out import HeldOut, HeldOutBlocks
 from softid.diagnosis.report.phrases import DOUBTS, OF_INPUT, listed, lowered, percent
 from softid.diagnosis.residual.jump_timing import untimed_jumps
 from softid.diagnosis.search.forward_selection import FIRST, Chain, is_accepted
@@ -121,7 +121,9 @@ def refusal_issues(chain: Chain, held: HeldOut) -> tuple[Issue, ...]:
     worse = after > (1.0 + LEAST_GAIN) * before
     change = f"adds {percent(after / before - 1.0)} to it" if worse else "leaves it as it is"
     remedy = "hold out a log like the fitted ones, or none: then blocks of the logs judge"
-    if chain.last.added.begins_with_log:
+    if isinstance(held, HeldOutBlocks):
+        remedy = "record the same once more, from a rest, and hold that log out"
+    elif chain.last.added.begins_with_log:
         remedy = (
             "if what is held out was recorded after the others, hold out none, and blocks of the "
             "logs judge: this law begins anew with every log"

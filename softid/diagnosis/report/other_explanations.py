@@ -16,7 +16,7 @@ from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import excess_of, noise_variance
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
-from softid.diagnosis_results import Diagnosis, Verdict
+from softid.diagnosis_results import Diagnosis, Doubt, Verdict
 from softid.errors import Issue
 
 UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
@@ -117,6 +117,8 @@ def with_other_explanations(
     known = tuple(issue for issue in answer.issues if issue.code == HELD_OUT_CHANGE)
     is_unknown, leaves = answer.verdict is Verdict.UNKNOWN, answer.remainder.structured
     told: tuple[Issue, ...] = ()
+    if any(cause.doubt is Doubt.ONE_STEP for cause in answer.descriptive):
+        return answer  # what is slow behind a step would begin at a moment
     if leaves or (is_unknown and not known):
         told = others.events(base)
     if told and answer.causes:

@@ -62,6 +62,7 @@ DOUBTS = {
     Doubt.DISPLACES: "moves as the actuator itself does, of whose own motion nothing is left",
     Doubt.ACTS_BEHIND: "acts behind that motion, as a nonlinear sensor does",
     Doubt.DWARFED: "may be what the law of the largest cause leaves, as small as it is",
+    Doubt.ONE_STEP: "is not told from other slow or nonlinear laws by a single step",
 }
 """Why a description is no cause, after its title; the others are told by sentences of their own."""
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.assessment import held_out_share
+from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
@@ -80,6 +81,8 @@ class BeyondCatalogue:
 def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     """The laws in no catalogue that account for the misfit of a base, if there are any.
 
+    There is none where the logs hold a single step, whose answer many a law follows.
+
     Parameters
     ----------
     base
@@ -89,7 +92,7 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     """
     known = base.candidate
     variance = base.rms**2
-    if not variance > noise:
+    if not variance > noise or is_one_step(known.problem):
         return None
     left = noise / variance * known.squares
     near, hopeful = (

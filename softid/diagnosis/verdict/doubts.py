@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.verdict.cancelling import cancelling
 from softid.diagnosis.verdict.displacement import behind, displacing
@@ -62,13 +63,15 @@ def with_doubts(
         **dict.fromkeys(behind(final, displaced_by), Doubt.ACTS_BEHIND),
         **dict.fromkeys(cancelling(final, base.candidate, scale), Doubt.CANCELS),
     }
-    told, small = [], dwarfed(chain)
+    told, small, in_one_step = [], dwarfed(chain), is_one_step(final.problem)
     for cause, link in zip(causes, chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
         if doubt is None and cause.key in small:
             doubt = Doubt.DWARFED
         if doubt is None and is_within_a_sample(cause, link.added, scale):
             doubt = Doubt.TOO_QUICK
+        if doubt is None and in_one_step and not link.added.has_one_form:
+            doubt = Doubt.ONE_STEP
         if doubt in NO_GAIN and not occurs(link.added, final, base.candidate, held_out, scale):
             doubt = Doubt.DOES_NOT_OCCUR
         told.append(replace(cause, doubt=against.get(cause.key, doubt)))
