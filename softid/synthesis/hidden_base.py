@@ -107,6 +107,8 @@ class OutputLaw:
         Settled reading → own states.
     clock_rate
         The motion is read at (1 + rate)·t.
+    pickup
+        What a kPa of the recorded pressure adds to the reading.
     afterwards
         None, or recorded times, and what was recorded with its noise, each of shape (n,) → what the
         file holds.
@@ -116,6 +118,7 @@ class OutputLaw:
     follow: Callable[[float, States], tuple[float, Rates]] | None = None
     start: Callable[[float], Rates] = _no_start
     clock_rate: float = 0.0
+    pickup: float = 0.0
     afterwards: Callable[[Array, Array], Array] | None = None
 
 

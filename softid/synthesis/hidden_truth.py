@@ -166,7 +166,7 @@ def integrate_hidden(
     position, velocity = states[layout.motion], states[layout.motion + 1]
     reading = states[layout.reading]
     for law in chain.outputs:
-        reading = law.read(wanted_s, reading)
+        reading = law.read(wanted_s, reading) + law.pickup * states[0]
     driven = states[layout.driven]
     arriving = np.array([layout.arriving(float(wanted_s[k]), driven[k], states[:, k]) for k in at])
     return HiddenTruth(

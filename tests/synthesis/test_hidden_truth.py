@@ -105,6 +105,27 @@ def test_without_effects_the_valve_alone() -> None:
     assert np.array_equal(found.reading, found.position)
 
 
+def test_a_sensor_takes_in_the_pressure() -> None:
+    """Of 100 kPa it makes 7 mm at once, whatever the actuator does by then."""
+    found = response("pressure_pickup", {"gain": 0.07}, step(), TIME_S, actuator=SLOW)
+    np.testing.assert_allclose(found.reading - found.position, 0.07 * found.pressure_kpa, atol=1e-9)
+
+
+def test_a_part_of_the_tip_swings() -> None:
+    """Of a step to 200 mm a quarter rings, 1 − e^{−ζωt} (cos ω_d t + ζω/ω_d sin ω_d t)."""
+    values = {"share": 0.25, "period": 0.5, "zeta": 0.1}
+    found = response("swinging_tip", values, step(), TIME_S, valve_s=1e-4)
+    omega, zeta = 2.0 * pi / 0.5, 0.1
+    turning = omega * sqrt(1.0 - zeta**2)
+    angle = turning * AFTER_S
+    ring = np.cos(angle) + zeta * omega / turning * np.sin(angle)
+    swung = 1.0 - np.exp(-zeta * omega * AFTER_S) * ring
+    late = TIME_S > 1.05
+    told = 200.0 * (0.75 + 0.25 * swung)
+    np.testing.assert_allclose(found.reading[late], told[late], atol=1.0)
+    assert np.ptp(found.reading[late]) > 30.0
+
+
 def test_delay_of_a_ramp() -> None:
     """A ramp of 50 kPa/s behind the valve, read τ later: s (t − τ − τv (1 − e^{−(t−τ)/τv}))."""
     found = response("delay", {"tau": 0.313}, Sweep(0.0, 200.0, 4.0), TIME_S)
