@@ -34,7 +34,7 @@ from softid.diagnosis.verdict.cause_results import (
     whole_gain_of,
 )
 from softid.diagnosis.verdict.chain_consistency import consistent_names
-from softid.diagnosis.verdict.doubts import with_doubts
+from softid.diagnosis.verdict.doubts import NO_GAIN, with_doubts
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.held_out_runs import held_out_lengths
 from softid.diagnosis.verdict.law_rivals import with_rivals
@@ -96,7 +96,8 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     if base.instead_of is not None:
         errors = [recorded.first_errors(base.instead_of.candidate), *errors]
     alternatives = alternatives_of(named or links, forms)
-    is_sure = all(is_named) and not alternatives
+    refused = [cause.doubt in (None, *NO_GAIN) for cause in causes]  # by what is held out, at most
+    is_sure = all(refused) and not alternatives
     answer = Diagnosis(
         verdict=verdict_of(links, is_named, remainder),
         summary="",

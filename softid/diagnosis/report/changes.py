@@ -111,8 +111,8 @@ def held_out_change_issues(
     scale
         Sizes of the base fit.
     is_sure
-        Whether all that was added to the base is named, and nothing is in a tie: a law that is
-        wrong asks for another size in every log.
+        Whether nothing but what is held out speaks against a name, and nothing is in a tie: a law
+        that is wrong asks for another size in every log.
     """
     judged = held.standing(model) if remainder.misses_held_out else None
     if judged is None:
