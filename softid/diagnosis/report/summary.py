@@ -216,7 +216,7 @@ def summarise(
             told += _partial(teller, remainder, is_tied=bool(alternatives))
         else:
             looks = "does not follow from the motion" if marks else nature_of_rest(remainder)
-            told.append(f"What is left, {teller.size(remainder.rms)} rms, {looks}.")
+            told.append(f"What the fit leaves, {teller.size(remainder.rms)} rms, {looks}.")
             told.append(teller.more_held_out(remainder, is_tied=bool(alternatives)))
         told += [sentence(change) for change in held_out_changes]
     told += [sentence(mark) for mark in (*marks, *(() if changes else refused))]
