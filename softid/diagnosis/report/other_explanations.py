@@ -15,6 +15,7 @@ from softid.diagnosis.report.changes import (
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import excess_of, noise_variance
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
+from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import Diagnosis, Doubt, Verdict
 from softid.errors import Issue
@@ -71,6 +72,8 @@ class OtherExplanations:
     def outdo(self, base: BaseFit, cause: Candidate) -> bool:
         """Whether a law in no catalogue leaves nothing to look for beside a cause.
 
+        One that a single cause may do as well is tried against the cause that does best.
+
         Parameters
         ----------
         base
@@ -79,7 +82,13 @@ class OtherExplanations:
             The base with the best cause.
         """
         found = self._beyond(base)
-        return found is not None and found.outdoes(cause)
+        if found is not None and found.outdoes(cause):
+            return True
+        other = beyond_catalogue(base, noise_variance(base.candidate, base.scale), NEAR_ONE)
+        if other is None or not other.outdoes(cause):
+            return False
+        self._laws[base] = other
+        return True
 
     def all(self, base: BaseFit) -> tuple[Issue, ...]:
         """The events, or where there is none a law in no catalogue.

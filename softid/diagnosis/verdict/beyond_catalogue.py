@@ -6,6 +6,7 @@ as what is worth looking at.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from softid.diagnosis.base.base_fit import BaseFit
@@ -15,7 +16,7 @@ from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
-from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE
+from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE, Law
 from softid.effects import belongs_to, extended_name
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -78,7 +79,9 @@ class BeyondCatalogue:
         return leaves_nothing and self.squares < OUTDONE_RATIO * cause.squares
 
 
-def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
+def beyond_catalogue(
+    base: BaseFit, noise: float, laws: Sequence[type[Law]] = BEYOND_ONE
+) -> BeyondCatalogue | None:
     """The laws in no catalogue that account for the misfit of a base, if there are any.
 
     There is none where the logs hold a single step, whose answer many a law follows.
@@ -89,6 +92,8 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
         The base fit.
     noise
         Variance of the noise of the first output.
+    laws
+        Those that are tried.
     """
     known = base.candidate
     variance = base.rms**2
@@ -100,7 +105,7 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     )
     standing = standing_of(known, base)
     found = in_parallel(
-        lambda law: refitted_with(standing, (), (law(),), near=near, enough=hopeful), BEYOND_ONE
+        lambda law: refitted_with(standing, (), (law(),), near=near, enough=hopeful), laws
     )
     enough = [one for one in found if one is not None and _share(known, one, left) > LEAST_TAKEN]
     ranked = rank([known, *enough], base.sigma) if enough else []
@@ -109,13 +114,14 @@ def beyond_catalogue(base: BaseFit, noise: float) -> BeyondCatalogue | None:
     if not carried:
         return None
     best = carried[0]
-    laws = tuple(one.effects[-1] for one in carried)
+    likeliest, *_ = alike_laws = tuple(one.effects[-1] for one in carried)
     share = min(_share(known, best, left), 1.0)
     declared, values = best.problem.parameters, best.parameters
-    beginning = extended_name(laws[0], laws[0].plain_at[0]) if laws[0].plain_at else ""
-    own = [name for name in declared.names if belongs_to(laws[0], name) and name != beginning]
+    first = likeliest.plain_at
+    beginning = extended_name(likeliest, first[0]) if first else ""
+    own = [name for name in declared.names if belongs_to(likeliest, name) and name != beginning]
     sizes = tuple((values[name], declared[name].unit) for name in own)
-    return BeyondCatalogue(laws, share, _held(base, best, noise), best.squares, left, sizes)
+    return BeyondCatalogue(alike_laws, share, _held(base, best, noise), best.squares, left, sizes)
 
 
 def _share(known: Candidate, other: Candidate, noise: float) -> float:

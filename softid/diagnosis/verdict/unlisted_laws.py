@@ -312,7 +312,9 @@ class SecondHysteresis(StateEffect):
         out[RATE] += (v - abs(v) * z) / eta[1]
 
 
-UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
+Law = StateEffect | InputEffect | OutputEffect
+
+UNLISTED_LAWS: tuple[type[Law], ...] = (
     LoadDrift,
     PressureGainDrift,
     PressureDrift,
@@ -335,11 +337,10 @@ UNLISTED_LAWS: tuple[type[StateEffect | InputEffect | OutputEffect], ...] = (
 )
 """All laws of no catalogue that may stand in the place of all causes."""
 
-BEYOND_ONE = tuple(
-    law
-    for law in UNLISTED_LAWS
-    if law not in (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart)
-)
-"""Laws of no catalogue that no single cause can do as well: a leak may be next to none, and is a
-lag then, a valve or a sensor may be late up and down alike, and what swings fast enough is late as
-a lag is."""
+NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart)
+"""Laws of no catalogue that a single cause may do as well: a leak may be next to none, and is a lag
+then, a valve or a sensor may be late up and down alike, and what swings fast enough is late as a
+lag is."""
+
+BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law not in NEAR_ONE)
+"""Laws of no catalogue that no single cause can do as well."""

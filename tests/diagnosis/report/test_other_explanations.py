@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,7 +15,13 @@ from softid.diagnosis.report.other_explanations import (
     unlisted_issue,
 )
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue
-from softid.diagnosis.verdict.unlisted_laws import EarlyReading, InputPlay, OutputPlay
+from softid.diagnosis.verdict.unlisted_laws import (
+    NEAR_ONE,
+    EarlyReading,
+    InputPlay,
+    OutputPlay,
+    SwingingPart,
+)
 from softid.errors import Issue
 
 
@@ -26,6 +33,24 @@ class Base:
 
 DIFFERS, JUMPS, SPELL, MIXED = (Issue(name, "warning", name) for name in "abcd")
 LAW = BeyondCatalogue((OutputPlay(),), 0.99, 0.98, 1.0, 1.0, ((0.03, "1"),))
+
+
+@pytest.mark.parametrize(("squares", "outdone"), [(0.8, True), (1.0, False)])
+def test_what_a_cause_may_do_as_well_is_tried_against_the_cause(
+    squares: float, outdone: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tip that swings is told in the place of a cause that leaves more, and else is none."""
+    swings = BeyondCatalogue((SwingingPart(),), 0.99, 0.98, squares, 1.0)
+
+    def beyond(base: Any, noise: float, laws: Any = ()) -> BeyondCatalogue | None:
+        return swings if laws is NEAR_ONE else None
+
+    monkeypatch.setattr(other_explanations, "beyond_catalogue", beyond)
+    monkeypatch.setattr(other_explanations, "noise_variance", lambda model, scale: 1.0)
+    others, base = OtherExplanations(), Base()
+    cause: Any = SimpleNamespace(squares=1.0)
+    assert others.outdo(base, cause) is outdone  # type: ignore[arg-type]
+    assert [issue.code for issue in others.laws(base)] == [UNLISTED_LAW] * outdone  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
