@@ -226,11 +226,10 @@ class CauseSearch:
             The chain from the best first cause.
         """
         best = known.links[0].added if known.links else None
-        base = self.base
-        others = alternative_first_links(best, base.candidate, self.effects, base.scale, base.sigma)
-        for other in that_promise_the_rest(
-            others, self.remainder_of, self.effects, base.scale, base.sigma
-        ):
+        refused = None if known.links or known.last is None else known.last.added
+        base, given = self.base, (self.effects, self.base.scale, self.base.sigma)
+        others = alternative_first_links(best, base.candidate, *given, refused=refused)
+        for other in that_promise_the_rest(others, self.remainder_of, *given):
             longer = self.grow(other, max_links=2)
             if len(longer.links) == 1 and longer.final.squares >= known.final.squares:
                 continue  # it was raced with its own forms only

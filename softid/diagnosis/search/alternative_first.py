@@ -43,6 +43,8 @@ def alternative_first_links(
     effects: Sequence[Effect],
     scale: Scale,
     sigma: Mapping[str, float],
+    *,
+    refused: Effect | None = None,
 ) -> Iterator[Chain]:
     """Chains of one link each: other effects, the most promising first, and other forms of one.
 
@@ -60,10 +62,15 @@ def alternative_first_links(
         Sizes of the base fit.
     sigma
         Output channel → scale that its residual is divided by.
+    refused
+        What did best where no first cause was found, which is tried before the others.
     """
     promising = screen(base, effects, scale, sigma)
     names = dict.fromkeys(s.effect.name for s in promising)
-    tried = [name for name in names if known is None or name != known.name][:TRIED]
+    others = [name for name in names if known is None or name != known.name]
+    tried = others[:TRIED]
+    if refused is not None and refused.name in others[TRIED:]:
+        tried = [refused.name, *tried]
     for name in [*tried, *([] if known is None else [known.name])]:
         forms = [effect for effect in effects if effect.name == name and effect != known]
         link = next_link(base, forms, scale, sigma, FIRST, screened=promising)

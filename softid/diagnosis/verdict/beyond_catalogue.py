@@ -114,7 +114,8 @@ def beyond_catalogue(
     if not carried:
         return None
     best = carried[0]
-    likeliest, *_ = alike_laws = tuple(one.effects[-1] for one in carried)
+    alike_laws = tuple(one.effects[-1] for one in carried)
+    likeliest = alike_laws[0]
     share = min(_share(known, best, left), 1.0)
     declared, values = best.problem.parameters, best.parameters
     first = likeliest.plain_at

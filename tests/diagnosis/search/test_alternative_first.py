@@ -10,6 +10,7 @@ import pytest
 from linear_motion import SIGMA, TRUTH, Bow, linear_log, linear_problem, standing
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.search import alternative_first
 from softid.diagnosis.search.alternative_first import (
     alternative_first_links,
     that_promise_the_rest,
@@ -42,6 +43,21 @@ def test_the_others_begin_in_the_order_of_their_promise() -> None:
         chains = list(alternative_first_links(known, base, effects, scale, SIGMA))
         assert [chain.final.keys[-1] for chain in chains] == begun
         assert all(chain.final.squares < base.squares for chain in chains)
+
+
+def test_what_did_best_and_was_refused_begins_whatever_it_promised(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A screening knows straight lines only: the winner of a race need not be among its first."""
+    time_s = linear_log().time_s
+    problem = linear_problem([linear_log(noise=0.01, added=0.01 * time_s)])
+    z = problem.unknowns(TRUTH)
+    base, scale = converged(standing(problem, z), SIGMA), scale_of(problem, z)
+    drift, effects = effect_of("sensor_drift"), (effect_of("sensor_drift"), Bow())
+    monkeypatch.setattr(alternative_first, "TRIED", 0)
+    assert list(alternative_first_links(None, base, effects, scale, SIGMA)) == []
+    (chain,) = alternative_first_links(None, base, effects, scale, SIGMA, refused=drift)
+    assert chain.final.keys == ("sensor_drift",)
 
 
 @pytest.mark.parametrize(
