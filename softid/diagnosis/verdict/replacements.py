@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.bic_ranking import rank
@@ -59,14 +57,14 @@ class Replacement:
         Name of another cause that must be named as well; empty where none must.
     most
         So does a law that takes away this share of what the cause does, which no law of its kind
-        would if the cause were there.
+        would if the cause were there; None where the BIC alone counts.
     """
 
     causes: tuple[str, ...]
     laws: tuple[tuple[Effect, ...], ...]
     behind: float = INDISTINCT
     beside: str = ""
-    most: float = np.inf
+    most: float | None = None
 
     def takes(self, effect: Effect) -> bool:
         """Whether an effect is one of the causes."""
@@ -84,6 +82,8 @@ class Replacement:
         final
             The model with all causes.
         """
+        if self.most is None:
+            return False
         kept = {effect.key for effect in other.effects}
         before = max(link.squares_before for link in links if link.added.key not in kept)
         return before - other.squares > self.most * (before - final.squares)
