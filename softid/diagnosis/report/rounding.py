@@ -26,6 +26,10 @@ Array = npt.NDArray[np.float64]
 TOLD_SHARE = 0.25
 """Share of the power of what is left from which on a rounding is told."""
 
+MET_AGAIN = 3.0
+"""Samples at the usual level of an input that is rounded, at least. A ramp, up and down, passes its
+values once each, as evenly apart as its slope is constant."""
+
 COARSE_INPUT = "coarse-input"
 """Code of the remark that the input is rounded coarsely."""
 
@@ -100,8 +104,11 @@ def input_rounding_issues(final: Candidate, remainder: Remainder) -> tuple[Issue
     problem = final.problem
     name, first = problem.logs[0].input, problem.outputs[0]
     channel = problem.logs[0].channels[name]
-    grid = find_quantisation(np.concatenate([log.channels[name].values for log in problem.logs]))
+    values = np.concatenate([log.channels[name].values for log in problem.logs])
+    grid = find_quantisation(values)
     if grid is None or not remainder.leaves_something or not remainder.rms > 0.0:
+        return ()
+    if np.median(np.unique(values, return_counts=True)[1]) < MET_AGAIN:
         return ()
     moved = [_moved_by_rounding(final, k, grid.step) for k in range(len(problem.segments))]
     rms = float(np.sqrt(np.mean(np.concatenate(moved) ** 2)))

@@ -16,6 +16,7 @@ from softid.diagnosis.report.rounding import (
     with_rounding,
 )
 from softid.diagnosis_results import Verdict
+from softid.excitation.texture import find_quantisation
 from softid.log import Log
 
 BASE = diagnosis(Verdict.ADEQUATE).base
@@ -68,6 +69,18 @@ def test_rounding_of_the_input_that_makes_what_is_left_is_told(rms: float, told:
     if told:
         assert "pressure is recorded in steps of 2 kPa" in found[0].message
     assert not input_rounding_issues(base, replace(left, structured=False))
+
+
+def test_a_ramp_between_two_levels_is_not_rounded() -> None:
+    """At 500 kPa/s and 50 Hz it goes up by 10 kPa a sample, and stays."""
+    time_s = np.arange(1000) / 50.0
+    pressure = np.clip(500.0 * (time_s - 2.0), 0.0, 120.0)
+    log = Log.from_arrays(time_s, {"pressure": pressure, "angle": 0.02 * pressure})
+    problem = linear_problem([log])
+    base = standing(problem, problem.unknowns(TRUTH))
+    left = replace(remainder(structured=True, explained=0.0), rms=1e-3)
+    assert find_quantisation(pressure) is not None
+    assert not input_rounding_issues(base, left)
 
 
 @pytest.mark.parametrize("verdict", [Verdict.UNKNOWN, Verdict.PARTIAL])
