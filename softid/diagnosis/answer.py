@@ -96,8 +96,8 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     if base.instead_of is not None:
         errors = [recorded.first_errors(base.instead_of.candidate), *errors]
     alternatives = alternatives_of(named or links, forms)
-    refused = [cause.doubt in (None, *NO_GAIN) for cause in causes]  # by what is held out, at most
-    is_sure = all(refused) and not alternatives
+    stands = (cause.doubt in (None, *NO_GAIN) for cause in causes)  # but for what is held out
+    is_sure = all(stands) and not alternatives
     answer = Diagnosis(
         verdict=verdict_of(links, is_named, remainder),
         summary="",

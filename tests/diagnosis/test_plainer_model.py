@@ -117,7 +117,8 @@ def test_a_lag_that_another_model_does_without_is_in_a_tie() -> None:
 
 @pytest.mark.slow
 def test_no_lag_is_named_beside_a_delay_of_such_an_actuator() -> None:
-    """Of 0.1 s: one of 0.06 s takes a twenty-fourth of what the curve does, and is described."""
+    """Of 0.1 s: one of 0.06 s takes less than a twentieth of what the curve does, as a root mean
+    square, and is described."""
     logs = [recorded(levelling_off, seed, delay_s=0.1) for seed in (180, 181)]
     found = diagnose(logs[0], hold_out=[logs[1]])
     tied = {name for tie in found.alternatives for name in tie.effects}

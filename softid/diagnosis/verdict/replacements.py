@@ -114,7 +114,7 @@ BESIDE_A_LOOP = (
 
 MOST_OF_A_LOOP = 0.8
 """Share of what such a cause does that a second loop does as well where there is a second loop: of
-what six elements leave of one, a second takes nine tenths."""
+what several elements leave of one it takes nearly all, of another law hardly any."""
 
 REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(DRIFTS, ((LoadDrift(),), (PressureGainDrift(),), (PressureDrift(),))),
@@ -174,11 +174,12 @@ def with_replacements(
         for row, laws in asked
     ]
     if len(named) < len(final.effects):  # what is described may come of the wrong name
+        described = [e for e in final.acting if e not in named]
         tries += [(row, laws, []) for row, laws in asked if all(map(row.takes, named))]
         tries += [
             (row, laws, [e for e in final.acting if not row.takes(e)])
             for row, laws in asked
-            if row.beside
+            if row.beside and any(map(row.takes, described))
         ]
     standing, near = standing_of(final, base), PROMISING_RATIO * final.squares
     others = in_parallel(lambda each: refitted_with(standing, each[2], each[1], near=near), tries)
