@@ -54,6 +54,7 @@ class Doubt(Enum):
     ACTS_BEHIND = "acts behind"
     DWARFED = "dwarfed"
     ONE_STEP = "one step"
+    MENDS = "mends another"
 
 
 @dataclass(frozen=True)

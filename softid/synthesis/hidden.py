@@ -9,11 +9,21 @@ from softid.synthesis.hidden_inputs import INPUTS
 from softid.synthesis.hidden_motions import MOTIONS
 from softid.synthesis.hidden_outputs import OUTPUTS
 from softid.synthesis.hidden_sensors import SENSORS
+from softid.synthesis.hidden_springs import SPRINGS
 from softid.synthesis.hidden_strange import OTHER_FORMS, OUTSIDE
 
 HIDDEN: dict[str, Hidden] = {
     hidden.name: hidden
-    for hidden in (*INPUTS, *MOTIONS, *OTHER_FORMS, *OUTSIDE, *HEAT, *OUTPUTS, *SENSORS)
+    for hidden in (
+        *INPUTS,
+        *MOTIONS,
+        *OTHER_FORMS,
+        *OUTSIDE,
+        *SPRINGS,
+        *HEAT,
+        *OUTPUTS,
+        *SENSORS,
+    )
 }
 
 

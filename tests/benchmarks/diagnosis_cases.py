@@ -61,7 +61,6 @@ VARIED = ("rich", "levels", "lever", "triangles", "multisine")
 TIES = (("delay", "sine"), ("pneumatic_lag", "sine"))
 """Effects whose neighbours a protocol cannot split from them."""
 
-
 TOLD = (*WHAT_IT_IS, LIKE_UNLISTED_LAW)
 """Codes of what a misfit is told to be beside causes."""
 
@@ -294,12 +293,11 @@ class Score:
         Parameters of the causes.
     told
         What the misfit is beside them: what changed, or a law in no catalogue, in words.
-    explained, structure, structure_limit
+    explained, structure, structure_limit, excess
         Of the remainder.
     beside_snr
-        Least misfit over the noise that is left where one of the hidden effects is not considered
-        and the others are refitted; None unless several effects of the catalogue are hidden. What
-        one effect does may look like what another or the base can do, whatever its size alone.
+        Least misfit over the noise where one of several hidden effects is not considered and the
+        others are refitted, else None: what it does may look like what another or the base can do.
     """
 
     key: str
@@ -320,6 +318,7 @@ class Score:
     structure_limit: float
     values: dict[str, float] = field(default_factory=dict)
     told: tuple[str, ...] = ()
+    excess: float | None = None
     beside_snr: float | None = None
 
     @property
@@ -355,9 +354,9 @@ def run(case: Case) -> Score:
 
         oracle_after = _gain(known(case.names), held_out=True).rmse_after
         if case.kind in ("pair", "any_pair"):
-            without = [known(tuple({*case.names} - {name})) for name in case.names]
-            left = min(_gain(other, held_out=False).rmse_after for other in without)
-            beside_snr = _snr(left, sigma)
+            without = (known(tuple({*case.names} - {name})) for name in case.names)
+            left = [_gain(other, held_out=False).rmse_after for other in without]
+            beside_snr = _snr(min(left), sigma)
     return Score(
         key=case.key,
         kind=case.kind,
@@ -377,6 +376,7 @@ def run(case: Case) -> Score:
         structure_limit=float(found.remainder.structure_limit),
         values={p.name: float(p.value) for c in found.causes for p in c.parameters},
         told=tuple(issue.message for issue in found.issues if issue.code in TOLD),
+        excess=float(found.remainder.excess),
         beside_snr=beside_snr,
     )
 

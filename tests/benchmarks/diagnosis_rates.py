@@ -138,11 +138,12 @@ def _tell(score: Score) -> None:
     described = f" described {'+'.join(score.described)}" if score.described else ""
     tied = f" tied {','.join(score.tied)}" if score.tied else ""
     beside = "" if score.beside_snr is None else f" beside {score.beside_snr:.2f}"
+    excess = "" if score.excess is None else f" excess {score.excess:.2f}"
     print(
         f"{'ok ' if is_right(score) else 'BAD'} {score.key}: {score.verdict} {answer}{described}"
         f"{tied} snr {score.snr:.2f}{beside} gain {score.gain:.3f}/{score.oracle_gain:.3f}"
         f" recovered {score.recovered} explained {score.explained:.2f} structure"
-        f" {score.structure:.2f}/{score.structure_limit:.2f} {score.seconds:.1f} s"
+        f" {score.structure:.2f}/{score.structure_limit:.2f}{excess} {score.seconds:.1f} s"
         f" ({score.cpu_seconds:.1f} s CPU)",
         flush=True,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib import import_module
 from math import exp, pi, sqrt
@@ -109,6 +109,22 @@ def test_a_sensor_takes_in_the_pressure() -> None:
     """Of 100 kPa it makes 7 mm at once, whatever the actuator does by then."""
     found = response("pressure_pickup", {"gain": 0.07}, step(), TIME_S, actuator=SLOW)
     np.testing.assert_allclose(found.reading - found.position, 0.07 * found.pressure_kpa, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "pull"),
+    [
+        ("saturating_spring", {"force": 30.0, "reach": 20.0}, lambda x: 30.0 * np.tanh(x / 20.0)),
+        ("wavy_spring", {"force": 9.0, "period": 120.0}, lambda x: 9.0 * np.sin(2 * pi * x / 120)),
+    ],
+)
+def test_a_spring_holds_up_the_pressure(
+    name: str, values: dict[str, float], pull: Callable[[float], float]
+) -> None:
+    """Once settled Q x and the spring's own force carry the pressure; the rest is at x = 0."""
+    found = response(name, values, step(), TIME_S)
+    settled = float(found.position[-1])
+    assert 0.5 * settled + pull(settled) == pytest.approx(100.0, rel=1e-5)
 
 
 def test_a_part_of_the_tip_swings() -> None:

@@ -63,6 +63,7 @@ DOUBTS = {
     Doubt.ACTS_BEHIND: "acts behind that motion, as a nonlinear sensor does",
     Doubt.DWARFED: "may be what the law of the largest cause leaves, as small as it is",
     Doubt.ONE_STEP: "is not told from other slow or nonlinear laws by a single step",
+    Doubt.MENDS: "may be a piece of one law of another form, for more than noise is left beside it",
 }
 """Why a description is no cause, after its title; the others are told by sentences of their own."""
 

@@ -16,7 +16,7 @@ from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
-from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE, Law
+from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE, NEAR_TWO, Law
 from softid.effects import belongs_to, extended_name
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -70,12 +70,16 @@ class BeyondCatalogue:
     def outdoes(self, cause: Candidate) -> bool:
         """Whether the best explains so much that no second cause need be looked for.
 
+        One that two causes may do as well leaves that open.
+
         Parameters
         ----------
         cause
             The base with the best cause of the catalogue.
         """
         leaves_nothing = self.is_whole and self.squares < AS_NOISE * self.noise
+        if isinstance(self.laws[0], NEAR_TWO):
+            return False
         return leaves_nothing and self.squares < OUTDONE_RATIO * cause.squares
 
 

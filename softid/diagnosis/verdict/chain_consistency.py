@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis_results import Cause
+from softid.diagnosis_results import Cause, Remainder
 from softid.effects import confusable_with, extended_name
 from softid.effects.base import Effect
 
@@ -18,6 +18,11 @@ form only, and a line that is a delay and a lag has both."""
 MAIN = 0.5
 """Causes are named when they take at least this share of what the whole chain takes: a cause beside
 a larger description stands on it."""
+
+MORE_THAN_NOISE = 0.05
+"""Share of the noise's variance, and a standard deviation of that, above which what two causes that
+can be confused leave is more than what the true two would. Of the true ones nearly all leave less;
+pieces of one law of another form leave a tenth to a fifth."""
 
 
 def consistent_names(
@@ -36,8 +41,7 @@ def consistent_names(
     squares_left
         Sum of squares that the last model leaves.
     """
-    squares = [*(link.squares_before for link in links), squares_left]
-    taken = [max(before - after, 0.0) for before, after in pairwise(squares)]
+    taken = _taken(links, squares_left)
     effects = [link.added for link in links]
     kept, counted = list(named), list(named)
     for late in range(1, len(effects)):
@@ -55,6 +59,41 @@ def consistent_names(
     if sum(t for t, counts in zip(taken, counted, strict=True) if counts) < MAIN * sum(taken):
         return (False,) * len(links)
     return tuple(kept)
+
+
+def mending(links: Sequence[Link], squares_left: float, remainder: Remainder) -> frozenset[str]:
+    """Keys of causes that may be pieces of one law, which is not quite that of any of them.
+
+    Of two that can be confused and that together leave more than noise, the later one is; the
+    earlier one, too, where it takes away less than the later one.
+
+    Parameters
+    ----------
+    links
+        The chain.
+    squares_left
+        Sum of squares that the last model leaves.
+    remainder
+        The same beside the noise.
+    """
+    if remainder.excess <= MORE_THAN_NOISE + remainder.noise_sd:
+        return frozenset()
+    taken = _taken(links, squares_left)
+    effects = [link.added for link in links]
+    found = set()
+    for late, early in _pairs_alike(effects):
+        if effects[early].has_one_form or effects[late].has_one_form:
+            continue
+        found.add(effects[late].key)
+        if taken[late] > taken[early]:
+            found.add(effects[early].key)
+    return frozenset(found)
+
+
+def _taken(links: Sequence[Link], squares_left: float) -> list[float]:
+    """What each link takes away of the sum of squares."""
+    squares = [*(link.squares_before for link in links), squares_left]
+    return [max(before - after, 0.0) for before, after in pairwise(squares)]
 
 
 def _is_held_by_bounds(cause: Cause, effect: Effect) -> bool:

@@ -10,6 +10,7 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.verdict.cancelling import cancelling
+from softid.diagnosis.verdict.chain_consistency import mending
 from softid.diagnosis.verdict.displacement import behind, displacing
 from softid.diagnosis.verdict.naming import doubt_of, most_variation
 from softid.diagnosis.verdict.occurrence import occurs
@@ -64,6 +65,7 @@ def with_doubts(
         **dict.fromkeys(cancelling(final, base.candidate, scale), Doubt.CANCELS),
     }
     told, small, in_one_step = [], dwarfed(chain), is_one_step(final.problem)
+    pieces = mending(chain.links, final.squares, remainder)
     for cause, link in zip(causes, chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
         if doubt is None and cause.key in small:
@@ -72,6 +74,8 @@ def with_doubts(
             doubt = Doubt.TOO_QUICK
         if doubt is None and in_one_step and not link.added.has_one_form:
             doubt = Doubt.ONE_STEP
+        if doubt is None and cause.key in pieces:
+            doubt = Doubt.MENDS
         if doubt in NO_GAIN and not occurs(link.added, final, base.candidate, held_out, scale):
             doubt = Doubt.DOES_NOT_OCCUR
         told.append(replace(cause, doubt=against.get(cause.key, doubt)))

@@ -208,6 +208,7 @@ ONE_FOR_ALL = EquivalenceClass(
         "uneven_delay",
         "feedthrough",
         "swinging_part",
+        "free_spring",
     ),
     "A refit with the last of them in the place of all causes explains these logs better",
     "small and large steps from many positions, up and down, early and late",

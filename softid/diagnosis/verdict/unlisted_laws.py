@@ -34,6 +34,7 @@ from softid.diagnosis.verdict.unlisted_readings import (
     SwingingPart,
     UnevenReading,
 )
+from softid.diagnosis.verdict.unlisted_springs import FreeSpring
 from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.scale import Scale
@@ -327,6 +328,7 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     SettlingStiffness,
     RecoveringSoftening,
     PositionDamping,
+    FreeSpring,
     EarlyReading,
     SmoothedInput,
     UnevenReading,
@@ -341,6 +343,10 @@ NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart)
 """Laws of no catalogue that a single cause may do as well: a leak may be next to none, and is a lag
 then, a valve or a sensor may be late up and down alike, and what swings fast enough is late as a
 lag is."""
+
+NEAR_TWO = (FreeSpring,)
+"""Laws of no catalogue that two causes may do as well: a spring of any shape may be one that
+stiffens up to a wall."""
 
 BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law not in NEAR_ONE)
 """Laws of no catalogue that no single cause can do as well."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 UNLISTED: dict[str, str] = {
     "position_damping": "a damping of the actuator itself that goes with its position",
+    "free_spring": "a spring, a wall or a load whose force follows the position along some other "
+    "curve",
     "gauge_lag": "a pressure gauge that lags behind",
     "sensor_lead": "a sensor that runs ahead of the motion",
     "held_input": "an input that is held until its next sample",

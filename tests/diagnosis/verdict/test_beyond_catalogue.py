@@ -11,6 +11,7 @@ from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
 from softid.diagnosis.verdict.unlisted_laws import OutputPlay
+from softid.diagnosis.verdict.unlisted_springs import FreeSpring
 from softid.log import LogSet
 from softid.synthesis import hidden_pair
 
@@ -31,6 +32,7 @@ def base_over(*names: str, seed: int) -> BaseFit:
         ("rate_limit", "rate_limit"),
         ("supply_limit", "input_limit"),
         ("self_heating", "recovering_softening"),
+        ("wavy_spring", "free_spring"),
     ],
 )
 def test_what_is_hidden_is_told(hidden: str, law: str) -> None:
@@ -72,3 +74,10 @@ def test_only_what_leaves_noise_ends_a_search(
     found = BeyondCatalogue((OutputPlay(),), share, share, squares, 100.0)
     best: Any = SimpleNamespace(squares=cause)
     assert found.outdoes(best) is outdoes
+
+
+def test_a_spring_of_any_shape_leaves_a_second_cause_open() -> None:
+    """A stiffening up to a wall is such a spring, too, and has two causes."""
+    best: Any = SimpleNamespace(squares=200.0)
+    found = BeyondCatalogue((FreeSpring(),), 0.99, 0.99, 120.0, 100.0)
+    assert not found.outdoes(best)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from handmade_diagnosis import cause, estimate
+from handmade_diagnosis import cause, estimate, remainder
 from handmade_rounds import ranked
 
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis.verdict.chain_consistency import consistent_names
+from softid.diagnosis.verdict.chain_consistency import consistent_names, mending
 from softid.diagnosis_results import Cause
 
 
@@ -94,3 +94,28 @@ def test_a_cause_beside_a_larger_description_is_none() -> None:
     told = causes("stiffening", "creep")
     assert consistent_names(chain, told, (False, True), 1.0) == (False, False)
     assert consistent_names(chain, told, (True, False), 1.0) == (True, False)
+
+
+@pytest.mark.parametrize(
+    ("keys", "squares", "excess", "pieces"),
+    [
+        (("stiffening", "contact.lower"), (100.0, 40.0), 0.2, {"contact.lower"}),
+        (("stiffening", "contact.lower"), (100.0, 40.0), 0.07, set()),
+        (("stiffening", "contact.lower"), (100.0, 90.0), 0.2, {"stiffening", "contact.lower"}),
+        (("stiffening", "creep"), (100.0, 40.0), 0.2, set()),
+        (("pneumatic_lag", "delay"), (100.0, 40.0), 0.2, set()),
+        (
+            ("hysteresis", "creep", "coulomb_friction"),
+            (100.0, 40.0, 20.0),
+            0.2,
+            {"creep", "coulomb_friction"},
+        ),
+    ],
+)
+def test_two_that_are_alike_and_leave_more_than_noise_are_pieces(
+    keys: tuple[str, ...], squares: tuple[float, ...], excess: float, pieces: set[str]
+) -> None:
+    """By the rule: the later one, and the earlier one where it takes less; a delay has one form.
+    The noise is known to 3 %, so 7 % more than it is noise."""
+    left = replace(remainder(structured=False, explained=0.99), excess=excess, noise_sd=0.03)
+    assert mending(links(*keys, squares=squares), 1.0, left) == pieces

@@ -43,6 +43,7 @@ from softid.diagnosis.verdict.unlisted_readings import (
     SwingingPart,
     UnevenReading,
 )
+from softid.diagnosis.verdict.unlisted_springs import MARGIN, FreeSpring
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.effects.sensor_lag import SensorLag
@@ -211,6 +212,20 @@ def test_a_damping_is_known_at_its_knots() -> None:
         out[:] = 0.0
         law.step(scale.x_low + share * scale.x_span, 0.0, 0.0, 0.0, 0.0, eta, out)
         assert out[DAMPING] == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_spring_of_any_shape_follows_a_parabola() -> None:
+    """Closed form: chords of a parabola have its slopes, so it is met everywhere between the second
+    knot and the last but one; with nothing at both ends, it pulls with nothing beyond."""
+    law, scale, out = FreeSpring(), sizes_of("muscle"), np.zeros(8)
+    xi = np.arange(1, 10) / 10.0
+    eta = np.array([*(xi * (1.0 - xi)), *law.constants(scale)])
+    low, span = scale.x_low - MARGIN * scale.x_span, (1.0 + 2.0 * MARGIN) * scale.x_span
+    for place in (-0.3, 0.0, 0.1, 0.13, 0.5, 0.77, 0.9, 1.0, 1.4):
+        out[:] = 0.0
+        law.step(low + place * span, 0.0, 0.0, 0.0, 0.0, eta, out)
+        expected = scale.force * max(place * (1.0 - place), 0.0)
+        assert out[FORCE] == pytest.approx(expected, abs=1e-9 * scale.force)
 
 
 def test_a_stiffness_settles() -> None:

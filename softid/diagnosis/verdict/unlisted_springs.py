@@ -1,0 +1,92 @@
+"""A spring in no catalogue, for which a cause that goes with the position may stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from softid.diagnosis.verdict.unlisted_drifts import one_parameter
+from softid.effects.base import StateEffect
+from softid.effects.scale import Scale
+from softid.kernels.terms import FORCE
+from softid.parameters import ParameterSet
+
+KNOTS = 11
+"""Positions at which the force is known, of which the first and the last have none."""
+
+INNER = KNOTS - 2
+NAMES = tuple(f"f{k}" for k in range(1, INNER + 1))
+"""The knots that have a force."""
+
+MARGIN = 0.05
+"""Share of the range of positions by which the knots reach beyond either end of it, for the model
+goes a little further than the record."""
+
+MOST = 1.0
+"""Bound of the force at a knot, as a share of what moves the actuator through its range."""
+
+
+@dataclass(frozen=True)
+class FreeSpring(StateEffect):
+    """A force that goes with the position along any smooth curve, + F f(ξ), ξ from 0 to 1.
+
+    f is a cubic between `KNOTS` values at equal distances, with the slope of the chord of its
+    neighbours at each. It is zero at both ends and beyond: a straight line is the model's own.
+
+    Source: Catmull and Rom, *A class of local interpolating splines*, 1974.
+    """
+
+    name: ClassVar[str] = "free_spring"
+    title: ClassVar[str] = "Spring of a shape of its own"
+    law: ClassVar[str] = "+ F f(xi), xi the position within its range, f through f1 … f9"
+    meaning: ClassVar[str] = "Folds, walls or a weight pull with another force at every position."
+    signature: ClassVar[str] = "The residual is a function of the position, at rest and in motion."
+    remedy: ClassVar[str] = "none is needed: use the measured curve for control"
+    shown_by: ClassVar[str] = "held levels over the full range, in fine steps up and down"
+    source: ClassVar[str] = "Catmull and Rom, A class of local interpolating splines, 1974"
+    amplitude: ClassVar[str] = "f1"
+    changes_sign: ClassVar[bool] = True
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """All vanish together."""
+        return NAMES
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The force at each inner knot, as a share of what moves the actuator."""
+        del scale
+        declared = (
+            one_parameter(name, 0.0, "1", -MOST, MOST, "force there", self.source)[name]
+            for name in NAMES
+        )
+        return ParameterSet(tuple(declared))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """One start: no force at any position."""
+        del scale
+        return (dict.fromkeys(NAMES, 0.0),)
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """The unit of the force, where the knots begin, and their distance."""
+        low, span = scale.x_low - MARGIN * scale.x_span, (1.0 + 2.0 * MARGIN) * scale.x_span
+        return scale.force, low, span / (KNOTS - 1)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force F f(ξ)."""
+        place = min(max((x - eta[INNER + 1]) / eta[INNER + 2], 0.0), KNOTS - 1.0)
+        left = min(int(place), KNOTS - 2)
+        b = place - left
+        weights = (
+            b * (b * (2.0 - b) - 1.0),
+            b * b * (3.0 * b - 5.0) + 2.0,
+            b * (b * (4.0 - 3.0 * b) + 1.0),
+            b * b * (b - 1.0),
+        )
+        force = 0.0
+        for j in range(4):
+            inner = left + j - 2
+            if 0 <= inner < INNER:
+                force += 0.5 * weights[j] * eta[inner]
+        out[FORCE] += eta[INNER] * force
