@@ -60,6 +60,7 @@ from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.second_input import with_second_input
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.motion import mean_square, residual_context
+from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis.verdict.sample_errors import with_sample_remainder
@@ -244,7 +245,8 @@ def _searched(
         return _answered(*searched(plainer)) if plainer is not None else None
 
     answer, base = _surest_answer(found, last, over_plainer_model)
-    if base is not last.base:  # a plainer model has settled it
+    is_open = not found.chain.links and is_one_step(base.candidate.problem)
+    if base is not last.base or is_open:  # a plainer model has settled it, or nothing does
         return answer, base
     unnamed = answer.verdict is Verdict.UNKNOWN
     plainer = models.after_all_causes(

@@ -31,6 +31,9 @@ BEST_OF_UNEQUAL = "The best, though its lead is smaller than what none of them e
 SPLITS = ". What splits them: "
 """Words between why causes are tied and what to record."""
 
+SEVERAL_STEPS = "record several steps, up and down and to several levels, each held as long"
+"""What tells the parameters of a model and its causes, where a single step does not."""
+
 
 def is_linear(base: FitResult) -> bool:
     """Whether a model is linear with constant coefficients, whatever the input."""
@@ -205,7 +208,7 @@ def what_next(
         Whether blocks of the fitted logs judge.
     """
     if any(law.doubt is Doubt.ONE_STEP for law in laws):
-        return "record several steps, up and down and to several levels, each held as long"
+        return SEVERAL_STEPS
     for alternative in alternatives if verdict is not Verdict.UNKNOWN else ():
         known = law_that_ties(alternative, linear=linear)
         if known is not None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.report.ambiguity import SEVERAL_STEPS
 from softid.diagnosis.report.changes import (
     HELD_OUT_CHANGE,
     change_issues,
@@ -14,6 +15,7 @@ from softid.diagnosis.report.changes import (
 )
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import excess_of, noise_variance
+from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
 from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
@@ -22,6 +24,9 @@ from softid.errors import Issue
 
 UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
 """Codes of the remark that a law in no catalogue accounts for a misfit, or for most of it."""
+
+ONE_STEP = "one-step"
+"""Code of the remark that a single step leaves the parameters open that what is held out needs."""
 
 MOST_LAWS = 3
 """Most laws of no catalogue that a sentence names."""
@@ -128,6 +133,12 @@ def with_other_explanations(
     told: tuple[Issue, ...] = ()
     if any(cause.doubt is Doubt.ONE_STEP for cause in answer.descriptive):
         return answer  # what is slow behind a step would begin at a moment
+    if is_unknown and not (leaves or answer.descriptive) and is_one_step(base.candidate.problem):
+        return replace(
+            answer,
+            issues=(*answer.issues, one_step_issue()),
+            next_experiment=SEVERAL_STEPS,
+        )
     if leaves or (is_unknown and not known):
         told = others.events(base)
     if told and answer.causes:
@@ -142,6 +153,17 @@ def with_other_explanations(
         alternatives=() if is_told else answer.alternatives,  # a tie of descriptions says nothing
         issues=(*answer.issues, *told),
         next_experiment=following[0] if following else answer.next_experiment,
+    )
+
+
+def one_step_issue() -> Issue:
+    """That what is missed elsewhere may be parameters which one step does not tell."""
+    return Issue(
+        ONE_STEP,
+        "info",
+        "the fitted logs hold one step only, and the model follows it: what it misses on what is "
+        "held out may be its parameters, which one step hardly tells, or something that is missing",
+        SEVERAL_STEPS,
     )
 
 

@@ -26,7 +26,7 @@ from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
 from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
-from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW, UNLISTED_LAW
+from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW, ONE_STEP, UNLISTED_LAW
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLE_WORDS,
@@ -70,7 +70,7 @@ from softid.diagnosis_results import (
 from softid.quality.causality import LEADING_OUTPUT
 from softid.results import FitResult
 
-WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW, FOLLOWS_SECOND_INPUT)
+WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW, FOLLOWS_SECOND_INPUT, ONE_STEP)
 """Codes of remarks that say what a misfit is for which no cause is named."""
 
 NEXT_TO_NOTHING = 0.1
