@@ -165,7 +165,8 @@ TWO_CREEPS = EquivalenceClass(
 TWO_HYSTERESES = EquivalenceClass(
     ("a cause beside the hysteresis", UNLISTED["second_hysteresis"]),
     ("second_hysteresis",),
-    "A refit with a hysteresis of a second distance in its place explains most of what it does",
+    "A refit with a hysteresis of a second distance in its place explains most of what it does, or "
+    "predicts better what is held out",
     "slow loops of many sizes, one within the other",
 )
 """A material that gives way over several distances."""
@@ -208,6 +209,7 @@ ONE_FOR_ALL = EquivalenceClass(
         "uneven_delay",
         "feedthrough",
         "swinging_part",
+        "power_spring",
         "free_spring",
     ),
     "A refit with the last of them in the place of all causes explains these logs better",

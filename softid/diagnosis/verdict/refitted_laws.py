@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import ChainMap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import COARSE_STEPS, Candidate, advance, begun
@@ -22,6 +23,9 @@ from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.multistart import driven
 from softid.effects import belongs_to
 from softid.effects.base import Effect, InputEffect
+from softid.fitters.problem import Problem
+
+Array = npt.NDArray[np.float64]
 
 FIRST_EVALUATIONS, REFIT_EVALUATIONS = 8, 40
 """Evaluations from where a cause stood: of all that is put in its place, over averages, and to the
@@ -88,6 +92,8 @@ def refitted_with(
 ) -> Candidate | None:
     """The base with effects of a model that stands, and others from the best of their starts.
 
+    Where none of its effects stays, they also begin beside the base without any, for what stood in
+    their place may have moved it to another optimum, or away from one: the nearer one goes on.
     One of `CURVED` also begins at start values of the base for what arrives behind it: what stood
     for it has bent the curve of the base.
 
@@ -113,39 +119,14 @@ def refitted_with(
     base, known, rough_base = standing.base, standing.rough, standing.rough_base
     sigma, effects = standing.rough_sigma, (*kept, *laws)
     problem = extend_in_order(rough_base.problem, acting_order(kept, laws), base.scale)
-    places = (known,) if kept else (known, rough_base)
-    starts = [
-        start_unknowns(problem, place.problem, place.minimum.point, values)
-        for place in places
-        for values in _start_values(laws, base)
-    ]
-    if isinstance(laws[0], InputEffect) and laws[0].name in CURVED:
-        beside = {
-            name: value
-            for name, value in known.parameters.items()
-            if any(belongs_to(effect, name) for effect in kept)
-        }
-        starts += [
-            start_unknowns(
-                problem,
-                place.problem,
-                place.minimum.point,
-                {**beside, **named_values(laws[0], own)},
-            )
-            for own in laws[0].starts(base.scale)
-            for place in driven(rough_base, laws[0], own, base.scale)
-        ]
-    z = min(starts, key=lambda start: squares_at(problem, start, sigma))
-    found = advance(
-        begun(known, effects, problem, z), sigma, FIRST_EVALUATIONS, substeps=COARSE_STEPS
-    )
     limit = known.squares + near - standing.model.squares
-    for _ in range(MORE_ROUNDS):
-        if found.squares <= limit:
-            break
-        before, found = found, advance(found, sigma, FIRST_EVALUATIONS, substeps=COARSE_STEPS)
-        if not found.squares < STILL_FALLS * before.squares:
-            break
+    found = min(
+        (
+            _begun_near(begun(known, effects, problem, z), sigma, limit)
+            for z in _starts(standing, kept, laws, problem)
+        ),
+        key=lambda candidate: candidate.squares,
+    )
     if not found.squares <= limit:
         return None
     found = advance(found, sigma, REFIT_EVALUATIONS, substeps=COARSE_STEPS)
@@ -153,6 +134,55 @@ def refitted_with(
         return None
     whole = over_samples_of(found, base.candidate, base.scale)
     return advance(whole, base.sigma, REFIT_EVALUATIONS)
+
+
+def _starts(
+    standing: Standing, kept: Sequence[Effect], laws: Sequence[Effect], problem: Problem
+) -> list[Array]:
+    """The best start beside the model that stands; where nothing of it stays, of the base, too."""
+    base, known, rough_base = standing.base, standing.rough, standing.rough_base
+    sigma, own_values = standing.rough_sigma, _start_values(laws, base)
+
+    def best(starts: Iterable[Array]) -> Array:
+        return min(starts, key=lambda start: squares_at(problem, start, sigma))
+
+    found = [
+        best(
+            start_unknowns(problem, place.problem, place.minimum.point, values)
+            for values in own_values
+        )
+        for place in ((known,) if kept else (known, rough_base))
+    ]
+    if not (isinstance(laws[0], InputEffect) and laws[0].name in CURVED):
+        return found
+    beside = {
+        name: value
+        for name, value in known.parameters.items()
+        if any(belongs_to(effect, name) for effect in kept)
+    }
+    bent = [
+        start_unknowns(
+            problem,
+            place.problem,
+            place.minimum.point,
+            {**beside, **named_values(laws[0], own)},
+        )
+        for own in laws[0].starts(base.scale)
+        for place in driven(rough_base, laws[0], own, base.scale)
+    ]
+    return [best((*found, *bent))]
+
+
+def _begun_near(found: Candidate, sigma: Mapping[str, float], limit: float) -> Candidate:
+    """A start after its first evaluations, and more of them as long as they come nearer."""
+    found = advance(found, sigma, FIRST_EVALUATIONS, substeps=COARSE_STEPS)
+    for _ in range(MORE_ROUNDS):
+        if found.squares <= limit:
+            break
+        before, found = found, advance(found, sigma, FIRST_EVALUATIONS, substeps=COARSE_STEPS)
+        if not found.squares < STILL_FALLS * before.squares:
+            break
+    return found
 
 
 def _start_values(laws: Sequence[Effect], base: BaseFit) -> list[dict[str, float]]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import Link
@@ -56,8 +57,9 @@ class Replacement:
     beside
         Name of another cause that must be named as well; empty where none must.
     most
-        So does a law that takes away this share of what the cause does, which no law of its kind
-        would if the cause were there; None where the BIC alone counts.
+        So does a law that takes away this share of what the cause does, or that predicts what is
+        held out better, which no law of its kind would if the cause were there; None where the BIC
+        alone counts.
     """
 
     causes: tuple[str, ...]
@@ -70,8 +72,10 @@ class Replacement:
         """Whether an effect is one of the causes."""
         return effect.name in self.causes or effect.key in self.causes
 
-    def takes_most(self, links: Sequence[Link], other: Candidate, final: Candidate) -> bool:
-        """Whether what stands in the place of causes takes away most of what these do.
+    def does_as_much(
+        self, links: Sequence[Link], other: Candidate, final: Candidate, held_out: HeldOut
+    ) -> bool:
+        """Whether what stands in the place of causes does most of what these do, or predicts more.
 
         Parameters
         ----------
@@ -81,9 +85,13 @@ class Replacement:
             The model with a law in their place.
         final
             The model with all causes.
+        held_out
+            What is held out.
         """
         if self.most is None:
             return False
+        if held_out.rms(other) < held_out.rms(final):
+            return True
         kept = {effect.key for effect in other.effects}
         before = max(link.squares_before for link in links if link.added.key not in kept)
         return before - other.squares > self.most * (before - final.squares)
@@ -190,7 +198,7 @@ def with_replacements(
         if other is None:
             continue
         is_alike = bic[id(other)] < min(best, bic[id(final)] + row.behind)
-        if is_alike or row.takes_most(links, other, final):
+        if is_alike or row.does_as_much(links, other, final, base.held_out):
             found = [_with_rivals(link, row, laws, other) for link in found]
     return found
 

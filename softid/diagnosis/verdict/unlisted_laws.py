@@ -34,7 +34,7 @@ from softid.diagnosis.verdict.unlisted_readings import (
     SwingingPart,
     UnevenReading,
 )
-from softid.diagnosis.verdict.unlisted_springs import FreeSpring
+from softid.diagnosis.verdict.unlisted_springs import FreeSpring, PowerSpring
 from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.scale import Scale
@@ -328,6 +328,7 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     SettlingStiffness,
     RecoveringSoftening,
     PositionDamping,
+    PowerSpring,
     FreeSpring,
     EarlyReading,
     SmoothedInput,
@@ -344,7 +345,7 @@ NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart)
 then, a valve or a sensor may be late up and down alike, and what swings fast enough is late as a
 lag is."""
 
-NEAR_TWO = (FreeSpring,)
+NEAR_TWO = (PowerSpring, FreeSpring)
 """Laws of no catalogue that two causes may do as well: a spring of any shape may be one that
 stiffens up to a wall."""
 

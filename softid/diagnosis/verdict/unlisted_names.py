@@ -4,6 +4,7 @@ from __future__ import annotations
 
 UNLISTED: dict[str, str] = {
     "position_damping": "a damping of the actuator itself that goes with its position",
+    "power_spring": "a spring that stiffens with another power of the position",
     "free_spring": "a spring, a wall or a load whose force follows the position along some other "
     "curve",
     "gauge_lag": "a pressure gauge that lags behind",

@@ -1,7 +1,8 @@
-"""A spring in no catalogue, for which a cause that goes with the position may stand."""
+"""Springs in no catalogue, for which causes that go with the position may stand."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -25,6 +26,60 @@ goes a little further than the record."""
 
 MOST = 1.0
 """Bound of the force at a knot, as a share of what moves the actuator through its range."""
+
+LEAST_POWER, MOST_POWER = 1.5, 15.0
+"""Bounds of the power with which a spring stiffens: straighter is the model's own, and steeper a
+wall."""
+
+POWERS, SHARES = (2.0, 5.0, 9.0), (-0.1, 0.2)
+"""Starts of the power, and of the force at the end of the range."""
+
+
+@dataclass(frozen=True)
+class PowerSpring(StateEffect):
+    """A force that grows with a power of the position, + F share |x/X|ⁿ sign x.
+
+    X is the largest position. A wall of fibres or folds that come to their full length stiffens
+    later, and more steeply, than with the cube.
+
+    Source: Kovacic and Brennan, *The Duffing Equation*, 2011, ch. 2 (purely nonlinear springs).
+    """
+
+    name: ClassVar[str] = "power_spring"
+    title: ClassVar[str] = "Stiffening with another power"
+    law: ClassVar[str] = "+ F share |x/X|^n sign(x), X the largest position"
+    meaning: ClassVar[str] = "The wall stiffens later and more steeply than with the cube."
+    signature: ClassVar[str] = "The residual at rest grows steeply towards the largest positions."
+    remedy: ClassVar[str] = "work in the middle of the range"
+    shown_by: ClassVar[str] = "held levels up to the largest position, in fine steps up and down"
+    source: ClassVar[str] = "Kovacic and Brennan, The Duffing Equation, 2011, ch. 2"
+    amplitude: ClassVar[str] = "share"
+    essential: ClassVar[tuple[str, ...]] = ("n",)
+    counts_position: ClassVar[bool] = True
+    changes_sign: ClassVar[bool] = True
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The force at the largest position, and the power."""
+        del scale
+        declared = (
+            one_parameter("share", SHARES[1], "1", -MOST, MOST, "force there", self.source),
+            one_parameter("n", POWERS[1], "1", LEAST_POWER, MOST_POWER, "power", self.source),
+        )
+        return ParameterSet(tuple(p for one in declared for p in one.values()))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Several powers, of a spring that gives way and of one that stiffens."""
+        del scale
+        return tuple({"share": share, "n": n} for n in POWERS for share in SHARES)
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """The unit of the force, and the largest position."""
+        return scale.force, max(abs(scale.x_low), abs(scale.x_high))
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force F share |x/X|ⁿ sign x."""
+        out[FORCE] += eta[2] * eta[0] * math.copysign(abs(x / eta[3]) ** eta[1], x)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from handmade_rounds import ranked
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
+from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.refit.candidates import Candidate, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
@@ -153,6 +155,22 @@ def test_a_second_loop_in_the_place_of_a_cause_beside_a_loop(
     assert other.rivals[1:] == rivals
 
 
+@pytest.mark.parametrize(
+    ("squares", "held_out", "does"),
+    [(50.0, 2.0, False), (15.0, 2.0, True), (50.0, 0.9, True), (50.0, 1.0, False)],
+    ids=["neither", "most", "predicts more", "predicts as much"],
+)
+def test_a_second_loop_does_most_or_predicts_more(
+    squares: float, held_out: float, does: bool
+) -> None:
+    """By the rule: four fifths of the fall from 100 to 1, or less than an error of 1."""
+    row = next(row for row in REPLACEMENTS if row.beside == "hysteresis")
+    other: Any = SimpleNamespace(effects=(), squares=squares, rms=held_out)
+    final: Any = SimpleNamespace(squares=1.0, rms=1.0)
+    judge: Any = SimpleNamespace(rms=lambda model: model.rms)
+    assert row.does_as_much([link_of("dead_zone")], other, final, judge) is does
+
+
 def test_a_second_creep_is_asked_beside_a_first_alone() -> None:
     """A hysteresis by itself is not held against it."""
     for keys, asked in ((("hysteresis",), False), (("creep", "hysteresis"), True)):
@@ -242,3 +260,14 @@ def test_a_leak_in_the_place_of_a_curve_and_a_lag() -> None:
     final = converged_with(base, tuple(effect_of(key) for key in named))
     for link in with_replacements([link_of(key) for key in named], [True, True], final, base):
         assert link.rivals[1:] == ("relief_leak",)
+
+
+def test_a_power_in_the_place_of_a_stiffening_up_to_a_wall() -> None:
+    """A spring with the fifth power, by the generator: one law in place of the two that follow it.
+
+    The base alone has settled in another optimum than beside the two, where no power fits.
+    """
+    log, judge = hidden_pair(["quintic_stiffening"], seed=218000).logs
+    two = ("contact", "stiffening")
+    found = diagnose(log, hold_out=[judge], model="muscle", effects=two)
+    assert [tie.effects for tie in found.alternatives] == [(one, "power_spring") for one in two]

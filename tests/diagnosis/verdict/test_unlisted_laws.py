@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,7 @@ from softid.diagnosis.verdict.unlisted_readings import (
     SwingingPart,
     UnevenReading,
 )
-from softid.diagnosis.verdict.unlisted_springs import MARGIN, FreeSpring
+from softid.diagnosis.verdict.unlisted_springs import MARGIN, FreeSpring, PowerSpring
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.effects.sensor_lag import SensorLag
@@ -226,6 +227,16 @@ def test_a_spring_of_any_shape_follows_a_parabola() -> None:
         law.step(low + place * span, 0.0, 0.0, 0.0, 0.0, eta, out)
         expected = scale.force * max(place * (1.0 - place), 0.0)
         assert out[FORCE] == pytest.approx(expected, abs=1e-9 * scale.force)
+
+
+def test_a_spring_stiffens_with_a_power() -> None:
+    """By hand: half way 0.5⁴ of the force at the largest position is left, to either side."""
+    law, scale = PowerSpring(), sizes_of("muscle")
+    unit, largest = law.constants(scale)
+    for place in (0.5, -0.5):
+        out = np.zeros(8)
+        law.step(place * largest, 0.0, 0.0, 0.0, 0.0, np.array([0.3, 4.0, unit, largest]), out)
+        assert out[FORCE] == pytest.approx(math.copysign(0.3 * 0.5**4 * unit, place))
 
 
 def test_a_stiffness_settles() -> None:
