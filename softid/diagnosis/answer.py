@@ -188,11 +188,15 @@ def _fit_of_base(base: BaseFit, seed: int, least_sd: Mapping[str, float]) -> Fit
 def _fit_of(
     final: Candidate, identified: Identification, seed: int, least_sd: Mapping[str, float]
 ) -> FitResult:
-    """The extended model as a fit with errors and scores."""
+    """The extended model as a fit with errors and scores.
+
+    A term that the base could not see is in it again, and its error says whether it is seen now.
+    """
     problem = final.problem
+    unseen = {n: why for n, why in identified.found.unseen.items() if n not in problem.free}
     optimum = optimum_of(final, identified.found.optimum.sigma)
     constraints = ParameterConstraints.of(problem.model.parameters(), None)
-    found = OptimisedProblem(problem, optimum, identified.found.unseen, constraints)
+    found = OptimisedProblem(problem, optimum, unseen, constraints)
     return _assembled(found, identified, seed, least_sd)
 
 

@@ -11,7 +11,8 @@ import pytest
 from handmade_diagnosis import FRICTION
 from handmade_searches import base_fit, chain_of
 
-from softid.diagnosis import answer
+from softid.diagnosis import answer, diagnose
+from softid.synthesis import hidden_pair
 
 
 @pytest.mark.parametrize(
@@ -34,3 +35,21 @@ def test_what_others_leave_without_a_cause_speaks_for_it_where_it_is_no_loss(
         (alone, FRICTION), chain, base_fit(), held_out, errors, ()
     )
     assert found.holdout_rmse_without == (1.7 if is_told else None)
+
+
+def test_a_term_that_the_base_could_not_see_is_known_beside_a_cause() -> None:
+    """Known truth: behind a hysteresis the inertia is lost, and beside it it is known to 2 %."""
+    pair = hidden_pair(
+        ["hysteresis"], seed=226000, model="oscillator", protocol="triangles", size=2.0
+    )
+    train, hold_out = pair.logs
+    found = diagnose(train, hold_out=[hold_out], model="oscillator", effects=["hysteresis"])
+    assert found.extended is not None
+    (before, after) = (
+        next(p for p in fit.parameters if p.name == "M") for fit in (found.base, found.extended)
+    )
+    assert before.verdict == "not identified"
+    assert after.verdict == "identified"
+    assert after.ci95 is not None
+    assert after.ci95[0] < pair.actuator.values["M"] < after.ci95[1]
+    assert "not-seen" not in {issue.code for issue in found.issues}
