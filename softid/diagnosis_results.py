@@ -129,8 +129,8 @@ class Cause:
         Root mean square error over all held-out samples without and with it, in the first output's
         unit.
     gain_ci95
-        Interval of the relative gain 1 − after/before, by a block bootstrap; None when the
-        held-out samples are too few.
+        95 % interval of the relative gain 1 − after/before, by blocks longer than the memory of the
+        residuals; None when the held-out samples are too few.
     holdout_rmse_without
         Where the cause may gain nothing beside the ones before it alone, and the others surely do
         worse without it: the held-out error of the model with all others, to be held against that

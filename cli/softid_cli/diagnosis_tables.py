@@ -54,14 +54,15 @@ def _print_causes(heading: str, causes: Sequence[Cause], diagnosis: Diagnosis) -
 
 def _row(cause: Cause, unit: str, factor: float, earlier: Cause | None) -> tuple[str, ...]:
     """One cause, and the one of the other table that it was added to."""
+    from softid.diagnosis.report.phrases import percent_range
+
     before, after = cause.holdout_rmse_before, cause.holdout_rmse_after
     error = ""
     if math.isfinite(before) or math.isfinite(after):
         error = f"{_error(before, factor)} → {_error(after, factor, unit)}"
         error += f"\nafter {earlier.key}" if earlier else ""
     if cause.gain_ci95 is not None:
-        low, high = (100.0 * end for end in cause.gain_ci95)
-        error += f"\ngain {low:z.0f} to {high:z.0f} %"
+        error += f"\ngain {percent_range(cause.gain_ci95)}"
     if cause.holdout_rmse_without is not None:
         error += f"\nwithout it {_error(cause.holdout_rmse_without, factor, unit)}"
     values = "\n".join(_value(cause.key, p) for p in cause.parameters)

@@ -31,6 +31,9 @@ _HEADROOM = 1.25
 NO_RESPONSE = "no response"
 """In place of the error of a model whose response runs away on what is held out."""
 
+MOST_LOSS = 1.0
+"""A bar ends where the error has doubled: what is known no better would hide all else."""
+
 
 def draw_chain(
     causes: Sequence[Cause],
@@ -128,7 +131,7 @@ def _interval_bar(
     axes: Axes, k: int, before: float, gains: tuple[float, float]
 ) -> tuple[ErrorbarContainer, tuple[float, float]]:
     """The bar of a step, and the errors at its ends."""
-    low, high = (before * (1.0 - gain) for gain in reversed(gains))
+    low, high = (before * (1.0 - max(gain, -MOST_LOSS)) for gain in reversed(gains))
     bar = axes.errorbar(
         k,
         0.5 * (low + high),

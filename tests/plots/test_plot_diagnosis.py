@@ -135,6 +135,15 @@ def test_interval_of_the_chain() -> None:
     np.testing.assert_allclose(ends, [2.0 * 2.0 * 0.45, 2.0 * 2.0 * 0.58], rtol=1e-12)
 
 
+def test_a_bar_of_the_chain_ends_where_the_error_has_doubled() -> None:
+    """An interval of few independent samples may reach hundreds of times the error."""
+    unsure = replace(cause("delay", 2.0, 1.0), gain_ci95=(-259.2, 0.9))
+    figure = draw_chain([unsure], output=Display("angle", "x", 1.0))
+    (bar,) = figure.axes[0].collections
+    np.testing.assert_allclose(np.sort(bar.get_segments()[0][:, 1]), [0.2, 4.0], rtol=1e-12)
+    assert figure.axes[0].get_ylim()[1] < 6.0
+
+
 def test_a_step_of_the_chain_names_all_that_it_may_be() -> None:
     """A tie is told where its link is, and descriptions are laws, not causes."""
     figure = draw_chain(

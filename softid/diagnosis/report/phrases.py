@@ -152,8 +152,9 @@ def percent_below(value: float, bound: float) -> str:
 
 
 def percent_range(interval: tuple[float, float]) -> str:
-    """An interval of shares in per cent."""
-    return f"{100.0 * interval[0]:z.0f} to {100.0 * interval[1]:z.0f} %"
+    """An interval of shares in per cent; a lower end below −1 is as good as none."""
+    low = f"{100.0 * interval[0]:z.0f}" if interval[0] >= -1.0 else "unknown up"
+    return f"{low} to {100.0 * interval[1]:z.0f} %"
 
 
 def values_of(parameters: Sequence[ParameterEstimate]) -> str:
@@ -162,8 +163,7 @@ def values_of(parameters: Sequence[ParameterEstimate]) -> str:
     together = len(open_ones) > 1
     shown = [p for p in parameters if not (together and p in open_ones)]
     told = [_value(p) for p in shown[:MOST_PARAMETERS]]
-    more = len(shown) - len(told)
-    if more > 0:
+    if (more := len(shown) - len(told)) > 0:
         told.append(f"{more} more parameter{'s' if more > 1 else ''}")
     if together:
         told.append(

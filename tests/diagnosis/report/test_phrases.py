@@ -14,6 +14,7 @@ from softid.diagnosis.report.phrases import (
     UNLIKE_NOISE,
     doubt_about,
     percent_below,
+    percent_range,
     structure_of_rest,
     taken_by,
     unsteady,
@@ -28,6 +29,20 @@ from softid.errors import Issue
 def told(found: Diagnosis) -> str:
     """The paragraph."""
     return write_summary(found).summary
+
+
+@pytest.mark.parametrize(
+    ("interval", "text"),
+    [
+        ((0.5, 0.8), "50 to 80 %"),
+        ((-1.0, 1.0), "-100 to 100 %"),
+        ((-259.2, 1.0), "unknown up to 100 %"),
+    ],
+)
+def test_a_gain_that_may_be_any_loss_has_no_lower_end(
+    interval: tuple[float, float], text: str
+) -> None:
+    assert percent_range(interval) == text
 
 
 def test_an_interval_beyond_both_bounds_is_not_printed() -> None:
