@@ -99,7 +99,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     stands = (cause.doubt in (None, *NO_GAIN) for cause in causes)  # but for what is held out
     is_sure = all(stands) and not alternatives
     answer = Diagnosis(
-        verdict=verdict_of(links, is_named, remainder),
+        verdict=verdict_of(links, is_named, remainder, causes),
         summary="",
         base=before,
         extended=after,

@@ -24,6 +24,7 @@ from softid.diagnosis.residual.noise_floor import (
     SMALLEST_EXCESS,
     NoiseFloor,
     noise_floor,
+    of_single_samples,
 )
 from softid.diagnosis.residual.projection import slopes_of
 from softid.diagnosis.residual.rounding_floor import rounding_floor
@@ -31,6 +32,7 @@ from softid.diagnosis.residual.structure import ResidualContext, Structure, stru
 from softid.diagnosis_results import Remainder
 from softid.effects.scale import Scale
 from softid.identification.gauge_errors import GaugeErrors
+from softid.uncertainty.autoregression import contiguous_runs
 
 Array = npt.NDArray[np.float64]
 
@@ -46,6 +48,10 @@ LEAST_COLOUR = 0.5
 """Noise that lasts as long as a motion is looked for where its power would be this share of the
 fast part's at least: beside a larger one a misfit has no marks, and nor has what a wrong law leaves
 of it."""
+
+OUTLIERS = 0.1
+"""Share by which outliers add to the power of the noise at least, where there are any: without,
+two estimates of it differ by a few per cent."""
 
 LITTLE_EXPLAINED = 0.8
 """Causes that explain less than this share of a misfit explain little."""
@@ -126,6 +132,8 @@ def _look(
         after, scale.motion_s, rng=rng, wanders=not final.has_spring, chance=chance
     )
     floor = floor if driven is None else driven.beside(floor)
+    if not (floor.is_known or structure.significant):
+        floor = _with_outliers(floor, mean_square(after), heard(final, after), samples_alike(final))
     colour = ColourTest()
     louder = mean_square(after) / _least_noise(floor, before) - 1.0
     if not (floor.is_known or structure.significant) and louder > SMALLEST_EXCESS:
@@ -238,6 +246,19 @@ def _slopes_where(
         slopes[np.isfinite(one.residual[np.isfinite(part.residual)])]
         for slopes, one, part in zip(slopes_of(model), heard, parts, strict=True)
     ]
+
+
+def _with_outliers(
+    floor: NoiseFloor, power: float, parts: Sequence[ResidualContext], alike: int
+) -> NoiseFloor:
+    """The noise with its outliers, if it is as large as what is left with them.
+
+    A misfit lasts for several samples wherever it begins.
+    """
+    runs = [run for part in parts for run in contiguous_runs(part.residual)]
+    whole = replace(floor, variance=of_single_samples(runs, alike))
+    has_some = whole.variance > (1.0 + OUTLIERS) * floor.variance
+    return whole if has_some and power <= (1.0 + whole.largest_excess()) * whole.variance else floor
 
 
 def _floor_of_colour(time_s: float, parts: Sequence[ResidualContext]) -> NoiseFloor:

@@ -170,12 +170,30 @@ def fastest_part(runs: Sequence[Array], alike: int = 1) -> NoiseFloor:
     alike
         As in `noise_floor`: differences are those of samples so many apart.
     """
-    spaced = [run[first::alike] for run in runs for first in range(alike)]
-    second = np.concatenate([np.diff(run, 2) for run in spaced if run.size > 2] or [np.zeros(1)])
+    second = _second_differences(runs, alike)
     blocks = np.array_split(second, max(second.size // BLOCK_SAMPLES, 1))
     deviations = [float(np.quantile(np.abs(block), QUANTILE)) / AT_QUANTILE for block in blocks]
     variance = float(np.mean(np.square(deviations))) / SECOND_DIFFERENCE
     return NoiseFloor(variance, float(np.sqrt(SQUARES_COST * alike / second.size)), from_rest=False)
+
+
+def of_single_samples(runs: Sequence[Array], alike: int = 1) -> float:
+    """Variance of what knows nothing of its neighbours, whatever its distribution.
+
+    The mean square of the second differences, over that of a white one: outliers that last for one
+    sample, which `fastest_part` leaves out, add to it and to the mean square alike.
+
+    Parameters
+    ----------
+    runs, alike
+        As in `fastest_part`.
+    """
+    return float(np.mean(_second_differences(runs, alike) ** 2)) / SECOND_DIFFERENCE
+
+
+def _second_differences(runs: Sequence[Array], alike: int) -> Array:
+    spaced = [run[first::alike] for run in runs for first in range(alike)]
+    return np.concatenate([np.diff(run, 2) for run in spaced if run.size > 2] or [np.zeros(1)])
 
 
 def _without_events(rest: Array, time_s: Array) -> Array:

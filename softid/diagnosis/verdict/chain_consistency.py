@@ -20,9 +20,9 @@ MAIN = 0.5
 a larger description stands on it."""
 
 MORE_THAN_NOISE = 0.05
-"""Share of the noise's variance, and a standard deviation of that, above which what two causes that
-can be confused leave is more than what the true two would. Of the true ones nearly all leave less;
-pieces of one law of another form leave a tenth to a fifth."""
+"""Share of the noise's variance above which, with a standard deviation of that, more is left than
+the true causes would leave. Nearly all of these leave less; pieces of one law of another form leave
+a tenth to a fifth."""
 
 
 def consistent_names(
@@ -61,11 +61,26 @@ def consistent_names(
     return tuple(kept)
 
 
+def may_hold_more(remainder: Remainder) -> bool:
+    """Whether what is left is larger than the true causes would leave it, or may be slow noise.
+
+    It need not be so large that it must be more than noise.
+
+    Parameters
+    ----------
+    remainder
+        What is left.
+    """
+    is_loud = remainder.excess > MORE_THAN_NOISE + remainder.noise_sd
+    return is_loud or remainder.colour_s is not None
+
+
 def mending(links: Sequence[Link], squares_left: float, remainder: Remainder) -> frozenset[str]:
     """Keys of causes that may be pieces of one law, which is not quite that of any of them.
 
-    Of two that can be confused and that together leave more than noise, the later one is; the
-    earlier one, too, where it takes away less than the later one.
+    Of two that can be confused and that together leave more than noise, or what may be slow noise
+    that no rest shows, the later one is; the earlier one, too, where it takes away less than the
+    later one.
 
     Parameters
     ----------
@@ -76,7 +91,7 @@ def mending(links: Sequence[Link], squares_left: float, remainder: Remainder) ->
     remainder
         The same beside the noise.
     """
-    if remainder.excess <= MORE_THAN_NOISE + remainder.noise_sd:
+    if not may_hold_more(remainder):
         return frozenset()
     taken = _taken(links, squares_left)
     effects = [link.added for link in links]

@@ -10,6 +10,7 @@ import numpy as np
 from softid.chi_square import chi_square_tail
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Link
+from softid.diagnosis.verdict.chain_consistency import may_hold_more
 from softid.diagnosis_results import Cause, Doubt, Remainder, Verdict
 from softid.effects import extended_name
 from softid.effects.base import Effect
@@ -194,7 +195,9 @@ def most_variation(remainder: Remainder) -> float:
     remainder
         What all causes leave.
     """
-    something_else = remainder.structured or remainder.open_jumps > 0
+    something_else = (
+        remainder.structured or remainder.open_jumps > 0 or remainder.colour_s is not None
+    )
     return VARIES_BESIDE if something_else else VARIES
 
 
@@ -333,8 +336,16 @@ def _cover_zero_together(sizes: Sequence[ParameterEstimate], extended: FitResult
     return chi_square_tail(distance, len(sizes)) > NO_EFFECT
 
 
-def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remainder) -> Verdict:
+def verdict_of(
+    links: Sequence[Link],
+    is_named: Sequence[bool],
+    remainder: Remainder,
+    causes: Sequence[Cause] = (),
+) -> Verdict:
     """The answer that the links and the remainder allow.
+
+    A cause whose size is not the same throughout is one in part only where more than noise may be
+    left.
 
     Parameters
     ----------
@@ -344,6 +355,8 @@ def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remai
         Which of them may be named.
     remainder
         What it leaves.
+    causes
+        Its causes with their variations.
     """
     if not links:
         return Verdict.UNKNOWN if remainder.leaves_something else Verdict.ADEQUATE
@@ -351,4 +364,9 @@ def verdict_of(links: Sequence[Link], is_named: Sequence[bool], remainder: Remai
         return Verdict.UNKNOWN
     if any(len(link.rivals) > 1 for link, named in zip(links, is_named, strict=True) if named):
         return Verdict.AMBIGUOUS
-    return Verdict.PARTIAL if remainder.leaves_something else Verdict.NAMED
+    varies = any(
+        cause.variation is not None and stays
+        for cause, stays in zip(causes, is_named, strict=False)
+    )
+    is_in_part = remainder.leaves_something or (varies and may_hold_more(remainder))
+    return Verdict.PARTIAL if is_in_part else Verdict.NAMED

@@ -53,6 +53,23 @@ def test_noise_alone_leaves_nothing() -> None:
     assert abs(left.excess) < 0.15
 
 
+@pytest.mark.parametrize("lasts", [1, 4])
+def test_outliers_are_noise_and_what_lasts_is_none(lasts: int) -> None:
+    """Known truth: deviations of 0.06 rad in 2 % of the samples double the power of the noise. By
+    closed form single ones add to the second differences as noise does, and four in a row a sixth
+    of that."""
+    samples, rng = 4000, np.random.default_rng(2)
+    added = np.zeros(samples)
+    for first in rng.choice(samples // 10 - 1, 80 // lasts, replace=False):
+        added[10 * first : 10 * first + lasts] = rng.choice((-0.06, 0.06))
+    problem = linear_problem([linear_log(noise=0.01, samples=samples, added=added)])
+    model = standing(problem, problem.unknowns(TRUTH))
+    scale = scale_of(problem, model.minimum.point)
+    left = assess(model, model, scale, rng=np.random.default_rng(0))
+    assert left.structured is (lasts > 1)
+    assert abs(left.excess) < 0.1 or lasts > 1
+
+
 def test_a_misfit_of_known_size() -> None:
     """Closed form: a sine of 0.05 rad on noise of 0.01 has an excess of ½·25 = 12.5.
 

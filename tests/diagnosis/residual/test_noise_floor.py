@@ -12,8 +12,10 @@ from noise import ar1
 from softid.diagnosis.residual.noise_floor import (
     NoiseFloor,
     _without_events,
+    fastest_part,
     input_span,
     noise_floor,
+    of_single_samples,
     rest_spans,
     still_spans,
 )
@@ -143,6 +145,16 @@ def test_without_a_rest_the_fastest_part_tells_it() -> None:
         off.append((floor.variance / 4.0 - 1.0) / floor.relative_sd)
     assert 0.4 < np.sqrt(np.mean(np.square(off))) < 1.6
     assert abs(float(np.mean(off))) < 0.9
+
+
+def test_outliers_add_to_the_noise_of_single_samples() -> None:
+    """Closed form: 1, −2, 1 of one sample has six times its square, as white noise has; of four
+    alike in a row two steps are left, four times the square for four of them."""
+    single, row = np.zeros(1000), np.zeros(1000)
+    single[500], row[500:504] = 3.0, 3.0
+    assert of_single_samples([single]) == pytest.approx(9.0 / 998)
+    assert of_single_samples([row]) == pytest.approx(4.0 * 9.0 / 6.0 / 998)
+    assert fastest_part([single]).variance == 0.0
 
 
 def test_gaps_are_not_differences() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from handmade import fit_result
-from handmade_diagnosis import cause, estimate, remainder
+from handmade_diagnosis import FRICTION, cause, estimate, remainder
 
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.naming import (
@@ -110,6 +110,25 @@ def test_a_name_beside_a_rest_that_is_held_out_is_a_part(misses: bool, verdict: 
     left = replace(remainder(structured=False, explained=1.0), misses_held_out=misses)
     assert verdict_of([link(1.0)], [True], left).value == verdict
     assert verdict_of([], [], left) is (Verdict.UNKNOWN if misses else Verdict.ADEQUATE)
+
+
+@pytest.mark.parametrize(
+    ("excess", "colour_s", "varies", "verdict"),
+    [
+        (0.15, None, True, Verdict.PARTIAL),
+        (0.15, None, False, Verdict.NAMED),
+        (0.05, None, True, Verdict.NAMED),
+        (0.0, 0.4, True, Verdict.PARTIAL),
+    ],
+)
+def test_a_law_that_is_not_quite_its_own_is_a_part_where_more_may_be_left(
+    excess: float, colour_s: float | None, varies: bool, verdict: Verdict
+) -> None:
+    """Of noise that is known to 3 %, the true law leaves at most 8 % more nearly always."""
+    left = remainder(structured=False, explained=0.99)
+    left = replace(left, excess=excess, noise_sd=0.03, colour_s=colour_s)
+    told = replace(FRICTION, variation=Variation("t", 0.08, 0.02, 0.001) if varies else None)
+    assert verdict_of([link(1.0)], [True], left, [told]) is verdict
 
 
 DRIFT = effect_of("sensor_drift")
