@@ -13,6 +13,7 @@ from softid.diagnosis.base.reduced_base import reduced_base_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.refit.optimum import optimum_of
+from softid.diagnosis.report.ambiguity import with_presliding
 from softid.diagnosis.report.changes import held_out_change_issues
 from softid.diagnosis.report.issues import refusal_issues, unsure_input_issues
 from softid.diagnosis.report.open_intersample import with_open_intersample
@@ -95,7 +96,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]
     if base.instead_of is not None:
         errors = [recorded.first_errors(base.instead_of.candidate), *errors]
-    alternatives = alternatives_of(named or links, forms)
+    alternatives = with_presliding(alternatives_of(named or links, forms), causes, base.scale)
     stands = (cause.doubt in (None, *NO_GAIN) for cause in causes)  # but for what is held out
     is_sure = all(stands) and not alternatives
     answer = Diagnosis(

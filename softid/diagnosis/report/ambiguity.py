@@ -11,6 +11,7 @@ from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     LAWS_ALIKE,
     LINEAR_FILTERS,
+    LOWER_END,
     ONE_FOR_ALL,
     PRESLIDING,
     REPLACED,
@@ -19,9 +20,11 @@ from softid.diagnosis.verdict.equivalence import (
     TWO_RESONANCES,
     EquivalenceClass,
 )
+from softid.diagnosis.verdict.law_rivals import GIVES_WAY
 from softid.diagnosis.verdict.separations import splitting_experiment, why_unsplit
 from softid.diagnosis_results import Alternative, Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects import EFFECTS
+from softid.effects.scale import Scale
 from softid.models import MODELS
 from softid.results import FitResult
 
@@ -38,6 +41,35 @@ SEVERAL_STEPS = "record several steps, up and down and to several levels, each h
 def is_linear(base: FitResult) -> bool:
     """Whether a model is linear with constant coefficients, whatever the input."""
     return MODELS[base.model.name].is_linear
+
+
+def with_presliding(
+    ties: Sequence[Alternative], causes: Sequence[Cause], scale: Scale
+) -> tuple[Alternative, ...]:
+    """Ties of a hysteresis and dry friction with the law that both follow, where that makes them.
+
+    Parameters
+    ----------
+    ties
+        Ties, in numbers.
+    causes
+        The causes and descriptions of the same diagnosis.
+    scale
+        Sizes of the base fit.
+    """
+    gives_way = any(
+        p.name == "hysteresis_zs" and p.value <= GIVES_WAY * scale.x_span
+        for cause in causes
+        for p in cause.parameters
+    )
+    both = set(PRESLIDING.effects)
+    why = f"{PRESLIDING.why}{SPLITS}{PRESLIDING.splits}."
+    return tuple(
+        replace(tie, why=why)
+        if gives_way and set(tie.effects) == both and not are_alike(tie)
+        else tie
+        for tie in ties
+    )
 
 
 def why_tied(alternative: Alternative, *, linear: bool, extended: FitResult | None = None) -> str:
@@ -164,13 +196,12 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     alternative, linear
         As in `why_tied`.
     """
-    if _is_presliding(alternative):
-        return PRESLIDING
     tied = set(alternative.effects)
     if tied.issuperset(TWO_LATE.effects) and not are_alike(alternative):
         return TWO_LATE
+    is_lower = alternative.keys[0].endswith(".lower")
     for known in LAWS_ALIKE:
-        if tied.issuperset(known.effects):
+        if tied.issuperset(known.effects) and (is_lower or known is not LOWER_END):
             return known
     for known in REPLACED:
         if tied.intersection(known.effects):
@@ -178,11 +209,6 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     if not linear:
         return None
     return next((known for known in LINEAR_FILTERS if set(known.effects) <= tied), None)
-
-
-def _is_presliding(alternative: Alternative) -> bool:
-    """Whether it is the law, not the logs, that makes a tie."""
-    return set(alternative.effects) == set(PRESLIDING.effects) and not are_alike(alternative)
 
 
 def what_next(

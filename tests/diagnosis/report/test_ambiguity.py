@@ -5,14 +5,22 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from extended_fits import scale_of
 from handmade import fit_result
-from handmade_diagnosis import FRICTION, cause, remainder
+from handmade_diagnosis import FRICTION, cause, estimate, remainder
 
-from softid.diagnosis.report.ambiguity import law_that_ties, told_as_tied, what_next, why_tied
+from softid.diagnosis.report.ambiguity import (
+    law_that_ties,
+    told_as_tied,
+    what_next,
+    why_tied,
+    with_presliding,
+)
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     HELD_INPUT,
     LINEAR_FILTERS,
+    LOWER_END,
     ONE_WAY,
     OWN_DAMPING,
     PRESLIDING,
@@ -38,14 +46,37 @@ def left(**by: float) -> Remainder:
     return replace(remainder(structured=True, explained=0.6), by=by)
 
 
-@pytest.mark.parametrize("linear", [True, False])
-def test_one_law_under_two_names_is_tied_however_far_apart(linear: bool) -> None:
-    """Friction that gives way is a hysteresis: of that class when the fit does tell them apart."""
-    apart = tie("coulomb_friction", "hysteresis", behind=FAR)
-    assert law_that_ties(apart, linear=linear) is PRESLIDING
-    assert why_tied(apart, linear=linear).startswith(PRESLIDING.why)
-    assert law_that_ties(tie("coulomb_friction", "hysteresis"), linear=linear) is None
-    assert law_that_ties(tie("hysteresis", "creep", behind=FAR), linear=linear) is None
+@pytest.mark.parametrize(
+    ("names", "behind", "share", "is_one_law"),
+    [
+        (("coulomb_friction", "hysteresis"), FAR, 0.02, True),
+        (("coulomb_friction", "hysteresis"), FAR, 0.1, False),
+        (("coulomb_friction", "hysteresis"), 3.0, 0.02, False),
+        (("hysteresis", "creep"), FAR, 0.02, False),
+    ],
+    ids=["one law", "a long way to slide", "told by the logs alone", "another tie"],
+)
+def test_friction_that_gives_way_soon_is_a_hysteresis(
+    names: tuple[str, ...], behind: float, share: float, is_one_law: bool
+) -> None:
+    """Tied however far apart they are; not where it gives way over a good part of the range."""
+    scale = scale_of("muscle")
+    zs = estimate("hysteresis_zs", share * scale.x_span, "mm")
+    loop = cause("hysteresis", [zs], before=2.0, after=1.0)
+    apart = tie(*names, behind=behind)
+    (found,) = with_presliding([apart], [loop], scale)
+    assert found.why.startswith(PRESLIDING.why) is is_one_law
+    asked = what_next(Verdict.AMBIGUOUS, alternatives=[found], remainder=NOISE)
+    assert (asked == f"record {PRESLIDING.splits}") is is_one_law
+
+
+@pytest.mark.parametrize(
+    ("first", "law"), [("sensor_clipping.lower", LOWER_END), ("static_curve", None)]
+)
+def test_a_lower_limit_is_told_of_a_lower_limit(first: str, law: EquivalenceClass | None) -> None:
+    """A curve that ties with a dead zone and a limit of the sensor has no lower limit in it."""
+    others = [key for key in ("sensor_clipping", "dead_zone") if key not in first]
+    assert law_that_ties(tie(first, *others), linear=False) is law
 
 
 @pytest.mark.parametrize("linear", [True, False])
