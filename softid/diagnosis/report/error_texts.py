@@ -74,8 +74,14 @@ class ErrorTexts:
         low, high = f"{min(values):z.0f}", f"{max(values):z.0f}"
         return f"{low} %" if low == high else f"{low} to {high} %"
 
-    def misfit(self) -> str:
-        """What the base model reaches."""
+    def misfit(self, *, is_extended: bool) -> str:
+        """What the base model reaches.
+
+        Parameters
+        ----------
+        is_extended
+            Whether causes or descriptions gain something there.
+        """
         model = f"The {self.base.model.name} model"
         if not self.rows:
             return f"{model} was fitted, and no sample of {self.first} was left to judge it on."
@@ -90,9 +96,10 @@ class ErrorTexts:
             )
         told = f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
         if self.held_out and error > ASTRAY * fitted:
+            gained = ", and what is gained there is in part better parameters"
             told += (
-                f" On the fitted ones it is {self.size(fitted)}: the model does not carry over, "
-                "and what is gained there is in part better parameters."
+                f" On the fitted ones it is {self.size(fitted)}: the model does not carry over"
+                f"{gained if is_extended else ''}."
             )
         return told
 

@@ -196,7 +196,8 @@ def summarise(
         A few plain sentences, numbers in the units of the logs.
     """
     teller = ErrorTexts(base, gains, gain_ci95, dropped)
-    told = [teller.misfit(), given_up(dropped), *(sentence(remark) for remark in seen)]
+    opening = teller.misfit(is_extended=bool(causes or descriptive))
+    told = [opening, given_up(dropped), *(sentence(remark) for remark in seen)]
     if verdict is Verdict.ADEQUATE:
         told += [sentence(negligible)] if negligible else _adequate(teller, remainder, refused)
     elif verdict is Verdict.UNKNOWN:

@@ -130,6 +130,7 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(
         ("stiffening", "static_curve", "contact"), ((InputLimit(),), (ReliefLeak(),)), behind=0.0
     ),
+    Replacement(("sensor_clipping",), ((InputLimit(),),)),
     Replacement(("sensor_clipping.lower", "contact.lower"), ((effect_of("dead_zone"),),)),
     Replacement(("hysteresis", "coulomb_friction"), ((InputPlay(),), (OutputPlay(),)), behind=0.0),
     Replacement(

@@ -100,6 +100,10 @@ def test_a_base_that_does_not_carry_over_is_told(held: float, carries_over: bool
         gain("a", before=2.0, after=0.2, held_out=False),
         gain("b", before=held, after=0.2, held_out=True),
     )
-    text = write_summary(replace(diagnosis(Verdict.NAMED), gains=gains)).summary
+    found = replace(diagnosis(Verdict.NAMED), gains=gains)
+    text = write_summary(found).summary
     assert f"misses angle by {held:.3g} deg rms on held-out samples" in text
-    assert ("On the fitted ones it is 2 deg: the model does not carry over" in text) != carries_over
+    told = "On the fitted ones it is 2 deg: the model does not carry over"
+    assert (f"{told}, and what is gained there" in text) != carries_over
+    alone = write_summary(replace(found, verdict=Verdict.UNKNOWN, causes=(), descriptive=()))
+    assert (f"{told}. " in alone.summary) != carries_over
