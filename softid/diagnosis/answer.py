@@ -18,6 +18,7 @@ from softid.diagnosis.report.changes import held_out_change_issues
 from softid.diagnosis.report.issues import refusal_issues, unsure_input_issues
 from softid.diagnosis.report.open_intersample import with_open_intersample
 from softid.diagnosis.report.other_forms import with_other_forms
+from softid.diagnosis.report.several_elements import with_several_elements
 from softid.diagnosis.report.tied_values import with_tied_values
 from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
 from softid.diagnosis.residual.input_noise import moved_parameters
@@ -122,6 +123,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     )
     answer = with_tied_values(answer, named, len(chain.final.effects))
     answer = with_other_forms(answer, named, chain.final, base)
+    answer = with_several_elements(answer, named, chain.final, base)
     return with_open_intersample(answer, chain.final, base)
 
 

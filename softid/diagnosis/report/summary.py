@@ -53,6 +53,7 @@ from softid.diagnosis.report.phrases import (
     with_open_moments,
 )
 from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
+from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis_results import (
@@ -115,7 +116,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
         seen=[i.message for i in found.issues if i.code in _seen_beside(found.verdict)],
         held_out_changes=[i.message for i in found.issues if i.code == HELD_OUT_CHANGE],
-        joined=[i.message for i in found.issues if i.code == ONE_CAUSE],
+        joined=[i.message for i in found.issues if i.code in (ONE_CAUSE, SEVERAL_ELEMENTS)],
         dropped=dropped_from(found),
         negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
     )
@@ -184,7 +185,7 @@ def summarise(
     seen
         What the logs show by themselves, without a model.
     joined
-        That two causes may be one.
+        That two causes may be one, or that one has several elements.
     dropped
         Parameters of the base that the extended model does without.
     negligible
