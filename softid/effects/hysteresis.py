@@ -24,9 +24,9 @@ LARGEST = 10.0
 wherever it turns; but the elastic force is that of a base without the loop, and may be too
 small."""
 
-LONGEST = 0.6
-"""Longest zs in ranges of positions: over a longer one the branch has not arrived at the end of the
-range, and the law is nearly a spring."""
+LONGEST = 2.0
+"""Longest zs in ranges of positions: over a longer one less than two fifths of the way between the
+branches fit into the range, and the law is nearly a spring."""
 
 TURN = 8.0
 """Rate that the steps resolve where the loop is as steep as the spring, in ranges of positions that

@@ -309,3 +309,20 @@ def test_a_contact_beyond_what_the_model_reaches_is_found() -> None:
     place = found.extended.parameter("contact_xw")
     low, high = place.ci95
     assert low <= truth["xw"] <= high
+
+
+def test_a_hysteresis_that_turns_over_the_whole_range_is_found() -> None:
+    """Known truth: a loop whose branches never arrive, as long as the range without it.
+
+    It ran into the bound of its distance and was unknown, with a softening beside it.
+    """
+    sizes = hidden_pair([], seed=231003, model="oscillator").sizes
+    values = {"alpha": 0.6 * sizes.force, "zs": sizes.x_span}
+    pair = hidden_pair(
+        ["hysteresis"], seed=231003, model="oscillator", values={"hysteresis": values}
+    )
+    found = diagnose(pair.logs[0], hold_out=[pair.logs[1]], model="oscillator")
+    (cause,) = found.causes
+    assert cause.effect == "hysteresis"
+    told = {p.name: p.value for p in cause.parameters}
+    assert told["hysteresis_zs"] == pytest.approx(values["zs"], rel=0.05)

@@ -10,9 +10,9 @@ from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, title
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     LAWS_ALIKE,
+    LIKELIER,
     LINEAR_FILTERS,
     LOWER_END,
-    ONE_FOR_ALL,
     PRESLIDING,
     REPLACED,
     TWO_LAGS,
@@ -124,9 +124,9 @@ def told_as_tied(
     named, first = titles_of(alternative.keys, last=" or "), lowered(title)
     known = law_that_ties(alternative, linear=linear)
     *others, last = alternative.keys
-    if known is ONE_FOR_ALL and any(last == tie.keys[-1] for tie in earlier):
+    if known in LIKELIER and any(last == tie.keys[-1] for tie in earlier):
         return f"that law again, or {titles_of(others, last=' or ')}. As {first} it"
-    which = "most likely the last" if known is ONE_FOR_ALL else "and the logs do not say which"
+    which = "most likely the last" if known in LIKELIER else "and the logs do not say which"
     why, splits, _ = alternative.why.partition(SPLITS)
     if known is not None:
         reason = f"{why or known.why}. As {first} it"

@@ -37,6 +37,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import SmoothedInput, UnevenReading
+from softid.diagnosis.verdict.unlisted_springs import FreeSpring, PowerSpring
 from softid.effects import effect_of
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -129,6 +130,9 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(("stiffening", "static_curve", "contact"), ((BentReading(),),)),
     Replacement(
         ("stiffening", "static_curve", "contact"), ((InputLimit(),), (ReliefLeak(),)), behind=0.0
+    ),
+    Replacement(
+        ("stiffening", "static_curve", "contact"), ((PowerSpring(),), (FreeSpring(),)), behind=0.0
     ),
     Replacement(("sensor_clipping",), ((InputLimit(),),)),
     Replacement(("sensor_clipping.lower", "contact.lower"), ((effect_of("dead_zone"),),)),
