@@ -108,7 +108,12 @@ def with_reasons(found: Diagnosis) -> tuple[Alternative, ...]:
 
 
 def told_as_tied(
-    alternative: Alternative, title: str, *, linear: bool, earlier: Sequence[Alternative] = ()
+    alternative: Alternative,
+    title: str,
+    *,
+    linear: bool,
+    earlier: Sequence[Alternative] = (),
+    leaves_noise: bool = True,
 ) -> str:
     """The causes of a tie and what makes it, up to the values that the first would have.
 
@@ -120,13 +125,17 @@ def told_as_tied(
         Heading of the first.
     earlier
         Ties that are told before it: one law may stand in the place of all causes.
+    leaves_noise
+        Whether all causes leave no more than that: what explains more beside another misfit need
+        not be likelier.
     """
     named, first = titles_of(alternative.keys, last=" or "), lowered(title)
     known = law_that_ties(alternative, linear=linear)
     *others, last = alternative.keys
     if known in LIKELIER and any(last == tie.keys[-1] for tie in earlier):
         return f"that law again, or {titles_of(others, last=' or ')}. As {first} it"
-    which = "most likely the last" if known in LIKELIER else "and the logs do not say which"
+    is_likelier = leaves_noise and known in LIKELIER
+    which = "most likely the last" if is_likelier else "and the logs do not say which"
     why, splits, _ = alternative.why.partition(SPLITS)
     if known is not None:
         reason = f"{why or known.why}. As {first} it"

@@ -209,7 +209,8 @@ def summarise(
             told += _unknown(teller, descriptive or causes, alternatives, remainder)
         told += [sentence(change) for change in held_out_changes]
     else:
-        told += _explained(teller, causes, alternatives, evidence, descriptive)
+        leaves_noise = not remainder.structured
+        told += _explained(teller, causes, alternatives, evidence, descriptive, leaves_noise)
         told += [sentence(remark) for remark in joined]
         if descriptive:
             told.append(described(descriptive, causes))
@@ -336,6 +337,7 @@ def _explained(
     alternatives: Sequence[Alternative],
     evidence: Sequence[Evidence],
     descriptive: Sequence[Cause],
+    leaves_noise: bool,
 ) -> list[str]:
     told = []
     linear, earlier = is_linear(teller.base), list[Alternative]()
@@ -344,7 +346,9 @@ def _explained(
         opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
         values = values_of(cause.parameters)
         if tie is not None:
-            tied = told_as_tied(tie, cause.title, linear=linear, earlier=earlier)
+            tied = told_as_tied(
+                tie, cause.title, linear=linear, earlier=earlier, leaves_noise=leaves_noise
+            )
             earlier.append(tie)
             told.append(f"{opening} {tied} would have {values}.")
         else:

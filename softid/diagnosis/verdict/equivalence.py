@@ -196,11 +196,15 @@ TWO_LATE = EquivalenceClass(
 )
 """What is late twice."""
 
+_IN_PLACE_OF_IT = (
+    "A refit with the last of them in its place, or in that of all causes, explains more of these "
+    "logs"
+)
+
 OTHER_SPRING = EquivalenceClass(
     ("a spring or an obstacle of the catalogue", "a spring or an obstacle of another shape"),
     ("power_spring", "free_spring"),
-    "A refit with the last of them in its place, or in that of all causes, explains these logs "
-    "better",
+    _IN_PLACE_OF_IT,
     "held levels over the full range of positions, in fine steps up and down",
 )
 """What goes with the position alone, along another curve."""
@@ -219,7 +223,7 @@ ONE_FOR_ALL = EquivalenceClass(
         "feedthrough",
         "swinging_part",
     ),
-    "A refit with the last of them in the place of all causes explains these logs better",
+    _IN_PLACE_OF_IT,
     "small and large steps from many positions, up and down, early and late",
 )
 """One law in place of what the catalogue needs."""

@@ -182,6 +182,8 @@ def test_one_law_for_all_causes_is_told_once() -> None:
     first, second = tie("sensor_resonance", "swinging_part"), tie("smoothing", "swinging_part")
     alone = told_as_tied(second, "Smoothing", linear=False)
     assert "most likely the last" in alone
+    more = told_as_tied(second, "Smoothing", linear=False, leaves_noise=False)
+    assert "the logs do not say which" in more
     again = told_as_tied(second, "Smoothing", linear=False, earlier=[first])
     assert again == "that law again, or smoothing of the record afterwards. As smoothing it"
     other = tie("delay", "input_play")
