@@ -201,13 +201,13 @@ _IN_PLACE_OF_IT = (
     "logs"
 )
 
-OTHER_SPRING = EquivalenceClass(
-    ("a spring or an obstacle of the catalogue", "a spring or an obstacle of another shape"),
-    ("power_spring", "free_spring"),
+OTHER_CURVE = EquivalenceClass(
+    ("a curve at rest of the catalogue", "a curve at rest of another shape"),
+    ("power_spring", "free_spring", "fine_curve"),
     _IN_PLACE_OF_IT,
-    "held levels over the full range of positions, in fine steps up and down",
+    "held levels over the full range, in fine steps up and down",
 )
-"""What goes with the position alone, along another curve."""
+"""What goes with the position or the input alone, along another curve."""
 
 ONE_FOR_ALL = EquivalenceClass(
     ("causes of the catalogue", "a law in no catalogue"),
@@ -237,12 +237,12 @@ REPLACED = (
     TWO_CREEPS,
     TWO_HYSTERESES,
     SETTLING_STIFFNESS,
-    OTHER_SPRING,
+    OTHER_CURVE,
     ONE_FOR_ALL,
 )
 """Told where a law in no catalogue is in a tie."""
 
-LIKELIER = (OTHER_SPRING, ONE_FOR_ALL)
+LIKELIER = (OTHER_CURVE, ONE_FOR_ALL)
 """Ties in which the law in no catalogue explains more."""
 
 OWN_DAMPING = EquivalenceClass(

@@ -18,6 +18,7 @@ from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
 from softid.diagnosis.verdict.refitted_laws import PROMISING_RATIO, refitted_with, standing_of
+from softid.diagnosis.verdict.unlisted_curves import FineCurve, FreeSpring, PowerSpring
 from softid.diagnosis.verdict.unlisted_drifts import (
     DampingDrift,
     LoadDrift,
@@ -37,7 +38,6 @@ from softid.diagnosis.verdict.unlisted_laws import (
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import SmoothedInput, UnevenReading
-from softid.diagnosis.verdict.unlisted_springs import FreeSpring, PowerSpring
 from softid.effects import effect_of
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -132,7 +132,9 @@ REPLACEMENTS: tuple[Replacement, ...] = (
         ("stiffening", "static_curve", "contact"), ((InputLimit(),), (ReliefLeak(),)), behind=0.0
     ),
     Replacement(
-        ("stiffening", "static_curve", "contact"), ((PowerSpring(),), (FreeSpring(),)), behind=0.0
+        ("stiffening", "static_curve", "contact", "dead_zone"),
+        ((PowerSpring(),), (FreeSpring(),), (FineCurve(),)),
+        behind=0.0,
     ),
     Replacement(("sensor_clipping",), ((InputLimit(),),)),
     Replacement(("sensor_clipping.lower", "contact.lower"), ((effect_of("dead_zone"),),)),

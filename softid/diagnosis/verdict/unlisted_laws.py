@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.verdict.unlisted_curves import FineCurve, FreeSpring, PowerSpring
 from softid.diagnosis.verdict.unlisted_drifts import (
     DampingDrift,
     LoadDrift,
@@ -34,7 +35,6 @@ from softid.diagnosis.verdict.unlisted_readings import (
     SwingingPart,
     UnevenReading,
 )
-from softid.diagnosis.verdict.unlisted_springs import FreeSpring, PowerSpring
 from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.scale import Scale
@@ -330,6 +330,7 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     PositionDamping,
     PowerSpring,
     FreeSpring,
+    FineCurve,
     EarlyReading,
     SmoothedInput,
     UnevenReading,
@@ -345,9 +346,9 @@ NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart)
 then, a valve or a sensor may be late up and down alike, and what swings fast enough is late as a
 lag is."""
 
-NEAR_TWO = (PowerSpring, FreeSpring)
+NEAR_TWO = (PowerSpring, FreeSpring, FineCurve)
 """Laws of no catalogue that two causes may do as well: a spring of any shape may be one that
-stiffens up to a wall."""
+stiffens up to a wall, and a curve at rest one with a dead zone."""
 
 BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law not in NEAR_ONE)
 """Laws of no catalogue that no single cause can do as well."""

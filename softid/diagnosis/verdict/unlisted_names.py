@@ -7,6 +7,7 @@ UNLISTED: dict[str, str] = {
     "power_spring": "a spring that stiffens with another power of the position",
     "free_spring": "a spring, a wall or a load whose force follows the position along some other "
     "curve",
+    "fine_curve": "a static curve that bends within a smaller part of the range",
     "gauge_lag": "a pressure gauge that lags behind",
     "sensor_lead": "a sensor that runs ahead of the motion",
     "held_input": "an input that is held until its next sample",

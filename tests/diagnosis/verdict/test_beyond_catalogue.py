@@ -10,8 +10,8 @@ import pytest
 from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
+from softid.diagnosis.verdict.unlisted_curves import FreeSpring
 from softid.diagnosis.verdict.unlisted_laws import OutputPlay
-from softid.diagnosis.verdict.unlisted_springs import FreeSpring
 from softid.log import LogSet
 from softid.synthesis import hidden_pair
 

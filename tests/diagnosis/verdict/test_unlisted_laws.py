@@ -14,6 +14,7 @@ from printed_laws import unnamed_in
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, REPLACED
+from softid.diagnosis.verdict.unlisted_curves import MARGIN, FineCurve, FreeSpring, PowerSpring
 from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
     PressureDrift,
@@ -44,12 +45,11 @@ from softid.diagnosis.verdict.unlisted_readings import (
     SwingingPart,
     UnevenReading,
 )
-from softid.diagnosis.verdict.unlisted_springs import MARGIN, FreeSpring, PowerSpring
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.effects.sensor_lag import SensorLag
 from softid.effects.sensor_resonance import SensorResonance
-from softid.kernels.terms import DAMPING, FORCE, RATE, STIFFNESS
+from softid.kernels.terms import DAMPING, FORCE, RATE, SHIFT, STIFFNESS
 
 SECOND = (SecondCreep, SecondHysteresis)
 """Laws that only stand beside another one."""
@@ -227,6 +227,18 @@ def test_a_spring_of_any_shape_follows_a_parabola() -> None:
         law.step(low + place * span, 0.0, 0.0, 0.0, 0.0, eta, out)
         expected = scale.force * max(place * (1.0 - place), 0.0)
         assert out[FORCE] == pytest.approx(expected, abs=1e-9 * scale.force)
+
+
+def test_a_fine_curve_follows_a_parabola() -> None:
+    """Closed form as above, of the input; the first knot is zero, and all is level outside."""
+    law, scale = FineCurve(), sizes_of("muscle")
+    xi = np.arange(1, 13) / 12.0
+    eta = np.array([*(xi * (1.5 - xi)), *law.constants(scale)])
+    for place in (-0.3, 0.0, 1.0 / 12.0, 0.2, 0.5, 0.77, 11.0 / 12.0, 1.0, 1.4):
+        out = np.zeros(8)
+        law.step(0.0, 0.0, 0.0, scale.u_low + place * scale.u_span, 0.0, eta, out)
+        inside = min(max(place, 0.0), 1.0)
+        assert out[SHIFT] == pytest.approx(scale.x_span * inside * (1.5 - inside))
 
 
 def test_a_spring_stiffens_with_a_power() -> None:

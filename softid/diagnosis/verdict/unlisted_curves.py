@@ -1,4 +1,4 @@
-"""Springs in no catalogue, for which causes that go with the position may stand."""
+"""Curves in no catalogue: forces that go with the position, and rests that go with the input."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from softid.diagnosis.verdict.unlisted_drifts import one_parameter
 from softid.effects.base import StateEffect
 from softid.effects.scale import Scale
-from softid.kernels.terms import FORCE
+from softid.kernels.terms import FORCE, SHIFT
 from softid.parameters import ParameterSet
 
 KNOTS = 11
@@ -33,6 +33,22 @@ wall."""
 
 POWERS, SHARES = (2.0, 5.0, 9.0), (-0.1, 0.2)
 """Starts of the power, and of the force at the end of the range."""
+
+BENDS = 12
+"""Intervals of a curve in the input, of which the catalogue's has five."""
+
+SHIFTS = tuple(f"s{k}" for k in range(1, BENDS + 1))
+"""The knots behind the first."""
+
+
+CUBICS = (
+    (0.0, -0.5, 1.0, -0.5),
+    (1.0, 0.0, -2.5, 1.5),
+    (0.0, 0.5, 2.0, -1.5),
+    (0.0, 0.0, -0.5, 0.5),
+)
+"""What each of four knots weighs between the two in the middle: coefficients of the powers 0 to 3
+of the share of the way between them."""
 
 
 @dataclass(frozen=True)
@@ -133,15 +149,69 @@ class FreeSpring(StateEffect):
         place = min(max((x - eta[INNER + 1]) / eta[INNER + 2], 0.0), KNOTS - 1.0)
         left = min(int(place), KNOTS - 2)
         b = place - left
-        weights = (
-            b * (b * (2.0 - b) - 1.0),
-            b * b * (3.0 * b - 5.0) + 2.0,
-            b * (b * (4.0 - 3.0 * b) + 1.0),
-            b * b * (b - 1.0),
-        )
         force = 0.0
         for j in range(4):
             inner = left + j - 2
             if 0 <= inner < INNER:
-                force += 0.5 * weights[j] * eta[inner]
+                w = CUBICS[j]
+                force += (w[0] + b * (w[1] + b * (w[2] + b * w[3]))) * eta[inner]
         out[FORCE] += eta[INNER] * force
+
+
+@dataclass(frozen=True)
+class FineCurve(StateEffect):
+    """Shift of the spring's rest by a curve in the input with twice the knots, q(x − s(u)).
+
+    s is a cubic between values at equal distances over the range of the input, with the slope of
+    the chord of its neighbours at each; it is zero at the first, and level outside.
+
+    Source: Catmull and Rom, *A class of local interpolating splines*, 1974.
+    """
+
+    name: ClassVar[str] = "fine_curve"
+    title: ClassVar[str] = "Static curve with finer bends"
+    law: ClassVar[str] = "x - s(u) in place of x in the spring; s through s1 … s12"
+    meaning: ClassVar[str] = "The settled positions jump or bend within a small part of the range."
+    signature: ClassVar[str] = "The residual at rest depends only on the level of the input."
+    remedy: ClassVar[str] = "none is needed: use the measured curve for control"
+    shown_by: ClassVar[str] = "held levels over the full range, in fine steps up and down"
+    source: ClassVar[str] = "Catmull and Rom, A class of local interpolating splines, 1974"
+    amplitude: ClassVar[str] = "s1"
+    changes_sign: ClassVar[bool] = True
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """All vanish together."""
+        return SHIFTS
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """The shift at each knot but the first, as a share of the range of positions."""
+        del scale
+        declared = (
+            one_parameter(name, 0.0, "1", -MOST, MOST, "shift there", self.source)[name]
+            for name in SHIFTS
+        )
+        return ParameterSet(tuple(declared))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """One start: no shift at any input."""
+        del scale
+        return (dict.fromkeys(SHIFTS, 0.0),)
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """The unit of the shift, where the knots begin, and their distance."""
+        return scale.x_span, scale.u_low, scale.u_span / BENDS
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Shift s(u)."""
+        place = min(max((u - eta[BENDS + 1]) / eta[BENDS + 2], 0.0), float(BENDS))
+        left = min(int(place), BENDS - 1)
+        b = place - left
+        shift = 0.0
+        for j in range(4):
+            knot = min(max(left + j - 1, 0), BENDS)
+            if knot > 0:
+                w = CUBICS[j]
+                shift += (w[0] + b * (w[1] + b * (w[2] + b * w[3]))) * eta[knot - 1]
+        out[SHIFT] += eta[BENDS] * shift
