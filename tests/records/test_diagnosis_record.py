@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 from handmade import failed_fit
-from handmade_diagnosis import diagnosis, odd_diagnosis
+from handmade_diagnosis import FRICTION, diagnosis, odd_diagnosis
 from jsonschema import Draft202012Validator
 
-from softid.diagnosis_results import Variation, Verdict
+from softid.diagnosis_results import Doubt, NotNoise, Variation, Verdict
 from softid.errors import OutputError
 from softid.records import load_params, save_diagnosis
 from softid.records.reading import load_schema
@@ -33,6 +33,22 @@ def strict(path: Path) -> dict[str, Any]:
 def test_the_schema_is_a_schema() -> None:
     """A typing error would make it accept anything; draft 2020-12 checks itself."""
     Draft202012Validator.check_schema(load_schema("softid.diagnosis/1"))
+
+
+@pytest.mark.parametrize("doubt", Doubt)
+def test_every_doubt_is_written(tmp_path: Path, doubt: Doubt) -> None:
+    made = diagnosis(Verdict.UNKNOWN)
+    described = replace(FRICTION, doubt=doubt)
+    save_diagnosis(replace(made, causes=(), descriptive=(described,)), tmp_path)
+    (written,) = strict(tmp_path / "diagnosis.json")["descriptive"]
+    assert written["doubt"] == doubt.value
+
+
+@pytest.mark.parametrize("mark", NotNoise)
+def test_every_mark_against_noise_is_written(tmp_path: Path, mark: NotNoise) -> None:
+    made = diagnosis(Verdict.UNKNOWN)
+    save_diagnosis(replace(made, remainder=replace(made.remainder, against_noise=mark)), tmp_path)
+    assert strict(tmp_path / "diagnosis.json")["remainder"]["against_noise"] == mark.value
 
 
 @pytest.mark.parametrize("verdict", Verdict)

@@ -58,8 +58,8 @@ def with_several_elements(
     is_open = may_hold_more(found.remainder) or bool(found.descriptive)
     if not (rows and is_open and found.verdict in (Verdict.NAMED, Verdict.PARTIAL)):
         return found
-    named = {link.added.key for link in links}
-    kept = [effect for effect in final.acting if effect.key in named]
+    named = {link.added.name for link in links}
+    kept = [effect for effect in final.acting if effect.name in named]
     standing, near = standing_of(final, base), PROMISING_RATIO * final.squares
     alone = refitted_with(standing, kept[:-1], kept[-1:], near=np.inf)
     assert alone is not None
