@@ -41,14 +41,14 @@ def test_every_doubt_is_written(tmp_path: Path, doubt: Doubt) -> None:
     described = replace(FRICTION, doubt=doubt)
     save_diagnosis(replace(made, causes=(), descriptive=(described,)), tmp_path)
     (written,) = strict(tmp_path / "diagnosis.json")["descriptive"]
-    assert written["doubt"] == doubt.value
+    assert written["doubt"] == doubt.name.lower()
 
 
 @pytest.mark.parametrize("mark", NotNoise)
 def test_every_mark_against_noise_is_written(tmp_path: Path, mark: NotNoise) -> None:
     made = diagnosis(Verdict.UNKNOWN)
     save_diagnosis(replace(made, remainder=replace(made.remainder, against_noise=mark)), tmp_path)
-    assert strict(tmp_path / "diagnosis.json")["remainder"]["against_noise"] == mark.value
+    assert strict(tmp_path / "diagnosis.json")["remainder"]["against_noise"] == mark.name.lower()
 
 
 @pytest.mark.parametrize("verdict", Verdict)
