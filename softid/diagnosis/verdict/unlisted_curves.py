@@ -25,7 +25,8 @@ MARGIN = 0.05
 goes a little further than the record."""
 
 MOST = 1.0
-"""Bound of the force at a knot, as a share of what moves the actuator through its range."""
+"""Bound of the force at a knot, as a share of what moves the actuator through its range, and of the
+shift at one, as a share of that range."""
 
 LEAST_POWER, MOST_POWER = 1.5, 15.0
 """Bounds of the power with which a spring stiffens: straighter is the model's own, and steeper a
@@ -39,7 +40,6 @@ BENDS = 12
 
 SHIFTS = tuple(f"s{k}" for k in range(1, BENDS + 1))
 """The knots behind the first."""
-
 
 CUBICS = (
     (0.0, -0.5, 1.0, -0.5),
