@@ -15,9 +15,11 @@ from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import BaseFit, Request
 from softid.diagnosis.refit.candidates import Candidate, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
+from softid.diagnosis.report.ambiguity import law_that_ties
 from softid.diagnosis.search.forward_selection import Link, converged
-from softid.diagnosis.verdict.equivalence import CHANGING
+from softid.diagnosis.verdict.equivalence import CHANGING, TWO_HYSTERESES
 from softid.diagnosis.verdict.replacements import REPLACEMENTS, _asked, with_replacements
+from softid.diagnosis_results import Alternative
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
 from softid.log import Log, LogSet
@@ -138,14 +140,17 @@ def test_a_second_creep_in_the_place_of_a_cause_beside_a_creep(
 @pytest.mark.parametrize(
     ("hidden", "rivals"),
     [
-        (("maxwell_slip",), ("second_hysteresis",)),
+        (("maxwell_slip",), ("free_spring", "second_hysteresis")),
         pytest.param(("hysteresis", "static_curve"), (), marks=pytest.mark.slow),
     ],
 )
 def test_a_second_loop_in_the_place_of_a_cause_beside_a_loop(
     hidden: tuple[str, ...], rivals: tuple[str, ...]
 ) -> None:
-    """Stands on the generator: what several elements leave of a loop is no curve."""
+    """Stands on the generator: what several elements leave of a loop is no curve.
+
+    Where a curve draws it in part, a finer one does so better, and the loop is told first.
+    """
     base = base_of(*hidden_pair(hidden, seed=710004, size=2.0).logs)
     first = converged_with(base, (effect_of("hysteresis"),))
     final = converged_with(base, (effect_of("hysteresis"), effect_of("static_curve")))
@@ -153,6 +158,9 @@ def test_a_second_loop_in_the_place_of_a_cause_beside_a_loop(
     loop, other = with_replacements(links, [True, True], final, base)
     assert loop.rivals == ("hysteresis",)
     assert other.rivals[1:] == rivals
+    tie = Alternative(other.rivals, dict.fromkeys(other.rivals, 0.0), "")
+    told = law_that_ties(tie, linear=False)
+    assert told is (TWO_HYSTERESES if rivals else None)
 
 
 @pytest.mark.parametrize(
