@@ -68,3 +68,9 @@ def link(fall: float, *, before: float = 100.0, after: float = 50.0, key: str = 
     """A round in which an effect lowers the BIC by so much."""
     base, chosen = ranked((), 0.0, before), ranked((key,), -fall, after)
     return Link(base, (chosen, base), chosen, (key,), (), before)
+
+
+def bare_link(squares_before: float, *rivals: str) -> Any:
+    """A link of which only the sum of squares and the rivals are looked at."""
+    none: Any = None
+    return Link(none, (), none, rivals or ("delay",), (), squares_before)

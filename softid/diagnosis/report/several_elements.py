@@ -61,13 +61,14 @@ def with_several_elements(
     named = {link.added.name for link in links}
     kept = [effect for effect in final.acting if effect.name in named]
     standing, near = standing_of(final, base), PROMISING_RATIO * final.squares
-    alone = refitted_with(standing, kept[:-1], kept[-1:], near=np.inf)
-    assert alone is not None
     noise = final.squares / (1.0 + found.remainder.excess)
     for law, which, together in rows:
         other = refitted_with(standing, kept, (law(),), near=near)
         if other is None or not _is_better(other, final, base):
             continue
+        alone = final
+        if found.descriptive:
+            alone = refitted_with(standing, kept[:-1], kept[-1:], near=np.inf) or final
         taken = (alone.squares - other.squares) / (alone.squares - noise)
         if taken > MOST_OF_THE_REST:
             issue = _issue(law(), which, together, other, min(taken, 1.0))

@@ -132,12 +132,12 @@ def _look(
         after, scale.motion_s, rng=rng, wanders=not final.has_spring, chance=chance
     )
     floor = floor if driven is None else driven.beside(floor)
-    if not (floor.is_known or structure.significant):
-        floor = _with_outliers(floor, mean_square(after), heard(final, after), samples_alike(final))
+    is_open, audible = not (floor.is_known or structure.significant), heard(final, after)
+    if is_open:
+        floor = _with_outliers(floor, mean_square(after), audible, samples_alike(final))
     colour = ColourTest()
     louder = mean_square(after) / _least_noise(floor, before) - 1.0
-    if not (floor.is_known or structure.significant) and louder > SMALLEST_EXCESS:
-        audible = heard(final, after)
+    if is_open and louder > SMALLEST_EXCESS:
         slopes = _slopes_where(audible, after, final)
         told = colour_test(audible, scale.motion_s, slopes=slopes, rng=rng)
         if louder > LEAST_COLOUR or told.is_brief:

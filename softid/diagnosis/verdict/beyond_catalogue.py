@@ -77,9 +77,9 @@ class BeyondCatalogue:
         cause
             The base with the best cause of the catalogue.
         """
-        leaves_nothing = self.is_whole and self.squares < AS_NOISE * self.noise
         if isinstance(self.laws[0], NEAR_TWO):
             return False
+        leaves_nothing = self.is_whole and self.squares < AS_NOISE * self.noise
         return leaves_nothing and self.squares < OUTDONE_RATIO * cause.squares
 
 

@@ -351,4 +351,4 @@ NEAR_TWO = (PowerSpring, FreeSpring, FineCurve)
 stiffens up to a wall, and a curve at rest one with a dead zone."""
 
 BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law not in NEAR_ONE)
-"""Laws of no catalogue that no single cause can do as well."""
+"""Laws of no catalogue that no single cause can do as well, but for the plain shapes of a curve."""

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from handmade import fit_result
 from handmade_diagnosis import cause, estimate, remainder
+from handmade_rounds import bare_link
 
-from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.naming import (
     asks_for_the_others,
     doubt_of,
@@ -26,12 +26,6 @@ from softid.results import ParameterEstimate
 PREDICTABLE = remainder(structured=True, explained=0.7)
 RANDOM = replace(PREDICTABLE, structure_share=0.01)
 WHOLE = 1.0
-
-
-def link(squares_before: float, *rivals: str) -> Any:
-    """A link of which only the sum of squares and the rivals are looked at."""
-    none: Any = None
-    return Link(none, (), none, rivals or ("delay",), (), squares_before)
 
 
 def model(squares: float) -> Any:
@@ -55,29 +49,34 @@ def test_what_may_be_named(left: Remainder, named: tuple[bool, ...]) -> None:
 
     The links take 0.6 and 0.2 of the misfit, on both sides of the 0.3 that a dominant one needs.
     """
-    assert nameable([link(100.0), link(40.0)], model(20.0), left, gain=0.55) == named
+    assert nameable([bare_link(100.0), bare_link(40.0)], model(20.0), left, gain=0.55) == named
 
 
 def test_a_dominant_link_is_measured_against_the_whole_misfit() -> None:
     """The second takes nine tenths of what the first left, which is a twentieth of the whole."""
     left = replace(RANDOM, explained_share=0.8)
-    assert nameable([link(100.0), link(5.0)], model(0.5), left, gain=0.9) == (True, False)
-    assert nameable([link(100.0), link(70.0)], model(40.0), left, gain=0.9) == (True, True)
+    assert nameable([bare_link(100.0), bare_link(5.0)], model(0.5), left, gain=0.9) == (True, False)
+    assert nameable([bare_link(100.0), bare_link(70.0)], model(40.0), left, gain=0.9) == (
+        True,
+        True,
+    )
     assert nameable([], model(100.0), left, gain=0.0) == ()
 
 
 def test_a_random_rest_allows_no_name_without_a_gain() -> None:
     """What is held out must lose half of its error."""
     left = replace(RANDOM, explained_share=0.8)
-    assert nameable([link(100.0)], model(20.0), left, gain=0.51) == (True,)
-    assert nameable([link(100.0)], model(20.0), left, gain=0.49) == (False,)
+    assert nameable([bare_link(100.0)], model(20.0), left, gain=0.51) == (True,)
+    assert nameable([bare_link(100.0)], model(20.0), left, gain=0.49) == (False,)
 
 
 def test_what_does_not_carry_over_is_not_named() -> None:
     """Noise alone is left on the fitted samples, but on others most of the misfit stays."""
     left = remainder(structured=False, explained=1.0)
     for share, named in ((0.71, True), (0.69, False)):
-        told = nameable([link(100.0)], model(1.0), replace(left, held_out_share=share), gain=0.5)
+        told = nameable(
+            [bare_link(100.0)], model(1.0), replace(left, held_out_share=share), gain=0.5
+        )
         assert told == (named,)
 
 
@@ -99,7 +98,7 @@ def test_beside_a_rest_that_is_held_out(
     left = remainder(structured=False, explained=1.0)
     left = replace(left, misses_held_out=misses, held_out_share=share)
     of_tie = replace(left, held_out_share=of_rival) if of_rival is not None else None
-    told = nameable([link(100.0)], model(1.0), left, gain=0.9, of_tie=of_tie)
+    told = nameable([bare_link(100.0)], model(1.0), left, gain=0.9, of_tie=of_tie)
     assert told == (named,)
 
 

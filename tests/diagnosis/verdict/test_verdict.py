@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import pytest
 from handmade_diagnosis import FRICTION, remainder
+from handmade_rounds import bare_link
 
-from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.naming import verdict_of
 from softid.diagnosis_results import Variation, Verdict
-
-
-def link(squares_before: float, *rivals: str) -> Any:
-    """A link of which only the sum of squares and the rivals are looked at."""
-    none: Any = None
-    return Link(none, (), none, rivals or ("delay",), (), squares_before)
 
 
 @pytest.mark.parametrize(("misses", "verdict"), [(False, "named"), (True, "partial")])
 def test_a_name_beside_a_rest_that_is_held_out_is_a_part(misses: bool, verdict: str) -> None:
     """And nothing named beside such a rest is unknown, not adequate."""
     left = replace(remainder(structured=False, explained=1.0), misses_held_out=misses)
-    assert verdict_of([link(1.0)], [True], left).value == verdict
+    assert verdict_of([bare_link(1.0)], [True], left).value == verdict
     assert verdict_of([], [], left) is (Verdict.UNKNOWN if misses else Verdict.ADEQUATE)
 
 
@@ -43,7 +36,7 @@ def test_a_law_that_is_not_quite_its_own_is_a_part_where_more_may_be_left(
     left = remainder(structured=False, explained=0.99)
     left = replace(left, excess=excess, noise_sd=0.03, colour_s=colour_s)
     told = replace(FRICTION, variation=Variation("t", 0.08, 0.02, 0.001) if varies else None)
-    assert verdict_of([link(1.0)], [True], left, [told]) is verdict
+    assert verdict_of([bare_link(1.0)], [True], left, [told]) is verdict
 
 
 @pytest.mark.parametrize(
@@ -67,4 +60,4 @@ def test_verdict(
 ) -> None:
     """Every branch: rivals of a link that is not named make nothing ambiguous."""
     left = remainder(structured=structured, explained=0.8)
-    assert verdict_of([link(1.0, *rivals) for rivals in links], named, left) is verdict
+    assert verdict_of([bare_link(1.0, *rivals) for rivals in links], named, left) is verdict
