@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from softid.synthesis.actuators import Sizes
 from softid.synthesis.hidden_base import (
     Hidden,
@@ -16,8 +14,6 @@ from softid.synthesis.hidden_base import (
     about,
     entry,
 )
-
-Generator = np.random.Generator
 
 LARGEST_LOSS = 0.8
 """Share of the stiffness that goes at most."""

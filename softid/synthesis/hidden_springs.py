@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from math import pi, sin, tanh
 
-import numpy as np
-
 from softid.synthesis.actuators import Sizes
 from softid.synthesis.hidden_base import (
     NO_RATES,
@@ -21,8 +19,6 @@ from softid.synthesis.hidden_base import (
     either,
     entry,
 )
-
-Generator = np.random.Generator
 
 
 def _saturating(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
