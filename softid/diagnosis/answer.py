@@ -92,7 +92,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         for link, cause in zip(chain.links, causes, strict=True)
     }
     after, causes = with_intervals(after, causes, is_named, chain, base.sigma, least_sd)
-    links = with_rivals(chain, causes, list(forms.values()), is_named, base)
+    links = with_rivals(chain, causes, list(forms.values()), is_named, base, remainder)
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]
     if base.instead_of is not None:

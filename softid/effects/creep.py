@@ -39,7 +39,7 @@ class Creep(StateEffect):
     law: ClassVar[str] = "+ k (x - z),  tau z' = x - z"
     meaning: ClassVar[str] = (
         "After a change the actuator settles quickly to most of its new position and then creeps "
-        "on for seconds or minutes, because part of its elastic force relaxes."
+        "on, because part of its elastic force relaxes."
     )
     signature: ClassVar[str] = (
         "The residual decays exponentially after every change of level. Its size is proportional "
@@ -101,9 +101,9 @@ class SeriesCreep(SettlingShare):
     title: ClassVar[str] = "Creep in proportion to the deflection"
     law: ClassVar[str] = "y = x + c z,  tau z' + z = x"
     meaning: ClassVar[str] = (
-        "After a change the reading settles quickly to most of its new value and then creeps on "
-        "for seconds or minutes, by a fraction of the change that is the same at every pressure, "
-        "because the body, or a strain sensor on it, keeps yielding."
+        "After a change the reading settles quickly to most of its new value and then creeps "
+        "on, by a fraction of the change that is the same at every pressure, because the body, or "
+        "a strain sensor on it, keeps yielding."
     )
     signature: ClassVar[str] = (
         "After every change of level the residual approaches, exponentially, a fixed fraction of "

@@ -27,9 +27,9 @@ class Relaxation(SettlingShare):
     title: ClassVar[str] = "Relaxation of the reading"
     law: ClassVar[str] = "y = x - c z,  tau z' + z = x"
     meaning: ClassVar[str] = (
-        "After a change the reading settles quickly and then returns for seconds or minutes, by a "
-        "fraction of the change: the force of an actuator that is held relaxes, or a sensor, such "
-        "as a piezoelectric one, loses what stands still."
+        "After a change the reading settles quickly and then returns, by a fraction of the "
+        "change: the force of an actuator that is held relaxes, or a sensor, such as a "
+        "piezoelectric one, loses what stands still."
     )
     signature: ClassVar[str] = (
         "After every change of level the residual approaches, exponentially, a fixed fraction of "

@@ -197,8 +197,8 @@ TWO_LATE = EquivalenceClass(
 """What is late twice."""
 
 _IN_PLACE_OF_IT = (
-    "A refit with the last of them in its place, or in that of all causes, explains more of these "
-    "logs"
+    "A refit with the last of them in its place, or in that of several causes, explains more of "
+    "these logs"
 )
 
 OTHER_CURVE = EquivalenceClass(
@@ -215,6 +215,7 @@ ONE_FOR_ALL = EquivalenceClass(
         "position_damping",
         "damping_drift",
         "early_reading",
+        "gauge_lag",
         "uneven_reading",
         "input_play",
         "output_play",
@@ -302,7 +303,15 @@ LEAD_AND_RELAXATION = EquivalenceClass(
 )
 """A relaxation that begins while the actuator still moves."""
 
-LAWS_ALIKE = (OWN_DAMPING, LOWER_END, HELD_INPUT, ONE_WAY, THINNING, LEAD_AND_RELAXATION)
+LAWS_ALIKE = (
+    OWN_DAMPING,
+    LOWER_END,
+    HELD_INPUT,
+    ONE_WAY,
+    THINNING,
+    LEAD_AND_RELAXATION,
+    POLE_AND_ZERO,
+)
 """Told where all of their effects are in a tie; the first that is."""
 
 TWO_LAGS = EquivalenceClass(
@@ -326,7 +335,7 @@ BY_DIRECTION = EquivalenceClass(
     "goes by different times follow the same law",
     "the pressure inside the actuator, or the motion after a push at a constant pressure",
 )
-LINEAR_FILTERS = (TWO_LAGS, TWO_RESONANCES, POLE_AND_ZERO, BY_DIRECTION)
+LINEAR_FILTERS = (TWO_LAGS, TWO_RESONANCES, BY_DIRECTION)
 """Linear operations may change places. A stiffness that goes with the pressure tells them apart."""
 
 

@@ -12,7 +12,8 @@ from softid.diagnosis.base.intersample_selection import SINGLE_DELAYS
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.usual_law import usual_law
 from softid.diagnosis.residual.motion import turns_round
-from softid.diagnosis.search.forward_selection import Chain, Link
+from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link
+from softid.diagnosis.verdict.chain_consistency import may_hold_more
 from softid.diagnosis.verdict.equivalence import (
     HELD_INPUT,
     LEAD_AND_RELAXATION,
@@ -23,7 +24,7 @@ from softid.diagnosis.verdict.equivalence import (
     THINNING,
 )
 from softid.diagnosis.verdict.replacements import with_replacements
-from softid.diagnosis_results import Cause
+from softid.diagnosis_results import Cause, Remainder
 from softid.effects.scale import Scale
 from softid.intersample import HELD
 
@@ -51,6 +52,7 @@ def with_rivals(
     forms: Sequence[str],
     is_named: Sequence[bool],
     base: BaseFit,
+    remainder: Remainder,
 ) -> list[Link]:
     """The links of a chain with rivals that follow the same law, or explain as much in its place.
 
@@ -66,12 +68,15 @@ def with_rivals(
         Which of them may be named.
     base
         What the chain begins with.
+    remainder
+        What it leaves.
     """
     links = [
         with_law_rivals(link, cause, form, chain.final, base.scale)
         for link, cause, form in zip(chain.links, causes, forms, strict=True)
     ]
-    return with_replacements(links, is_named, chain.final, base)
+    is_doubtful = sum(is_named) == MAX_LINKS or may_hold_more(remainder)
+    return with_replacements(links, is_named, chain.final, base, is_doubtful=is_doubtful)
 
 
 def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale: Scale) -> Link:

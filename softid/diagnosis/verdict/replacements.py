@@ -2,7 +2,7 @@
 
 Some causes of the catalogue follow what a law in no catalogue does, or two causes together do. Each
 of these is refitted in their place, with all other causes kept; and each law in no catalogue alone
-in the place of all, with what is described kept and without.
+in the place of all, with what is described kept and without, or beside the first.
 """
 
 from __future__ import annotations
@@ -165,7 +165,12 @@ REPLACEMENTS: tuple[Replacement, ...] = (
 
 
 def with_replacements(
-    links: Sequence[Link], is_named: Sequence[bool], final: Candidate, base: BaseFit
+    links: Sequence[Link],
+    is_named: Sequence[bool],
+    final: Candidate,
+    base: BaseFit,
+    *,
+    is_doubtful: bool = False,
 ) -> list[Link]:
     """The links; those of named causes with what explains the logs as well in their place.
 
@@ -179,9 +184,12 @@ def with_replacements(
         The model with all causes.
     base
         What the chain begins with.
+    is_doubtful
+        Whether the causes behind the first may together stand for one law.
     """
     named = [link.added for link, may in zip(links, is_named, strict=True) if may]
-    asked = _asked(named, is_linear=final.problem.model.is_linear) if named else []
+    is_linear = final.problem.model.is_linear
+    asked = _asked(named, is_linear=is_linear, is_doubtful=is_doubtful) if named else []
     if not asked:
         return list(links)
     tries = [
@@ -211,18 +219,17 @@ def with_replacements(
 
 
 def _asked(
-    named: Sequence[Effect], *, is_linear: bool
+    named: Sequence[Effect], *, is_linear: bool, is_doubtful: bool = False
 ) -> list[tuple[Replacement, tuple[Effect, ...]]]:
     """Rows of the table that take a named effect, each with its sets of laws one by one."""
     rows = [row for row in REPLACEMENTS if row.asks(named)]
     found = [(row, laws) for row in rows for laws in row.laws]
-    known = {laws for row, laws in found if all(row.takes(effect) for effect in named)}
-    everything = Replacement(
-        tuple(effect.name for effect in named),
-        tuple((law(),) for law in UNLISTED_LAWS if (law(),) not in known),
-        behind=0.0,
-    )
-    found += [(everything, laws) for laws in everything.laws]
+    together = [named, named[1:]] if is_doubtful and len(named) > 1 else [named]
+    for effects in together:
+        names = tuple(effect.name for effect in effects)
+        known = {laws for row, laws in found if [e for e in named if row.takes(e)] == [*effects]}
+        laws_left = tuple((law(),) for law in UNLISTED_LAWS if (law(),) not in known)
+        found += [(Replacement(names, laws_left, behind=0.0), laws) for laws in laws_left]
     return [(row, laws) for row, laws in found if not (is_linear and _drifts(laws))]
 
 

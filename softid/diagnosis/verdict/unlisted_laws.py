@@ -31,6 +31,7 @@ from softid.diagnosis.verdict.unlisted_pneumatics import (
 from softid.diagnosis.verdict.unlisted_readings import (
     EarlyReading,
     Feedthrough,
+    LateGauge,
     SmoothedInput,
     SwingingPart,
     UnevenReading,
@@ -332,6 +333,7 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     FreeSpring,
     FineCurve,
     EarlyReading,
+    LateGauge,
     SmoothedInput,
     UnevenReading,
     Feedthrough,

@@ -84,6 +84,38 @@ class EarlyReading(OutputEffect):
 
 
 @dataclass(frozen=True)
+class LateGauge(InputEffect):
+    """A gauge that follows the pressure late, as a lag: what drives the actuator is u + τ u̇."""
+
+    name: ClassVar[str] = "gauge_lag"
+    title: ClassVar[str] = "Pressure gauge that lags behind"
+    law: ClassVar[str] = "arrives u + tau u'"
+    meaning: ClassVar[str] = "The gauge sits behind a long tube or a filter of its own."
+    signature: ClassVar[str] = "The residual goes with the rate of the input; the output leads."
+    remedy: ClassVar[str] = "a faster gauge, at the actuator itself"
+    shown_by: ClassVar[str] = "fast steps"
+    source: ClassVar[str] = "a first-order lag, solved for what it lags behind"
+    amplitude: ClassVar[str] = "tau"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Time constant of the gauge, as that of a lag."""
+        tau = effect_of("pneumatic_lag").parameters(scale)["tau"]
+        return ParameterSet(
+            (replace(tau, meaning="time constant of the gauge", source=self.source),)
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Fractions of the motion's own time."""
+        return tuple({"tau": share * scale.motion_s} for share in (0.1, 0.4))
+
+    def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
+        """Add the rate of the input, the mean of those before and after a corner."""
+        del scale
+        arriving: Array = u + float(eta[0]) * np.gradient(u, time_s)
+        return arriving
+
+
+@dataclass(frozen=True)
 class SmoothedInput(InputEffect):
     """A pressure whose record was smoothed afterwards: what arrives is 2 u less the mean over w.
 

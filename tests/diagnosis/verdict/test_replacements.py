@@ -22,6 +22,7 @@ from softid.diagnosis.verdict.replacements import REPLACEMENTS, _asked, with_rep
 from softid.diagnosis_results import Alternative
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
+from softid.kernels.filters import lag
 from softid.log import Log, LogSet
 from softid.synthesis import hidden_pair
 
@@ -268,6 +269,32 @@ def test_a_leak_in_the_place_of_a_curve_and_a_lag() -> None:
     final = converged_with(base, tuple(effect_of(key) for key in named))
     for link in with_replacements([link_of(key) for key in named], [True, True], final, base):
         assert link.rivals[1:] == ("relief_leak",)
+
+
+def with_a_late_gauge(log: Log, tau_s: float) -> Log:
+    """The log with a pressure that follows what it was by a lag."""
+    late = log.pressure_kpa.copy()
+    lag(np.diff(log.time_s), late, tau_s, tau_s)
+    channels = {name: channel.values for name, channel in log.channels.items()}
+    return Log.from_arrays(log.time_s, {**channels, "pressure": late}, name=log.name)
+
+
+def test_a_late_gauge_is_told() -> None:
+    """An actuator that is its model, by the generator, and a gauge that lags by 0.06 s."""
+    fitted, judge = (with_a_late_gauge(log, 0.06) for log in hidden_pair([], seed=5).logs)
+    found = diagnose(fitted, hold_out=[judge], model="muscle", effects=["relaxation"])
+    assert not found.causes
+    assert "a pressure gauge that lags behind (0.06 s)" in found.summary
+
+
+def test_one_law_beside_the_first_cause_where_there_may_be_more() -> None:
+    """The laws in no catalogue are then asked twice: in the place of all, and of all but one."""
+    named = [effect_of(key) for key in ("coulomb_friction", "relaxation", "delay")]
+    for is_doubtful, times in ((False, 1), (True, 2)):
+        rows = _asked(named, is_linear=False, is_doubtful=is_doubtful)
+        late = [row for row, laws in rows if laws[0].name == "gauge_lag"]
+        assert len(late) == times
+        assert late[-1].takes(named[0]) is not is_doubtful
 
 
 def test_a_power_in_the_place_of_a_stiffening_up_to_a_wall() -> None:
