@@ -12,6 +12,17 @@ Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 
+@njit(nogil=True, error_model="numpy", forceinline=True)
+def _divided_differences(time_s, values, k):  # type: ignore[no-untyped-def]
+    """The second divided differences at both ends of interval k, and the third one over it."""
+    t0, t1, t2, t3 = time_s[k - 1], time_s[k], time_s[k + 1], time_s[k + 2]
+    first = (values[k] - values[k - 1]) / (t1 - t0)
+    middle = (values[k + 1] - values[k]) / (t2 - t1)
+    last = (values[k + 2] - values[k + 1]) / (t3 - t2)
+    before, after = (middle - first) / (t2 - t0), (last - middle) / (t3 - t1)
+    return before, after, (after - before) / (t3 - t0)
+
+
 @kernel
 def third_steps(time_s: Array, values: Array, found: Array) -> None:
     """Size of the third divided difference times the interval cubed.
@@ -25,26 +36,17 @@ def third_steps(time_s: Array, values: Array, found: Array) -> None:
         (n − 3,).
     """
     for k in range(found.size):
-        t0, t1, t2, t3 = time_s[k], time_s[k + 1], time_s[k + 2], time_s[k + 3]
-        first = (values[k + 1] - values[k]) / (t1 - t0)
-        middle = (values[k + 2] - values[k + 1]) / (t2 - t1)
-        last = (values[k + 3] - values[k + 2]) / (t3 - t2)
-        third = ((last - middle) / (t3 - t1) - (middle - first) / (t2 - t0)) / (t3 - t0)
-        found[k] = abs(third * (t2 - t1) ** 3)
+        _, _, third = _divided_differences(time_s, values, k + 1)
+        found[k] = abs(third * (time_s[k + 2] - time_s[k + 1]) ** 3)
 
 
 @njit(nogil=True, error_model="numpy", forceinline=True)
 def _bend(time_s, values, k):  # type: ignore[no-untyped-def]
     """Second divided differences at both ends of interval k, and the bend in its middle."""
-    t0, t1, t2, t3 = time_s[k - 1], time_s[k], time_s[k + 1], time_s[k + 2]
-    first = (values[k] - values[k - 1]) / (t1 - t0)
-    middle = (values[k + 1] - values[k]) / (t2 - t1)
-    last = (values[k + 2] - values[k + 1]) / (t3 - t2)
-    before, after = (middle - first) / (t2 - t0), (last - middle) / (t3 - t1)
-    half = 0.5 * (t2 - t1)
+    before, after, third = _divided_differences(time_s, values, k)
+    half = 0.5 * (time_s[k + 1] - time_s[k])
     # Newton's form on four samples, half way between the inner two.
-    third = (after - before) / (t3 - t0)
-    return before, after, -(before + third * ((t1 - t0) + half)) * half**2
+    return before, after, -(before + third * ((time_s[k] - time_s[k - 1]) + half)) * half**2
 
 
 @njit(nogil=True, error_model="numpy", forceinline=True)
