@@ -20,7 +20,6 @@ from softid.synthesis.hidden_base import (
 )
 
 Array = npt.NDArray[np.float64]
-Generator = np.random.Generator
 
 
 def _pickup(values: Values, sizes: Sizes, occasion: Occasion) -> OutputLaw:
