@@ -47,7 +47,7 @@ def drive_log(measured: Path) -> Log:
 
 @pytest.fixture(scope="module")
 def drive(drive_log: Log) -> Diagnosis:
-    """Half a minute of one core."""
+    """One diagnosis, which all tests of this rig look at."""
     return diagnose([drive_log], model=Oscillator(spring="none"))
 
 
