@@ -69,30 +69,9 @@ ROUNDED = 1e-15
 """Times are known to this share of the longest, which within a jump of microseconds is much."""
 
 
-@kernel
-def pressure_rate(
-    supply: float, actuator: float, tau_s: float, b: float, ratio: float = 1.0
-) -> float:
-    """ṗa at given absolute pressures.
-
-    Parameters
-    ----------
-    supply, actuator
-        Absolute pressures, positive.
-    tau_s
-        Time τ in which a choked flow would raise the pressure by the upstream pressure.
-    b
-        Critical pressure ratio.
-    ratio
-        Time τ of venting over that of filling.
-    """
-    found: float = _rate(supply, actuator, _law(tau_s if supply > actuator else tau_s * ratio, b))
-    return found
-
-
 @njit(nogil=True, error_model="numpy")
 def _rate(supply: float, actuator: float, law: Law) -> float:
-    """`pressure_rate` without a division: of p_u ψ, both are drawn under the root."""
+    """ṗa at absolute pressures, without a division: of p_u ψ, both are drawn under the root."""
     per_s, b, per_range, laminar_per_s = law
     upstream, downstream = max(supply, actuator), min(supply, actuator)
     if downstream > LAMINAR_ABOVE * upstream:
