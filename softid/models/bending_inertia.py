@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, factorial, sin
+from math import factorial
 from typing import Literal
 
 import numpy as np
@@ -27,9 +27,6 @@ N_TERMS = 23
 TAYLOR = ((1 / 2, -1 / 24, -1 / 72, 1 / 576), (0.0, -1 / 12, 1 / 36, -1 / 288))
 """Coefficients of M and D by θ⁰, θ², …: sin u ≈ u − u³/6 and cos u ≈ 1 − u²/2 + u⁴/24 multiplied
 out; consistent to θ⁴ would be 1/720 for −1/72 and 1/180 for 1/36."""
-
-SERIES_BELOW_RAD = 0.5
-"""Below this angle the closed forms lose digits by cancellation, and the series takes over."""
 
 
 @dataclass(frozen=True)
@@ -130,54 +127,3 @@ def inertia_series(
     velocities[:-1] = share * 2.0 * np.arange(1, N_TERMS) * inertias[1:]
     inertias[0] += rotation
     return inertias, velocities
-
-
-def closed_form_inertia(
-    stretches: Sequence[Stretch], length_m: float, angle_rad: float
-) -> tuple[float, float]:
-    r"""M(θ) and D(θ) of the root moment without the rotational inertia, in closed form.
-
-    With κ = θ/l0 and u = κ·r the integrals are
-
-    ∫ r·(1 − cos u) dr = r²/2 − r·sin u/κ − cos u/κ² and
-    ∫ r·[u·sin u + 2·(cos u − 1)] dr = −r²·cos u + 4·r·sin u/κ + 4·cos u/κ² − r²;
-
-    below 0.5 rad, where they cancel, the series of `inertia_series` takes over.
-
-    Parameters
-    ----------
-    stretches, length_m
-        As in `inertia_series`.
-    angle_rad
-        θ.
-
-    Returns
-    -------
-    inertia, velocity
-        M and D in kg·m².
-
-    Source: DEE 2022, Eq 8 and 10 with a_x and a_y for ä_x and ä_y.
-
-    Examples
-    --------
-    >>> m, d = closed_form_inertia([Stretch(0.0, 1.0, 1.0, 0.0)], 1.0, 2.0)
-    >>> round(m, 10)
-    0.0998469989
-    """
-    if abs(angle_rad) < SERIES_BELOW_RAD:
-        still = [Stretch(s.start_m, s.stop_m, s.density_kg_m, 0.0) for s in stretches]
-        m, d = inertia_series(still, length_m, "root-moment", "exact")
-        powers = angle_rad ** (2 * np.arange(N_TERMS))
-        return float(m @ powers), float(angle_rad * (d @ powers))
-    bend = angle_rad / length_m
-
-    def heavy(r: float) -> float:
-        return 0.5 * r * r - r * sin(bend * r) / bend - cos(bend * r) / bend**2
-
-    def fast(r: float) -> float:
-        turn = cos(bend * r)
-        return -r * r * turn + 4.0 * r * sin(bend * r) / bend + 4.0 * turn / bend**2 - r * r
-
-    mass = sum(s.density_kg_m * (heavy(s.stop_m) - heavy(s.start_m)) for s in stretches)
-    speed = sum(s.density_kg_m * (fast(s.stop_m) - fast(s.start_m)) for s in stretches)
-    return float(mass * length_m / angle_rad**2), float(speed * length_m / angle_rad**3)
