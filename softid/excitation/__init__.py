@@ -12,7 +12,6 @@ from softid.excitation.noise import (
 from softid.excitation.segmentation import (
     Kind,
     Stretch,
-    dominant_kind,
     excitation_and_holds,
     segment_excitation,
     settled_windows,
@@ -37,7 +36,6 @@ __all__ = [
     "SettledWindow",
     "Stretch",
     "distinct_levels",
-    "dominant_kind",
     "excitation_and_holds",
     "find_dead_band",
     "find_hold",

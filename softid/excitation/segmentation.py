@@ -174,26 +174,6 @@ def settled_windows(
     return windows_of(motion, holds_between_waves(motion), input_values, tail=tail)
 
 
-def dominant_kind(stretches: Sequence[Stretch]) -> Kind:
-    """The kind of excitation that lasts longest; rest only when there is nothing else.
-
-    Parameters
-    ----------
-    stretches
-        At least one stretch of one log.
-
-    Examples
-    --------
-    >>> dominant_kind(segment_excitation(np.arange(100.0), np.zeros(100)))
-    'rest'
-    """
-    lasting: dict[Kind, float] = {}
-    for stretch in stretches:
-        if stretch.kind != "rest":
-            lasting[stretch.kind] = lasting.get(stretch.kind, 0.0) + stretch.duration_s
-    return max(lasting, key=lambda kind: lasting[kind]) if lasting else "rest"
-
-
 def _lasting_levels(
     windows: Sequence[SettledWindow], held_s: Sequence[float], margin: float
 ) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from drawn_logs import follow, quantised
 
-from softid.excitation import Stretch, dominant_kind, excitation_and_holds, segment_excitation
+from softid.excitation import Stretch, excitation_and_holds, segment_excitation
 
 
 def protocol(rate_hz: float) -> np.ndarray:
@@ -110,17 +110,11 @@ def test_a_log_that_begins_in_a_change() -> None:
 
 
 def test_a_sum_of_sines_is_free() -> None:
-    """Three frequencies without a common period of less than 100 s have no shape."""
+    """Three frequencies without a common period of less than 100 s have no shape for most of it."""
     time_s = np.arange(6000) * 0.01
     parts = [20.0 * np.sin(2 * np.pi * f * time_s + f) for f in (0.13, 0.29, 0.47)]
-    assert dominant_kind(segment_excitation(time_s, sum(parts))) == "free"
-
-
-def test_the_dominant_kind_is_not_rest() -> None:
-    """30 s of rest and 10 s of sine: a sine."""
-    time_s = np.arange(4000) * 0.01
-    values = np.where(time_s > 30.0, 20.0 * np.sin(2 * np.pi * (time_s - 30.0)), 0.0)
-    assert dominant_kind(segment_excitation(time_s, values)) == "sine"
+    found = segment_excitation(time_s, sum(parts))
+    assert sum(s.duration_s for s in found if s.kind == "free") > 40.0
 
 
 def test_holds_come_along() -> None:
