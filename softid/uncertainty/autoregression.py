@@ -94,10 +94,8 @@ def run_slices(used: BoolArray) -> list[slice]:
     return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def fit_ar(
-    residuals: Sequence[Array], *, max_order: int = MAX_ORDER, criterion: str = "aicc"
-) -> AutoRegression:
-    """Fit one autoregression to several stretches by Burg's recursion.
+def fit_ar(residuals: Sequence[Array], *, max_order: int = MAX_ORDER) -> AutoRegression:
+    """Fit one autoregression to several stretches by Burg's recursion, of the order of least AICc.
 
     Reflection coefficient m from forward and backward errors f, b of order m − 1, summed over all
     stretches: k_m = 2 Σ f_t b_{t−1} / Σ (f_t² + b_{t−1}²), so |k_m| < 1 and the model is stable.
@@ -111,8 +109,6 @@ def fit_ar(
         Stretches of shape (n_s,) in one unit; NaN where a sample is not used.
     max_order
         Highest order tried; kept below a quarter of the longest stretch.
-    criterion
-        ``"aicc"`` or ``"bic"``: which criterion chooses the order.
 
     Returns
     -------
@@ -124,7 +120,7 @@ def fit_ar(
     IdentificationError
         Fewer than three samples are used.
     UsageError
-        The order is negative or the criterion unknown.
+        The order is negative.
 
     Notes
     -----
@@ -138,11 +134,9 @@ def fit_ar(
     >>> fit_ar([walk - walk.mean()]).phi[0] > 0.9
     True
     """
-    if max_order < 0 or criterion not in ("aicc", "bic"):
+    if max_order < 0:
         raise UsageError(
-            "no such autoregression",
-            value=(max_order, criterion),
-            remedy='give an order of at least 0 and "aicc" or "bic"',
+            "no such autoregression", value=max_order, remedy="give an order of at least 0"
         )
     runs = [run for residual in residuals for run in contiguous_runs(residual)]
     n = sum(run.size for run in runs)
@@ -158,7 +152,7 @@ def fit_ar(
     if power == 0.0:
         return AutoRegression((), 0.0, 0.0, n, -np.inf, -np.inf)
     criteria = order_criteria(reflection, power, n)
-    order = int(np.argmin(criteria[criterion]))
+    order = int(np.argmin(criteria["aicc"]))
     innovation = np.sqrt(power * np.prod(1.0 - reflection[:order] ** 2))
     return AutoRegression(
         phi=tuple(to_phi(reflection[:order]).tolist()),
@@ -301,7 +295,7 @@ def _continue(phi: Array, gamma: Array) -> None:
     gamma[np.abs(gamma) < _FADED * gamma[:, :1]] = 0.0
 
 
-def whiten(ar: AutoRegression, values: Array, *, used: BoolArray | None = None) -> Array:
+def whiten(ar: AutoRegression, values: Array) -> Array:
     """Turn coloured residuals, or columns of their Jacobian, into uncorrelated ones.
 
     w_t = y_t − Σ φ_j y_{t−j}, of variance ``sigma_innovation``². The first p samples of every
@@ -313,9 +307,7 @@ def whiten(ar: AutoRegression, values: Array, *, used: BoolArray | None = None) 
     ar
         The model.
     values
-        One log segment, shape (n,) or (n, K).
-    used
-        Samples to use, shape (n,); by default those in which all values are finite.
+        One log segment, shape (n,) or (n, K); NaN where a sample is not used.
 
     Returns
     -------
@@ -329,9 +321,8 @@ def whiten(ar: AutoRegression, values: Array, *, used: BoolArray | None = None) 
     [1.0, 0.0, 0.0]
     """
     table = values[:, None] if values.ndim == 1 else values
-    kept = np.all(np.isfinite(table), axis=1) if used is None else used
     out = np.zeros_like(table)
-    for span in run_slices(kept):
+    for span in run_slices(np.all(np.isfinite(table), axis=1)):
         out[span] = _whiten_run(np.asarray(ar.phi), table[span])
     return out[:, 0] if values.ndim == 1 else out
 

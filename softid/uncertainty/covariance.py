@@ -11,7 +11,6 @@ import numpy.typing as npt
 from softid.errors import IdentificationError, UsageError
 from softid.parameters import ParameterScale
 from softid.uncertainty.autoregression import (
-    MAX_ORDER,
     AutoRegression,
     autocovariance,
     autocovariances,
@@ -19,7 +18,6 @@ from softid.uncertainty.autoregression import (
 )
 from softid.uncertainty.lag_form import LagForm
 from softid.uncertainty.linearisation import (
-    RANK_TOLERANCE,
     Linearisation,
     ResidualBlock,
     Stretches,
@@ -103,8 +101,6 @@ def sandwich_covariance(
     blocks: Sequence[ResidualBlock],
     names: Sequence[str],
     *,
-    max_order: int = MAX_ORDER,
-    rank_tolerance: float = RANK_TOLERANCE,
     noise: Sequence[AutoRegression] | None = None,
     roundings: Sequence[Rounding | None] = (),
 ) -> Covariance:
@@ -131,11 +127,6 @@ def sandwich_covariance(
         columns of parameters that rest on a bound.
     names
         The K parameters, nuisances included.
-    max_order
-        Highest order of the autoregressions.
-    rank_tolerance
-        Relative singular value below which a direction counts as undetermined. Such a direction is
-        reported and its parameters get no standard deviation; the others keep theirs.
     noise
         `fit_ar` of every block's residuals where it is known already.
     roundings
@@ -187,14 +178,14 @@ def sandwich_covariance(
     True
     """
     _check(blocks, names)
-    line = linearise(blocks, rank_tolerance=rank_tolerance)
+    line = linearise(blocks)
     sums = [Stretches.of(block) for block in blocks]
     enough = max(MIN_STRETCHES, MIN_STRETCHES_PER_PARAMETER * len(names))
-    length, scales = 1, [_at_scale(blocks, sums, line.inverse, 1, max_order, noise)]
+    length, scales = 1, [_at_scale(blocks, sums, line.inverse, 1, noise)]
     while length * SCALE_STEP * enough <= min(block.n for block in blocks):
         length *= SCALE_STEP
         sums = [stretches.coarser(SCALE_STEP) for stretches in sums]
-        scales.append(_at_scale(blocks, sums, line.inverse, length, max_order))
+        scales.append(_at_scale(blocks, sums, line.inverse, length))
     variances = np.array([np.diag(scale.matrix) for scale in scales])
     freedoms = np.array([scale.freedom for scale in scales])
     if any(rounding is not None for rounding in roundings):
@@ -280,7 +271,6 @@ def _at_scale(
     sums: Sequence[Stretches],
     inverse: Array,
     length: int,
-    max_order: int,
     first: Sequence[AutoRegression] | None = None,
 ) -> _Scale:
     width = blocks[0].width
@@ -297,7 +287,7 @@ def _at_scale(
         for block, stretches in zip(blocks, sums, strict=True)
     ]
     for k, (part, form) in enumerate(zip(parts, forms, strict=True)):
-        start = first[k] if first else fit_ar(part.residuals, max_order=max_order)
+        start = first[k] if first else fit_ar(part.residuals)
         if start.sigma == 0.0:
             noise.append(start)
             continue
@@ -311,7 +301,7 @@ def _at_scale(
     recordings = [part.recording for part in parts if part.recording is not None]
     if len(set(recordings)) < len(recordings):
         series = [form.series for form in forms]
-        total = add_shared_noise(total, parts, series, max_order=max_order)
+        total = add_shared_noise(total, parts, series)
     variance = np.diag(total)
     known = np.where(variance > 0.0, variance, 1.0)
     freedom = 2.0 / np.maximum(np.where(variance > 0.0, doubt / known**2, 0.0), 1e-12)

@@ -252,17 +252,13 @@ class Linearisation:
         return out
 
 
-def linearise(
-    blocks: Sequence[ResidualBlock], *, rank_tolerance: float = RANK_TOLERANCE
-) -> Linearisation:
+def linearise(blocks: Sequence[ResidualBlock]) -> Linearisation:
     """Decompose the Jacobian of a fit and find what it cannot see.
 
     Parameters
     ----------
     blocks
         All residuals of the fit.
-    rank_tolerance
-        Relative size below which a singular value counts as zero.
 
     Returns
     -------
@@ -283,7 +279,7 @@ def linearise(
         norm, singular, right = _scaled_svd(
             gram, lambda: np.concatenate([block.weight * block.stacked for block in blocks])
         )
-    kept = singular > rank_tolerance * singular[0]
+    kept = singular > RANK_TOLERANCE * singular[0]
     inverse = (right[kept].T / singular[kept] ** 2) @ right[kept] / np.outer(norm, norm)
     singular = np.where(kept, singular, 0.0)
     null = tuple(tuple(np.flatnonzero(np.abs(v) >= MIN_LOADING).tolist()) for v in right[~kept])

@@ -28,8 +28,6 @@ def add_shared_noise(
     covariance: Array,
     blocks: Sequence[ResidualBlock],
     series: Sequence[Sequence[Array]],
-    *,
-    max_order: int,
 ) -> Array:
     """Add what channels that err together contribute to a covariance.
 
@@ -46,8 +44,6 @@ def add_shared_noise(
         Residuals, of which those with the same ``recording`` may share noise.
     series
         The influence W of every residual, per block and segment, shape (n_s, K).
-    max_order
-        Highest order of the autoregressions.
 
     Returns
     -------
@@ -65,7 +61,7 @@ def add_shared_noise(
             LagForm.of([v + sign * w for v, w in zip(*own, strict=True)]) for sign in (1.0, -1.0)
         ]
         lags = forms[0].lags
-        gammas = [_autocovariance(blocks[i], blocks[j], sign, lags, max_order) for sign in (1, -1)]
+        gammas = [_autocovariance(blocks[i], blocks[j], sign, lags) for sign in (1, -1)]
         if any(gamma is None for gamma in gammas):
             continue
         both = 0.25 * (np.asarray(gammas[0]) - np.asarray(gammas[1]))
@@ -82,9 +78,7 @@ def _pairs(blocks: Sequence[ResidualBlock]) -> Iterator[tuple[int, int]]:
             yield i, j
 
 
-def _autocovariance(
-    a: ResidualBlock, b: ResidualBlock, sign: float, lags: int, max_order: int
-) -> Array | None:
+def _autocovariance(a: ResidualBlock, b: ResidualBlock, sign: float, lags: int) -> Array | None:
     """Of u + sign·u' at the lags 0, 1, …; None with too few samples to tell."""
     residuals = tuple(
         a.weight * r + sign * b.weight * s for r, s in zip(a.residuals, b.residuals, strict=True)
@@ -93,7 +87,7 @@ def _autocovariance(
         return None
     rows = tuple(a.weight * j + sign * b.weight * k for j, k in zip(a.rows, b.rows, strict=True))
     joint = ResidualBlock(f"{a.channel}, {b.channel}", rows, residuals)
-    start = fit_ar(residuals, max_order=max_order)
+    start = fit_ar(residuals)
     if start.sigma == 0.0:
         return np.zeros(lags)
     moments = gather_moments(residuals, reachable(joint), start.order)
