@@ -29,9 +29,7 @@ class Derivatives:
     curvature: Array
 
 
-def local_derivatives(
-    time_s: Array, values: Array, *, window_s: float, degree: int = DEGREE
-) -> Derivatives:
+def local_derivatives(time_s: Array, values: Array, *, window_s: float) -> Derivatives:
     """Fit a polynomial around every sample and read it and its derivatives there.
 
     Parameters
@@ -39,9 +37,7 @@ def local_derivatives(
     time_s, values
         Samples without NaN, each of shape (n,).
     window_s
-        Length of a window; it always holds at least ``degree + 2`` samples.
-    degree
-        Degree of the polynomials, at least 2.
+        Length of a window; it always holds at least two samples more than `DEGREE`.
 
     Raises
     ------
@@ -54,12 +50,12 @@ def local_derivatives(
     >>> local_derivatives(t, t**3, window_s=0.5).curvature[10].round(9)
     np.float64(3.0)
     """
-    count = _samples_of_window(time_s, window_s, degree)
+    count = _samples_of_window(time_s, window_s)
     first = np.clip(np.arange(time_s.size) - count // 2, 0, time_s.size - count)
     window = first[:, None] + np.arange(count)
     half_s = 0.5 * count * float(np.median(np.diff(time_s)))
     offset = (time_s[window] - time_s[:, None]) / half_s
-    basis = offset[:, :, None] ** np.arange(degree + 1)
+    basis = offset[:, :, None] ** np.arange(DEGREE + 1)
     q, r = np.linalg.qr(basis)
     right = np.einsum("nmk,nm->nk", q, values[window])
     coefficients = np.linalg.solve(r, right[:, :, None])[:, :, 0]
@@ -70,15 +66,15 @@ def local_derivatives(
     )
 
 
-def samples_per_window(time_s: Array, window_s: float, degree: int = DEGREE) -> int:
+def samples_per_window(time_s: Array, window_s: float) -> int:
     """Odd number of samples that a window of the given length holds at the median rate."""
     period_s = float(np.median(np.diff(time_s))) if time_s.size > 1 else window_s
-    return max(round(window_s / period_s) | 1, (degree + 2) | 1)
+    return max(round(window_s / period_s) | 1, (DEGREE + 2) | 1)
 
 
-def _samples_of_window(time_s: Array, window_s: float, degree: int) -> int:
+def _samples_of_window(time_s: Array, window_s: float) -> int:
     """The same, or an `InputError` where there are fewer samples than that."""
-    count = samples_per_window(time_s, window_s, degree)
+    count = samples_per_window(time_s, window_s)
     if time_s.size < count:
         raise InputError(
             f"a window needs {count} samples",
@@ -89,14 +85,14 @@ def _samples_of_window(time_s: Array, window_s: float, degree: int) -> int:
 
 
 def local_polynomial(
-    time_s: Array, values: Array, *, near_s: float, window_s: float, degree: int = DEGREE
+    time_s: Array, values: Array, *, near_s: float, window_s: float
 ) -> np.polynomial.Polynomial:
     """The polynomial in ``t − near_s`` fitted to the samples nearest to ``near_s``."""
-    count = _samples_of_window(time_s, window_s, degree)
+    count = _samples_of_window(time_s, window_s)
     middle = int(np.searchsorted(time_s, near_s))
     first = min(max(middle - count // 2, 0), time_s.size - count)
     window = slice(first, first + count)
-    fitted = np.polynomial.Polynomial.fit(time_s[window] - near_s, values[window], degree)
+    fitted = np.polynomial.Polynomial.fit(time_s[window] - near_s, values[window], DEGREE)
     return fitted.convert()
 
 

@@ -124,7 +124,6 @@ def output_error(
     rng: np.random.Generator,
     rounds: int = MAX_ROUNDS,
     thorough: bool = True,
-    far: bool = True,
     progress: Progress | None = None,
 ) -> Optimum:
     """Fit a problem from several starts.
@@ -141,8 +140,6 @@ def output_error(
         How often at most a better optimum is looked for, at least once.
     thorough
         As in `best_rival`.
-    far
-        Whether the starts may be far off, so that fewer samples lead the way to the optimum.
     progress
         Called with a sentence and the fraction done.
 
@@ -154,7 +151,7 @@ def output_error(
     report = progress or (lambda message, fraction: None)
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
     report("searching from several starts", 0.1)
-    scouted, alone = searched(objective, starts, alone_if_white=True, far=far)
+    scouted, alone = searched(objective, starts, alone_if_white=True, far=True)
     if not scouted:
         return _nothing(objective, [problem.unknowns(start) for start in starts[:1]])
     report("refining the best starts", 0.3)
@@ -188,8 +185,10 @@ def draft_fit(
 
     Parameters
     ----------
-    problem, starts, far
+    problem, starts
         As in `output_error`.
+    far
+        Whether the starts may be far off, so that fewer samples lead the way to the optimum.
     """
     objective = Objective(problem, {name: _span(problem, name) for name in problem.outputs})
     scouted, _ = searched(objective, starts, alone_if_white=False, far=far)

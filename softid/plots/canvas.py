@@ -215,12 +215,12 @@ def shortened(name: str, *, longest: int = LONGEST_NAME) -> str:
     return f"{name[:half]}…{name[-half:]}"
 
 
-def names_and_count(names: Sequence[str], *, longest: int = LONGEST_NAME) -> str:
+def names_and_count(names: Sequence[str]) -> str:
     """Names in one line, or the first and how many more."""
     joined = ", ".join(names)
-    if len(joined) <= longest:
+    if len(joined) <= LONGEST_NAME:
         return joined
-    return f"{shortened(names[0], longest=longest - 12)} and {len(names) - 1} more"
+    return f"{shortened(names[0], longest=LONGEST_NAME - 12)} and {len(names) - 1} more"
 
 
 def png_bytes(figure: Figure) -> bytes:
