@@ -335,11 +335,3 @@ def reachable(block: ResidualBlock) -> list[Array]:
     """Orthonormal basis, per segment, of what the parameters can do to one block's response."""
     project = projection(block)
     return [rows @ project for rows in block.rows]
-
-
-def influence(block: ResidualBlock, inverse: Array) -> list[Array]:
-    """Series W with δθ = Σ_t W_t r_t, one per segment, shape (n_s, K); zero where unused.
-
-    W = w² J H⁻¹: how far each residual moves each estimate.
-    """
-    return [rows @ (block.weight**2 * inverse) for rows in block.rows]

@@ -29,7 +29,7 @@ from scipy.special import stdtrit
 
 from softid.uncertainty import ResidualBlock, autocovariance, fit_ar, sandwich_covariance
 from softid.uncertainty.lag_form import LagForm
-from softid.uncertainty.linearisation import influence, linearise
+from softid.uncertainty.linearisation import linearise
 
 NORMAL = 1.959963984540054
 REGRESSORS = ("zero", "sine", "step", "trend")
@@ -80,7 +80,7 @@ def half_widths(design: np.ndarray, residual: np.ndarray) -> dict[str, np.ndarra
     n, count = design.shape
     block = ResidualBlock("y", (design,), (residual,))
     inverse = linearise([block]).inverse
-    weights = influence(block, inverse)
+    weights = [design @ inverse]  # δθ = Σ_t W_t r_t
     ar = fit_ar([residual])
     plug_in = LagForm.of(weights).diagonal(autocovariance(ar, n))
     found = sandwich_covariance([block], REGRESSORS)

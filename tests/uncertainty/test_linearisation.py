@@ -9,7 +9,6 @@ from softid.errors import InputError
 from softid.uncertainty.linearisation import (
     ResidualBlock,
     Stretches,
-    influence,
     is_clear,
     linearise,
     reachable,
@@ -20,33 +19,30 @@ RNG = np.random.default_rng(1)
 DESIGN = RNG.normal(size=(40, 3))
 
 
-def test_influence_reproduces_weighted_least_squares() -> None:
-    """Σ_t W_t r_t = argmin Σ (w r)² over two channels with weights 1 and 3, by numpy's lstsq."""
+def test_the_inverse_solves_weighted_least_squares() -> None:
+    """H⁻¹ Σ w² Jᵀ r = argmin Σ (w r)² over two channels with weights 1 and 3, by numpy's lstsq."""
     y = RNG.normal(size=40)
     blocks = [
         ResidualBlock("a", (DESIGN[:15], DESIGN[15:25]), (y[:15], y[15:25])),
         ResidualBlock("b", (DESIGN[25:],), (y[25:],), 3.0),
     ]
-    line = linearise(blocks)
-    found = sum(
-        w.T @ r
-        for b in blocks
-        for w, r in zip(influence(b, line.inverse), b.residuals, strict=True)
+    found = linearise(blocks).inverse @ sum(
+        b.weight**2 * j.T @ r for b in blocks for j, r in zip(b.rows, b.residuals, strict=True)
     )
     weight = np.where(np.arange(40) < 25, 1.0, 3.0)
     expected = np.linalg.lstsq(DESIGN * weight[:, None], y * weight, rcond=None)[0]
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
-def test_unused_samples_have_no_influence() -> None:
+def test_unused_samples_count_for_nothing() -> None:
     """A masked sample's row may hold anything; the estimate is that of the others."""
     y = RNG.normal(size=40)
     design = DESIGN.copy()
     y[7], design[7] = np.nan, np.inf
     block = ResidualBlock("a", (design,), (y,))
-    weights = influence(block, linearise([block]).inverse)[0]
+    found = linearise([block]).inverse @ (block.rows[0].T @ np.nan_to_num(y))
     expected = np.linalg.lstsq(np.delete(DESIGN, 7, 0), np.delete(y, 7), rcond=None)[0]
-    np.testing.assert_allclose(weights.T @ np.nan_to_num(y), expected, atol=1e-12)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
 def test_dependent_and_silent_parameters_are_reported() -> None:
