@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from edited_files import Edit, edited
 from handmade import fit_result
 
 from softid.errors import InputError
@@ -16,15 +14,6 @@ from softid.identification import fit
 from softid.log import Log
 from softid.models import Oscillator, Polynomial
 from softid.records import load_params, save_fit
-
-Edit = Callable[[dict[str, Any]], None]
-
-
-def edited(path: Path, edit: Edit) -> Path:
-    document = json.loads(path.read_text())
-    edit(document)
-    path.write_text(json.dumps(document))
-    return path
 
 
 def channel(name: str, **fields: object) -> Edit:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from edited_files import Edit, edited, set_at
 from extended_fits import BASES, extended_fit, log_of
 from handmade import fit_result
 from jsonschema import Draft202012Validator
@@ -22,17 +21,11 @@ from softid.results import FitResult
 from softid.simulation import simulate
 from softid.validation import validate
 
-Edit = Callable[[dict[str, Any]], None]
-
 
 def written(folder: Path, result: FitResult, edit: Edit | None = None) -> Path:
     path = folder / "params.json"
     save_fit(result, path)
-    if edit is not None:
-        document = json.loads(path.read_text())
-        edit(document)
-        path.write_text(json.dumps(document))
-    return path
+    return path if edit is None else edited(path, edit)
 
 
 @pytest.mark.parametrize("base", BASES)
@@ -82,28 +75,18 @@ def test_scores_name_the_effects(tmp_path: Path) -> None:
     assert [effect["key"] for effect in document["effects"]] == ["delay"]
 
 
-def at(*path: str | int, value: object) -> Edit:
-    def edit(document: dict[str, Any]) -> None:
-        place: Any = document
-        for key in path[:-1]:
-            place = place[key]
-        place[path[-1]] = value
-
-    return edit
-
-
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
-        (at("effects", 0, "key", value="static_charge"), "softid.register_effect"),
-        (at("effects", 0, "key", value="creep"), "unknown parameter"),
-        (at("effects", 0, "stage", value="valve"), "effects.0..stage: expected one of"),
-        (at("scale", value=None), "the sizes that their bounds go by"),
-        (at("scale", "v_max", value=-1.0), "scale.v_max"),
-        (at("scale", "u_low", value="low"), "scale.u_low"),
-        (at("scale", "y_unit", value="mm"), "the model computes in mm/s"),
-        (at("parameters", 7, "unit", value="deg/s"), "the model computes in rad/s"),
-        (at("effects", value=[]), "unknown parameter"),
+        (set_at("effects", 0, "key", value="static_charge"), "softid.register_effect"),
+        (set_at("effects", 0, "key", value="creep"), "unknown parameter"),
+        (set_at("effects", 0, "stage", value="valve"), "effects.0..stage: expected one of"),
+        (set_at("scale", value=None), "the sizes that their bounds go by"),
+        (set_at("scale", "v_max", value=-1.0), "scale.v_max"),
+        (set_at("scale", "u_low", value="low"), "scale.u_low"),
+        (set_at("scale", "y_unit", value="mm"), "the model computes in mm/s"),
+        (set_at("parameters", 7, "unit", value="deg/s"), "the model computes in rad/s"),
+        (set_at("effects", value=[]), "unknown parameter"),
     ],
 )
 def test_what_cannot_be_is_refused(tmp_path: Path, edit: Edit, said: str) -> None:
@@ -117,7 +100,7 @@ def test_what_cannot_be_is_refused(tmp_path: Path, edit: Edit, said: str) -> Non
 
 def test_an_edited_scale_is_an_issue(tmp_path: Path) -> None:
     """Bounds move with the scale, so errors and scores are no longer those of the file."""
-    edit = at("scale", "duration_s", value=600.0)
+    edit = set_at("scale", "duration_s", value=600.0)
     back = load_params(written(tmp_path, extended_fit("muscle", "sensor_drift"), edit))
     assert [issue.code for issue in back.issues] == ["edited-by-hand"]
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import lmfit
 import numpy as np
 import pytest
+from edited_files import Edit, edited, set_at
 from handmade import MUSCLE_VALUES, failed_fit, fit_result, step_log, validation
 from jsonschema import Draft202012Validator
 from linear_motion import TRUTH, linear_log
@@ -21,20 +21,11 @@ from softid.records import load_params, save_fit, save_validation
 from softid.records.reading import load_schema
 from softid.simulation import simulate
 
-Edit = Callable[[dict[str, Any]], None]
-
 
 @pytest.fixture
 def saved(tmp_path: Path) -> Path:
     path = tmp_path / "params.json"
     save_fit(fit_result(), path)
-    return path
-
-
-def edited(path: Path, edit: Edit) -> Path:
-    document = json.loads(path.read_text())
-    edit(document)
-    path.write_text(json.dumps(document))
     return path
 
 
@@ -145,16 +136,6 @@ def test_reformatting_is_no_edit(saved: Path) -> None:
     document = json.loads(saved.read_text())
     saved.write_text(json.dumps(dict(reversed(document.items())), indent=7))
     assert load_params(saved).issues == ()
-
-
-def set_at(*path: str | int, value: object) -> Edit:
-    def edit(document: dict[str, Any]) -> None:
-        place: Any = document
-        for key in path[:-1]:
-            place = place[key]
-        place[path[-1]] = value
-
-    return edit
 
 
 def without(key: str) -> Edit:
