@@ -60,7 +60,7 @@ def without_repeats(log: Log) -> Log:
             f"repeats each value for about {hold.factor:.2g} samples (new values at "
             f"{hold.rate_hz:.3g} Hz)"
         )
-        return _bridged(log, lambda span: _readings(log.time_s[span], values[span], hold), told)
+        return _bridged(log, lambda span: readings_of(log.time_s[span], values[span], hold), told)
     lost = _lost_rows(log)
     if lost is not None:
         told = f"repeats its last value in {int(lost.sum())} rows, as all else does"
@@ -114,12 +114,19 @@ def _lost_rows(log: Log) -> BoolArray | None:
     return stale
 
 
-def _readings(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Array]:
+def readings_of(time_s: Array, values: Array, hold: SampleHold) -> tuple[Array, Array]:
     """When the sensor was read, and what it said.
 
     A value that is first seen in one sample was read since the one before. Where all first sights
     allow readings at regular times, these are the latest such times; else it was read when it is
     first seen.
+
+    Parameters
+    ----------
+    time_s, values
+        Samples of a stretch, each of shape (n,).
+    hold
+        How the sensor repeats its readings.
     """
     clock = find_clock(time_s, run_starts(values)[1:])
     fresh = new_readings(time_s, values, hold)

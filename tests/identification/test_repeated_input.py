@@ -10,7 +10,7 @@ import pytest
 
 import softid
 from softid.excitation.texture import SampleHold
-from softid.identification.repeated_input import _readings, without_repeats
+from softid.identification.repeated_input import readings_of, without_repeats
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -126,7 +126,7 @@ def test_readings_closer_than_half_a_period_give_no_clock() -> None:
     time_s = np.arange(12) / RATE_HZ
     values = np.repeat([1.0, 2.0, 3.0], [3, 2, 7])
     hold = SampleHold(4.8, 4.8 / RATE_HZ, RATE_HZ / 4.8)
-    read_s, read = _readings(time_s, values, hold)
+    read_s, read = readings_of(time_s, values, hold)
     assert set(read_s) <= set(time_s)
     assert read.tolist() == values[np.searchsorted(time_s, read_s)].tolist()
 

@@ -159,7 +159,7 @@ def _look(
         noise_from_rest=floor.from_rest,
         noise_from_rounding=floor.from_rounding,
         noise_sd=floor.relative_sd,
-        structured=_is_structured(structure, excess, floor, explained),
+        structured=is_structured(structure, excess, floor, explained),
         colour_s=colour.correlation_s,
         against_noise=colour.against,
         input_noise=0.0 if driven is None else driven.variance / mean_square(after),
@@ -216,13 +216,22 @@ def held_out_share(before: float, after: float, noise: float) -> float:
     return float(np.clip(1.0 - left / whole, 0.0, 1.0)) if whole > 0.0 else 0.0
 
 
-def _is_structured(
-    structure: Structure, excess: float, floor: NoiseFloor, explained: float
-) -> bool:
+def is_structured(structure: Structure, excess: float, floor: NoiseFloor, explained: float) -> bool:
     """Whether more is left than noise.
 
     Slow noise follows from the motion by chance once in twenty times. Where rests tell how large it
     is, a structure must make the residual larger than it.
+
+    Parameters
+    ----------
+    structure
+        How much of the residual follows from the motion.
+    excess
+        Variance of the residual above that of the noise, as a share of the latter.
+    floor
+        The noise.
+    explained
+        Share of the misfit that causes explain.
     """
     shows = not floor.is_known or excess > floor.relative_sd
     deviations = EXCESS_SDS if explained > LITTLE_EXPLAINED else FEWER_SDS

@@ -96,7 +96,7 @@ def rank(
     )
     for k, candidate in zip(going, last, strict=True):
         white[k] = candidate
-    ranked = [Ranked(w, c, _bic(w)) for w, c in zip(white, candidates, strict=True)]
+    ranked = [Ranked(w, c, bic_of(w)) for w, c in zip(white, candidates, strict=True)]
     return sorted(ranked, key=lambda r: r.bic)
 
 
@@ -113,8 +113,14 @@ def is_likelier(one: Candidate, other: Candidate, sigma: Mapping[str, float]) ->
     return rank([one, other], sigma)[0].plain is one
 
 
-def _bic(white: Candidate) -> float:
-    """N ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns."""
+def bic_of(white: Candidate) -> float:
+    """N ln(S/n) + k ln n with S the whitened sum of squares and k the number of unknowns.
+
+    Parameters
+    ----------
+    white
+        A candidate under a noise model.
+    """
     n, k = white.minimum.normal.n, white.problem.size
     spread = max(white.squares, np.finfo(float).tiny)
     return float(n * np.log(spread / n) + k * np.log(n))

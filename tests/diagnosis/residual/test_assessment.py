@@ -9,7 +9,7 @@ from noise import coloured
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
-from softid.diagnosis.residual.assessment import _is_structured, assess, excess_of, held_out_share
+from softid.diagnosis.residual.assessment import assess, excess_of, held_out_share, is_structured
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.structure import Structure
 from softid.diagnosis_results import Remainder
@@ -98,7 +98,7 @@ def test_a_structure_of_known_noise_must_show(
 ) -> None:
     """Where rests tell the variance to 10 %, a structure must make the residual so much larger."""
     found = Structure(0.2, 0.1, {})
-    assert _is_structured(found, excess, NoiseFloor(1.0, 0.1, from_rest), 1.0) is structured
+    assert is_structured(found, excess, NoiseFloor(1.0, 0.1, from_rest), 1.0) is structured
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_a_law_that_explains_little_needs_less_to_be_doubted(
     """By hand: a variance known to 0.2 allows 0.15 + 3 · 0.2, and 0.15 + 2 · 0.2 of the latter."""
     nothing = Structure(0.0, 0.1, {})
     floor = NoiseFloor(1.0, 0.2, from_rest=True)
-    assert _is_structured(nothing, excess, floor, explained) is structured
+    assert is_structured(nothing, excess, floor, explained) is structured
 
 
 def left_under_slow_noise(slow: float) -> Remainder:

@@ -13,7 +13,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.whitening import Whitener
 from softid.diagnosis.search import bic_ranking
-from softid.diagnosis.search.bic_ranking import _bic, rank
+from softid.diagnosis.search.bic_ranking import bic_of, rank
 from softid.diagnosis.search.effect_starts import candidate_at
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis.search.racing import race
@@ -82,8 +82,8 @@ def test_who_cannot_catch_up_is_only_evaluated(monkeypatch: pytest.MonkeyPatch) 
 def test_the_bic_of_a_perfect_fit_is_finite() -> None:
     """Closed form k ln n for a mean square of one; the logarithm of nothing left is none."""
     log_n = np.log(SAMPLES)
-    assert _bic(candidate((), float(SAMPLES))) == pytest.approx(UNKNOWNS * log_n)
-    assert np.isfinite(_bic(candidate((), 0.0)))
+    assert bic_of(candidate((), float(SAMPLES))) == pytest.approx(UNKNOWNS * log_n)
+    assert np.isfinite(bic_of(candidate((), 0.0)))
 
 
 def bowed_at(base: Candidate, size: float) -> Candidate:
