@@ -14,6 +14,7 @@ from softid.effects.base import STAGES, Effect, InputEffect, OutputEffect, State
 from softid.effects.extension.motion import simulate_motion
 from softid.effects.extension.rest import rest
 from softid.effects.extension.stage_input import arriving_input
+from softid.effects.extension.terms import moved_at
 from softid.effects.scale import Scale
 from softid.kernels.step_counts import MAX_PHASE_PER_STEP, MAX_SUBSTEPS
 from softid.models.base import Model, MotionTerm, Response
@@ -195,13 +196,13 @@ class ExtendedModel(Model):
         iterated = self._state_effects or self.model.motion_law(theta[: self._split[0]]) is None
         for at in range(self._split[0], self._split[1]):
             h = self._steps[at] * (ITERATED if iterated else 1.0)
-            there = moved(_stepped(theta, at, h), derivatives=False).outputs
+            there = moved(moved_at(theta, at, h), derivatives=False).outputs
             for name in outputs:
                 y = self._recorded(theta, segment, there[name]) if name == first else there[name]
                 by_parameter[name][:, at] = (y - values[name]) / h
         for at in range(self._split[2], theta.size):
             h = self._steps[at]
-            y = self._recorded(_stepped(theta, at, h), segment, motion.outputs[first])
+            y = self._recorded(moved_at(theta, at, h), segment, motion.outputs[first])
             by_parameter[first][:, at] = (y - recorded) / h
         return Response(values, by_parameter, by_state, motion.start, motion.x, motion.v)
 
@@ -386,9 +387,3 @@ def belongs_to(effect: Effect, parameter: str) -> bool:
     No effect's name begins with that of another and an underscore; registering sees to it.
     """
     return parameter.startswith(extended_name(effect, ""))
-
-
-def _stepped(theta: Array, at: int, h: float) -> Array:
-    there = theta.copy()
-    there[at] += h
-    return there

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.effects.base import StateEffect
-from softid.effects.extension.terms import DIFFERENCE, Terms, terms_of
+from softid.effects.extension.terms import DIFFERENCE, Terms, moved_at, terms_of
 from softid.effects.scale import Scale
 from softid.models.base import Model
 from softid.models.second_order import Law
@@ -112,7 +112,7 @@ def rest_by(model: Model, terms: Terms, theta: Array, x: float, u: float, t: flo
         by[: theta.size] = _by_law(law, terms, theta, x, u, t, left)
     for k in np.flatnonzero(terms.moves).tolist():
         step = terms.moves[k]
-        elsewhere = replace(terms, eta=_moved(terms.eta, k, step))
+        elsewhere = replace(terms, eta=moved_at(terms.eta, k, step))
         there = _unbalanced(model, elsewhere, theta, u, t)(x)
         by[theta.size + k] = (there - left) / step
     np.divide(by, -slope, out=by)
@@ -144,7 +144,7 @@ def _by_theta(
     by = np.zeros(theta.size)
     steps = DIFFERENCE * np.maximum(np.abs(theta), 1.0)  # it is affine in θ, some of which is zero
     for k, step in enumerate(steps):
-        by[k] = (_unbalanced(model, terms, _moved(theta, k, step), u, t)(x) - left) / step
+        by[k] = (_unbalanced(model, terms, moved_at(theta, k, step), u, t)(x) - left) / step
     return by
 
 
@@ -165,9 +165,3 @@ def _left(
     from softid.kernels.term_integrator import unbalanced_at_rest
 
     return unbalanced_at_rest(equation, coefficients, terms.follows, u, t)
-
-
-def _moved(values: Array, k: int, step: float) -> Array:
-    moved = values.copy()
-    moved[k] += step
-    return moved

@@ -124,3 +124,20 @@ def _declared(effects: tuple[StateEffect, ...], scale: Scale) -> Terms:
         DIFFERENCE * np.array(sizes),
         np.array(columns, np.int64),
     )
+
+
+def moved_at(values: Array, k: int, step: float) -> Array:
+    """Values of which the k-th is moved by a step, to differentiate by it.
+
+    Parameters
+    ----------
+    values
+        All of them, shape (n,); they stay.
+    k
+        Which one.
+    step
+        By how much.
+    """
+    moved = values.copy()
+    moved[k] += step
+    return moved
