@@ -1,4 +1,4 @@
-# Every target makes its own environment in .venv first; nothing outside this folder is changed.
+# Every target but clean makes its own environment in .venv first; nothing outside this folder is changed.
 
 PYTHON ?= python3
 WORKERS ?= 2
