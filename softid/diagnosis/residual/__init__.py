@@ -1,1 +1,1 @@
-"""What a model leaves: is it more than noise, what does it follow from, when does it begin."""
+"""What a model leaves: is it more than noise, and what does it follow from."""
