@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 import pytest
+from recovery import all_recovered
 
 from softid.diagnosis import diagnose
 from softid.diagnosis_results import Verdict
@@ -15,7 +16,6 @@ from softid.effects import EFFECTS
 from softid.log import Log
 from softid.synthesis import HiddenPair, hidden_pair
 from softid.synthesis.hidden import names_of
-from softid.synthesis.recovery import is_recovered, true_values
 from softid.synthesis.rig import Rig
 
 Array = npt.NDArray[np.float64]
@@ -94,11 +94,7 @@ def outcome_of(names: Sequence[str], seed: int, rig: Rig = USUAL) -> Outcome:
         misfit=max(excess, 0.0) ** 0.5,
         is_right=told == true or (true <= told | tied and told <= true | tied),
         is_misnamed=bool(told - true - tied),
-        is_recovered=all(
-            is_recovered(cause, true_values(cause, pair, found.extended)) is not False
-            for cause in found.causes
-            if found.extended is not None
-        ),
+        is_recovered=all_recovered(found, pair) is not False,
         gain=1.0 - outside.rmse_after / before,
         oracle_gain=max(1.0 - pair.hold_out.sigma[channel] / before, 0.0),
     )

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from handmade import fit_result
 from handmade_diagnosis import cause, estimate
+from recovery import is_recovered, true_values
 
 from softid.diagnosis_results import Cause
 from softid.results import ModelSpec
 from softid.synthesis import hidden_pair
-from softid.synthesis.recovery import is_recovered, true_values
 
 
 def cause_with(*values: float, half_width: float = 0.0) -> Cause:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis_results import Cause
+from softid.diagnosis_results import Cause, Diagnosis
 from softid.results import FitResult
 from softid.synthesis.hidden_log import HiddenPair
 
@@ -16,6 +16,30 @@ FROM_TRUTH = 0.2
 
 FEWEST_KNOTS = 4
 """Fewest parameters that are taken for the knots of a curve."""
+
+
+def all_recovered(found: Diagnosis, pair: HiddenPair) -> bool | None:
+    """Whether all causes of a diagnosis that were hidden have the parameters that were hidden.
+
+    Parameters
+    ----------
+    found
+        The diagnosis.
+    pair
+        The logs with their truth.
+
+    Returns
+    -------
+    bool | None
+        None where no cause has a true value.
+    """
+    if found.extended is None:
+        return None
+    judged = [
+        is_recovered(cause, true_values(cause, pair, found.extended)) for cause in found.causes
+    ]
+    known = [each for each in judged if each is not None]
+    return all(known) if known else None
 
 
 def is_recovered(cause: Cause, truth: Mapping[str, float]) -> bool | None:
