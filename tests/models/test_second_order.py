@@ -42,7 +42,7 @@ def segment(channel: str = "pressure", outputs: tuple[str, ...] = ("contraction"
     return log.segments()[0]
 
 
-def slopes(
+def require_slopes(
     model: Model,
     theta: Array,
     s: Segment,
@@ -104,7 +104,7 @@ def test_muscle_derivatives(order: str, start: Array | None, relative: bool) -> 
     """All seven parameters and the initial state, for every order and every kind of start."""
     model = Muscle(order=order)
     theta = np.where([p.fixed for p in model.parameters().values()], 0.0, MUSCLE)
-    slopes(model, theta, segment(), ("contraction",), start, relative)
+    require_slopes(model, theta, segment(), ("contraction",), start, relative)
 
 
 @pytest.mark.parametrize("inverted", [False, True])
@@ -115,14 +115,14 @@ def test_muscle_derivatives_through_the_geometry(
     """The chain rule through angle, contraction, length and distance."""
     model = Muscle(fixed_length_mm=150.0, diameter_mm=20.0, inverted=inverted)
     outputs = ("angle", "contraction", "length", "distance")
-    slopes(model, MUSCLE, segment(outputs=outputs), outputs, start, relative)
+    require_slopes(model, MUSCLE, segment(outputs=outputs), outputs, start, relative)
 
 
 def test_muscle_derivatives_with_constant_damping() -> None:
     """a2 = b2 = 0 are held; the other five keep their exact derivatives."""
     theta = MUSCLE.copy()
     theta[4:6] = 0.0
-    slopes(Muscle(damping="constant"), theta, segment(), ("contraction",), None, False)
+    require_slopes(Muscle(damping="constant"), theta, segment(), ("contraction",), None, False)
 
 
 @pytest.mark.parametrize("order", ["second", "first", "static"])
@@ -134,7 +134,7 @@ def test_oscillator_derivatives(order: str, start: Array | None, relative: bool)
         [p.fixed and p.value == 0.0 for p in model.parameters().values()], 0.0, OSCILLATOR
     )
     theta[4] = 0.4
-    slopes(model, theta, segment("force", ("position",)), ("position",), start, relative)
+    require_slopes(model, theta, segment("force", ("position",)), ("position",), start, relative)
 
 
 @pytest.mark.parametrize("order", ["second", "first"])
@@ -146,7 +146,7 @@ def test_oscillator_derivatives_without_spring(order: str) -> None:
     if order == "first":
         theta[0] = 0.0
     start = np.array([3.0, -20.0])
-    slopes(model, theta, segment("force", ("position",)), ("position",), start, False)
+    require_slopes(model, theta, segment("force", ("position",)), ("position",), start, False)
 
 
 def test_a_relative_start_is_a_deviation_from_equilibrium() -> None:
