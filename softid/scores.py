@@ -15,32 +15,10 @@ Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 
-def rmse(measured: Array, simulated: Array) -> float:
-    """Root mean square of the difference, √mean (y − ŷ)², over samples that are finite in both."""
-    y, s = _pairs(measured, simulated)
-    return _rmse(y - s)
-
-
-def nrmse(measured: Array, simulated: Array) -> float:
-    """Normalised error ‖y − ŷ‖/‖y − mean y‖; NaN for a constant measurement."""
-    y, s = _pairs(measured, simulated)
-    return _nrmse(y, y - s)
-
-
 def fit_percent(measured: Array, simulated: Array) -> float:
-    """Fit 100 (1 − nrmse), as MATLAB's ``compare``; NaN for a constant measurement."""
-    return 100.0 * (1.0 - nrmse(measured, simulated))
-
-
-def r2(measured: Array, simulated: Array) -> float:
-    """Coefficient of determination 1 − nrmse²; NaN for a constant measurement."""
-    return 1.0 - nrmse(measured, simulated) ** 2
-
-
-def vaf(measured: Array, simulated: Array) -> float:
-    """Variance accounted for, 100 (1 − var(y − ŷ)/var y); NaN for a constant measurement."""
+    """Fit 100 (1 − ‖y − ŷ‖/‖y − mean y‖), as MATLAB's ``compare``; NaN for a constant y."""
     y, s = _pairs(measured, simulated)
-    return _vaf(y, y - s)
+    return 100.0 * (1.0 - _nrmse(y, y - s))
 
 
 def fit_statistics(
@@ -98,7 +76,7 @@ def fit_statistics(
         in_sample=in_sample,
         kind="simulated",
         n=y.size,
-        rmse=_rmse(error),
+        rmse=float(np.sqrt(np.mean(error**2))),
         nrmse=relative,
         fit_percent=100.0 * (1.0 - relative),
         r2=1.0 - relative**2,
@@ -108,16 +86,14 @@ def fit_statistics(
     )
 
 
-def _rmse(error: Array) -> float:
-    return float(np.sqrt(np.mean(error**2)))
-
-
 def _nrmse(y: Array, error: Array) -> float:
+    """Normalised error ‖y − ŷ‖/‖y − mean y‖."""
     spread = float(np.linalg.norm(y - y.mean())) if np.ptp(y) > 0.0 else 0.0
     return float(np.linalg.norm(error)) / spread if spread > 0.0 else float("nan")
 
 
 def _vaf(y: Array, error: Array) -> float:
+    """Variance accounted for, 100 (1 − var(y − ŷ)/var y)."""
     variance = float(np.var(y)) if np.ptp(y) > 0.0 else 0.0
     return 100.0 * (1.0 - float(np.var(error)) / variance) if variance > 0.0 else float("nan")
 
