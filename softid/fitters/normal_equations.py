@@ -200,28 +200,15 @@ def bend(
         Share of the step over which the second derivative is measured.
     """
     with np.errstate(all="ignore"):
-        return _bend(problem, at, z, step, sigma, plans=plans, fraction=fraction)
-
-
-def _bend(
-    problem: Problem,
-    at: Linearised,
-    z: Array,
-    step: Array,
-    sigma: Mapping[str, float],
-    *,
-    plans: Sequence[Division | None] | None,
-    fraction: float,
-) -> Array | None:
-    total = np.zeros(problem.size)
-    blocks = problem.blocks(z + fraction * step, derivatives=False, plans=plans)
-    for piece, there in zip(at.pieces, blocks, strict=True):
-        found = _products_with(problem, at.point, piece, there.residual, plans)
-        if found is None:
-            return None
-        straight = piece.gram @ (piece.residual - fraction * (piece.jacobian @ step))
-        pulled = piece.jacobian.T @ (straight - found)
-        total += 2.0 / (fraction * sigma[piece.channel]) ** 2 * pulled
+        total = np.zeros(problem.size)
+        blocks = problem.blocks(z + fraction * step, derivatives=False, plans=plans)
+        for piece, there in zip(at.pieces, blocks, strict=True):
+            found = _products_with(problem, at.point, piece, there.residual, plans)
+            if found is None:
+                return None
+            straight = piece.gram @ (piece.residual - fraction * (piece.jacobian @ step))
+            pulled = piece.jacobian.T @ (straight - found)
+            total += 2.0 / (fraction * sigma[piece.channel]) ** 2 * pulled
     return total if np.isfinite(total).all() else None
 
 
