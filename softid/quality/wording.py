@@ -1,4 +1,4 @@
-"""How findings are first_names in a sentence."""
+"""How findings are named in a sentence."""
 
 from __future__ import annotations
 
