@@ -117,20 +117,15 @@ def _sha256(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def diagnosis_document(
-    diagnosis: Diagnosis,
-    *,
-    base: str | None = BASE_PARAMS,
-    extended: str | None = EXTENDED_PARAMS,
-) -> dict[str, Plain]:
+def diagnosis_document(diagnosis: Diagnosis, *, base: str | None) -> dict[str, Plain]:
     """The content of diagnosis.json as plain values, as `softid/schemas/v1/diagnosis.json` says.
 
     Parameters
     ----------
     diagnosis
         What `softid.diagnose` returned.
-    base, extended
-        Where the params.json of both models are, relative to the record; None for nowhere.
+    base
+        Where the params.json of the base is, relative to the record; None for nowhere.
     """
     fitted = diagnosis.base
     final = diagnosis.extended or fitted
@@ -143,7 +138,7 @@ def diagnosis_document(
         "alternatives": to_jsonable(diagnosis.alternatives),
         "remainder": to_jsonable(diagnosis.remainder),
         "next_experiment": diagnosis.next_experiment,
-        "extended": extended if diagnosis.extended is not None else None,
+        "extended": EXTENDED_PARAMS if diagnosis.extended is not None else None,
         "gains": to_jsonable(diagnosis.gains),
         "gain_ci95": to_jsonable(diagnosis.gain_ci95),
         "evidence": to_jsonable(diagnosis.evidence),
