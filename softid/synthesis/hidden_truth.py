@@ -131,7 +131,6 @@ def integrate_hidden(
     chain: Chain,
     *,
     tolerance: float = RELATIVE_TOLERANCE,
-    longest_step_s: float = LONGEST_STEP_S,
 ) -> HiddenTruth:
     """Integrate from rest at the first command.
 
@@ -145,8 +144,6 @@ def integrate_hidden(
         Valve, actuator and hidden laws.
     tolerance
         Relative tolerance.
-    longest_step_s
-        No step is longer, so that nothing short is stepped over.
 
     Raises
     ------
@@ -158,7 +155,7 @@ def integrate_hidden(
     dense_s = np.arange(count) / DENSE_HZ if chain.outputs else np.empty(0)
     wanted_s = np.unique(np.concatenate((sample_s, read_s, dense_s)))
     try:
-        states = _solve(pieces, wanted_s, chain, tolerance, longest_step_s)
+        states = _solve(pieces, wanted_s, chain, tolerance)
     except (OverflowError, ValueError, ZeroDivisionError) as error:
         raise _no_response() from error
     at = np.searchsorted(wanted_s, sample_s)
@@ -201,13 +198,7 @@ class _Layout:
         return float(pressure_kpa)
 
 
-def _solve(
-    pieces: Sequence[Piece],
-    wanted_s: Array,
-    chain: Chain,
-    tolerance: float,
-    longest_step_s: float,
-) -> Array:
+def _solve(pieces: Sequence[Piece], wanted_s: Array, chain: Chain, tolerance: float) -> Array:
     """States at the wanted times, shape (states, n)."""
     from scipy.integrate import odeint  # 0.2 s, and `softid --help` needs none of it
 
@@ -234,7 +225,7 @@ def _solve(
                 tfirst=True,
                 rtol=tolerance,
                 atol=tolerance * sizes,
-                hmax=longest_step_s,
+                hmax=LONGEST_STEP_S,
                 mxstep=_MOST_STEPS,
                 tcrit=[stop_s],
                 full_output=True,

@@ -66,7 +66,7 @@ def test_another_solver_finds_the_same(
     model = ("muscle", "oscillator")[list(HIDDEN).index(names[0]) % 2]
     plain = hidden_pair(names, seed=4, protocol="step", model=model, rig=QUIET)
 
-    def solved(pieces, wanted_s, chain, tolerance, longest_step_s):
+    def solved(pieces, wanted_s, chain, tolerance):
         layout = hidden_truth._Layout(chain)
         state = hidden_truth._rest_state(pieces, chain, layout)
         found = np.empty((layout.count, wanted_s.size))
