@@ -17,6 +17,8 @@ from softid.quality.sampling import Sampling
 Role = Literal["input", "output", "command", "other"]
 Possible = Literal["yes", "partly", "no"]
 DropoutCause = Literal["missing", "sentinel", "lost digit", "spike"]
+Reason = Literal["stale", "noise vanishes", "input moves"]
+"""Why a channel seems to be frozen."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,7 @@ class Frozen:
     start_s: float
     length_s: float
     value: float
-    reason: Literal["stale", "noise vanishes", "input moves"]
+    reason: Reason
 
     @property
     def meanwhile(self) -> str:

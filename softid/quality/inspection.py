@@ -33,7 +33,7 @@ from softid.quality.issues import list_issues, list_stuck
 from softid.quality.relations import check_sign, command_lag, step_response
 from softid.quality.sampling import describe_sampling
 from softid.quality.second_inputs import independent_inputs, other_inputs, second_input_issues
-from softid.quality.stuck import FROZEN_SAMPLES, find_frozen, find_saturation, may_be_stuck
+from softid.quality.stuck import find_frozen, find_saturation, may_be_stuck
 from softid.quality.trace import Runs, Trace
 
 Array = npt.NDArray[np.float64]
@@ -81,9 +81,10 @@ def inspect(log: Log) -> Inspection:
     noise = {report.name: report.noise_std for report in channels}
     judged = next((name for name in log.outputs if name != "pressure"), log.outputs[0])
     stuck = next(c.frozen for c in channels if c.role == "input")
-    holds = {name: describe_holds(log, name, windows, noise[name]) for name in log.outputs}
+    alive = _without_faults(log, channels)
+    holds = {name: describe_holds(alive, name, windows, noise[name]) for name in log.outputs}
     responses = [
-        step_response(log, name, windows, noise, holds=holds[name], stuck=stuck)
+        step_response(alive, name, windows, noise, holds=holds[name], stuck=stuck)
         for name in log.outputs
     ]
     found = tuple(r for r in responses if r is not None)
@@ -143,7 +144,7 @@ def dropout_mask(log: Log) -> BoolArray:
     mask = np.zeros(len(log), bool)
     for name in log.outputs:
         values, is_command = log.channels[name].values, _kind(log, name) == "command"
-        drops_out, sticks = may_drop_out(values) or is_command, may_be_stuck(values, FROZEN_SAMPLES)
+        drops_out, sticks = may_drop_out(values) or is_command, may_be_stuck(values)
         if not (drops_out or sticks):
             continue
         trace = _trace(log, log.channels[name], None)
@@ -175,6 +176,20 @@ def misleading_channels(log: Log) -> tuple[Issue, ...]:
     found += [*leading_outputs(log), *second_input_issues(independent_inputs(log), log.input)]
     found += absolute_pressures(log)
     return tuple(replace(issue, message=f"{log.name}: {issue.message}") for issue in found)
+
+
+def _without_faults(log: Log, channels: tuple[ChannelReport, ...]) -> Log:
+    """The log whose outputs have no value where they drop out or are stale."""
+    known = dict(log.channels)
+    for report in channels:
+        stale = [frozen for frozen in report.frozen if frozen.reason == "stale"]
+        if report.role != "output" or not (report.dropouts or stale):
+            continue
+        values = known[report.name].values.copy()
+        for fault in (*report.dropouts, *stale):
+            values[fault.start : fault.stop] = np.nan
+        known[report.name] = replace(known[report.name], values=values)
+    return replace(log, channels=known)
 
 
 def _roles(log: Log) -> list[tuple[str, Role]]:

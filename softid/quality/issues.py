@@ -27,8 +27,7 @@ FEW_BITS = 6.0
 """Bits below which a grid is told: 64 levels, whose rounding is 0.5 % of the range rms."""
 
 VERY_FEW_BITS = 4.0
-"""Bits below which a grid of an output is a warning: 16 levels, whose rounding is 2 % of the range
-rms."""
+"""Bits below which a grid of an output is a warning: 16 levels, rounded by 2 % of the range rms."""
 
 LITTLE_SIGNAL = 20.0
 """Range of an output over its noise below which it says little; white noise spans 5 to 8."""
@@ -36,8 +35,7 @@ LITTLE_SIGNAL = 20.0
 INTERMITTENT = 3
 """Distinct stuck values from which on the noise itself is said to come and go."""
 
-STALE_REMEDY = "leave the stretch out if the value is stale"
-TOLD_HERE = ("missing-output",)
+STALE_REMEDY, TOLD_HERE = "leave the stretch out if the value is stale", ("missing-output",)
 WATCHED: tuple[Role, ...] = ("input", "output", "command")
 
 
@@ -300,14 +298,16 @@ def _of_frozen(channel: ChannelReport) -> Iterator[Issue]:
             "find out what makes the noise, such as a running pump; its size is not constant",
         )
         return
-    for frozen in channel.frozen:
+    for reason in dict.fromkeys(f.reason for f in channel.frozen):
+        first, *later = [f for f in channel.frozen if f.reason == reason]
+        again = f", and {len(later)} × later" if later else ""
+        remedy = "a fit leaves what is stale out" if reason == "stale" else STALE_REMEDY
         yield Issue(
             "frozen-channel",
             "warning",
-            f"{channel.name} is stuck at {_shown(channel, frozen.value)} for "
-            f"{frozen.length_s:.2f} s from {frozen.start_s:.2f} s, while {frozen.meanwhile}",
-            "check the sensor; "
-            + ("a fit leaves the stretch out" if frozen.reason == "stale" else STALE_REMEDY),
+            f"{channel.name} is stuck at {_shown(channel, first.value)} for {first.length_s:.2f} s "
+            f"from {first.start_s:.2f} s{again}, while {first.meanwhile}",
+            f"check the sensor; {remedy}",
         )
 
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 import numpy.typing as npt
 
-from softid.quality.findings import Frozen, Saturation
+from softid.quality.findings import Frozen, Reason, Saturation
 from softid.quality.trace import MIN_DISTINCT, Runs, Trace, weighted_median
 
 Array = npt.NDArray[np.float64]
@@ -22,6 +20,14 @@ a late answer stands, too."""
 NOISELESS_S = 0.2
 """Time in s of one value from which a channel may be frozen, where its noise vanishes: of a fast
 log thirty samples are no time at all."""
+
+STUCK_SAMPLES = 5
+"""Samples, or holds, of one value from which a channel that its noise moves all the time may be
+stuck for a moment."""
+
+BY_CHANCE = 1e-4
+"""Expected number of runs as long as one in a log, by the share of samples that repeat the one
+before elsewhere, below which noise does not make it."""
 
 STALE_JUMP = 6.0
 """Noise, in standard deviations, by which the reading is elsewhere after a stretch without any: it
@@ -60,21 +66,19 @@ ARRIVAL_STEPS = 2.0
 known at all."""
 
 
-def may_be_stuck(values: Array, least: int = FLAT_SAMPLES) -> bool:
+def may_be_stuck(values: Array) -> bool:
     """Whether `find_saturation` or `find_frozen` can find anything, without what takes long.
 
     Parameters
     ----------
     values
         All samples of the log, shape (n,); may hold NaN.
-    least
-        Length of the run from which on they can; `FROZEN_SAMPLES` for the latter alone.
     """
     repeats = int(np.count_nonzero(values[1:] == values[:-1]))
-    if repeats < least - 1:
+    if repeats < FLAT_SAMPLES - 1:
         return False
     runs = Runs.of(values)
-    return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= least
+    return runs.start.size >= MIN_DISTINCT and int(runs.length.max()) >= FLAT_SAMPLES
 
 
 def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
@@ -91,14 +95,16 @@ def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
     if runs.start.size < MIN_DISTINCT:
         return ()
     held_s = trace.time_s[runs.stop - 1] - trace.time_s[runs.start]
-    found = []
+    found: list[Frozen] = []
     usual = weighted_median(runs.length[runs.length < FROZEN_SAMPLES * trace.repeats])
     least = max(FROZEN_SAMPLES * trace.repeats, FROZEN_OVER_USUAL * usual)
     extremes = (float(runs.value.min()), float(runs.value.max()))
-    for k in np.flatnonzero((runs.length >= FROZEN_SAMPLES) & (held_s >= NOISELESS_S)):
+    is_long = (runs.length >= FROZEN_SAMPLES) & (held_s >= NOISELESS_S)
+    found += [_frozen(trace, runs, k, "stale") for k in _momentary(trace, runs) if not is_long[k]]
+    for k in np.flatnonzero(is_long):
         span = slice(int(runs.start[k]), int(runs.stop[k]))
         value = float(runs.value[k])
-        reason: Literal["stale", "noise vanishes", "input moves"]
+        reason: Reason
         if value in extremes:
             continue
         moves = input_values is not None and _moves(input_values, span)
@@ -109,17 +115,28 @@ def find_frozen(trace: Trace, input_values: Array | None) -> tuple[Frozen, ...]:
             reason = "input moves"
         else:
             continue
-        found.append(
-            Frozen(
-                span.start,
-                span.stop,
-                float(trace.time_s[span.start]),
-                float(held_s[k]),
-                value,
-                reason,
-            )
-        )
-    return tuple(found)
+        found.append(_frozen(trace, runs, int(k), reason))
+    return tuple(sorted(found, key=lambda frozen: frozen.start))
+
+
+def _momentary(trace: Trace, runs: Runs) -> list[int]:
+    """Runs that noise does not make, and behind which the reading is elsewhere."""
+    if not trace.noisy:
+        return []
+    short = runs.length < STUCK_SAMPLES * trace.repeats
+    samples = int(runs.length[short].sum())
+    repeated = samples - int(np.count_nonzero(short))
+    share = max(repeated, 1) / max(samples, 1)
+    expected = runs.length.sum() * share ** (runs.length / trace.repeats - 1.0)
+    inside = (runs.value > runs.value.min()) & (runs.value < runs.value.max())
+    odd = np.flatnonzero(~short & (expected < BY_CHANCE) & inside)
+    return [int(k) for k in odd if _jumps_behind(trace, runs, int(k))]
+
+
+def _frozen(trace: Trace, runs: Runs, k: int, reason: Reason) -> Frozen:
+    start, stop = int(runs.start[k]), int(runs.stop[k])
+    begins_s, ends_s = float(trace.time_s[start]), float(trace.time_s[stop - 1])
+    return Frozen(start, stop, begins_s, ends_s - begins_s, float(runs.value[k]), reason)
 
 
 def _jumps_behind(trace: Trace, runs: Runs, k: int) -> bool:

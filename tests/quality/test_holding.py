@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,18 @@ from softid.quality import Inspection, inspect
 from softid.readers import load
 
 
-def held_log(extra_deg: np.ndarray | float = 0.0, **others: np.ndarray) -> Inspection:
-    """0, 60 and 0 kPa, the middle level for 40 s, and an angle with a lag of 0.5 s."""
+def held_log(
+    extra_deg: np.ndarray | float = 0.0, *, zeros: Sequence[int] = (), **others: np.ndarray
+) -> Inspection:
+    """0, 60 and 0 kPa, the middle level for 40 s, and an angle with a lag of 0.5 s.
+
+    The angle reads zero at some samples.
+    """
     rng = np.random.default_rng(0)
     time_s = np.arange(5500) * 0.01
     pressure = np.where((time_s >= 10.0) & (time_s < 50.0), 60.0, 0.0)
     angle = 0.5 * follow(time_s, pressure, 0.5) + extra_deg + 0.01 * rng.standard_normal(5500)
+    angle[list(zeros)] = 0.0
     channels = {"pressure": pressure, "angle": angle, **others}
     return inspect(Log.from_arrays(time_s, channels, units={"angle": "deg"}))
 
@@ -36,6 +43,14 @@ def test_a_settling_output_is_explained() -> None:
     assert codes(found).isdisjoint({"moves-by-itself", "moving-at-start", "other-inputs"})
     assert found.ability("creep").possible == "yes"
     assert found.ability("sensor drift").possible == "yes"
+
+
+def test_faults_of_a_sensor_are_no_motion() -> None:
+    """Zeros for three samples, seven times in a hold at 30 deg: too long for a median of five."""
+    found = held_log(zeros=[k + j for k in range(2000, 4800, 400) for j in range(3)])
+    assert "drop-outs" in codes(found)
+    assert [h.unexplained for h in found.holds] == [None, None, None]
+    assert "moves-by-itself" not in codes(found)
 
 
 def test_a_second_chamber_moves_the_output() -> None:

@@ -62,6 +62,25 @@ def test_a_stale_reading_is_no_motion(seconds: float) -> None:
     assert any("stale" in issue.message for issue in found.issues)
 
 
+def test_a_reading_that_is_stuck_for_a_moment() -> None:
+    """Five samples stay at a value that is off, and five at one while the actuator moves on."""
+    values = noisy().copy()
+    values[400:405] = values[400] - 0.3
+    quick = int(np.argmax(np.abs(values[10:] - values[:-10])))
+    values[quick : quick + 5] = values[quick]
+    expected = np.zeros(values.size, bool)
+    expected[400:405] = expected[quick : quick + 5] = True
+    np.testing.assert_array_equal(dropout_mask(with_angle(values)), expected)
+
+
+@pytest.mark.parametrize("steps", [1.0, 2.0, 5.0])
+def test_readings_that_rounding_repeats_are_not_stuck(steps: float) -> None:
+    """Noise of so many steps of the converter, in motion and at rest: several values repeat."""
+    step = 0.01 / steps
+    rounded = step * np.round(noisy() / step)
+    assert not dropout_mask(with_angle(rounded)).any()
+
+
 def test_a_stale_reading_that_goes_on_from_near_there_is_none() -> None:
     """The sensor is back when the motion is where it was, after the input went far away."""
     log = linear_log(noise=0.01)

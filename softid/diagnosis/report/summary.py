@@ -209,7 +209,7 @@ def summarise(
             told += _unknown(teller, descriptive or causes, alternatives, remainder)
         told += [sentence(change) for change in held_out_changes]
     else:
-        leaves_noise = not remainder.structured
+        leaves_noise = not (remainder.structured or remainder.open_jumps)
         told += _explained(teller, causes, alternatives, evidence, descriptive, leaves_noise)
         told += [sentence(remark) for remark in joined]
         if descriptive:
