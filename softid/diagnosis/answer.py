@@ -21,7 +21,7 @@ from softid.diagnosis.report.other_forms import with_other_forms
 from softid.diagnosis.report.several_elements import with_several_elements
 from softid.diagnosis.report.tied_values import with_tied_values
 from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
-from softid.diagnosis.residual.input_noise import moved_parameters
+from softid.diagnosis.residual.input_noise import moved_parameters, unknown_input
 from softid.diagnosis.residual.motion import heard, residual_context
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
@@ -71,7 +71,8 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     line = line_in(residual_context(chain.final))
     remainder = with_line(found.remainder, line, base.scale.motion_s)
     lengths = held_out_lengths(recorded, chain.final)
-    least_sd = moved_parameters(chain.final, base.gauges, remainder.noise_power)
+    unsure = unknown_input(chain.final, base.gauges, remainder.noise_power)
+    least_sd = moved_parameters(chain.final, unsure, remainder.noise_power)
     extends = bool(chain.links) or base.instead_of is not None
     before, after = both(
         lambda: _fit_of_base(base, seed, {} if extends else least_sd),
@@ -79,7 +80,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     )
     errors, varied = both(
         lambda: _errors_by_link(chain, base, recorded),
-        lambda: _variations(chain, base, remainder),
+        lambda: _variations(chain, base, remainder, unsure),
     )
     causes = causes_of(chain, errors, after, base.scale, lengths)
     causes = _with_errors_without(causes, chain, base, recorded, errors[-1], lengths)
@@ -174,12 +175,14 @@ def _errors_by_link(chain: Chain, base: BaseFit, held_out: HeldOut) -> list[Arra
     return [held_out.first_errors(model) for model in models]
 
 
-def _variations(chain: Chain, base: BaseFit, remainder: Remainder) -> Sequence[Variation | None]:
+def _variations(
+    chain: Chain, base: BaseFit, remainder: Remainder, unsure: Array | None
+) -> Sequence[Variation | None]:
     """How the sizes of the causes vary throughout the logs."""
     if not chain.links:
         return ()
-    added = [link.added for link in chain.links]
-    return variations(chain.final, added, base.sigma, with_open_jumps=remainder.open_jumps > 0)
+    added, is_open = [link.added for link in chain.links], remainder.open_jumps > 0
+    return variations(chain.final, added, base.sigma, with_open_jumps=is_open, unsure=unsure)
 
 
 def _fit_of_base(base: BaseFit, seed: int, least_sd: Mapping[str, float]) -> FitResult:

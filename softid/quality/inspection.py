@@ -182,12 +182,13 @@ def _without_faults(log: Log, channels: tuple[ChannelReport, ...]) -> Log:
     """The log whose outputs have no value where they drop out or are stale."""
     known = dict(log.channels)
     for report in channels:
-        stale = [frozen for frozen in report.frozen if frozen.reason == "stale"]
-        if report.role != "output" or not (report.dropouts or stale):
+        spans = [(dropout.start, dropout.stop) for dropout in report.dropouts]
+        spans += [(f.start, f.stop) for f in report.frozen if f.reason == "stale"]
+        if report.role != "output" or not spans:
             continue
         values = known[report.name].values.copy()
-        for fault in (*report.dropouts, *stale):
-            values[fault.start : fault.stop] = np.nan
+        for start, stop in spans:
+            values[start:stop] = np.nan
         known[report.name] = replace(known[report.name], values=values)
     return replace(log, channels=known)
 

@@ -119,9 +119,28 @@ def input_noise(
     return InputNoise(draws - (draws @ basis) @ basis.T, float(power))
 
 
-def moved_parameters(
+def unknown_input(
     model: Candidate, gauges: Mapping[str, GaugeErrors], variance: float
-) -> dict[str, float]:
+) -> Array | None:
+    """Draws of what is not known of the input, in the first output; None where that is nothing.
+
+    What parameters make up for is in them, too.
+
+    Parameters
+    ----------
+    model, gauges, variance
+        As in `input_noise`.
+
+    Returns
+    -------
+    ndarray or None
+        One draw in each row, at the used samples of all segments, shape (D, m).
+    """
+    found = _unknown(model, gauges, variance)
+    return None if found is None else found[0] + found[1]
+
+
+def moved_parameters(model: Candidate, draws: Array | None, variance: float) -> dict[str, float]:
     """How far what is not known of the input moves each free parameter; nothing where it does not.
 
     The root mean square of what parameters, sensor zeros and initial states together make up for of
@@ -132,14 +151,14 @@ def moved_parameters(
 
     Parameters
     ----------
-    model, gauges, variance
+    model, variance
         As in `input_noise`.
+    draws
+        From `unknown_input`.
     """
-    found = _unknown(model, gauges, variance)
-    if found is None:
+    if draws is None:
         return {}
-    noise, course = found
-    slopes, draws = _slopes(model), noise + course
+    slopes = _slopes(model)
     if not (np.isfinite(slopes).all() and np.isfinite(draws).all()):  # it runs away
         return {}
     free = model.problem.free

@@ -53,6 +53,7 @@ def variations(
     sigma: Mapping[str, float],
     *,
     with_open_jumps: bool = False,
+    unsure: Array | None = None,
 ) -> tuple[Variation | None, ...]:
     """How the size of each effect varies, in the variable in which chance explains it least.
 
@@ -62,7 +63,8 @@ def variations(
     χ² with as many degrees of freedom ν as columns stand beside W J where the size is constant.
     Else (q − ν) s²/‖W g‖² is the variance of the size over its square, and the share is the same
     with W g beside the unknowns of the model without the effect, which is what the cause itself
-    takes away.
+    takes away. What is not known of the input is no noise that is alike throughout: draws of it,
+    regressed likewise, add their mean square u to ν, and to the scale of the χ².
 
     Parameters
     ----------
@@ -74,6 +76,8 @@ def variations(
         Output channel → scale that its residual is divided by, which floors the noise.
     with_open_jumps
         Whether the moments of jumps of the input are left open, as unknowns beside the model's.
+    unsure
+        Draws of what is not known of the input, in the first output, one in each row.
 
     Returns
     -------
@@ -81,7 +85,7 @@ def variations(
         One for each effect; None where nothing shows that its size varies, or that it varies more
         than any material's.
     """
-    look = _ScoreTest(final, sigma, with_open_jumps=with_open_jumps)
+    look = _ScoreTest(final, sigma, unsure, with_open_jumps=with_open_jumps)
     return tuple(look.variation_of(effect) for effect in effects)
 
 
@@ -89,7 +93,12 @@ class _ScoreTest:
     """What the model with all causes leaves and how it bends, made white."""
 
     def __init__(
-        self, final: Candidate, sigma: Mapping[str, float], *, with_open_jumps: bool
+        self,
+        final: Candidate,
+        sigma: Mapping[str, float],
+        unsure: Array | None,
+        *,
+        with_open_jumps: bool,
     ) -> None:
         self.final = final
         self.rows = rows_of(final)
@@ -104,6 +113,10 @@ class _ScoreTest:
         self.left = project_out(self.basis, self.white(residual[:, None])[:, 0])
         freedom = max(self.left.size - self.basis.shape[1], 1)
         self.variance = float(self.left @ self.left) / freedom
+        driven = np.zeros((self.left.size, 0))
+        if unsure is not None:
+            driven = project_out(self.basis, self.white(_in_all_rows(final, self.rows, unsure.T)))
+        self.driven = driven
 
     def white(self, columns: Array) -> Array:
         """Columns at the used samples of all rows, made white."""
@@ -129,27 +142,45 @@ class _ScoreTest:
         for name in VARIED_WITH:
             columns = self.white(growth[:, None] * _piecewise_linear(name, self.rows, growth**2))
             asked = added_basis(self.basis, columns)
-            variation = _judged(name, asked, self.left, self.variance, weight, taken)
+            further = float(np.sum((asked.T @ self.left) ** 2))
+            by_input = float(np.sum((asked.T @ self.driven) ** 2)) / max(self.driven.shape[1], 1)
+            ratios = further / self.variance, by_input / self.variance
+            variation = _judged(name, asked.shape[1], ratios, self.variance, weight, taken)
             found += [variation] if variation is not None else []
         return min(found, key=lambda variation: variation.chance, default=None)
 
 
 def _judged(
-    name: str, asked: Array, left: Array, variance: float, weight: float, taken: float
+    name: str,
+    freedom: int,
+    ratios: tuple[float, float],
+    variance: float,
+    weight: float,
+    taken: float,
 ) -> Variation | None:
     """The variation with a variable, if chance does not explain it and it is worth a word.
 
-    ``weight`` is ‖W g‖², of which the model without the effect cannot do ``taken``.
+    ``ratios`` are q and u over the variance. ``weight`` is ‖W g‖², of which the model without the
+    effect cannot do ``taken``.
     """
-    freedom = asked.shape[1]
     if freedom == 0:
         return None
-    further = float(np.sum((asked.T @ left) ** 2)) / variance
-    chance = chi_square_tail(further, freedom)
-    beyond = max(further - freedom, 0.0) * variance
+    further, by_input = ratios
+    chance = chi_square_tail(further / (1.0 + by_input / freedom), freedom)
+    beyond = max(further - freedom - by_input, 0.0) * variance
     if chance > FALSE_ALARM_RATE or beyond < NOTABLE_VARIATION * taken:
         return None
     return Variation(name, (beyond / weight) ** 0.5, beyond / taken, chance)
+
+
+def _in_all_rows(final: Candidate, rows: Sequence[Rows], columns: Array) -> Array:
+    """Columns at the used samples of the first output among those of all outputs, shape (m, D)."""
+    first = final.problem.outputs[0]
+    is_first = [np.full(row.residual.size, row.channel == first) for row in rows]
+    places = np.concatenate(is_first)
+    whole = np.zeros((places.size, columns.shape[1]))
+    whole[places] = columns
+    return whole
 
 
 def _of_jumps(final: Candidate, rows: Sequence[Rows]) -> Array:

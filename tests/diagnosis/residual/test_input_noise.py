@@ -17,6 +17,7 @@ from softid.diagnosis.residual.input_noise import (
     input_noise,
     moved_parameters,
     takes_input_noise_at_most,
+    unknown_input,
 )
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.search.forward_selection import converged
@@ -76,7 +77,8 @@ def test_parameters_scatter_as_far_as_it_is_told() -> None:
     for seed in range(12):
         log = gauged(seed)
         model = converged(at_the_truth(log), {"angle": 0.01})
-        told = moved_parameters(model, {"gauged": gauge_errors(log)}, 1.0)
+        draws = unknown_input(model, {"gauged": gauge_errors(log)}, 1.0)
+        told = moved_parameters(model, draws, 1.0)
         off = [np.log(model.parameters[name] / TRUTH[name]) for name in model.problem.free]
         foretold.append(list(told.values()))
         reached.append(off)
@@ -91,12 +93,16 @@ def test_what_is_not_shown_moves_no_farther_than_is_known() -> None:
     still = 50.0 + 1e-3 * SD_KPA * np.random.default_rng(0).standard_normal(time_s.size)
     angle = linear_angle(time_s, np.full(time_s.size, 50.0))
     log = Log.from_arrays(time_s, {"pressure": still, "angle": angle}, name="gauged")
-    moved = moved_parameters(at_the_truth(log), {"gauged": GaugeErrors(SD_KPA)}, 1e-4)
+    model = at_the_truth(log)
+    draws = unknown_input(model, {"gauged": GaugeErrors(SD_KPA)}, 1e-4)
+    moved = moved_parameters(model, draws, 1e-4)
     assert 0.0 < max(moved.values()) <= BASE_SD
 
 
 def test_an_exact_input_moves_no_parameter() -> None:
-    assert moved_parameters(at_the_truth(gauged(0)), {}, 1.0) == {}
+    model = at_the_truth(gauged(0))
+    assert unknown_input(model, {}, 1.0) is None
+    assert moved_parameters(model, None, 1.0) == {}
 
 
 def test_a_cause_that_muffles_the_gauge_takes_no_more_than_its_noise() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -26,10 +26,13 @@ from softid.diagnosis.refit.candidates import Candidate, advance, prior_about
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.residual import parameter_constancy
+from softid.diagnosis.residual.input_noise import unknown_input
 from softid.diagnosis.residual.parameter_constancy import FALSE_ALARM_RATE, _judged, variations
 from softid.diagnosis_results import Variation
 from softid.effects.base import Effect
 from softid.effects.scale import Scale
+from softid.identification.gauge_errors import gauge_errors
+from softid.identification.input_denoising import without_input_noise
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -128,14 +131,36 @@ def test_a_variation_counts_in_what_is_left() -> None:
     rng = np.random.default_rng(0)
     asked = np.linalg.qr(rng.standard_normal((500, 3)))[0]
     left = rng.standard_normal(500) + asked @ np.array([20.0, -15.0, 8.0])
-    one, other = (
-        _judged("t", asked, factor * left, factor**2 * 1.0, 1000.0, 500.0) for factor in (1.0, 2.0)
-    )
+    further = float(np.sum((asked.T @ left) ** 2))
+    one, other = (_judged("t", 3, (further, 0.0), of**2, 1000.0, 500.0) for of in (1.0, 2.0))
     assert one is not None
     assert other is not None
     assert other.chance == pytest.approx(one.chance)
     assert other.spread == pytest.approx(2.0 * one.spread)
     assert other.share == pytest.approx(4.0 * one.share)
+
+
+def test_noise_of_a_gauge_is_no_variation() -> None:
+    """The angle bends with the square of a pressure that is read with noise, and nothing varies.
+
+    What the noise leaves is large where the motion is quick. Draws of it keep a size that doubles.
+    """
+    rng = np.random.default_rng(3)
+    found = []
+    for size in (SIZE, SIZE * np.where(TIME_S > 10.0, 1.5, 0.5)):
+        whole = log_of(size, 3, 1e-3 * rng.standard_normal(N))
+        values = PRESSURE + 3.0 * rng.standard_normal(N)
+        read = replace(whole.channels["pressure"], values=values)
+        noisy = replace(whole, channels={**whole.channels, "pressure": read})
+        model = fitted([without_input_noise(noisy)], Curved())
+        draws = unknown_input(model, {whole.name: gauge_errors(noisy)}, 1e-6)
+        for unsure in (None, draws):
+            (told,) = variations(model, [Curved()], SIGMA, unsure=unsure)
+            found.append(told)
+    assert found[0] is not None
+    assert found[1] is None
+    assert found[2] is not None
+    assert found[3] is not None
 
 
 def test_the_variable_is_told() -> None:
