@@ -51,6 +51,7 @@ from softid.diagnosis.report.joint_causes import (
 from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
+    with_law_beside,
     with_other_explanations,
 )
 from softid.diagnosis.report.other_model import with_other_model
@@ -61,6 +62,7 @@ from softid.diagnosis.report.second_input import with_second_input
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis.residual.one_step import is_one_step
+from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis.verdict.sample_errors import with_sample_remainder
@@ -84,8 +86,8 @@ from softid.results import FitResult
 if TYPE_CHECKING:
     import lmfit
 
-Answered = tuple[Diagnosis, BaseFit]
-"""A diagnosis, and the base that it extends."""
+Answered = tuple[Diagnosis, BaseFit, Chain]
+"""A diagnosis, the base that it extends, and the chain that it comes from."""
 
 CONCLUSIVE_VERDICTS = (Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS)
 """Verdicts that leave no more than noise."""
@@ -178,9 +180,10 @@ def diagnose(
     request, base = reduced_if_better(recordings, request, base)
     search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
     others = OtherExplanations()
-    answer, base = _searched(recordings, request, search, others, is_in_doubt=is_in_doubt)
+    answer, base, chain = _searched(recordings, request, search, others, is_in_doubt=is_in_doubt)
     answer = with_other_explanations(answer, base, others)
     answer = with_second_input(answer, base, recorded.logs, seed)
+    answer = with_law_beside(answer, base, chain)
     if count == 1:  # the mean of several samples lies between the steps
         answer = with_rounding(answer, recorded, base.candidate)
         answer = with_coarse_sampling(answer, base.candidate)
@@ -225,11 +228,11 @@ def _searched(
     others: OtherExplanations,
     *,
     is_in_doubt: bool,
-) -> tuple[Diagnosis, BaseFit]:
-    """The diagnosis over the model that the logs call for, with the base that it extends."""
+) -> Answered:
+    """The diagnosis over the model that the logs call for."""
     alone = search.explained_by_moments()
     if alone is not None:
-        return answer_of(search.base, alone, search.seed), search.base
+        return _answer(alone, search)
     models = PlainerModels(recordings, request, search)
     over = search_with_intersample if is_in_doubt else search_causes
 
@@ -244,10 +247,10 @@ def _searched(
         plainer = models.after_first_cause(asked, found.chain)
         return _answered(*searched(plainer)) if plainer is not None else None
 
-    answer, base = _surest_answer(found, last, over_plainer_model)
+    answer, base, chain = _surest_answer(found, last, over_plainer_model)
     is_open = not found.chain.links and is_one_step(base.candidate.problem)
     if base is not last.base or is_open:  # a plainer model has settled it, or nothing does
-        return answer, base
+        return answer, base, chain
     unnamed = answer.verdict is Verdict.UNKNOWN
     plainer = models.after_all_causes(
         asked,
@@ -259,9 +262,9 @@ def _searched(
     if plainer is None:
         is_settled = answer.verdict in CONCLUSIVE_VERDICTS and base is search.base
         other_model = models.explaining_as_well(asked, found.chain) if is_settled else None
-        return with_other_model(answer, other_model), base
+        return with_other_model(answer, other_model), base, chain
     other = _surest_answer(*searched(plainer))
-    return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base)
+    return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base, chain)
 
 
 def _is_hollow(answer: Diagnosis, base: BaseFit) -> bool:
@@ -273,17 +276,22 @@ def _is_hollow(answer: Diagnosis, base: BaseFit) -> bool:
     return sum(p.verdict == "not identified" for p in rows) >= HOLLOW
 
 
+def _answer(found: SearchResult, search: CauseSearch) -> Answered:
+    """The diagnosis of what was found."""
+    return answer_of(search.base, found, search.seed), search.base, found.chain
+
+
 def _answered(found: SearchResult, search: CauseSearch) -> Answered:
-    """The diagnosis of what was found, with the base that it extends."""
+    """The same, of the base alone where there may be nothing behind descriptions."""
     search.report("computing errors", 0.9)
-    answer = answer_of(search.base, found, search.seed)
+    answer, base, chain = _answer(found, search)
     is_unknown = answer.verdict is Verdict.UNKNOWN
     alone = search.alone_beside(answer.descriptive, answer.remainder) if is_unknown else None
     if alone is not None:
         refused = unsure_issues(answer.descriptive)
-        answer = answer_of(search.base, alone, search.seed)
+        answer, base, chain = _answer(alone, search)
         answer = replace(answer, issues=(*answer.issues, *refused))
-    return answer, search.base
+    return answer, base, chain
 
 
 def _surest_answer(
@@ -302,7 +310,7 @@ def _surest_answer(
         return first
 
     def answered(other: SearchResult | None) -> Answered | None:
-        return (answer_of(search.base, other, search.seed), search.base) if other else None
+        return _answer(other, search) if other else None
 
     again = answered(search.search_from_multistart(found))
     if again is not None and again[0].verdict is not Verdict.UNKNOWN:

@@ -8,16 +8,20 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.ambiguity import SEVERAL_STEPS
 from softid.diagnosis.report.changes import (
+    CHANGE_POINT,
     HELD_OUT_CHANGE,
+    LOG_DIFFERENCES,
     change_issues,
     difference_issues,
     spell_issues,
 )
-from softid.diagnosis.report.phrases import listed, percent
-from softid.diagnosis.residual.assessment import excess_of, noise_variance
+from softid.diagnosis.report.phrases import listed, lowered, percent
+from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
+from softid.diagnosis.residual.assessment import excess_of, held_out_share, noise_variance
 from softid.diagnosis.residual.one_step import is_one_step
+from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
-from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE
+from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE, UNLISTED_LAWS
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import Diagnosis, Doubt, Verdict
 from softid.errors import Issue
@@ -30,6 +34,12 @@ ONE_STEP = "one-step"
 
 MOST_LAWS = 3
 """Most laws of no catalogue that a sentence names."""
+
+MOST_FIRST = 3
+"""Most first causes beside which such a law is tried."""
+
+EVENTS = (CHANGE_POINT, LOG_DIFFERENCES, FOLLOWS_SECOND_INPUT)
+"""Codes of the remarks on what happened beside any law."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +166,88 @@ def with_other_explanations(
     )
 
 
+def with_law_beside(answer: Diagnosis, base: BaseFit, chain: Chain) -> Diagnosis:
+    """The diagnosis with a law in no catalogue that explains what causes leave.
+
+    Where no cause is named, it may also stand beside another first cause than the one that was
+    taken: the best of two is not always one of them.
+
+    Parameters
+    ----------
+    answer
+        The diagnosis.
+    base
+        The base fit to the logs.
+    chain
+        The chain that it comes from.
+    """
+    is_unknown = answer.verdict is Verdict.UNKNOWN
+    first = chain.links[0] if chain.links else chain.last
+    if first is None or not answer.remainder.structured or _is_told(answer):
+        return answer
+    known = [chain.final] if chain.links else []
+    if is_unknown:
+        known += [one for one in first.contenders[:MOST_FIRST] if one.keys != chain.final.keys]
+    noise = noise_variance(base.candidate, base.scale)
+    found = [beyond_catalogue(base, noise, UNLISTED_LAWS, beside=one) for one in known]
+    told = min((one for one in found if one is not None), key=lambda one: one.squares, default=None)
+    if told is None or told.squares > chain.final.squares:
+        return answer
+    issue = beside_issue(told, base, noise, is_unknown=is_unknown)
+    return replace(
+        answer,
+        alternatives=() if is_unknown else answer.alternatives,
+        issues=(*answer.issues, issue),
+        next_experiment=answer.next_experiment or issue.remedy,
+    )
+
+
+def _is_told(answer: Diagnosis) -> bool:
+    """Whether it is known already what the misfit is, or what it begins with."""
+    told = {issue.code for issue in answer.issues}
+    return bool(told & {UNLISTED_LAW, LIKE_UNLISTED_LAW, *EVENTS})
+
+
+def beside_issue(found: BeyondCatalogue, base: BaseFit, noise: float, *, is_unknown: bool) -> Issue:
+    """A law in no catalogue that explains what causes leave, in words.
+
+    Parameters
+    ----------
+    found
+        The law, beside the causes.
+    base
+        The base fit.
+    noise
+        Variance of the noise of the first output.
+    is_unknown
+        Whether none of the causes is named.
+    """
+    law = f"a law in no catalogue, {_laws_of(found)}"
+    remedy = f"record {found.laws[0].shown_by}, where it would show"
+    if not is_unknown or found.model is None:
+        shares = (
+            f"{percent(found.share)} of it above the noise, and {percent(found.held_out_share)}"
+        )
+        return Issue(
+            LIKE_UNLISTED_LAW,
+            "info",
+            f"what is left behaves like {law}, which takes away {shares} of it on what is held out",
+            remedy,
+        )
+    causes = listed([lowered(effect.title) for effect in found.model.effects[:-1]])
+    whole, held = base.candidate.squares, base.held_out
+    share = min((whole - found.squares) / (whole - found.noise), 1.0)
+    held_share = held_out_share(held.rms(base.candidate), held.rms(found.model), noise)
+    return Issue(
+        UNLISTED_LAW,
+        "info",
+        f"what is missing behaves like {causes} together with {law}, which take away "
+        f"{percent(share)} of the misfit above the noise, and {percent(held_share)} of it on what "
+        "is held out",
+        remedy,
+    )
+
+
 def one_step_issue() -> Issue:
     """That what is missed elsewhere may be parameters which one step does not tell."""
     return Issue(
@@ -175,17 +267,21 @@ def unlisted_issue(found: BeyondCatalogue) -> Issue:
     found
         The laws.
     """
-    first, *others = [UNLISTED[law.name] for law in found.laws[:MOST_LAWS]]
-    told = listed([f"{first}{_size_of(found)}", *others], last=" or ")
     held = percent(found.held_out_share)
     return Issue(
         UNLISTED_LAW if found.is_whole else LIKE_UNLISTED_LAW,
         "info",
-        f"what is missing behaves like a law in no catalogue, {told}, which takes away "
+        f"what is missing behaves like a law in no catalogue, {_laws_of(found)}, which takes away "
         f"{percent(found.share)} of the misfit above the noise, and {held} of it on what is held "
         "out",
         f"record {found.laws[0].shown_by}, where it would show",
     )
+
+
+def _laws_of(found: BeyondCatalogue) -> str:
+    """The laws in words, with the size of the first."""
+    first, *others = [UNLISTED[law.name] for law in found.laws[:MOST_LAWS]]
+    return listed([f"{first}{_size_of(found)}", *others], last=" or ")
 
 
 def _size_of(found: BeyondCatalogue) -> str:

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.residual.assessment import held_out_share
@@ -53,6 +55,8 @@ class BeyondCatalogue:
         Weighted sum of squares that the best leaves, and that of the noise.
     sizes
         Values and units of the parameters of the best, without where it begins.
+    model
+        The model with the best.
     """
 
     laws: tuple[Effect, ...]
@@ -61,6 +65,7 @@ class BeyondCatalogue:
     squares: float
     noise: float
     sizes: tuple[tuple[float, str], ...] = ()
+    model: Candidate | None = None
 
     @property
     def is_whole(self) -> bool:
@@ -84,9 +89,13 @@ class BeyondCatalogue:
 
 
 def beyond_catalogue(
-    base: BaseFit, noise: float, laws: Sequence[type[Law]] = BEYOND_ONE
+    base: BaseFit,
+    noise: float,
+    laws: Sequence[type[Law]] = BEYOND_ONE,
+    *,
+    beside: Candidate | None = None,
 ) -> BeyondCatalogue | None:
-    """The laws in no catalogue that account for the misfit of a base, if there are any.
+    """The laws in no catalogue that account for what a model leaves, if there are any.
 
     There is none where the logs hold a single step, whose answer many a law follows.
 
@@ -98,23 +107,25 @@ def beyond_catalogue(
         Variance of the noise of the first output.
     laws
         Those that are tried.
+    beside
+        The base with causes, which then also stay; None for the base alone.
     """
-    known = base.candidate
-    variance = base.rms**2
-    if not variance > noise or is_one_step(known.problem):
+    known = beside or base.candidate
+    left = noise / max(base.rms**2, np.finfo(float).tiny) * base.candidate.squares
+    if not known.squares > left or is_one_step(known.problem):
         return None
-    left = noise / variance * known.squares
     near, hopeful = (
         left + (1.0 - share) * (known.squares - left) for share in (TAKEN_SOON, TAKEN_ROUGHLY)
     )
-    standing = standing_of(known, base)
+    standing, kept = standing_of(known, base), known.acting
     found = in_parallel(
-        lambda law: refitted_with(standing, (), (law(),), near=near, enough=hopeful), laws
+        lambda law: refitted_with(standing, kept, (law(),), near=near, enough=hopeful), laws
     )
     enough = [one for one in found if one is not None and _share(known, one, left) > LEAST_TAKEN]
     ranked = rank([known, *enough], base.sigma) if enough else []
     alike = [row.plain for row in ranked if row.bic < ranked[0].bic + INDISTINCT]
-    carried = [one for one in alike if one is not known and _held(base, one, noise) > CARRIES]
+    others = [one for one in alike if one is not known]
+    carried = [one for one in others if _held(base, known, one, noise) > CARRIES]
     if not carried:
         return None
     best = carried[0]
@@ -126,7 +137,8 @@ def beyond_catalogue(
     beginning = extended_name(likeliest, first[0]) if first else ""
     own = [name for name in declared.names if belongs_to(likeliest, name) and name != beginning]
     sizes = tuple((values[name], declared[name].unit) for name in own)
-    return BeyondCatalogue(alike_laws, share, _held(base, best, noise), best.squares, left, sizes)
+    held_share = _held(base, known, best, noise)
+    return BeyondCatalogue(alike_laws, share, held_share, best.squares, left, sizes, best)
 
 
 def _share(known: Candidate, other: Candidate, noise: float) -> float:
@@ -134,7 +146,7 @@ def _share(known: Candidate, other: Candidate, noise: float) -> float:
     return (known.squares - other.squares) / (known.squares - noise)
 
 
-def _held(base: BaseFit, other: Candidate, noise: float) -> float:
+def _held(base: BaseFit, known: Candidate, other: Candidate, noise: float) -> float:
     """The same on what is held out."""
     held = base.held_out
-    return held_out_share(held.rms(base.candidate), held.rms(other), noise)
+    return held_out_share(held.rms(known), held.rms(other), noise)
