@@ -33,6 +33,7 @@ from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.plainer_model import ModelSearch, PlainerModels, plainer_model_issues
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.report.coarse_sampling import with_coarse_sampling
 from softid.diagnosis.report.issues import (
@@ -62,7 +63,6 @@ from softid.diagnosis.report.second_input import with_second_input
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.motion import mean_square, residual_context
 from softid.diagnosis.residual.one_step import is_one_step
-from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis.verdict.sample_errors import with_sample_remainder
@@ -86,8 +86,8 @@ from softid.results import FitResult
 if TYPE_CHECKING:
     import lmfit
 
-Answered = tuple[Diagnosis, BaseFit, Chain]
-"""A diagnosis, the base that it extends, and the chain that it comes from."""
+Answered = tuple[Diagnosis, BaseFit, Candidate]
+"""A diagnosis, the base that it extends, and the model with all that is named or described."""
 
 CONCLUSIVE_VERDICTS = (Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS)
 """Verdicts that leave no more than noise."""
@@ -180,10 +180,10 @@ def diagnose(
     request, base = reduced_if_better(recordings, request, base)
     search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
     others = OtherExplanations()
-    answer, base, chain = _searched(recordings, request, search, others, is_in_doubt=is_in_doubt)
+    answer, base, final = _searched(recordings, request, search, others, is_in_doubt=is_in_doubt)
     answer = with_other_explanations(answer, base, others)
     answer = with_second_input(answer, base, recorded.logs, seed)
-    answer = with_law_beside(answer, base, chain)
+    answer = with_law_beside(answer, base, final, search.effects)
     if count == 1:  # the mean of several samples lies between the steps
         answer = with_rounding(answer, recorded, base.candidate)
         answer = with_coarse_sampling(answer, base.candidate)
@@ -247,10 +247,10 @@ def _searched(
         plainer = models.after_first_cause(asked, found.chain)
         return _answered(*searched(plainer)) if plainer is not None else None
 
-    answer, base, chain = _surest_answer(found, last, over_plainer_model)
+    answer, base, final = _surest_answer(found, last, over_plainer_model)
     is_open = not found.chain.links and is_one_step(base.candidate.problem)
     if base is not last.base or is_open:  # a plainer model has settled it, or nothing does
-        return answer, base, chain
+        return answer, base, final
     unnamed = answer.verdict is Verdict.UNKNOWN
     plainer = models.after_all_causes(
         asked,
@@ -262,9 +262,9 @@ def _searched(
     if plainer is None:
         is_settled = answer.verdict in CONCLUSIVE_VERDICTS and base is search.base
         other_model = models.explaining_as_well(asked, found.chain) if is_settled else None
-        return with_other_model(answer, other_model), base, chain
+        return with_other_model(answer, other_model), base, final
     other = _surest_answer(*searched(plainer))
-    return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base, chain)
+    return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base, final)
 
 
 def _is_hollow(answer: Diagnosis, base: BaseFit) -> bool:
@@ -278,20 +278,20 @@ def _is_hollow(answer: Diagnosis, base: BaseFit) -> bool:
 
 def _answer(found: SearchResult, search: CauseSearch) -> Answered:
     """The diagnosis of what was found."""
-    return answer_of(search.base, found, search.seed), search.base, found.chain
+    return answer_of(search.base, found, search.seed), search.base, found.chain.final
 
 
 def _answered(found: SearchResult, search: CauseSearch) -> Answered:
     """The same, of the base alone where there may be nothing behind descriptions."""
     search.report("computing errors", 0.9)
-    answer, base, chain = _answer(found, search)
+    answer, base, final = _answer(found, search)
     is_unknown = answer.verdict is Verdict.UNKNOWN
     alone = search.alone_beside(answer.descriptive, answer.remainder) if is_unknown else None
     if alone is not None:
         refused = unsure_issues(answer.descriptive)
-        answer, base, chain = _answer(alone, search)
+        answer, base, final = _answer(alone, search)
         answer = replace(answer, issues=(*answer.issues, *refused))
-    return answer, base, chain
+    return answer, base, final
 
 
 def _surest_answer(

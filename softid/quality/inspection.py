@@ -73,8 +73,7 @@ def inspect(log: Log) -> Inspection:
     driving = log.channels[log.input].values
     stretches, windows = excitation_and_holds(log.time_s, driving)
     windows = _at_levels(windows, stretches, LEVEL_SPACING * float(np.ptp(driving)))
-    rest = _at_rest(windows, len(log))
-    sampling = describe_sampling(log)
+    rest, sampling = _at_rest(windows, len(log)), describe_sampling(log)
     channels = tuple(
         _report(log, log.channels[name], role, rest, windows) for name, role in _roles(log)
     )
@@ -83,10 +82,10 @@ def inspect(log: Log) -> Inspection:
     stuck = next(c.frozen for c in channels if c.role == "input")
     alive = _without_faults(log, channels)
     holds = {name: describe_holds(alive, name, windows, noise[name]) for name in log.outputs}
-    responses = [
+    responses = (
         step_response(alive, name, windows, noise, holds=holds[name], stuck=stuck)
         for name in log.outputs
-    ]
+    )
     found = tuple(r for r in responses if r is not None)
     signs = tuple(s for s in (check_sign(log, name) for name in log.outputs) if s is not None)
     lag = command_lag(log)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from softid.diagnosis.base.base_fit import BaseFit
@@ -17,13 +18,17 @@ from softid.diagnosis.report.changes import (
 )
 from softid.diagnosis.report.phrases import listed, lowered, percent
 from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
-from softid.diagnosis.residual.assessment import excess_of, held_out_share, noise_variance
+from softid.diagnosis.residual.assessment import excess_of, noise_variance
 from softid.diagnosis.residual.one_step import is_one_step
-from softid.diagnosis.search.forward_selection import Chain
-from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
+from softid.diagnosis.verdict.beyond_catalogue import (
+    BeyondCatalogue,
+    beyond_and_cause,
+    beyond_catalogue,
+)
 from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE, UNLISTED_LAWS
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import Diagnosis, Doubt, Verdict
+from softid.effects.base import Effect
 from softid.errors import Issue
 
 UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
@@ -34,9 +39,6 @@ ONE_STEP = "one-step"
 
 MOST_LAWS = 3
 """Most laws of no catalogue that a sentence names."""
-
-MOST_FIRST = 3
-"""Most first causes beside which such a law is tried."""
 
 EVENTS = (CHANGE_POINT, LOG_DIFFERENCES, FOLLOWS_SECOND_INPUT)
 """Codes of the remarks on what happened beside any law."""
@@ -166,11 +168,13 @@ def with_other_explanations(
     )
 
 
-def with_law_beside(answer: Diagnosis, base: BaseFit, chain: Chain) -> Diagnosis:
+def with_law_beside(
+    answer: Diagnosis, base: BaseFit, final: Candidate, effects: Sequence[Effect]
+) -> Diagnosis:
     """The diagnosis with a law in no catalogue that explains what causes leave.
 
-    Where no cause is named, it may also stand beside another first cause than the one that was
-    taken: the best of two is not always one of them.
+    Where no cause is named, it may stand beside another cause than those that are described: the
+    best one alone is not always one of two.
 
     Parameters
     ----------
@@ -178,25 +182,25 @@ def with_law_beside(answer: Diagnosis, base: BaseFit, chain: Chain) -> Diagnosis
         The diagnosis.
     base
         The base fit to the logs.
-    chain
-        The chain that it comes from.
+    final
+        The model with all that is named or described.
+    effects
+        The catalogue.
     """
-    is_unknown = answer.verdict is Verdict.UNKNOWN
-    first = chain.links[0] if chain.links else chain.last
-    if first is None or not answer.remainder.structured or _is_told(answer):
+    if not answer.remainder.structured or _is_told(answer):
         return answer
-    known = [chain.final] if chain.links else []
-    if is_unknown:
-        known += [one for one in first.contenders[:MOST_FIRST] if one.keys != chain.final.keys]
     noise = noise_variance(base.candidate, base.scale)
-    found = [beyond_catalogue(base, noise, UNLISTED_LAWS, beside=one) for one in known]
-    told = min((one for one in found if one is not None), key=lambda one: one.squares, default=None)
-    if told is None or told.squares > chain.final.squares:
+    is_unknown = answer.verdict is Verdict.UNKNOWN
+    if is_unknown:
+        found = beyond_and_cause(base, noise, effects)
+    else:
+        found = beyond_catalogue(base, noise, UNLISTED_LAWS, beside=final)
+    if found is None:
         return answer
-    issue = beside_issue(told, base, noise, is_unknown=is_unknown)
+    issue = unlisted_issue(found, is_whole=is_unknown)
     return replace(
         answer,
-        alternatives=() if is_unknown else answer.alternatives,
+        alternatives=() if issue.code == UNLISTED_LAW else answer.alternatives,
         issues=(*answer.issues, issue),
         next_experiment=answer.next_experiment or issue.remedy,
     )
@@ -206,46 +210,6 @@ def _is_told(answer: Diagnosis) -> bool:
     """Whether it is known already what the misfit is, or what it begins with."""
     told = {issue.code for issue in answer.issues}
     return bool(told & {UNLISTED_LAW, LIKE_UNLISTED_LAW, *EVENTS})
-
-
-def beside_issue(found: BeyondCatalogue, base: BaseFit, noise: float, *, is_unknown: bool) -> Issue:
-    """A law in no catalogue that explains what causes leave, in words.
-
-    Parameters
-    ----------
-    found
-        The law, beside the causes.
-    base
-        The base fit.
-    noise
-        Variance of the noise of the first output.
-    is_unknown
-        Whether none of the causes is named.
-    """
-    law = f"a law in no catalogue, {_laws_of(found)}"
-    remedy = f"record {found.laws[0].shown_by}, where it would show"
-    if not is_unknown or found.model is None:
-        shares = (
-            f"{percent(found.share)} of it above the noise, and {percent(found.held_out_share)}"
-        )
-        return Issue(
-            LIKE_UNLISTED_LAW,
-            "info",
-            f"what is left behaves like {law}, which takes away {shares} of it on what is held out",
-            remedy,
-        )
-    causes = listed([lowered(effect.title) for effect in found.model.effects[:-1]])
-    whole, held = base.candidate.squares, base.held_out
-    share = min((whole - found.squares) / (whole - found.noise), 1.0)
-    held_share = held_out_share(held.rms(base.candidate), held.rms(found.model), noise)
-    return Issue(
-        UNLISTED_LAW,
-        "info",
-        f"what is missing behaves like {causes} together with {law}, which take away "
-        f"{percent(share)} of the misfit above the noise, and {percent(held_share)} of it on what "
-        "is held out",
-        remedy,
-    )
 
 
 def one_step_issue() -> Issue:
@@ -259,21 +223,25 @@ def one_step_issue() -> Issue:
     )
 
 
-def unlisted_issue(found: BeyondCatalogue) -> Issue:
+def unlisted_issue(found: BeyondCatalogue, *, is_whole: bool = True) -> Issue:
     """Laws in no catalogue that account for a misfit, in words.
 
     Parameters
     ----------
     found
         The laws.
+    is_whole
+        Whether they were asked about the whole misfit, and not about what named causes leave.
     """
-    held = percent(found.held_out_share)
+    causes = listed([lowered(effect.title) for effect in found.beside])
+    together = f"{causes} together with " if causes and is_whole else ""
+    take = "take" if together else "takes"
     return Issue(
-        UNLISTED_LAW if found.is_whole else LIKE_UNLISTED_LAW,
+        UNLISTED_LAW if found.is_whole and is_whole else LIKE_UNLISTED_LAW,
         "info",
-        f"what is missing behaves like a law in no catalogue, {_laws_of(found)}, which takes away "
-        f"{percent(found.share)} of the misfit above the noise, and {held} of it on what is held "
-        "out",
+        f"what is {'missing' if is_whole else 'left'} behaves like {together}a law in no "
+        f"catalogue, {_laws_of(found)}, which {take} away {percent(found.share)} of the misfit "
+        f"above the noise, and {percent(found.held_out_share)} of it on what is held out",
         f"record {found.laws[0].shown_by}, where it would show",
     )
 

@@ -17,8 +17,9 @@ from softid.diagnosis.residual.assessment import held_out_share
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
+from softid.diagnosis.search.forward_selection import select_forward
 from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
-from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE, NEAR_TWO, Law
+from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE, NEAR_TWO, UNLISTED_LAWS, Law
 from softid.effects import belongs_to, extended_name
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -26,6 +27,10 @@ from softid.parallel import in_parallel
 TAKEN_SOON, TAKEN_ROUGHLY, LEAST_TAKEN = 0.5, 0.8, 0.9
 """Share of the misfit above the noise that a law in no catalogue takes away: soon, at its optimum
 over averages, and in the end."""
+
+TAKEN_IN_PART, MOST_BEGUN = 0.2, 2
+"""Share of the misfit above the noise that a law in no catalogue takes away by itself at least,
+where a cause beside it is looked for, and how many laws that is done for."""
 
 CARRIES = 0.8
 """Share of the misfit above the noise on what is held out that a law in no catalogue takes away."""
@@ -55,8 +60,8 @@ class BeyondCatalogue:
         Weighted sum of squares that the best leaves, and that of the noise.
     sizes
         Values and units of the parameters of the best, without where it begins.
-    model
-        The model with the best.
+    beside
+        The causes beside which the best does that.
     """
 
     laws: tuple[Effect, ...]
@@ -65,7 +70,7 @@ class BeyondCatalogue:
     squares: float
     noise: float
     sizes: tuple[tuple[float, str], ...] = ()
-    model: Candidate | None = None
+    beside: tuple[Effect, ...] = ()
 
     @property
     def is_whole(self) -> bool:
@@ -111,7 +116,7 @@ def beyond_catalogue(
         The base with causes, which then also stay; None for the base alone.
     """
     known = beside or base.candidate
-    left = noise / max(base.rms**2, np.finfo(float).tiny) * base.candidate.squares
+    left = _left(base, noise)
     if not known.squares > left or is_one_step(known.problem):
         return None
     near, hopeful = (
@@ -128,17 +133,72 @@ def beyond_catalogue(
     carried = [one for one in others if _held(base, known, one, noise) > CARRIES]
     if not carried:
         return None
-    best = carried[0]
-    alike_laws = tuple(one.effects[-1] for one in carried)
-    likeliest = alike_laws[0]
-    share = min(_share(known, best, left), 1.0)
-    declared, values = best.problem.parameters, best.parameters
-    first = likeliest.plain_at
-    beginning = extended_name(likeliest, first[0]) if first else ""
-    own = [name for name in declared.names if belongs_to(likeliest, name) and name != beginning]
+    return _told(base, known, carried, tuple(one.effects[-1] for one in carried), noise)
+
+
+def beyond_and_cause(
+    base: BaseFit, noise: float, effects: Sequence[Effect]
+) -> BeyondCatalogue | None:
+    """A law in no catalogue that accounts for a misfit together with one cause of the catalogue.
+
+    The laws that take away most by themselves are extended by the cause that then does.
+
+    Parameters
+    ----------
+    base, noise
+        As in `beyond_catalogue`.
+    effects
+        The catalogue.
+    """
+    known, sigma = base.candidate, base.sigma
+    left = _left(base, noise)
+    if not known.squares > left or is_one_step(known.problem):
+        return None
+    near = known.squares - TAKEN_IN_PART * (known.squares - left)
+    standing = standing_of(known, base)
+    found = in_parallel(
+        lambda law: refitted_with(standing, (), (law(),), near=known.squares, enough=near),
+        UNLISTED_LAWS,
+    )
+    begun = sorted((one for one in found if one is not None), key=lambda one: one.squares)
+    for one in begun[:MOST_BEGUN]:
+        chain = select_forward(
+            one,
+            effects,
+            base.scale,
+            sigma,
+            is_no_worse=lambda before, after: base.held_out.rms(after) < base.held_out.rms(before),
+            is_noise=lambda model: False,
+            max_links=1,
+        )
+        both = chain.final
+        taken = min(_share(known, both, left), _held(base, known, both, noise))
+        if chain.links and taken > WHOLE_SHARE:
+            return _told(base, known, [both], one.effects, noise)
+    return None
+
+
+def _left(base: BaseFit, noise: float) -> float:
+    """Weighted sum of squares of the noise."""
+    return noise / max(base.rms**2, np.finfo(float).tiny) * base.candidate.squares
+
+
+def _told(
+    base: BaseFit,
+    known: Candidate,
+    models: Sequence[Candidate],
+    laws: tuple[Effect, ...],
+    noise: float,
+) -> BeyondCatalogue:
+    """What models with one law each take away of what another one leaves, the best first."""
+    best, left = models[0], _left(base, noise)
+    declared, values, first = best.problem.parameters, best.parameters, laws[0].plain_at
+    beginning = extended_name(laws[0], first[0]) if first else ""
+    own = [name for name in declared.names if belongs_to(laws[0], name) and name != beginning]
     sizes = tuple((values[name], declared[name].unit) for name in own)
-    held_share = _held(base, known, best, noise)
-    return BeyondCatalogue(alike_laws, share, held_share, best.squares, left, sizes, best)
+    share, held = min(_share(known, best, left), 1.0), _held(base, known, best, noise)
+    beside = tuple(effect for effect in best.effects if effect is not laws[0])
+    return BeyondCatalogue(laws, share, held, best.squares, left, sizes, beside)
 
 
 def _share(known: Candidate, other: Candidate, noise: float) -> float:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from handmade_diagnosis import diagnosis
 
 from softid.diagnosis.report import other_explanations
 from softid.diagnosis.report.other_explanations import (
@@ -13,6 +15,7 @@ from softid.diagnosis.report.other_explanations import (
     UNLISTED_LAW,
     OtherExplanations,
     unlisted_issue,
+    with_law_beside,
 )
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue
 from softid.diagnosis.verdict.unlisted_laws import (
@@ -22,6 +25,8 @@ from softid.diagnosis.verdict.unlisted_laws import (
     OutputPlay,
     SwingingPart,
 )
+from softid.diagnosis_results import Verdict
+from softid.effects import effect_of
 from softid.errors import Issue
 
 
@@ -97,6 +102,47 @@ def test_the_order_in_which_they_are_asked(
         assert list(others.events(base)) == events
         assert [issue.code for issue in others.all(base)] == everything
     assert len(asked) == len(set(asked))
+
+
+@pytest.mark.parametrize(
+    ("verdict", "structured", "asked"),
+    [
+        (Verdict.UNKNOWN, True, ["both"]),
+        (Verdict.PARTIAL, True, ["beside"]),
+        (Verdict.PARTIAL, False, []),
+    ],
+)
+def test_a_law_beside_causes_is_asked_where_they_leave_something(
+    verdict: Verdict, structured: bool, asked: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside all causes where they have names, and together with another one where none has."""
+    met = []
+
+    def both(*args: Any) -> BeyondCatalogue:
+        met.append("both")
+        return replace(LAW, beside=(effect_of("creep"),))
+
+    def law(*args: Any, beside: Any) -> BeyondCatalogue:
+        met.append("beside")
+        return replace(LAW, beside=(effect_of("creep"),))
+
+    monkeypatch.setattr(other_explanations, "beyond_and_cause", both)
+    monkeypatch.setattr(other_explanations, "beyond_catalogue", law)
+    monkeypatch.setattr(other_explanations, "noise_variance", lambda *args: 1.0)
+    found = diagnosis(verdict)
+    found = replace(found, remainder=replace(found.remainder, structured=structured))
+    base: Any = Base()
+    answer = with_law_beside(found, base, base, ())
+    assert met == asked
+    told = answer.issues[len(found.issues) :]
+    assert [issue.code for issue in told] == [
+        UNLISTED_LAW if name == "both" else LIKE_UNLISTED_LAW for name in asked
+    ]
+    for issue in told:
+        assert ("creep of the material together with a law" in issue.message) is (
+            verdict is Verdict.UNKNOWN
+        )
+    assert with_law_beside(answer, base, base, ()) is answer or not asked
 
 
 @pytest.mark.parametrize(

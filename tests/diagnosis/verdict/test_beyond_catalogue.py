@@ -6,12 +6,22 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from late_gauge import with_a_late_gauge
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
+from softid.diagnosis.refit.candidates import begun
+from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
 from softid.diagnosis.residual.assessment import noise_variance
-from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue, beyond_catalogue
+from softid.diagnosis.search.forward_selection import converged
+from softid.diagnosis.verdict.beyond_catalogue import (
+    BeyondCatalogue,
+    beyond_and_cause,
+    beyond_catalogue,
+)
 from softid.diagnosis.verdict.unlisted_curves import FreeSpring
 from softid.diagnosis.verdict.unlisted_laws import OutputPlay
+from softid.diagnosis.verdict.unlisted_readings import LateGauge
+from softid.effects import effect_of
 from softid.log import LogSet
 from softid.synthesis import hidden_pair
 
@@ -48,6 +58,41 @@ def test_what_is_hidden_is_told(hidden: str, law: str) -> None:
 def test_other_laws_are_not_told_for_it(hidden: str) -> None:
     base = base_over(hidden, seed=710006)
     assert beyond_catalogue(base, noise_variance(base.candidate, base.scale)) is None
+
+
+def base_with_a_late_gauge(*names: str, seed: int) -> BaseFit:
+    """Logs with hidden causes whose pressure is recorded late, by 0.06 s."""
+    fitted, judge = (with_a_late_gauge(log, 0.06) for log in hidden_pair(names, seed=seed).logs)
+    request = Request("muscle", None, 0, lambda message, fraction: None)
+    return request.fit_base(LogSet((fitted,)), (judge,), thorough=False)
+
+
+def test_a_law_together_with_a_cause() -> None:
+    """Known truth: a gauge that lags by 0.06 s, and friction, of which each alone leaves much."""
+    base = base_with_a_late_gauge("coulomb_friction", seed=5)
+    noise = noise_variance(base.candidate, base.scale)
+    effects = [effect_of(name) for name in ("creep", "coulomb_friction", "delay")]
+    found = beyond_and_cause(base, noise, effects)
+    assert found is not None
+    assert [law.name for law in (*found.laws, *found.beside)] == ["gauge_lag", "coulomb_friction"]
+    assert found.sizes[0][0] == pytest.approx(0.06, rel=0.1)
+    assert found.is_whole
+    assert beyond_catalogue(base, noise, (LateGauge,)) is None
+
+
+def test_a_law_beside_a_cause_that_stands() -> None:
+    """Known truth: a gauge that lags by 0.06 s, and a creep that is known already."""
+    base, creep = base_with_a_late_gauge("creep", seed=8), effect_of("creep")
+    known, values = base.candidate, named_values(creep, creep.starts(base.scale)[0])
+    problem = extend(known.problem, [creep], base.scale)
+    start = start_unknowns(problem, known.problem, known.minimum.point, values)
+    creeping = converged(begun(known, (creep,), problem, start), base.sigma)
+    noise = noise_variance(base.candidate, base.scale)
+    found = beyond_catalogue(base, noise, (LateGauge,), beside=creeping)
+    assert found is not None
+    assert found.beside == (creep,)
+    assert found.is_whole
+    assert found.sizes[0][0] == pytest.approx(0.06, rel=0.05)
 
 
 def test_noise_is_no_law() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from handmade_rounds import ranked
+from late_gauge import with_a_late_gauge
 from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 from softid.diagnosis import diagnose
@@ -22,7 +23,6 @@ from softid.diagnosis.verdict.replacements import REPLACEMENTS, _asked, with_rep
 from softid.diagnosis_results import Alternative
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
-from softid.kernels.filters import lag
 from softid.log import Log, LogSet
 from softid.synthesis import hidden_pair
 
@@ -269,14 +269,6 @@ def test_a_leak_in_the_place_of_a_curve_and_a_lag() -> None:
     final = converged_with(base, tuple(effect_of(key) for key in named))
     for link in with_replacements([link_of(key) for key in named], [True, True], final, base):
         assert link.rivals[1:] == ("relief_leak",)
-
-
-def with_a_late_gauge(log: Log, tau_s: float) -> Log:
-    """The log with a pressure that follows what it was by a lag."""
-    late = log.pressure_kpa.copy()
-    lag(np.diff(log.time_s), late, tau_s, tau_s)
-    channels = {name: channel.values for name, channel in log.channels.items()}
-    return Log.from_arrays(log.time_s, {**channels, "pressure": late}, name=log.name)
 
 
 def test_a_late_gauge_is_told() -> None:
