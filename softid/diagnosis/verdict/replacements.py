@@ -37,7 +37,12 @@ from softid.diagnosis.verdict.unlisted_laws import (
     SecondHysteresis,
 )
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
-from softid.diagnosis.verdict.unlisted_readings import SmoothedInput, UnevenReading
+from softid.diagnosis.verdict.unlisted_readings import (
+    EarlyReading,
+    LateGauge,
+    SmoothedInput,
+    UnevenReading,
+)
 from softid.effects import effect_of
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -144,6 +149,7 @@ REPLACEMENTS: tuple[Replacement, ...] = (
         ((PositionDamping(),), (DampingDrift(),)),
         behind=0.0,
     ),
+    Replacement(("relaxation", "smoothing"), ((LateGauge(),), (EarlyReading(),)), behind=0.0),
     Replacement(("pneumatic_lag", "valve_flow"), ((RateLimit(),),)),
     Replacement(("pneumatic_lag.separate",), ((UnevenReading(),),)),
     Replacement((*DRIFTS, "hysteresis", "softening"), ((SecondCreep(),),), beside="creep"),
@@ -162,6 +168,13 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     ),
 )
 """Causes, and what is put in their place."""
+
+
+Asked = tuple[Replacement, tuple[Effect, ...]]
+"""A row of the table, and one of its sets of laws."""
+
+Try = tuple[Replacement, tuple[Effect, ...], list[Effect]]
+"""The same, and the effects that stay."""
 
 
 def with_replacements(
@@ -192,18 +205,7 @@ def with_replacements(
     asked = _asked(named, is_linear=is_linear, is_doubtful=is_doubtful) if named else []
     if not asked:
         return list(links)
-    tries = [
-        (row, laws, [e for e in final.acting if e not in named or not row.takes(e)])
-        for row, laws in asked
-    ]
-    if len(named) < len(final.effects):  # what is described may come of the wrong name
-        described = [e for e in final.acting if e not in named]
-        tries += [(row, laws, []) for row, laws in asked if all(map(row.takes, named))]
-        tries += [
-            (row, laws, [e for e in final.acting if not row.takes(e)])
-            for row, laws in asked
-            if row.beside and any(map(row.takes, described))
-        ]
+    tries = _tries(asked, named, final.acting)
     standing, near = standing_of(final, base), PROMISING_RATIO * final.squares
     others = in_parallel(lambda each: refitted_with(standing, each[2], each[1], near=near), tries)
     ranked = rank([final, *(other for other in others if other is not None)], base.sigma)
@@ -218,9 +220,7 @@ def with_replacements(
     return found
 
 
-def _asked(
-    named: Sequence[Effect], *, is_linear: bool, is_doubtful: bool = False
-) -> list[tuple[Replacement, tuple[Effect, ...]]]:
+def _asked(named: Sequence[Effect], *, is_linear: bool, is_doubtful: bool = False) -> list[Asked]:
     """Rows of the table that take a named effect, each with its sets of laws one by one."""
     rows = [row for row in REPLACEMENTS if row.asks(named)]
     found = [(row, laws) for row in rows for laws in row.laws]
@@ -231,6 +231,33 @@ def _asked(
         laws_left = tuple((law(),) for law in UNLISTED_LAWS if (law(),) not in known)
         found += [(Replacement(names, laws_left, behind=0.0), laws) for laws in laws_left]
     return [(row, laws) for row, laws in found if not (is_linear and _drifts(laws))]
+
+
+def _tries(asked: Sequence[Asked], named: Sequence[Effect], acting: Sequence[Effect]) -> list[Try]:
+    """What is refitted, with the effects that stay; no law of the name of one of these.
+
+    What is described may come of a wrong name, and stays and goes.
+    """
+    found = [
+        (row, laws, [e for e in acting if e not in named or not row.takes(e)])
+        for row, laws in asked
+    ]
+    described = [e for e in acting if e not in named]
+    if described:
+        found += [
+            (row, laws, [e for e in acting if e in named and not row.takes(e)])
+            for row, laws in asked
+        ]
+        found += [
+            (row, laws, [e for e in acting if not row.takes(e)])
+            for row, laws in asked
+            if row.beside and any(map(row.takes, described))
+        ]
+    return [
+        (row, laws, kept)
+        for row, laws, kept in found
+        if not {law.name for law in laws} & {effect.name for effect in kept}
+    ]
 
 
 def _drifts(laws: Sequence[Effect]) -> bool:
