@@ -96,6 +96,8 @@ class Effect(ABC):
     ceilings
         Parameters for which that holds at the upper bound alone, as the speed over which
         `coulomb_friction` turns: if it is large the friction is a damping.
+    floors
+        The same at the lower bound: no air and no mount rings with next to no damping.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one, as a ``ratio``
         of 1. The plain form is told where the interval of the parameter holds that value.
@@ -137,6 +139,7 @@ class Effect(ABC):
     # Hints for the search
     essential: ClassVar[tuple[str, ...]] = ()
     ceilings: ClassVar[tuple[str, ...]] = ()
+    floors: ClassVar[tuple[str, ...]] = ()
     plain_at: ClassVar[tuple[str, float] | None] = None
     draws: ClassVar[tuple[str, ...]] = ()
     slowness: ClassVar[float] = 1.0

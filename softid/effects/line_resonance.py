@@ -59,6 +59,7 @@ class LineResonance(InputEffect):
     source: ClassVar[str] = "Bergh and Tijdeman, NLR-TR F.238, 1965"
     amplitude: ClassVar[str] = "period"
     essential: ClassVar[tuple[str, ...]] = ("period",)
+    floors: ClassVar[tuple[str, ...]] = ("zeta",)
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The ringing period 2π/ω and the damping ratio ζ."""

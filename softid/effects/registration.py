@@ -181,6 +181,7 @@ def _check_parameters(effect: Effect, where: str) -> ParameterSet:
         "amplitude": effect.amplitudes,
         "essential parameter": effect.essential,
         "parameter with a ceiling": effect.ceilings,
+        "parameter with a floor": effect.floors,
         "parameter of the plain form": (effect.plain_at or ())[:1],
     }
     for role, names in roles.items():

@@ -104,7 +104,9 @@ def _is_held(row: Ranked, effect: Effect) -> bool:
         return any(extended_name(effect, name) in bounds for name in names)
 
     return any(
-        lie_on(c.at_bound, effect.essential) or lie_on(c.at_upper_bound, effect.ceilings)
+        lie_on(c.at_bound, effect.essential)
+        or lie_on(c.at_upper_bound, effect.ceilings)
+        or lie_on(c.at_bound - c.at_upper_bound, effect.floors)
         for c in (row.candidate, row.plain)
     )
 

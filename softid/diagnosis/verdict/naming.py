@@ -271,11 +271,15 @@ def _doubt_of_values(cause: Cause, effect: Effect, extended: FitResult) -> Doubt
     """What speaks against a cause among the values of its parameters."""
     names = {extended_name(effect, name) for name in effect.amplitudes if effect.changes_sign}
     sizes = [p for p in cause.parameters if p.name in names]
-    ceilings = {extended_name(effect, name) for name in effect.ceilings}
+    ceilings, floors = (
+        {extended_name(effect, name) for name in names}
+        for names in (effect.ceilings, effect.floors)
+    )
     essential = {extended_name(effect, name) for name in effect.essential}
     held = [p for p in cause.parameters if p.name in essential]
     bounded = any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held)))
     bounded = bounded or any(_is_anywhere(p) for p in held)
+    bounded = bounded or any(p.at_bound for p in cause.parameters if p.name in floors)
     if bounded or any(_is_at_ceiling(p) for p in cause.parameters if p.name in ceilings):
         return Doubt.AT_BOUND
     if any(p.unit == "s" and _reaches_upper(p) for p in held):

@@ -160,7 +160,11 @@ REPLACEMENTS: tuple[Replacement, ...] = (
         behind=0.0,
     ),
     Replacement(
-        ("sensor_clipping.both",), ((effect_of("sensor_clipping"), effect_of("dead_zone")),)
+        ("sensor_clipping.both",),
+        (
+            (effect_of("sensor_clipping"), effect_of("dead_zone")),
+            (InputLimit(), effect_of("dead_zone")),
+        ),
     ),
     Replacement(
         ("line_resonance",),

@@ -25,6 +25,10 @@ EARLIEST = 0.1
 MOST_SAMPLES, START_SAMPLES = 200.0, (4.0, 16.0)
 """Bound and starts of the time over which an input is smoothed, in sampling intervals."""
 
+SHARPENINGS = 3
+"""Times that what smoothing took away is added: of a course of twice the window's time the first
+leaves an eighth missing, the third a sixtieth."""
+
 MOST_FELT, START_FELT = 1.0, (0.03, -0.03)
 """Bound and starts of what a sensor makes of the whole range of the pressure, as a share of its
 own."""
@@ -117,14 +121,17 @@ class LateGauge(InputEffect):
 
 @dataclass(frozen=True)
 class SmoothedInput(InputEffect):
-    """A pressure whose record was smoothed afterwards: what arrives is 2 u less the mean over w.
+    """A pressure whose record was smoothed afterwards, u = S p with the mean S over w.
 
-    Smoothing takes S u from u, and 2 S u - S S u differs from u by (1 - S)² u only.
+    What arrives is Σ (1 − S)ᵏ u for k up to `SHARPENINGS`, which differs from p by the next power
+    only.
+
+    Source: van Cittert, *Zeitschrift für Physik* 69, 298 (1931).
     """
 
     name: ClassVar[str] = "smoothed_input"
     title: ClassVar[str] = "Pressure that was smoothed"
-    law: ClassVar[str] = "arriving u(t) = 2 u(t) - mean of u from t - w/2 to t + w/2"
+    law: ClassVar[str] = "recorded u(t) = mean of p from t - w/2 to t + w/2"
     meaning: ClassVar[str] = (
         "The pressure was filtered there and back, or averaged, after it was recorded."
     )
@@ -144,10 +151,13 @@ class SmoothedInput(InputEffect):
         return tuple({"w": n * scale.period_s} for n in START_SAMPLES)
 
     def apply(self, eta: Array, time_s: Array, u: Array, scale: Scale) -> Array:
-        """Add what smoothing once more takes away."""
+        """Add what smoothing takes away, again and again."""
         mean = effect_of(MEAN)
         assert isinstance(mean, OutputEffect)
-        return 2.0 * u - mean.apply(eta, time_s, u, scale)
+        arriving = np.array(u, np.float64)
+        for _ in range(SHARPENINGS if eta[0] > 0.0 else 0):
+            arriving += u - mean.apply(eta, time_s, arriving, scale)
+        return arriving
 
 
 @dataclass(frozen=True)
