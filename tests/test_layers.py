@@ -51,6 +51,7 @@ DIAGNOSIS: tuple[tuple[str, ...], ...] = (
     ("strategy",),
     ("report",),
     ("answer",),
+    ("best_answer",),
     ("workflow",),
     ("",),
 )

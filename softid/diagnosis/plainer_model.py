@@ -116,8 +116,11 @@ class PlainerModels:
     @cached_property
     def _fitted(self) -> list[tuple[Request, CauseSearch]]:
         """The plainer ones with their fits."""
+        return self._fits_of(self._lost)
+
+    def _fits_of(self, models: Sequence[Model]) -> list[tuple[Request, CauseSearch]]:
         found = []
-        for model in self._lost:
+        for model in models:
             asked = replace(self.request, model=model)
             try:
                 base = asked.fit_base(
@@ -147,6 +150,33 @@ class PlainerModels:
         """
         is_one = self._settled is not None and len(self._settled.links) == 1
         return (FIRST_RATIO if is_one else HOPELESS_RATIO) * self.chosen.first.final.squares
+
+    def is_chosen(self, base: BaseFit) -> bool:
+        """Whether a base is of the model that predicts best by itself.
+
+        Parameters
+        ----------
+        base
+            What was extended.
+        """
+        own, other = (b.candidate.problem.model.name for b in (self.search.base, base))
+        return own == other
+
+    def richer_than(self, base: BaseFit) -> list[ModelSearch]:
+        """The chosen model where a plainer one is extended; else those with more parameters.
+
+        They predicted too little better to be chosen while nothing was known of causes.
+
+        Parameters
+        ----------
+        base
+            What was extended.
+        """
+        if not self.is_chosen(base):
+            return [self.chosen]
+        choice = self.search.base.identified.choice
+        fitted = self._fits_of(choice.richer if choice is not None else ())
+        return [ModelSearch(asked, search, search.first_cause()) for asked, search in fitted]
 
     def _that_come_near(self, asked: Sequence[tuple[Request, CauseSearch]]) -> list[ModelSearch]:
         found = [ModelSearch(request, search, search.first_cause()) for request, search in asked]
@@ -303,16 +333,23 @@ def plainer_model_issues(chosen: BaseFit, extended: BaseFit) -> tuple[Issue, ...
     extended
         That of the model that is extended.
     """
-    before, after = (fit.candidate.problem.model.name for fit in (chosen, extended))
+    models = [fit.candidate.problem.model for fit in (chosen, extended)]
+    before, after = (model.name for model in models)
     if before == after or chosen.identified.choice is None:
         return ()
+    own, other = (len(model.parameters().free) for model in models)
     return (
         Issue(
             PLAINER_MODEL,
             "info",
-            f"by itself the {before} model predicts blocks left out of the fit better, but the "
-            f"{after} model, which has fewer parameters, is likelier with its causes than that one "
-            "with its own (BIC), and is extended",
+            f"by itself the {before} model predicts blocks left out of the fit "
+            + (
+                f"better, but the {after} model, which has fewer parameters, is likelier with its "
+                "causes than that one with its own (BIC), and is extended"
+                if other < own
+                else f"nearly as well with fewer parameters, but the {after} model explains the "
+                "logs better with its causes, and is extended"
+            ),
             f"name it with --model {before} to keep that",
         ),
     )

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softid.diagnosis.answer import answer_of
 from softid.diagnosis.base.base_fit import (
     BaseFit,
     Progress,
@@ -28,12 +27,12 @@ from softid.diagnosis.base.intersample_selection import (
 from softid.diagnosis.base.judged_intersample import with_judged_intersample
 from softid.diagnosis.base.reduced_base import reduced_if_better
 from softid.diagnosis.base.spikes import without_spikes
+from softid.diagnosis.best_answer import best_answer
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.logs.decimation import decimated, samples_to_average
 from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
-from softid.diagnosis.plainer_model import ModelSearch, PlainerModels, plainer_model_issues
-from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.plainer_model import plainer_model_issues
 from softid.diagnosis.refit.characteristic_scales import fastest_time
 from softid.diagnosis.report.coarse_sampling import with_coarse_sampling
 from softid.diagnosis.report.issues import (
@@ -42,7 +41,6 @@ from softid.diagnosis.report.issues import (
     jump_issues,
     negligible_issues,
     restriction_issues,
-    unsure_issues,
 )
 from softid.diagnosis.report.joint_causes import (
     joint_cause_issues,
@@ -55,18 +53,14 @@ from softid.diagnosis.report.other_explanations import (
     with_law_beside,
     with_other_explanations,
 )
-from softid.diagnosis.report.other_model import with_other_model
 from softid.diagnosis.report.parameter_doubts import with_unnamed_misfit, with_varying_sizes
 from softid.diagnosis.report.readings import reading_issues
 from softid.diagnosis.report.rounding import with_rounding
 from softid.diagnosis.report.second_input import with_second_input
 from softid.diagnosis.report.summary import write_summary
 from softid.diagnosis.residual.motion import mean_square, residual_context
-from softid.diagnosis.residual.one_step import is_one_step
-from softid.diagnosis.search_result import SearchResult
-from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis.verdict.sample_errors import with_sample_remainder
-from softid.diagnosis_results import Diagnosis, Verdict
+from softid.diagnosis_results import Diagnosis
 from softid.effects import effects_of
 from softid.errors import InputError
 from softid.identification.gauge_errors import gauge_errors
@@ -85,15 +79,6 @@ from softid.results import FitResult
 
 if TYPE_CHECKING:
     import lmfit
-
-Answered = tuple[Diagnosis, BaseFit, Candidate]
-"""A diagnosis, the base that it extends, and the model with all that is named or described."""
-
-CONCLUSIVE_VERDICTS = (Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS)
-"""Verdicts that leave no more than noise."""
-
-HOLLOW = 3
-"""A model of which so many parameters are not identified beside its causes may be a plainer one."""
 
 
 @matrices_on_one_thread()
@@ -180,7 +165,7 @@ def diagnose(
     request, base = reduced_if_better(recordings, request, base)
     search, chosen = CauseSearch(base, effects_of(effects), seed, report), base
     others = OtherExplanations()
-    answer, base, final = _searched(recordings, request, search, others, is_in_doubt=is_in_doubt)
+    answer, base, final = best_answer(recordings, request, search, others, is_in_doubt=is_in_doubt)
     answer = with_other_explanations(answer, base, others)
     answer = with_second_input(answer, base, recorded.logs, seed)
     answer = with_law_beside(answer, base, final, search.effects)
@@ -219,109 +204,6 @@ def diagnose(
 def _with_input_treatment(fit: FitResult) -> FitResult:
     """The fit whose record says how its input was taken, for those who take the model elsewhere."""
     return replace(fit, options={**fit.options, "input_noise": AVERAGED})
-
-
-def _searched(
-    recordings: Recordings,
-    request: Request,
-    search: CauseSearch,
-    others: OtherExplanations,
-    *,
-    is_in_doubt: bool,
-) -> Answered:
-    """The diagnosis over the model that the logs call for."""
-    alone = search.explained_by_moments()
-    if alone is not None:
-        return _answer(alone, search)
-    models = PlainerModels(recordings, request, search)
-    over = search_with_intersample if is_in_doubt else search_causes
-
-    @cache
-    def searched(model: ModelSearch) -> Searched:
-        return over(recordings, model.request, model.search, others, model.first)
-
-    asked = models.likeliest()
-    found, last = searched(asked)
-
-    def over_plainer_model() -> Answered | None:
-        plainer = models.after_first_cause(asked, found.chain)
-        return _answered(*searched(plainer)) if plainer is not None else None
-
-    answer, base, final = _surest_answer(found, last, over_plainer_model)
-    is_open = not found.chain.links and is_one_step(base.candidate.problem)
-    if base is not last.base or is_open:  # a plainer model has settled it, or nothing does
-        return answer, base, final
-    unnamed = answer.verdict is Verdict.UNKNOWN
-    plainer = models.after_all_causes(
-        asked,
-        found.chain,
-        is_named=not unnamed,
-        is_doubted=unnamed or _is_hollow(answer, base),
-        is_explained=unnamed and bool(others.all(last.base)),
-    )
-    if plainer is None:
-        is_settled = answer.verdict in CONCLUSIVE_VERDICTS and base is search.base
-        other_model = models.explaining_as_well(asked, found.chain) if is_settled else None
-        return with_other_model(answer, other_model), base, final
-    other = _surest_answer(*searched(plainer))
-    return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base, final)
-
-
-def _is_hollow(answer: Diagnosis, base: BaseFit) -> bool:
-    """Whether the logs know little of the model that carries the causes."""
-    if answer.extended is None:
-        return False
-    own = set(base.candidate.problem.parameters.names)
-    rows = [p for p in answer.extended.parameters if p.name in own]
-    return sum(p.verdict == "not identified" for p in rows) >= HOLLOW
-
-
-def _answer(found: SearchResult, search: CauseSearch) -> Answered:
-    """The diagnosis of what was found."""
-    return answer_of(search.base, found, search.seed), search.base, found.chain.final
-
-
-def _answered(found: SearchResult, search: CauseSearch) -> Answered:
-    """The same, of the base alone where there may be nothing behind descriptions."""
-    search.report("computing errors", 0.9)
-    answer, base, final = _answer(found, search)
-    is_unknown = answer.verdict is Verdict.UNKNOWN
-    alone = search.alone_beside(answer.descriptive, answer.remainder) if is_unknown else None
-    if alone is not None:
-        refused = unsure_issues(answer.descriptive)
-        answer, base, final = _answer(alone, search)
-        answer = replace(answer, issues=(*answer.issues, *refused))
-    return answer, base, final
-
-
-def _surest_answer(
-    found: SearchResult,
-    search: CauseSearch,
-    over_plainer_model: Callable[[], Answered | None] = lambda: None,
-) -> Answered:
-    """The diagnosis of what was found; where that is unknown, of what is sure in its place.
-
-    Numbers may refuse a name that a search gave, and no other beginning has been tried then. The
-    many other first causes come last, for they take the longest; a plainer model that leaves no
-    more than noise saves them.
-    """
-    first = _answered(found, search)
-    if first[0].verdict is not Verdict.UNKNOWN or found.came_to_nothing:
-        return first
-
-    def answered(other: SearchResult | None) -> Answered | None:
-        return _answer(other, search) if other else None
-
-    again = answered(search.search_from_multistart(found))
-    if again is not None and again[0].verdict is not Verdict.UNKNOWN:
-        return again
-    again = over_plainer_model()
-    if again is not None and again[0].verdict in CONCLUSIVE_VERDICTS:
-        return again
-    again = answered(search.search_from_other_causes(found.chain))
-    if again is not None and again[0].verdict is not Verdict.UNKNOWN:
-        return again
-    return first
 
 
 def _prepared(recordings: Recordings, request: Request) -> tuple[Recordings, BaseFit, int]:

@@ -58,7 +58,7 @@ class DeadZone(InputEffect):
         "Wiley 1996"
     )
     amplitude: ClassVar[str] = "p0"
-    ceilings: ClassVar[tuple[str, ...]] = ("softness",)
+    ceilings: ClassVar[tuple[str, ...]] = ("p0", "softness")
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The threshold p0, and the width of its bend as a share of it."""

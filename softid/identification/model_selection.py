@@ -64,6 +64,8 @@ class ModelChoice:
     plainer
         Models with fewer parameters that predicted worse, or that predicted better than a preferred
         one by less than 5 %.
+    richer
+        Models with more parameters that predicted better by less than 5 %, or worse.
     """
 
     model: Model
@@ -71,6 +73,7 @@ class ModelChoice:
     held_out_rmse: Mapping[str, float] = field(default_factory=dict)
     starts: tuple[Mapping[str, float], ...] = ()
     plainer: tuple[Model, ...] = ()
+    richer: tuple[Model, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,6 +199,7 @@ def _best(candidates: Sequence[Model], refused: Sequence[str], logs: LogSet) -> 
         {draft.model.label: draft.rmse for draft in drafts},
         (best.values,),
         tuple(d.model for d in drafts if _terms(d.model) < _terms(best.model)),
+        tuple(d.model for d in drafts if _terms(d.model) > _terms(best.model)),
     )
 
 

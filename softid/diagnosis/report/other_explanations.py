@@ -191,13 +191,13 @@ def with_law_beside(
         return answer
     noise = noise_variance(base.candidate, base.scale)
     is_unknown = answer.verdict is Verdict.UNKNOWN
-    if is_unknown:
-        found = beyond_and_cause(base, noise, effects)
-    else:
+    found = beyond_and_cause(base, noise, effects) if is_unknown else None
+    is_whole = found is not None
+    if found is None and final.effects:
         found = beyond_catalogue(base, noise, UNLISTED_LAWS, beside=final)
     if found is None:
         return answer
-    issue = unlisted_issue(found, is_whole=is_unknown)
+    issue = unlisted_issue(found, is_whole=is_whole)
     return replace(
         answer,
         alternatives=() if issue.code == UNLISTED_LAW else answer.alternatives,

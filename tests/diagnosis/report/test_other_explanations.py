@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from handmade_diagnosis import diagnosis
@@ -131,8 +131,8 @@ def test_a_law_beside_causes_is_asked_where_they_leave_something(
     monkeypatch.setattr(other_explanations, "noise_variance", lambda *args: 1.0)
     found = diagnosis(verdict)
     found = replace(found, remainder=replace(found.remainder, structured=structured))
-    base: Any = Base()
-    answer = with_law_beside(found, base, base, ())
+    base, final = cast(Any, Base()), cast(Any, SimpleNamespace(effects=(effect_of("creep"),)))
+    answer = with_law_beside(found, base, final, ())
     assert met == asked
     told = answer.issues[len(found.issues) :]
     assert [issue.code for issue in told] == [
@@ -142,7 +142,7 @@ def test_a_law_beside_causes_is_asked_where_they_leave_something(
         assert ("creep of the material together with a law" in issue.message) is (
             verdict is Verdict.UNKNOWN
         )
-    assert with_law_beside(answer, base, base, ()) is answer or not asked
+    assert with_law_beside(answer, base, final, ()) is answer or not asked
 
 
 @pytest.mark.parametrize(

@@ -109,16 +109,16 @@ def test_rivals_are_measured_from_what_was_chosen() -> None:
     [
         (["line_resonance_period"], 11.9, "sensor_lag"),
         (["line_resonance_period"], 12.1, "line_resonance"),
-        (["line_resonance_zeta"], 11.9, "line_resonance"),
+        (["line_resonance_zeta"], 11.9, "sensor_lag"),
+        (["line_resonance_zeta"], 12.1, "line_resonance"),
         ([], 11.9, "line_resonance"),
     ],
 )
 def test_what_stands_for_another_is_chosen_last(
     at_bound: Sequence[str], bic: float, chosen: str
 ) -> None:
-    """At the bound of its period a resonance is another law, so a rival within twelve comes first.
-
-    It stays in the tie, for it explains as well. The bound of its damping makes it no other law.
+    """At the bound of its period a resonance is another law, and at the lower one of its damping no
+    actuator's, so a rival within twelve comes first. It stays in the tie, for it explains as well.
     """
     rows = [
         ranked(("line_resonance",), 0.0, values={"line_resonance_zeta": 0.5}, at_bound=at_bound),

@@ -1,0 +1,179 @@
+"""The answer that stands: over which model, and from which search it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+from softid.diagnosis.answer import answer_of
+from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.cause_search import CauseSearch
+from softid.diagnosis.plainer_model import ModelSearch, PlainerModels
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.report.issues import unsure_issues
+from softid.diagnosis.report.other_explanations import OtherExplanations
+from softid.diagnosis.report.other_model import with_other_model
+from softid.diagnosis.residual.one_step import is_one_step
+from softid.diagnosis.search.bic_ranking import is_likelier
+from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
+from softid.diagnosis_results import Diagnosis, Verdict
+
+Answered = tuple[Diagnosis, BaseFit, Candidate]
+"""A diagnosis, the base that it extends, and the model with all that is named or described."""
+
+CONCLUSIVE_VERDICTS = (Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS)
+"""Verdicts that leave no more than noise."""
+
+CURVES = ("static_curve", "dead_zone")
+"""Causes that make a curve of a line, as the spring of a muscle does by itself."""
+
+HOLLOW = 3
+"""A model of which so many parameters are not identified beside its causes may be a plainer one."""
+
+
+def best_answer(
+    recordings: Recordings,
+    request: Request,
+    search: CauseSearch,
+    others: OtherExplanations,
+    *,
+    is_in_doubt: bool,
+) -> Answered:
+    """The diagnosis over the model that the logs call for.
+
+    Where causes over that one leave something, or have no name, a model with more parameters is
+    extended, too, and kept if its own leave noise, or if it is likelier with them. What predicts
+    best by itself is also kept where a plainer model has no name, or a curve at rest, to offer.
+
+    Parameters
+    ----------
+    recordings, request, search, others, is_in_doubt
+        As in `search_causes`.
+    """
+    alone = search.explained_by_moments()
+    if alone is not None:
+        return _answer(alone, search)
+    models = PlainerModels(recordings, request, search)
+    over = search_with_intersample if is_in_doubt else search_causes
+
+    @cache
+    def searched(model: ModelSearch) -> Searched:
+        return over(recordings, model.request, model.search, others, model.first)
+
+    asked = models.likeliest()
+    best = _over_this_or_plainer(models, asked, searched, others)
+    if _is_settled(best) or is_one_step(best[1].candidate.problem):
+        return best
+    is_plainer = not models.is_chosen(best[1])
+    if not is_plainer and others.all(best[1]):
+        return best
+    for rival in models.richer_than(best[1]):
+        other = _surest_answer(*searched(rival))
+        is_bare = is_plainer and _names_at_most_a_curve(best[0])
+        if is_bare or _is_settled(other) or is_likelier(other[2], best[2], search.base.sigma):
+            best = other
+    return best
+
+
+def _names_at_most_a_curve(answer: Diagnosis) -> bool:
+    """Whether the largest cause is none, or one that the spring of a richer model may be."""
+    named = answer.causes[:1] if answer.verdict is not Verdict.UNKNOWN else ()
+    return all(cause.effect in CURVES for cause in named)
+
+
+def _is_settled(answered: Answered) -> bool:
+    """Whether the causes have names and leave no more than noise, or there are none."""
+    answer = answered[0]
+    return answer.verdict in CONCLUSIVE_VERDICTS and not answer.remainder.structured
+
+
+def _over_this_or_plainer(
+    models: PlainerModels,
+    asked: ModelSearch,
+    searched: Callable[[ModelSearch], Searched],
+    others: OtherExplanations,
+) -> Answered:
+    """The diagnosis over a model, or over a plainer one that does better."""
+    found, last = searched(asked)
+
+    def over_plainer_model() -> Answered | None:
+        plainer = models.after_first_cause(asked, found.chain)
+        return _answered(*searched(plainer)) if plainer is not None else None
+
+    answer, base, final = _surest_answer(found, last, over_plainer_model)
+    is_open = not found.chain.links and is_one_step(base.candidate.problem)
+    if base is not last.base or is_open:  # a plainer model has settled it, or nothing does
+        return answer, base, final
+    unnamed = answer.verdict is Verdict.UNKNOWN
+    plainer = models.after_all_causes(
+        asked,
+        found.chain,
+        is_named=not unnamed,
+        is_doubted=unnamed or _is_hollow(answer, base),
+        is_explained=unnamed and bool(others.all(last.base)),
+    )
+    if plainer is None:
+        is_settled = answer.verdict in CONCLUSIVE_VERDICTS and base is models.search.base
+        other_model = models.explaining_as_well(asked, found.chain) if is_settled else None
+        return with_other_model(answer, other_model), base, final
+    other = _surest_answer(*searched(plainer))
+    return other if unnamed or other[0].verdict is not Verdict.UNKNOWN else (answer, base, final)
+
+
+def _is_hollow(answer: Diagnosis, base: BaseFit) -> bool:
+    """Whether the logs know little of the model that carries the causes."""
+    if answer.extended is None:
+        return False
+    own = set(base.candidate.problem.parameters.names)
+    rows = [p for p in answer.extended.parameters if p.name in own]
+    return sum(p.verdict == "not identified" for p in rows) >= HOLLOW
+
+
+def _answer(found: SearchResult, search: CauseSearch) -> Answered:
+    """The diagnosis of what was found."""
+    return answer_of(search.base, found, search.seed), search.base, found.chain.final
+
+
+def _answered(found: SearchResult, search: CauseSearch) -> Answered:
+    """The same, of the base alone where there may be nothing behind descriptions."""
+    search.report("computing errors", 0.9)
+    answer, base, final = _answer(found, search)
+    is_unknown = answer.verdict is Verdict.UNKNOWN
+    alone = search.alone_beside(answer.descriptive, answer.remainder) if is_unknown else None
+    if alone is not None:
+        refused = unsure_issues(answer.descriptive)
+        answer, base, final = _answer(alone, search)
+        answer = replace(answer, issues=(*answer.issues, *refused))
+    return answer, base, final
+
+
+def _surest_answer(
+    found: SearchResult,
+    search: CauseSearch,
+    over_plainer_model: Callable[[], Answered | None] = lambda: None,
+) -> Answered:
+    """The diagnosis of what was found; where that is unknown, of what is sure in its place.
+
+    Numbers may refuse a name that a search gave, and no other beginning has been tried then. The
+    many other first causes come last, for they take the longest; a plainer model that leaves no
+    more than noise saves them.
+    """
+    first = _answered(found, search)
+    if first[0].verdict is not Verdict.UNKNOWN or found.came_to_nothing:
+        return first
+
+    def answered(other: SearchResult | None) -> Answered | None:
+        return _answer(other, search) if other else None
+
+    again = answered(search.search_from_multistart(found))
+    if again is not None and again[0].verdict is not Verdict.UNKNOWN:
+        return again
+    again = over_plainer_model()
+    if again is not None and again[0].verdict in CONCLUSIVE_VERDICTS:
+        return again
+    again = answered(search.search_from_other_causes(found.chain))
+    if again is not None and again[0].verdict is not Verdict.UNKNOWN:
+        return again
+    return first
