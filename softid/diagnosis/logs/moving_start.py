@@ -31,6 +31,9 @@ LONGEST_S, LONGEST_SHARE = 1.0, 0.1
 AT_ENDS = 5
 """Samples that are averaged for where an output is."""
 
+PARTS = 5
+"""Parts of the beginning whose means tell whether the input moves."""
+
 LEAST_MOVE = 5.0
 """Standard errors by which an output has moved at least, to count as moving when the log begins."""
 
@@ -66,7 +69,8 @@ def without_moving_start(log: Log, motion_s: float, *, states: int) -> Log:
     least = REST_FRACTION * spans["input"]
     for segment in log.segments():
         begins = _beginning(segment, max(LONGEST_S, motion_s))
-        moves = np.ptp(segment.input[begins]) > least or _dies_away(segment, begins, spans)
+        moves = _range_of_means(segment.input[begins]) > least
+        moves = moves or _dies_away(segment, begins, spans)
         if moves and _is_small_part(segment, begins, least):
             left_out = segment.samples_of(begins)
             left_out[_first_seen(segment, states)] = False
@@ -91,6 +95,11 @@ def _beginning(segment: Segment, longest_s: float) -> BoolArray:
     since_s = segment.time_s - segment.time_s[0]
     found: BoolArray = since_s <= min(longest_s, LONGEST_SHARE * float(since_s[-1]))
     return found
+
+
+def _range_of_means(u: Array) -> float:
+    """Between the means of a few equal parts: what is left of noise in them is no motion."""
+    return float(np.ptp([part.mean() for part in np.array_split(u, min(PARTS, u.size))]))
 
 
 def _dies_away(segment: Segment, begins: BoolArray, spans: Mapping[str, float]) -> bool:

@@ -86,6 +86,15 @@ LINEAR_CLASSES: tuple[EquivalenceClass, ...] = (
     ),
     EquivalenceClass(
         (
+            "relaxation of the reading",
+            "a pressure that falls back behind the gauge, as that of air that cools",
+        ),
+        ("relaxation",),
+        "In a linear model each adds one slow pole and one zero.",
+        "the pressure inside the actuator, or the reading after a push at a constant pressure",
+    ),
+    EquivalenceClass(
+        (
             "a drift of the sensor's zero",
             "a drift of the zero of the pressure gauge",
             "a load that changes at a constant rate",

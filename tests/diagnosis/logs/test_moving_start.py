@@ -18,6 +18,7 @@ from softid.diagnosis.logs.moving_start import (
 )
 from softid.diagnosis_results import Verdict
 from softid.effects import delay
+from softid.identification.input_denoising import without_input_noise
 from softid.log import Log
 from softid.synthesis import hidden_pair
 
@@ -74,6 +75,17 @@ def test_loud_noise_at_rest_is_no_motion(seed: int) -> None:
 def test_a_log_that_begins_at_rest_is_itself() -> None:
     """The same object, so that nothing is fitted again."""
     log = log_of(sine(rest_s=1.5))
+    assert without_moving_start(log, MOTION_S, states=STATES) is log
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_of_a_gauge_at_rest_is_no_motion(seed: int) -> None:
+    """A pressure that rests for two seconds, read with noise of 2 % of its range and averaged."""
+    pressure = sine(rest_s=2.0)
+    log = log_of(pressure)
+    noisy = pressure + 1.6 * np.random.default_rng(seed).standard_normal(TIME_S.size)
+    read = replace(log.channels["pressure"], values=noisy)
+    log = without_input_noise(replace(log, channels={**log.channels, "pressure": read}))
     assert without_moving_start(log, MOTION_S, states=STATES) is log
 
 
