@@ -165,9 +165,10 @@ def _starts(
             problem,
             place.problem,
             place.minimum.point,
-            {**beside, **named_values(laws[0], own)},
+            {**beside, **others, **named_values(laws[0], own)},
         )
         for own in laws[0].starts(base.scale)
+        for others in _start_values(laws[1:], base)
         for place in driven(rough_base, laws[0], own, base.scale)
     ]
     return [best((*found, *bent))]
