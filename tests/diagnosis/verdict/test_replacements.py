@@ -19,7 +19,12 @@ from softid.diagnosis.refit.extension import extend, named_values, start_unknown
 from softid.diagnosis.report.ambiguity import law_that_ties
 from softid.diagnosis.search.forward_selection import Link, converged
 from softid.diagnosis.verdict.equivalence import CHANGING, TWO_HYSTERESES
-from softid.diagnosis.verdict.replacements import REPLACEMENTS, _asked, with_replacements
+from softid.diagnosis.verdict.replacements import (
+    REPLACEMENTS,
+    _asked,
+    _tries,
+    with_replacements,
+)
 from softid.diagnosis_results import Alternative
 from softid.effects import EFFECTS, effect_of
 from softid.effects.base import Effect
@@ -94,6 +99,7 @@ def test_what_explains_as_much_in_the_place_of_drifts(hidden: str, drifts: tuple
         pytest.param(("rate_limit",), ("valve_flow",), ("rate_limit",), marks=pytest.mark.slow),
         pytest.param(("valve_flow",), ("valve_flow",), (), marks=pytest.mark.slow),
         (("dead_zone", "sensor_clipping"), ("sensor_clipping.both",), ("dead_zone",)),
+        (("dead_zone", "supply_limit"), ("sensor_clipping.both",), ("input_limit", "dead_zone")),
         pytest.param(
             ("output_backlash",), ("hysteresis",), ("output_play",), marks=pytest.mark.slow
         ),
@@ -279,14 +285,25 @@ def test_a_late_gauge_is_told() -> None:
     assert "a pressure gauge that lags behind (0.06 s)" in found.summary
 
 
+def test_no_law_is_put_beside_one_of_its_name() -> None:
+    """A lag and a delay in the place of a line that rings, where a described lag stays."""
+    lag, line = effect_of("pneumatic_lag.separate"), effect_of("line_resonance")
+    asked = _asked([line], is_linear=False)
+    for row, laws, kept in _tries(asked, [line], (lag, line)):
+        assert row.takes(line)
+        assert not {law.name for law in laws} & {effect.name for effect in kept}
+    alone = [laws for _, laws, kept in _tries(asked, [line], (lag, line)) if not kept]
+    assert any(laws[0].name == "pneumatic_lag" for laws in alone)
+
+
 def test_one_law_beside_the_first_cause_where_there_may_be_more() -> None:
     """The laws in no catalogue are then asked twice: in the place of all, and of all but one."""
     named = [effect_of(key) for key in ("coulomb_friction", "relaxation", "delay")]
     for is_doubtful, times in ((False, 1), (True, 2)):
         rows = _asked(named, is_linear=False, is_doubtful=is_doubtful)
-        late = [row for row, laws in rows if laws[0].name == "gauge_lag"]
-        assert len(late) == times
-        assert late[-1].takes(named[0]) is not is_doubtful
+        asked = [row for row, laws in rows if laws[0].name == "feedthrough"]
+        assert len(asked) == times
+        assert asked[-1].takes(named[0]) is not is_doubtful
 
 
 def test_a_power_in_the_place_of_a_stiffening_up_to_a_wall() -> None:
