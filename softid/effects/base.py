@@ -97,7 +97,7 @@ class Effect(ABC):
         Parameters for which that holds at the upper bound alone, as the speed over which
         `coulomb_friction` turns: if it is large the friction is a damping.
     floors
-        The same at the lower bound: no air and no mount rings with next to no damping.
+        The same at the lower bound, as the damping of a `line_resonance`: nothing rings for ever.
     plain_at
         Parameter of a richer form and the value at which its law is the plain one, as a ``ratio``
         of 1. The plain form is told where the interval of the parameter holds that value.

@@ -99,6 +99,7 @@ class SeparatePneumaticLag(PneumaticLag):
         "vent through a separate path"
     )
     shown_by: ClassVar[str] = "steps up and down between the same levels"
+    essential: ClassVar[tuple[str, ...]] = ("ratio",)
     plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)
 
     def parameters(self, scale: Scale) -> ParameterSet:

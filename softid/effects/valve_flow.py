@@ -131,6 +131,7 @@ class SeparateValveFlow(ValveFlow):
         "between filling and venting by more than the pressures explain."
     )
     shown_by: ClassVar[str] = "steps up and down between the same levels, of several sizes"
+    essential: ClassVar[tuple[str, ...]] = ("ratio",)
     plain_at: ClassVar[tuple[str, float] | None] = ("ratio", 1.0)
 
     def parameters(self, scale: Scale) -> ParameterSet:
