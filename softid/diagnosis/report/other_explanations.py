@@ -207,7 +207,7 @@ def with_law_beside(
 
 
 def _is_told(answer: Diagnosis) -> bool:
-    """Whether it is known already what the misfit is, or what it begins with."""
+    """Whether what the misfit is has been told already, or that something happened."""
     told = {issue.code for issue in answer.issues}
     return bool(told & {UNLISTED_LAW, LIKE_UNLISTED_LAW, *EVENTS})
 
@@ -231,7 +231,7 @@ def unlisted_issue(found: BeyondCatalogue, *, is_whole: bool = True) -> Issue:
     found
         The laws.
     is_whole
-        Whether they were asked about the whole misfit, and not about what named causes leave.
+        Whether they were asked about the whole misfit, and not about what causes leave.
     """
     causes = listed([lowered(effect.title) for effect in found.beside])
     together = f"{causes} together with " if causes and is_whole else ""
