@@ -192,12 +192,12 @@ def with_law_beside(
     noise = noise_variance(base.candidate, base.scale)
     is_unknown = answer.verdict is Verdict.UNKNOWN
     found = beyond_and_cause(base, noise, effects) if is_unknown else None
-    is_whole = found is not None
-    if found is None and final.effects:
+    of_rest = found is None
+    if of_rest and final.effects:
         found = beyond_catalogue(base, noise, UNLISTED_LAWS, beside=final)
     if found is None:
         return answer
-    issue = unlisted_issue(found, is_whole=is_whole)
+    issue = unlisted_issue(found, of_rest=of_rest)
     return replace(
         answer,
         alternatives=() if issue.code == UNLISTED_LAW else answer.alternatives,
@@ -223,23 +223,23 @@ def one_step_issue() -> Issue:
     )
 
 
-def unlisted_issue(found: BeyondCatalogue, *, is_whole: bool = True) -> Issue:
+def unlisted_issue(found: BeyondCatalogue, *, of_rest: bool = False) -> Issue:
     """Laws in no catalogue that account for a misfit, in words.
 
     Parameters
     ----------
     found
         The laws.
-    is_whole
-        Whether they were asked about the whole misfit, and not about what causes leave.
+    of_rest
+        Whether they were asked about what causes leave, and not about the whole misfit.
     """
     causes = listed([lowered(effect.title) for effect in found.beside])
-    together = f"{causes} together with " if causes and is_whole else ""
+    together = f"{causes} together with " if causes and not of_rest else ""
     take = "take" if together else "takes"
     return Issue(
-        UNLISTED_LAW if found.is_whole and is_whole else LIKE_UNLISTED_LAW,
+        UNLISTED_LAW if found.is_whole and not of_rest else LIKE_UNLISTED_LAW,
         "info",
-        f"what is {'missing' if is_whole else 'left'} behaves like {together}a law in no "
+        f"what is {'left' if of_rest else 'missing'} behaves like {together}a law in no "
         f"catalogue, {_laws_of(found)}, which {take} away {percent(found.share)} of the misfit "
         f"above the noise, and {percent(found.held_out_share)} of it on what is held out",
         f"record {found.laws[0].shown_by}, where it would show",

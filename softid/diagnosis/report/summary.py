@@ -14,11 +14,7 @@ from softid.diagnosis.report.ambiguity import (
     what_next,
     with_reasons,
 )
-from softid.diagnosis.report.changes import (
-    CHANGE_POINT,
-    HELD_OUT_CHANGE,
-    LOG_DIFFERENCES,
-)
+from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.report.descriptions import described
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.evidence_text import evidence_text
@@ -26,7 +22,12 @@ from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
 from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
-from softid.diagnosis.report.other_explanations import LIKE_UNLISTED_LAW, ONE_STEP, UNLISTED_LAW
+from softid.diagnosis.report.other_explanations import (
+    EVENTS,
+    LIKE_UNLISTED_LAW,
+    ONE_STEP,
+    UNLISTED_LAW,
+)
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLE_WORDS,
@@ -52,7 +53,6 @@ from softid.diagnosis.report.phrases import (
     what_it_may_be,
     with_open_moments,
 )
-from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.verdict.equivalence import classes_of
@@ -71,7 +71,7 @@ from softid.diagnosis_results import (
 from softid.quality.causality import LEADING_OUTPUT
 from softid.results import FitResult
 
-WHAT_IT_IS = (CHANGE_POINT, LOG_DIFFERENCES, UNLISTED_LAW, FOLLOWS_SECOND_INPUT, ONE_STEP)
+WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP)
 """Codes of remarks that say what a misfit is for which no cause is named."""
 
 NEXT_TO_NOTHING = 0.1

@@ -173,11 +173,10 @@ REPLACEMENTS: tuple[Replacement, ...] = (
 )
 """Causes, and what is put in their place."""
 
-
 Asked = tuple[Replacement, tuple[Effect, ...]]
 """A row of the table, and one of its sets of laws."""
 
-Try = tuple[Replacement, tuple[Effect, ...], list[Effect]]
+Try = tuple[Replacement, tuple[Effect, ...], tuple[Effect, ...]]
 """The same, and the effects that stay."""
 
 
@@ -238,28 +237,28 @@ def _asked(named: Sequence[Effect], *, is_linear: bool, is_doubtful: bool = Fals
 
 
 def _tries(asked: Sequence[Asked], named: Sequence[Effect], acting: Sequence[Effect]) -> list[Try]:
-    """What is refitted, with the effects that stay; no law of the name of one of these.
+    """What is refitted, once each, with the effects that stay; no law of the name of one of these.
 
     What is described may come of a wrong name, and stays and goes.
     """
     found = [
-        (row, laws, [e for e in acting if e not in named or not row.takes(e)])
+        (row, laws, tuple(e for e in acting if e not in named or not row.takes(e)))
         for row, laws in asked
     ]
     described = [e for e in acting if e not in named]
     if described:
         found += [
-            (row, laws, [e for e in acting if e in named and not row.takes(e)])
+            (row, laws, tuple(e for e in acting if e in named and not row.takes(e)))
             for row, laws in asked
         ]
         found += [
-            (row, laws, [e for e in acting if not row.takes(e)])
+            (row, laws, tuple(e for e in acting if not row.takes(e)))
             for row, laws in asked
             if row.beside and any(map(row.takes, described))
         ]
     return [
         (row, laws, kept)
-        for row, laws, kept in found
+        for row, laws, kept in dict.fromkeys(found)
         if not {law.name for law in laws} & {effect.name for effect in kept}
     ]
 
