@@ -22,6 +22,10 @@ LARGEST_DIFFERENCE = 0.6
 LATEST_S = 0.5
 """Bound of a delay, either way."""
 
+SETTLES_IN = 0.25
+"""Time constant with which the reading of a sensor that warms up settles, as a share of the longest
+log: what is twice as fast or slow leaves a tenth of it."""
+
 
 @dataclass(frozen=True)
 class Probe(Effect):
@@ -95,19 +99,26 @@ class InputProbe(Probe, InputEffect):
 
 @dataclass(frozen=True)
 class ReadingProbe(Probe, OutputEffect):
-    """Another gain of the output, and a clock that is late against that of the input."""
+    """Another gain of the output, a clock that is late against that of the input, and a drift.
+
+    A drift goes on evenly or settles; both are shares of the range over the longest log.
+    """
 
     name: ClassVar[str] = "reading_probe"
     title: ClassVar[str] = "Change of the reading"
     kinds: ClassVar[Mapping[str, tuple[str, float]]] = {
         "gain": ("1", LARGEST_DIFFERENCE),
         "delay": ("s", LATEST_S),
+        "drift": ("1", LARGEST_DIFFERENCE),
+        "settling_drift": ("1", LARGEST_DIFFERENCE),
     }
 
     def apply(self, eta: Array, time_s: Array, y: Array, scale: Scale) -> Array:
-        """Gain and delay."""
-        del scale
+        """Gain, delay and drifts."""
+        part = time_s / scale.duration_s
+        drift = eta[2] * part - eta[3] * np.expm1(-part / SETTLES_IN)
         recorded: Array = np.interp(time_s - eta[1], time_s, y) * (1.0 + eta[0])
+        recorded += drift * scale.y_span
         return recorded
 
 

@@ -53,6 +53,8 @@ DIFFERENCES = {
     ZERO: "the zero of the reading",
     "gain": "the gain of the reading",
     "delay": "the delay of the reading",
+    "drift": "the drift of the reading",
+    "settling_drift": "a drift of the reading that settles, as that of a sensor that warms up,",
     "load": "a constant load",
     "stiffness": "the stiffness",
     "damping": "the damping",
@@ -63,6 +65,8 @@ DIFFERENCES = {
 
 SIZES = {
     "delay": "{0:+.3g} s",
+    "drift": "{1:+.1f} % of the range",
+    "settling_drift": "{1:+.1f} % of the range",
     "load": "{1:+.1f} % of the elastic force",
     "pressure_zero": "{1:+.1f} % of the range",
 }

@@ -105,11 +105,28 @@ def test_a_zero_is_each_logs_own_unless_it_counts() -> None:
     assert found.kinds == ("zero",)
 
 
+@pytest.mark.parametrize(
+    ("kind", "added"),
+    [
+        ("drift", 0.004 * TIME_S),
+        ("settling_drift", -0.15 * np.expm1(-TIME_S / 5.0)),
+        ("settling_drift", 0.15 * np.expm1(-TIME_S / 10.0)),
+    ],
+)
+def test_a_drift_in_one_log_is_found(kind: str, added: Array) -> None:
+    """Known truth: even, or of a sensor that warms up faster and slower than the probe does."""
+    other = linear_log(noise=NOISE, seed=3, samples=N, added=added)
+    _, scale = fitted(log_with(0))
+    found = found_in(other)
+    assert found is not None
+    assert found.kinds[0] == kind
+    assert found.sizes[0] * scale.y_span == pytest.approx(added[-1], rel=0.3)
+
+
 def test_what_one_number_does_not_explain_is_no_difference() -> None:
-    """A drift, a swing, and noise alone."""
-    drift = linear_log(noise=NOISE, seed=3, samples=N, added=0.004 * TIME_S)
+    """A swing, and noise alone."""
     swing = linear_log(noise=NOISE, seed=3, samples=N, added=0.1 * np.sin(TIME_S))
-    for other in (drift, swing, log_with(1)):
+    for other in (swing, log_with(1)):
         assert found_in(other) is None
 
 
