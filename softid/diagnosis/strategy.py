@@ -19,6 +19,7 @@ from softid.diagnosis.residual.noise_floor import SMALLEST_EXCESS
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain
 from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.slip_search import search_without_zero_jumps
 from softid.diagnosis.timed_search import search_with_jump_moments
 from softid.intersample import Intersample
 from softid.log import Log
@@ -81,6 +82,10 @@ def search_causes(
         timed = search_with_jump_moments(recordings, request, search, found.chain)
         if timed is not None:
             return timed
+    if found.remainder.structured:
+        steady = search_without_zero_jumps(recordings, request, search, found)
+        if steady is not None:
+            return steady
     if not found.came_to_nothing:
         return _from_another_cause(found, search) or found, search
     alone = search.without_causes()

@@ -50,6 +50,7 @@ from softid.diagnosis.report.joint_causes import (
 from softid.diagnosis.report.motion_shown import motion_shown_issues
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
+    with_event_beside,
     with_law_beside,
     with_other_explanations,
 )
@@ -168,6 +169,7 @@ def diagnose(
     answer, base, final = best_answer(recordings, request, search, others, is_in_doubt=is_in_doubt)
     answer = with_other_explanations(answer, base, others)
     answer = with_second_input(answer, base, recorded.logs, seed)
+    answer = with_event_beside(answer, base, final)
     answer = with_law_beside(answer, base, final, search.effects)
     if count == 1:  # the mean of several samples lies between the steps
         answer = with_rounding(answer, recorded, base.candidate)

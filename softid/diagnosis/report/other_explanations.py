@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from softid.diagnosis.base.base_fit import BaseFit
@@ -20,6 +20,7 @@ from softid.diagnosis.report.phrases import listed, lowered, percent
 from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
 from softid.diagnosis.residual.assessment import excess_of, noise_variance
 from softid.diagnosis.residual.one_step import is_one_step
+from softid.diagnosis.search.backward_revision import refit_with_fewer
 from softid.diagnosis.verdict.beyond_catalogue import (
     BeyondCatalogue,
     beyond_and_cause,
@@ -42,6 +43,12 @@ MOST_LAWS = 3
 
 EVENTS = (CHANGE_POINT, LOG_DIFFERENCES, FOLLOWS_SECOND_INPUT)
 """Codes of the remarks on what happened beside any law."""
+
+EVENT_BESIDE = "event-beside"
+"""Code of the remark that what causes leave begins at one moment."""
+
+OF_REST = (LIKE_UNLISTED_LAW, EVENT_BESIDE)
+"""Codes of the remarks that say what it is that causes leave."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,10 +213,43 @@ def with_law_beside(
     )
 
 
+def with_event_beside(answer: Diagnosis, base: BaseFit, final: Candidate) -> Diagnosis:
+    """The diagnosis with a moment at which what causes leave begins.
+
+    A slip of the sensor asks for a cause that stands for it, so each is also left out once.
+
+    Parameters
+    ----------
+    answer
+        The diagnosis.
+    base
+        The base fit to the logs.
+    final
+        The model with all that is named or described.
+    """
+    if not (final.effects and answer.remainder.structured) or _is_told(answer):
+        return answer
+    for model in _with_all_or_all_but_one(base, final):
+        excess = excess_of(model, base.scale)
+        for issue in change_issues(model, base.scale, excess, alone=True):
+            beside = listed([lowered(effect.title) for effect in model.effects])
+            told = replace(issue, code=EVENT_BESIDE, message=f"beside {beside} {issue.message}")
+            return replace(answer, issues=(*answer.issues, told), next_experiment=issue.remedy)
+    return answer
+
+
+def _with_all_or_all_but_one(base: BaseFit, final: Candidate) -> Iterator[Candidate]:
+    """The model with all its causes, and those with one of several left out."""
+    yield final
+    for left_out in final.effects if len(final.effects) > 1 else ():
+        others = [effect for effect in final.effects if effect is not left_out]
+        yield refit_with_fewer(final, base.candidate, others, base.scale, base.sigma)
+
+
 def _is_told(answer: Diagnosis) -> bool:
     """Whether what the misfit is has been told already, or that something happened."""
     told = {issue.code for issue in answer.issues}
-    return bool(told & {UNLISTED_LAW, LIKE_UNLISTED_LAW, *EVENTS})
+    return bool(told & {UNLISTED_LAW, *OF_REST, *EVENTS})
 
 
 def one_step_issue() -> Issue:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from softid.diagnosis.changes.zero_jumps import ZERO_JUMP
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
 from softid.diagnosis.report.ambiguity import (
     are_alike,
@@ -22,12 +23,7 @@ from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
 from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
-from softid.diagnosis.report.other_explanations import (
-    EVENTS,
-    LIKE_UNLISTED_LAW,
-    ONE_STEP,
-    UNLISTED_LAW,
-)
+from softid.diagnosis.report.other_explanations import EVENTS, OF_REST, ONE_STEP, UNLISTED_LAW
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLE_WORDS,
@@ -74,6 +70,9 @@ from softid.results import FitResult
 WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP)
 """Codes of remarks that say what a misfit is for which no cause is named."""
 
+ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)
+"""Codes of remarks on the logs that belong into every paragraph."""
+
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
 
@@ -111,7 +110,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         evidence=found.evidence,
         next_experiment=following,
         gain_ci95=found.gain_ci95,
-        marks=[i.message for i in found.issues if i.code in (*CODES, LIKE_UNLISTED_LAW)],
+        marks=[i.message for i in found.issues if i.code in (*CODES, *OF_REST)],
         refused=[i.message for i in found.issues if i.code in (REFUSED, UNSURE)],
         changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
         seen=[i.message for i in found.issues if i.code in _seen_beside(found.verdict)],
@@ -132,8 +131,8 @@ def _judged_by_blocks(found: Diagnosis) -> bool:
 def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
     """Codes of the remarks on the logs that belong into the paragraph: a cause explains a set."""
     if verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
-        return LEADING_OUTPUT, ONE_FREQUENCY, NEARLY_STATIC, RESIDUAL_SET, OPEN_INTERSAMPLE
-    return LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE
+        return *ALWAYS_SEEN, NEARLY_STATIC, RESIDUAL_SET
+    return ALWAYS_SEEN
 
 
 def _remedy_of_disturbance(found: Diagnosis) -> str | None:
@@ -206,7 +205,8 @@ def summarise(
             told += [sentence(change) for change in changes]
         else:
             told.append(what_is_unknown(remainder))
-            told += _unknown(teller, descriptive or causes, alternatives, remainder)
+            tried = descriptive or causes
+            told += _unknown(teller, tried, alternatives, remainder, is_told=bool(marks))
         told += [sentence(change) for change in held_out_changes]
     else:
         leaves_noise = not (remainder.structured or remainder.open_jumps)
@@ -216,7 +216,8 @@ def summarise(
             told.append(described(descriptive, causes))
         told.append(teller.mended((*causes, *descriptive)))
         if verdict is Verdict.PARTIAL or remainder.structured:
-            told += _partial(teller, remainder, is_tied=bool(alternatives))
+            is_tied, is_told = bool(alternatives), bool(marks)
+            told += _partial(teller, remainder, is_tied=is_tied, is_told=is_told)
         else:
             looks = "does not follow from the motion" if marks else nature_of_rest(remainder)
             told.append(f"What the fit leaves, {teller.size(remainder.rms)} rms, {looks}.")
@@ -256,6 +257,8 @@ def _unknown(
     tried: Sequence[Cause],
     alternatives: Sequence[Alternative],
     remainder: Remainder,
+    *,
+    is_told: bool,
 ) -> list[str]:
     told = []
     if tried and remainder.explained_share < NEXT_TO_NOTHING:
@@ -273,7 +276,7 @@ def _unknown(
         looks = nature_of_rest(remainder)
         told.append(f"What is left on the fitted samples, {left} rms, {looks}.")
         return [*told, teller.more_held_out(remainder)]
-    return [*told, _left(teller, remainder)]
+    return [*told, _left(teller, remainder, is_told=is_told)]
 
 
 def _not_told_apart(tie: Alternative) -> str:
@@ -287,7 +290,9 @@ def _not_told_apart(tie: Alternative) -> str:
     )
 
 
-def _partial(teller: ErrorTexts, remainder: Remainder, *, is_tied: bool) -> list[str]:
+def _partial(
+    teller: ErrorTexts, remainder: Remainder, *, is_tied: bool, is_told: bool
+) -> list[str]:
     """The share that is explained, and what is left where that is more than noise."""
     share = percent_below(remainder.explained_share, 1.0)
     explained = f"That is {share} of the misfit above the noise"
@@ -298,17 +303,17 @@ def _partial(teller: ErrorTexts, remainder: Remainder, *, is_tied: bool) -> list
     more = teller.more_held_out(remainder, is_tied=is_tied)
     if remainder.structured:
         if remainder.misses_held_out:
-            return [f"{explained}.", _left(teller, remainder), more]
+            return [f"{explained}.", _left(teller, remainder, is_told=is_told), more]
         if remainder.explained_share >= 1.0 and remainder.predictable:
             return [_left(teller, remainder, but="has no more power than the noise, yet ")]
-        return [f"{explained}.", _left(teller, remainder)]
+        return [f"{explained}.", _left(teller, remainder, is_told=is_told)]
     left = teller.size(remainder.rms)
     looks = f"What is left on the fitted samples, {left} rms, {nature_of_rest(remainder)}."
     return [f"{explained}.", looks, more]
 
 
-def _left(teller: ErrorTexts, remainder: Remainder, *, but: str = "") -> str:
-    """What is left, where that is more than noise."""
+def _left(teller: ErrorTexts, remainder: Remainder, *, but: str = "", is_told: bool = False) -> str:
+    """What is left, where that is more than noise, and what it may be unless that is told."""
     named = [VARIABLE_WORDS.get(name, name) for name in variables_left(remainder)]
     told = f"What is left, {teller.size(remainder.rms)} rms on the fitted samples, {but}"
     if remainder.predictable:
@@ -324,10 +329,8 @@ def _left(teller: ErrorTexts, remainder: Remainder, *, but: str = "") -> str:
     elif remainder.noise_is_known:
         told += "is larger than the noise, but follows from no variable that was looked at"
     else:
-        told += (
-            "is more than the noise between neighbouring samples, and follows from no variable "
-            f"that was looked at: {what_it_may_be(remainder)}"
-        )
+        told += "is more than the noise between neighbouring samples, and follows from no variable "
+        told += "that was looked at" + ("" if is_told else f": {what_it_may_be(remainder)}")
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
 
 

@@ -72,7 +72,7 @@ def revised(
         if is_sure and len(forms) == 1:
             continue
         others = [effect for effect in now.effects if effect.name != mine.name]
-        without = _without(now, base, others, scale, sigma)
+        without = refit_with_fewer(now, base, others, scale, sigma)
         if not without.squares <= base.squares:
             continue  # the others alone go nowhere from where the chain stands
         taken = {effect.name for effect in others}
@@ -186,6 +186,29 @@ def _in_its_place(
     )
 
 
+def refit_with_fewer(
+    now: Candidate,
+    base: Candidate,
+    others: Sequence[Effect],
+    scale: Scale,
+    sigma: Mapping[str, float],
+) -> Candidate:
+    """A model with some of its effects alone, refitted.
+
+    Parameters
+    ----------
+    now
+        The model with all of them.
+    base
+        The one without.
+    others
+        Those that stay.
+    scale, sigma
+        As in `revised`.
+    """
+    return advance(_placed_without(now, base, others, scale), sigma, WITHOUT_ROUND)
+
+
 def refit_without(
     chain: Chain, position: int, base: Candidate, scale: Scale, sigma: Mapping[str, float]
 ) -> Candidate:
@@ -201,7 +224,7 @@ def refit_without(
         As in `revised`.
     """
     others = [link.added for k, link in enumerate(chain.links) if k != position]
-    return _without(chain.final, base, others, scale, sigma)
+    return refit_with_fewer(chain.final, base, others, scale, sigma)
 
 
 def prefix_models(
@@ -225,20 +248,9 @@ def prefix_models(
         keys = {effect.key for effect in effects[:k]}
         found = [candidate for candidate in known if set(candidate.keys) == keys]
         if not found:
-            found = [_without(chain.final, base, effects[:k], scale, sigma)]
+            found = [refit_with_fewer(chain.final, base, effects[:k], scale, sigma)]
         between.append(min(found, key=lambda c: c.squares))
     return (base, *between, chain.final)
-
-
-def _without(
-    now: Candidate,
-    base: Candidate,
-    others: Sequence[Effect],
-    scale: Scale,
-    sigma: Mapping[str, float],
-) -> Candidate:
-    """The model with the other effects alone, refitted."""
-    return advance(_placed_without(now, base, others, scale), sigma, WITHOUT_ROUND)
 
 
 def _placed_without(

@@ -11,10 +11,12 @@ from handmade_diagnosis import diagnosis
 
 from softid.diagnosis.report import other_explanations
 from softid.diagnosis.report.other_explanations import (
+    EVENT_BESIDE,
     LIKE_UNLISTED_LAW,
     UNLISTED_LAW,
     OtherExplanations,
     unlisted_issue,
+    with_event_beside,
     with_law_beside,
 )
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue
@@ -143,6 +145,49 @@ def test_a_law_beside_causes_is_asked_where_they_leave_something(
             verdict is Verdict.UNKNOWN
         )
     assert with_law_beside(answer, base, final, ()) is answer or not asked
+
+
+@pytest.mark.parametrize(
+    ("begins_beside", "asked"),
+    [
+        ({"creep", "delay"}, 1),
+        ({"delay"}, 2),
+        ({"creep"}, 3),
+        (set(), 3),
+    ],
+)
+def test_a_moment_is_looked_for_beside_all_causes_and_all_but_one(
+    begins_beside: set[str], asked: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two one may stand for what began then; the first model that shows a moment is told."""
+    looked: list[set[str]] = []
+
+    def change(model: Any, *args: Any, alone: bool) -> tuple[Issue, ...]:
+        looked.append({effect.name for effect in model.effects})
+        return (Issue("any", "warning", "the misfit begins", "look"),) * (
+            looked[-1] == begins_beside
+        )
+
+    monkeypatch.setattr(other_explanations, "change_issues", change)
+    monkeypatch.setattr(other_explanations, "excess_of", lambda *args: 1.0)
+    monkeypatch.setattr(
+        other_explanations,
+        "refit_with_fewer",
+        lambda now, base, others, *args: SimpleNamespace(effects=tuple(others)),
+    )
+    effects = (effect_of("creep"), effect_of("delay"))
+    base = cast(Any, SimpleNamespace(candidate=None, scale=None, sigma=None))
+    final = cast(Any, SimpleNamespace(effects=effects))
+    found = diagnosis(Verdict.UNKNOWN)
+    found = replace(found, remainder=replace(found.remainder, structured=True))
+    answer = with_event_beside(found, base, final)
+    assert len(looked) == asked
+    told = answer.issues[len(found.issues) :]
+    titles = [effect.title.lower() for effect in effects if effect.name in begins_beside]
+    message = f"beside {' and '.join(titles)} the misfit begins"
+    assert [(i.code, i.message) for i in told] == [(EVENT_BESIDE, message)] * bool(begins_beside)
+    assert not begins_beside or answer.next_experiment == "look"
+    assert with_event_beside(answer, base, final) is answer or not begins_beside
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,83 @@
+"""The search in readings without a jump of the sensor's zero that hides what else there is.
+
+Where a sensor slips, or is bumped, its zero is another one from then on. What stands for that, such
+as a drift, spoils every cause beside it. Without the jump the causes are found as elsewhere, and
+with them the moment and the size of the jump are known better.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
+from softid.diagnosis.cause_search import CauseSearch
+from softid.diagnosis.changes.change_point import change_point
+from softid.diagnosis.changes.zero_jumps import ZeroJump, seen_again, without_jumps, zero_jumps
+from softid.diagnosis.residual.assessment import excess_of
+from softid.diagnosis.search_result import SearchResult
+from softid.log import LogSet
+
+ROUNDS = 3
+"""Jumps are seen again with the causes that are found without them, so many times in all."""
+
+SAME_SIZE = 0.01
+"""A jump that is seen again with a size within this share of it is known."""
+
+MENDED = 0.7
+"""Causes in readings without a jump leave less than this share of what causes with it do."""
+
+LEFT_TO_CAUSES = 0.02
+"""Share of the misfit above the noise that must stay without the jump, for causes to explain: a
+jump that is more or less all there is needs none."""
+
+
+def search_without_zero_jumps(
+    recordings: Recordings, request: Request, search: CauseSearch, known: SearchResult
+) -> tuple[SearchResult, CauseSearch] | None:
+    """Sure causes that are found when jumps of the sensor's zero are taken out of the readings.
+
+    Parameters
+    ----------
+    recordings, request
+        As in `search_causes`.
+    search
+        The search over the base at hand.
+    known
+        What it found, which leaves more than noise.
+
+    Returns
+    -------
+    SearchResult and CauseSearch, or None
+        None where there are no such causes, or no such jumps.
+    """
+    base = search.base
+    excess = excess_of(base.candidate, base.scale)
+    misfit = base.candidate.squares * excess / (1.0 + excess)
+    jumps = _jumps_of_zero_alone(base, excess)
+    request = replace(request, model=base.candidate.problem.model)
+    for _ in range(ROUNDS if jumps else 0):
+        logs = LogSet(tuple(without_jumps(log, jumps) for log in recordings.logs))
+        steady = request.fit_base(logs, recordings.hold_out, thorough=False)
+        taken = base.candidate.squares - steady.candidate.squares
+        if taken > (1.0 - LEFT_TO_CAUSES) * misfit:
+            return None
+        over = replace(search, base=steady)
+        found = over.search()
+        if found.chain.final.squares > MENDED * known.chain.final.squares:
+            return None
+        before, jumps = jumps, seen_again(found.chain.final, jumps)
+        if all(map(_is_same, before, jumps)):
+            return (found, over) if found.is_sure else None
+    return None
+
+
+def _jumps_of_zero_alone(base: BaseFit, excess: float) -> tuple[ZeroJump, ...]:
+    """The likely jumps, unless a load, a gain or a clock that changes explains the misfit."""
+    jumps = zero_jumps(base.candidate, excess)
+    event = change_point(base.candidate, base.scale, excess) if jumps else None
+    return jumps if event is None or event.kind.startswith("zero") else ()
+
+
+def _is_same(one: ZeroJump, other: ZeroJump) -> bool:
+    """Whether two jumps are one."""
+    return one.time_s == other.time_s and abs(other.size / one.size - 1.0) < SAME_SIZE
