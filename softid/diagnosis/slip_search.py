@@ -8,6 +8,7 @@ with them the moment and the size of the jump are known better.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.cause_search import CauseSearch
@@ -15,7 +16,6 @@ from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.changes.zero_jumps import ZeroJump, seen_again, without_jumps, zero_jumps
 from softid.diagnosis.residual.assessment import excess_of
 from softid.diagnosis.search_result import SearchResult
-from softid.log import LogSet
 
 ROUNDS = 3
 """Jumps are seen again with the causes that are found without them, so many times in all."""
@@ -53,22 +53,31 @@ def search_without_zero_jumps(
     base = search.base
     excess = excess_of(base.candidate, base.scale)
     misfit = base.candidate.squares * excess / (1.0 + excess)
-    jumps = _jumps_of_zero_alone(base, excess)
+    jumps, in_judges = _jumps_of_zero_alone(base, excess), tuple[ZeroJump, ...]()
     request = replace(request, model=base.candidate.problem.model)
     for _ in range(ROUNDS if jumps else 0):
-        logs = LogSet(tuple(without_jumps(log, jumps) for log in recordings.logs))
-        steady = request.fit_base(logs, recordings.hold_out, thorough=False)
-        taken = base.candidate.squares - steady.candidate.squares
+        steady = recordings.each(partial(without_jumps, jumps=(*jumps, *in_judges)))
+        again = request.fit_base(steady.logs, steady.hold_out, thorough=False)
+        taken = base.candidate.squares - again.candidate.squares
         if taken > (1.0 - LEFT_TO_CAUSES) * misfit:
             return None
-        over = replace(search, base=steady)
+        over = replace(search, base=again)
         found = over.search()
         if found.chain.final.squares > MENDED * known.chain.final.squares:
             return None
-        before, jumps = jumps, seen_again(found.chain.final, jumps)
-        if all(map(_is_same, before, jumps)):
+        before = (*jumps, *in_judges)
+        jumps = seen_again(found.chain.final, jumps)
+        in_judges = in_judges or _jumps_in_judges(found, again)
+        now = (*jumps, *in_judges)
+        if len(now) == len(before) and all(map(_is_same, before, now)):
             return (found, over) if found.is_sure else None
     return None
+
+
+def _jumps_in_judges(found: SearchResult, base: BaseFit) -> tuple[ZeroJump, ...]:
+    """The likely jumps of the logs that judge, where the causes miss those."""
+    judged = base.held_out.standing(found.chain.final) if found.remainder.misses_held_out else None
+    return () if judged is None else zero_jumps(judged, excess_of(judged, base.scale))
 
 
 def _jumps_of_zero_alone(base: BaseFit, excess: float) -> tuple[ZeroJump, ...]:
