@@ -48,9 +48,9 @@ class LogDifferences:
     ----------
     kinds
         What differs, the one that takes most first: ``gain``, ``delay``, ``drift`` and
-        ``settling_drift`` of the reading,
-        ``load``, ``stiffness``, ``damping``, ``pressure_gain``, ``pressure_zero`` or a parameter of
-        the model; all others take nearly as much. It is ``zero`` alone where that does.
+        ``settling_drift`` of the reading, ``load``, ``stiffness``, ``damping``, ``pressure_gain``,
+        ``pressure_zero`` or a parameter of the model; all others take nearly as much. It is
+        ``zero`` alone where that does.
     sizes
         Of the first kind, for each log: shares, a load as a share of the elastic force, a zero of
         the pressure as a share of the input's range, a drift as one of the output's over the
