@@ -24,7 +24,7 @@ SAME_SIZE = 0.01
 """A jump that is seen again with a size within this share of it is known."""
 
 MENDED = 0.7
-"""Causes in readings without a jump leave less than this share of what causes with it do."""
+"""The first cause in readings without a jump leaves less than this share of what it does else."""
 
 LEFT_TO_CAUSES = 0.02
 """Share of the misfit above the noise that must stay without the jump, for causes to explain: a
@@ -62,9 +62,10 @@ def search_without_zero_jumps(
         if taken > (1.0 - LEFT_TO_CAUSES) * misfit:
             return None
         over = replace(search, base=again)
-        found = over.search()
-        if found.chain.final.squares > MENDED * known.chain.final.squares:
+        first = over.first_cause()
+        if first.final.squares > MENDED * (known.first or base.candidate).squares:
             return None
+        found = over.search(first)
         before = (*jumps, *in_judges)
         jumps = seen_again(found.chain.final, jumps)
         in_judges = in_judges or _jumps_in_judges(found, again)
