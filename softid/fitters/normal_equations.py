@@ -21,6 +21,7 @@ from softid.models.products import Products
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
+IndexArray = npt.NDArray[np.intp]
 
 KEPT_ENTRIES = 8_000_000
 """Largest Jacobian that is kept whole (64 MB) where it is made anyway."""
@@ -40,8 +41,11 @@ class Piece:
         Output channel, and index in `Problem.segments`.
     gram
         Products of the columns, the last two being one and the residual, shape (C, C).
+    moved_by
+        The unknowns that move it, in order: of the zeros and initial states only its own, shape
+        (P,).
     jacobian
-        Weights with which the columns make up ∂(simulated)/∂(unknowns), shape (C, U).
+        Weights with which the columns make up ∂(simulated)/∂(those), shape (C, P).
     residual
         Weights with which they make up the residual, shape (C,).
     columns
@@ -54,10 +58,24 @@ class Piece:
     channel: str
     segment: int
     gram: Array
+    moved_by: IndexArray
     jacobian: Array
     residual: Array
     columns: Array | None
     summed: bool = False
+
+    def by(self, unknowns: IndexArray) -> Array:
+        """The weights for unknowns of which some may not move it, shape (C, V).
+
+        Parameters
+        ----------
+        unknowns
+            Their indices, shape (V,).
+        """
+        weights = np.zeros((self.gram.shape[0], unknowns.size))
+        mine, theirs = np.nonzero(self.moved_by[:, None] == unknowns)
+        weights[:, theirs] = self.jacobian[:, mine]
+        return weights
 
     @property
     def squares(self) -> tuple[float, int]:
@@ -103,7 +121,10 @@ class Linearised(NormalEquations):
             used = self.problem.segments[piece.segment].used[piece.channel]
             kept = slice(None) if used.all() else used
             residual = (piece.residual @ piece.columns)[kept]
-            jacobian = (piece.columns.T @ piece.jacobian)[kept] if derivatives else None
+            jacobian = None
+            if derivatives:
+                weights = piece.by(np.arange(self.problem.size))
+                jacobian = (piece.columns.T @ weights)[kept]
             blocks.append(Block(piece.channel, piece.segment, residual, jacobian))
         return blocks
 
@@ -166,8 +187,9 @@ def _summed_at_best_zeros(
         weight = 1.0 / sigma[piece.channel] ** 2
         pushed = piece.gram @ piece.residual
         cost += 0.5 * weight * max(float(piece.residual @ pushed), 0.0)
-        gradient += weight * (piece.jacobian.T @ pushed)
-        matrix += weight * (piece.jacobian.T @ piece.gram @ piece.jacobian)
+        mine = piece.moved_by
+        gradient[mine] += weight * (piece.jacobian.T @ pushed)
+        matrix[np.ix_(mine, mine)] += weight * (piece.jacobian.T @ piece.gram @ piece.jacobian)
         n += round(float(piece.gram[-2, -2])) if np.isfinite(piece.gram[-2, -2]) else 0
     if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
         cost, gradient, matrix = np.inf, np.zeros(problem.size), np.eye(problem.size)
@@ -206,9 +228,10 @@ def bend(
             found = _products_with(problem, at.point, piece, there.residual, plans)
             if found is None:
                 return None
-            straight = piece.gram @ (piece.residual - fraction * (piece.jacobian @ step))
+            mine = piece.moved_by
+            straight = piece.gram @ (piece.residual - fraction * (piece.jacobian @ step[mine]))
             pulled = piece.jacobian.T @ (straight - found)
-            total += 2.0 / (fraction * sigma[piece.channel]) ** 2 * pulled
+            total[mine] += 2.0 / (fraction * sigma[piece.channel]) ** 2 * pulled
     return total if np.isfinite(total).all() else None
 
 
@@ -296,14 +319,19 @@ def _from_products(
     jacobian[inner:-2, states] = products.by_state[:, : len(states)]
     residual = np.zeros(products.gram.shape[0])
     residual[-1] = 1.0
-    return Piece(channel, segment, products.gram, jacobian, residual, products.columns, summed=True)
+    at = _moved_by(problem, segment, channel)
+    columns = products.columns
+    return Piece(
+        channel, segment, products.gram, at, jacobian[:, at], residual, columns, summed=True
+    )
 
 
 def _from_block(problem: Problem, block: Block, *, keep: bool) -> Piece:
     assert block.jacobian is not None
     used = problem.segments[block.segment].used[block.channel]
-    columns = np.vstack([block.jacobian.T, np.ones(block.residual.size), block.residual])
-    jacobian = np.eye(columns.shape[0], problem.size)
+    at = _moved_by(problem, block.segment, block.channel)
+    columns = np.vstack([block.jacobian.T[at], np.ones(block.residual.size), block.residual])
+    jacobian = np.eye(columns.shape[0], at.size)
     residual = np.zeros(columns.shape[0])
     residual[-1] = 1.0
     whole = None
@@ -311,7 +339,15 @@ def _from_block(problem: Problem, block: Block, *, keep: bool) -> Piece:
         whole = np.zeros((columns.shape[0], used.size))
         whole[:, used] = columns
     gram = columns @ columns.T
-    return Piece(block.channel, block.segment, gram, jacobian, residual, whole)
+    return Piece(block.channel, block.segment, gram, at, jacobian, residual, whole)
+
+
+def _moved_by(problem: Problem, segment: int, channel: str) -> IndexArray:
+    """The unknowns that move an output channel over a segment, in order."""
+    places = [*range(len(problem.free)), *problem.state_positions(segment)]
+    if problem.zeros:
+        places.append(_zero_of(problem, segment, channel))
+    return np.sort(np.array(places, np.intp))
 
 
 def _with_best_zeros(

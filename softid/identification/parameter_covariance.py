@@ -240,7 +240,7 @@ def _rows_at(problem: Problem, optimum: Optimum, *, derivatives: bool) -> list[_
         columns = segment.samples_of(piece.columns.T).T
         residual = piece.residual @ columns
         residual[~used] = np.nan
-        jacobian = columns, piece.gram, piece.jacobian
+        jacobian = columns, piece.gram, piece.by(np.arange(problem.size))
         found.append(_Rows(piece.channel, piece.segment, residual, jacobian))
     return found
 
@@ -351,7 +351,7 @@ def _means(piece: Piece, columns: IndexArray) -> tuple[FactoredRows, Array, Arra
     residual = piece.residual @ values
     residual[missing] = np.nan
     values[:, missing] = 0.0
-    weights = piece.jacobian[:, columns]
+    weights = piece.by(columns)
     return (
         FactoredRows(values, weights, weights.T @ (values @ values.T) @ weights),
         residual,
