@@ -297,11 +297,14 @@ class StateEffect(Effect):
         Whether it has a state z of its own.
     follows_position
         Whether z rests at the position instead of at zero.
+    keeps_place
+        Whether a log may begin at rest with any z, for it remembers how the actuator came there.
     """
 
     stage: ClassVar[Stage] = "state"
     has_state: ClassVar[bool] = False
     follows_position: ClassVar[bool] = False
+    keeps_place: ClassVar[bool] = False
 
     @staticmethod
     @abstractmethod

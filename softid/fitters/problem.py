@@ -107,9 +107,9 @@ class Problem:
         )
         self.zeros = zeros and self.has_equilibrium and not model.own_zero
         spans = [spans_of(log) for log in self.logs]
+        may_rest = self.has_equilibrium and not model.keeps_place
         rests = [
-            not model.start_states
-            or (self.has_equilibrium and s.index == 0 and starts_at_rest(s, spans[k]))
+            not model.start_states or (may_rest and s.index == 0 and starts_at_rest(s, spans[k]))
             for s, k in zip(self.segments, self.owner, strict=True)
         ]
         may_stick = model.sticks and bool(model.start_states)

@@ -129,8 +129,9 @@ class Model(ABC):
         Parameter name → the excitation that shows it, one sentence.
     note
         What a reader of the parameters must know beside their units; empty for nothing.
-    sticks
-        Whether it may rest off its equilibrium, held by dry friction.
+    sticks, keeps_place
+        Whether it may rest off its equilibrium, held by dry friction, or by what remembers how it
+        came there.
     is_linear
         Whether the law is linear with constant coefficients, whatever the input.
     inertia_parameter, stiffness_parameter
@@ -154,6 +155,7 @@ class Model(ABC):
     identified_by: ClassVar[Mapping[str, str]] = {}
     note: ClassVar[str] = ""
     sticks: ClassVar[bool] = False
+    keeps_place: ClassVar[bool] = False
     is_linear: ClassVar[bool] = False
     inertia_parameter: ClassVar[str | None] = None
     stiffness_parameter: ClassVar[str | None] = None

@@ -238,6 +238,15 @@ ONE_FOR_ALL = EquivalenceClass(
 )
 """One law in place of what the catalogue needs."""
 
+OWN_BRANCH = EquivalenceClass(
+    ("dry friction", UNLISTED["own_branches"]),
+    ("own_branches",),
+    _IN_PLACE_OF_IT,
+    "logs that all begin after the same cycles, with small loops within large ones: a guide that "
+    "rubs holds wherever it stops, and a material gives way a little at every turn",
+)
+"""Logs that begin at rest where friction or a hysteresis holds the actuator, each elsewhere."""
+
 REPLACED = (
     CHANGING,
     BENT_READING,
@@ -247,12 +256,13 @@ REPLACED = (
     TWO_CREEPS,
     TWO_HYSTERESES,
     SETTLING_STIFFNESS,
+    OWN_BRANCH,
     OTHER_CURVE,
     ONE_FOR_ALL,
 )
 """Told where a law in no catalogue is in a tie."""
 
-LIKELIER = (OTHER_CURVE, ONE_FOR_ALL)
+LIKELIER = (OWN_BRANCH, OTHER_CURVE, ONE_FOR_ALL)
 """Ties in which the law in no catalogue explains more."""
 
 OWN_DAMPING = EquivalenceClass(

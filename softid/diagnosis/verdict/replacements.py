@@ -18,6 +18,7 @@ from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
 from softid.diagnosis.verdict.refitted_laws import PROMISING_RATIO, refitted_with, standing_of
+from softid.diagnosis.verdict.unlisted_branches import OwnBranches
 from softid.diagnosis.verdict.unlisted_curves import FineCurve, FreeSpring, PowerSpring
 from softid.diagnosis.verdict.unlisted_drifts import (
     DampingDrift,
@@ -144,6 +145,7 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(("sensor_clipping",), ((InputLimit(),),)),
     Replacement(("sensor_clipping.lower", "contact.lower"), ((effect_of("dead_zone"),),)),
     Replacement(("hysteresis", "coulomb_friction"), ((InputPlay(),), (OutputPlay(),)), behind=0.0),
+    Replacement(("coulomb_friction",), ((OwnBranches(),),), behind=0.0),
     Replacement(
         ("quadratic_damping", "asymmetric_damping"),
         ((PositionDamping(),), (DampingDrift(),)),

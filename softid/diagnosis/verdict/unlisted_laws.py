@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.verdict.unlisted_branches import OwnBranches
 from softid.diagnosis.verdict.unlisted_curves import FineCurve, FreeSpring, PowerSpring
 from softid.diagnosis.verdict.unlisted_drifts import (
     DampingDrift,
@@ -343,10 +344,10 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
 )
 """All laws of no catalogue that may stand in the place of all causes."""
 
-NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart)
+NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart, OwnBranches)
 """Laws of no catalogue that a single cause may do as well: a leak may be next to none, and is a lag
-then, a valve or a sensor may be late up and down alike, and what swings fast enough is late as a
-lag is."""
+then, a valve or a sensor may be late up and down alike, what swings fast enough is late as a lag
+is, and logs may all begin on one branch."""
 
 NEAR_TWO = (PowerSpring, FreeSpring, FineCurve)
 """Laws of no catalogue that two causes may do as well: a spring of any shape may be one that

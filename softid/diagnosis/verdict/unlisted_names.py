@@ -36,6 +36,7 @@ UNLISTED: dict[str, str] = {
     "recovering_softening": "a softening by use that recovers at rest, as a material that warms up",
     "second_creep": "a second creep of another time",
     "damping_drift": "a damping that changes at a constant rate",
+    "own_branches": "a hysteresis that each log begins on a branch of its own",
     "input_play": "play of the valve or the regulator",
     "output_play": "play between the actuator and its sensor",
 }

@@ -74,6 +74,7 @@ class ExtendedModel(Model):
             "outputs": base.outputs,
             "own_zero": base.own_zero,
             "sticks": base.sticks or any(effect.sticks for effect in self.effects),
+            "keeps_place": any(effect.keeps_place for effect in self._state_effects),
             "is_linear": base.is_linear,
             "inertia_parameter": base.inertia_parameter,
             "stiffness_parameter": base.stiffness_parameter,

@@ -14,6 +14,7 @@ from printed_laws import unnamed_in
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, REPLACED
+from softid.diagnosis.verdict.unlisted_branches import OwnBranches
 from softid.diagnosis.verdict.unlisted_curves import MARGIN, FineCurve, FreeSpring, PowerSpring
 from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
@@ -53,8 +54,8 @@ from softid.effects.sensor_resonance import SensorResonance
 from softid.kernels.filters import lag
 from softid.kernels.terms import DAMPING, FORCE, RATE, SHIFT, STIFFNESS
 
-SECOND = (SecondCreep, SecondHysteresis)
-"""Laws that only stand beside another one."""
+SECOND = (SecondCreep, SecondHysteresis, OwnBranches)
+"""Laws that only stand beside another one, or in the place of one."""
 
 
 def residual_with(effect: Effect, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -312,6 +313,24 @@ def test_a_second_creep_follows_the_law_of_a_creep() -> None:
         law.step(0.5, 0.0, 0.1, 0.0, 0.0, np.array([3.0, 2.0]), out)  # type: ignore[union-attr]
         assert out[FORCE] == pytest.approx(1.2)
         assert out[RATE] == pytest.approx(0.2)
+
+
+def test_a_slider_behind_a_spring_follows_the_law_of_a_hysteresis() -> None:
+    """By hand: with z = (x − s)/zs = 0.2 the force is 3·0.2, and zs ż = v − |v| z as ṡ = 0.4."""
+    out, speed = np.zeros(8), -2.0
+    OwnBranches.step(0.5, speed, 0.1, 0.0, 0.0, np.array([3.0, 2.0]), out)
+    assert out[FORCE] == pytest.approx(0.6)
+    assert out[RATE] == pytest.approx(0.4)
+    assert speed - out[RATE] == pytest.approx(speed - abs(speed) * 0.2)
+
+
+def test_each_log_at_rest_begins_with_a_slider_of_its_own() -> None:
+    """Where it has one, position and velocity are free, too; of a plain hysteresis nothing is."""
+    problem = linear_problem([linear_log(), linear_log(seed=1)])
+    scale = scale_of(problem, problem.unknowns(TRUTH))
+    for law, count in ((effect_of("hysteresis"), 0), (OwnBranches(), 3)):
+        extended = extend(problem, (law,), scale)
+        assert [len(extended.state_positions(k)) for k in range(2)] == [count, count]
 
 
 @pytest.mark.parametrize("law", [*UNLISTED_LAWS, *SECOND], ids=lambda law: law.name)
