@@ -20,6 +20,18 @@ RUNS_AWAY = -900.0
 """Fit in per cent below which a model errs by more than ten times what there is to explain."""
 
 
+def judged_by_blocks(gains: Sequence[Gain]) -> bool:
+    """Whether what is held out are parts of the fitted logs.
+
+    Parameters
+    ----------
+    gains
+        Those of a diagnosis.
+    """
+    fitted = {gain.log for gain in gains if not gain.held_out}
+    return any(gain.held_out and gain.log in fitted for gain in gains)
+
+
 class ErrorTexts:
     """What is said of the errors of one diagnosis.
 

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.report.coarse_sampling import COARSE_SAMPLING
 from softid.diagnosis.report.phrases import percent
 from softid.diagnosis.residual.motion import simulated
 from softid.diagnosis_results import Diagnosis, Remainder, Verdict
@@ -32,6 +33,9 @@ values once each, as evenly apart as its slope is constant."""
 
 COARSE_INPUT = "coarse-input"
 """Code of the remark that the input is rounded coarsely."""
+
+OF_RECORDED_INPUT = (COARSE_INPUT, COARSE_SAMPLING)
+"""Codes of the remarks that the record of the input is too coarse for what is left."""
 
 SEED = 0
 """Seed of the draws of what the rounding took away, which nobody knows."""

@@ -17,7 +17,7 @@ from softid.diagnosis.report.ambiguity import (
 )
 from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.report.descriptions import described
-from softid.diagnosis.report.error_texts import ErrorTexts
+from softid.diagnosis.report.error_texts import ErrorTexts, judged_by_blocks
 from softid.diagnosis.report.evidence_text import evidence_text
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
@@ -49,6 +49,7 @@ from softid.diagnosis.report.phrases import (
     what_it_may_be,
     with_open_moments,
 )
+from softid.diagnosis.report.rounding import OF_RECORDED_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.verdict.equivalence import classes_of
@@ -73,6 +74,9 @@ WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP)
 ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)
 """Codes of remarks on the logs that belong into every paragraph."""
 
+MARKS = (*CODES, *OF_REST, *OF_RECORDED_INPUT)
+"""Codes of remarks on what is left, which say what it is or may be."""
+
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
 
@@ -90,14 +94,17 @@ def write_summary(found: Diagnosis) -> Diagnosis:
     """
     linear = is_linear(found.base)
     alternatives = with_reasons(found)
-    following = found.next_experiment or _remedy_of_disturbance(found)
-    following = following or what_next(
-        found.verdict,
-        alternatives=alternatives,
-        remainder=found.remainder,
-        laws=(*found.causes, *found.descriptive),
-        linear=linear,
-        in_blocks=_judged_by_blocks(found),
+    following = (
+        found.next_experiment
+        or _remedy_of_disturbance(found)
+        or what_next(
+            found.verdict,
+            alternatives=alternatives,
+            remainder=found.remainder,
+            laws=(*found.causes, *found.descriptive),
+            linear=linear,
+            in_blocks=judged_by_blocks(found.gains),
+        )
     )
     summary = summarise(
         found.verdict,
@@ -110,7 +117,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         evidence=found.evidence,
         next_experiment=following,
         gain_ci95=found.gain_ci95,
-        marks=[i.message for i in found.issues if i.code in (*CODES, *OF_REST)],
+        marks=[i.message for i in found.issues if i.code in MARKS],
         refused=[i.message for i in found.issues if i.code in (REFUSED, UNSURE)],
         changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
         seen=[i.message for i in found.issues if i.code in _seen_beside(found.verdict)],
@@ -120,12 +127,6 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
-
-
-def _judged_by_blocks(found: Diagnosis) -> bool:
-    """Whether what is held out are parts of the fitted logs."""
-    fitted = {gain.log for gain in found.gains if not gain.held_out}
-    return any(gain.held_out and gain.log in fitted for gain in found.gains)
 
 
 def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
@@ -175,7 +176,7 @@ def summarise(
     causes, descriptive, alternatives, remainder, gains, evidence, next_experiment, gain_ci95
         As in `Diagnosis`.
     marks, refused
-        What `disturbance_issues` found, and `refusal_issues` or `unsure_issues`.
+        The remarks of `MARKS`, and what `refusal_issues` or `unsure_issues` found.
     changes
         What changed within the fitted logs or between them, or a law in no catalogue, which is the
         misfit then.
@@ -216,8 +217,7 @@ def summarise(
             told.append(described(descriptive, causes))
         told.append(teller.mended((*causes, *descriptive)))
         if verdict is Verdict.PARTIAL or remainder.structured:
-            is_tied, is_told = bool(alternatives), bool(marks)
-            told += _partial(teller, remainder, is_tied=is_tied, is_told=is_told)
+            told += _partial(teller, remainder, is_tied=bool(alternatives), is_told=bool(marks))
         else:
             looks = "does not follow from the motion" if marks else nature_of_rest(remainder)
             told.append(f"What the fit leaves, {teller.size(remainder.rms)} rms, {looks}.")
