@@ -279,7 +279,7 @@ def _doubt_of_values(cause: Cause, effect: Effect, extended: FitResult) -> Doubt
     held = [p for p in cause.parameters if p.name in essential]
     bounded = any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held)))
     bounded = bounded or any(_is_anywhere(p) for p in held)
-    bounded = bounded or any(p.at_bound for p in cause.parameters if p.name in floors)
+    bounded = bounded or any(_reaches_lower(p) for p in cause.parameters if p.name in floors)
     if bounded or any(_is_at_ceiling(p) for p in cause.parameters if p.name in ceilings):
         return Doubt.AT_BOUND
     if any(p.unit == "s" and _reaches_upper(p) for p in held):
@@ -315,11 +315,17 @@ def _reaches_upper(parameter: ParameterEstimate) -> bool:
     return interval is not None and upper is not None and interval[1] >= upper
 
 
+def _reaches_lower(parameter: ParameterEstimate) -> bool:
+    """Whether a value is its lower bound, or its interval holds that."""
+    interval, lower = parameter.ci95, parameter.lower
+    return parameter.at_bound or (
+        interval is not None and lower is not None and interval[0] <= lower
+    )
+
+
 def _is_anywhere(parameter: ParameterEstimate) -> bool:
     """Whether the interval of a value holds both of its bounds."""
-    interval, lower = parameter.ci95, parameter.lower
-    reaches = interval is not None and lower is not None and interval[0] <= lower
-    return reaches and _reaches_upper(parameter)
+    return _reaches_lower(parameter) and _reaches_upper(parameter)
 
 
 def _covers_zero(parameter: ParameterEstimate) -> bool:

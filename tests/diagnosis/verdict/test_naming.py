@@ -214,6 +214,26 @@ def test_a_friction_that_comes_up_slowly_is_damping(
     assert (doubt_of(told, effect_of("asymmetric_damping"), fit_result(), WHOLE) is None) is named
 
 
+@pytest.mark.parametrize(
+    ("value", "at_bound", "ci95", "named"),
+    [
+        (0.02, True, None, False),
+        (0.03, False, (0.015, 0.045), False),
+        (0.03, False, (0.025, 0.035), True),
+        (5.0, True, (1.0, 9.0), False),
+    ],
+)
+def test_nothing_rings_for_ever(
+    value: float, at_bound: bool, ci95: tuple[float, float] | None, named: bool
+) -> None:
+    """A resonance whose damping may be the least there is, 0.02, undoes a filter of the record."""
+    zeta = replace(estimate("line_resonance_zeta", value, "1"), lower=0.02, upper=5.0)
+    zeta = replace(zeta, at_bound=at_bound, ci95=ci95)
+    told = cause("line_resonance", [zeta], before=2.0, after=1.0)
+    doubt = doubt_of(told, effect_of("line_resonance"), fit_result(), WHOLE)
+    assert doubt is (None if named else Doubt.AT_BOUND)
+
+
 @pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
 def test_a_time_twenty_times_as_long_at_one_level_is_not_named(at_bound: bool, named: bool) -> None:
     """No chamber swells so far: the lag stands for something else that differs by level."""
