@@ -18,7 +18,6 @@ from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
 from softid.diagnosis.verdict.refitted_laws import PROMISING_RATIO, refitted_with, standing_of
-from softid.diagnosis.verdict.unlisted_branches import OwnBranches
 from softid.diagnosis.verdict.unlisted_curves import FineCurve, FreeSpring, PowerSpring
 from softid.diagnosis.verdict.unlisted_drifts import (
     DampingDrift,
@@ -33,6 +32,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
     BentReading,
     InputPlay,
     OutputPlay,
+    OwnBranches,
     PositionDamping,
     SecondCreep,
     SecondHysteresis,

@@ -12,7 +12,6 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.verdict.unlisted_branches import OwnBranches
 from softid.diagnosis.verdict.unlisted_curves import FineCurve, FreeSpring, PowerSpring
 from softid.diagnosis.verdict.unlisted_drifts import (
     DampingDrift,
@@ -313,6 +312,35 @@ class SecondHysteresis(StateEffect):
         """Force α z, and ż = (v − |v| z)/zs."""
         out[FORCE] += eta[0] * z
         out[RATE] += (v - abs(v) * z) / eta[1]
+
+
+@dataclass(frozen=True)
+class OwnBranches(SecondHysteresis):
+    """The same as a slider s behind a spring, + α (x − s)/zs with zs ṡ = |v| (x − s).
+
+    With z = (x − s)/zs this is α z, zs ż = v − |v| z. Where a log begins says nothing of where s
+    is then: how an actuator was moved before is an unknown of each log.
+
+    Source: Dahl 1968, *A Solid Friction Model*.
+    """
+
+    name: ClassVar[str] = "own_branches"
+    title: ClassVar[str] = "Hysteresis from a branch of its own in each log"
+    law: ClassVar[str] = "+ alpha (x - s)/zs,  zs s' = |v| (x - s)"
+    meaning: ClassVar[str] = "The material keeps a set from how it was moved before each log."
+    signature: ClassVar[str] = "The logs begin at one pressure and at different positions."
+    remedy: ClassVar[str] = "run the same cycles before each log"
+    shown_by: ClassVar[str] = "one path in two logs, the second right after the first"
+    source: ClassVar[str] = "Dahl 1968, A Solid Friction Model"
+    follows_position: ClassVar[bool] = True
+    keeps_place: ClassVar[bool] = True
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force α (x − z)/zs, and ż = |v| (x − z)/zs: the own state z is the slider."""
+        strain = (x - z) / eta[1]
+        out[FORCE] += eta[0] * strain
+        out[RATE] += abs(v) * strain
 
 
 Law = StateEffect | InputEffect | OutputEffect

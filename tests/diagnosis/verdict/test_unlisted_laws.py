@@ -14,7 +14,6 @@ from printed_laws import unnamed_in
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, REPLACED
-from softid.diagnosis.verdict.unlisted_branches import OwnBranches
 from softid.diagnosis.verdict.unlisted_curves import MARGIN, FineCurve, FreeSpring, PowerSpring
 from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
@@ -28,6 +27,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
     BentReading,
     InputPlay,
     OutputPlay,
+    OwnBranches,
     PositionDamping,
     SecondCreep,
     SecondHysteresis,
