@@ -68,7 +68,7 @@ def test_most_causes_are_named_beside_a_slip() -> None:
         for found, pair, (effect, _) in zip(answers, pairs, draws, strict=True)
     ]
     assert sum(met) >= 8, list(zip(draws, met, strict=True))
-    assert not [found.causes for found, is_met in zip(answers, met, strict=True) if not is_met]
+    assert not any(found.causes for found, is_met in zip(answers, met, strict=True) if not is_met)
 
 
 def test_a_slip_of_the_judge_is_told_too() -> None:
