@@ -28,6 +28,28 @@ from softid.diagnosis.strategy import BETTER_BASE, search_causes, search_with_in
 from softid.diagnosis_results import Remainder
 
 
+@pytest.fixture(autouse=True)
+def no_jumps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No sensor slips in logs that nobody made."""
+    monkeypatch.setattr(strategy, "search_without_zero_jumps", lambda *args: None)
+
+
+@pytest.mark.parametrize(("known", "stands"), [(NOTHING, True), (NAMED, False)])
+def test_what_is_sure_without_a_jump_stands_where_structure_is_left(
+    known: SearchResult, stands: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where causes leave noise nobody looks for a slip."""
+    steady = SearchResult(chain_of("ageing"), NOISE, (True,)), search_over()
+    monkeypatch.setattr(strategy, "search_without_zero_jumps", lambda *args: steady)
+    monkeypatch.setattr(CauseSearch, "first_cause", lambda self: chain_of())
+    monkeypatch.setattr(CauseSearch, "search", searched_as({"base 100": known}, by=[]))
+    recordings: Any = SimpleNamespace(logs=(), hold_out=())
+    others: Any = SimpleNamespace(all=lambda base: (), outdo=lambda base, cause: False)
+    request: Any = SimpleNamespace()
+    answer = search_causes(recordings, request, search_over(), others)
+    assert (answer is steady) is stands
+
+
 @pytest.mark.parametrize(
     ("first", "alone", "again", "other", "found", "base"),
     [
