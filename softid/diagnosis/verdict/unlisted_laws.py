@@ -377,9 +377,9 @@ NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart, OwnBranches)
 then, a valve or a sensor may be late up and down alike, what swings fast enough is late as a lag
 is, and logs may all begin on one branch."""
 
-NEAR_TWO = (PowerSpring, FreeSpring, FineCurve)
+NEAR_TWO = (PowerSpring, FreeSpring, FineCurve, ReliefLeak)
 """Laws of no catalogue that two causes may do as well: a spring of any shape may be one that
-stiffens up to a wall, and a curve at rest one with a dead zone."""
+stiffens up to a wall, a curve at rest one with a dead zone, and a leak a lag and a curve."""
 
 BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law not in NEAR_ONE)
 """Laws of no catalogue that no single cause can do as well, but for the plain shapes of a curve."""
