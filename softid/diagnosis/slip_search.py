@@ -53,7 +53,8 @@ def search_without_zero_jumps(
     base = search.base
     excess = excess_of(base.candidate, base.scale)
     misfit = base.candidate.squares * excess / (1.0 + excess)
-    jumps, in_judges = _jumps_of_zero_alone(base, excess), tuple[ZeroJump, ...]()
+    jumps = _jumps_of_zero_alone(base, excess)
+    in_judges: tuple[ZeroJump, ...] = ()
     request = replace(request, model=base.candidate.problem.model)
     for _ in range(ROUNDS if jumps else 0):
         steady = recordings.each(partial(without_jumps, jumps=(*jumps, *in_judges)))

@@ -196,8 +196,9 @@ class _Steps:
     def _nearest(self, left: Array, log: int, name: str, time_s: float) -> ZeroJump:
         """The jump at the sample near a moment behind which a step takes most."""
         mine = self.time_s[self.log == log]
-        reach = float(np.ptp(mine)) / MOMENTS
-        near = mine[np.abs(mine - time_s) <= reach]
+        off = np.abs(mine - time_s)
+        reach = max(float(np.ptp(mine)) / MOMENTS, float(off.min()))  # readings may be lost there
+        near = mine[off <= reach]
         at = max(near.tolist(), key=lambda t: self.fall(left, log, t))
         step = self.at(log, at)
         return ZeroJump(name, at, float(step @ left / (step @ step)))

@@ -279,7 +279,8 @@ def _doubt_of_values(cause: Cause, effect: Effect, extended: FitResult) -> Doubt
     held = [p for p in cause.parameters if p.name in essential]
     bounded = any(p.at_bound for p in (held if len(sizes) > 1 else (*sizes, *held)))
     bounded = bounded or any(_is_anywhere(p) for p in held)
-    bounded = bounded or any(_reaches_lower(p) for p in cause.parameters if p.name in floors)
+    low = [p for p in cause.parameters if p.name in floors]
+    bounded = bounded or any(p.at_bound or _reaches_lower(p) for p in low)
     if bounded or any(_is_at_ceiling(p) for p in cause.parameters if p.name in ceilings):
         return Doubt.AT_BOUND
     if any(p.unit == "s" and _reaches_upper(p) for p in held):
@@ -316,11 +317,9 @@ def _reaches_upper(parameter: ParameterEstimate) -> bool:
 
 
 def _reaches_lower(parameter: ParameterEstimate) -> bool:
-    """Whether a value is its lower bound, or its interval holds that."""
+    """Whether the interval of a value holds its lower bound."""
     interval, lower = parameter.ci95, parameter.lower
-    return parameter.at_bound or (
-        interval is not None and lower is not None and interval[0] <= lower
-    )
+    return interval is not None and lower is not None and interval[0] <= lower
 
 
 def _is_anywhere(parameter: ParameterEstimate) -> bool:

@@ -62,6 +62,16 @@ def test_what_goes_on_throughout_is_no_jump(added: Array | float) -> None:
     assert zero_jumps(model, excess(model)) == ()
 
 
+def test_a_jump_while_readings_are_lost_is_seen_beside_the_gap() -> None:
+    """Three seconds are lost about the slip, more than the moments that are tried lie apart."""
+    half = ZeroJump("linear-0", AT_S, SIZE / 2.0)
+    log = without_jumps(log_with(SLIPPED), [half])
+    model = fitted(log.with_masked(np.abs(TIME_S - AT_S) < 1.5))
+    (jump,) = seen_again(model, [half])
+    assert jump.time_s == pytest.approx(AT_S, abs=1.6)
+    assert jump.size == pytest.approx(SIZE, rel=0.05)
+
+
 def test_a_jump_that_was_taken_out_wrongly_is_seen_again() -> None:
     """Half of it is left, and it was taken three samples late."""
     rough = ZeroJump("linear-0", AT_S + 3.0 / RATE_HZ, SIZE / 2.0)
