@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
+from softid.arguments import refused, require_log
 from softid.errors import IdentificationError, UsageError
 from softid.log import Log
 from softid.models.base import Model
@@ -63,10 +64,13 @@ def simulate(
     Raises
     ------
     UsageError
-        A parameter is missing or unknown.
+        A parameter is missing or unknown, or what was given is no model or no log.
     IdentificationError
         The response is not finite.
     """
+    if not isinstance(model, Model):
+        raise refused("a model", model, 'give one of softid.MODELS, as in MODELS["muscle"]()')
+    require_log(log)
     theta = parameter_vector(model, values)
     simulated = {name: np.full(len(log), np.nan) for name in log.outputs}
     used = {name: np.zeros(len(log), bool) for name in log.outputs}

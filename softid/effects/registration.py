@@ -51,8 +51,8 @@ def register_effect(effect_class: Kind) -> Kind:
     Parameters
     ----------
     effect_class
-        A subclass of `softid.effects.InputEffect`, `StateEffect` or `OutputEffect` that can be made
-        without arguments.
+        A subclass of `InputEffect`, `StateEffect` or `OutputEffect` that can be made without
+        arguments (``from softid.effects import OutputEffect``).
 
     Returns
     -------
@@ -67,7 +67,8 @@ def register_effect(effect_class: Kind) -> Kind:
 
     Examples
     --------
-    >>> from softid.parameters import Parameter
+    >>> from softid import Parameter, ParameterSet, register_effect
+    >>> from softid.effects import EFFECTS, OutputEffect
     >>> @register_effect
     ... class SensorGlow(OutputEffect):
     ...     name, title, amplitude = "sensor_glow", "Sensor that glows", "k"

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from softid.arguments import require_log
 from softid.errors import InputError, Issue, UsageError
 from softid.identification.interpolated_output import (
     INTERPOLATED,
@@ -30,8 +31,16 @@ def as_log_set(logs: Log | Sequence[Log]) -> LogSet:
 
 
 def as_logs(logs: Log | Sequence[Log]) -> tuple[Log, ...]:
-    """One log or several, or none, as a tuple."""
-    return (logs,) if isinstance(logs, Log) else tuple(logs)
+    """One log or several, or none, as a tuple.
+
+    Raises
+    ------
+    UsageError
+        Something else than a log was given, such as the name of a file.
+    """
+    if isinstance(logs, Log | str) or not isinstance(logs, Iterable):
+        return (require_log(logs),)
+    return tuple(require_log(log) for log in logs)
 
 
 def require_excitation(logs: LogSet) -> None:

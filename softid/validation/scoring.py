@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+from softid.arguments import refused
 from softid.effects import model_of
 from softid.errors import Issue, UsageError
 from softid.fingerprint import data_fingerprint
@@ -19,7 +21,7 @@ from softid.identification.unit_slips import unit_slips
 from softid.log import Log, LogSet
 from softid.models.base import Model
 from softid.parallel import matrices_on_one_thread
-from softid.records import SavedModel
+from softid.records import SavedModel, load_params
 from softid.results import FitResult, FitStatistics, Simulation, Validation
 
 
@@ -49,7 +51,7 @@ class _Scored:
 
 @matrices_on_one_thread()
 def validate(
-    fitted: FitResult | SavedModel,
+    fitted: FitResult | SavedModel | Path | str,
     logs: Log | Sequence[Log],
     *,
     threshold_percent: float | None = None,
@@ -64,7 +66,7 @@ def validate(
     Parameters
     ----------
     fitted
-        A result of `softid.fit`, or a model read from params.json.
+        A result of `softid.fit`, a model read from params.json, or where that file is.
     logs
         Logs to score on.
     threshold_percent
@@ -78,11 +80,13 @@ def validate(
     Raises
     ------
     UsageError
-        A log's roles differ from the model's.
+        A log's roles differ from the model's, or an argument is none of these.
+    InputError
+        The file cannot be read.
     IdentificationError
         The response is not finite on a log.
     """
-    scored = _from_fit(fitted) if isinstance(fitted, FitResult) else _from_file(fitted)
+    scored = _scored(fitted)
     given = LogSet(tuple(prepared(log, scored.treatment) for log in as_log_set(logs)))
     for log in given:
         if (log.input, log.outputs) != (scored.input, scored.outputs):
@@ -123,6 +127,17 @@ def validate(
         fingerprints={log.name: log.source.sha256 if log.source else "" for log in log_set},
         fitted_range=scored.ranges,
     )
+
+
+def _scored(fitted: object) -> _Scored:
+    if isinstance(fitted, FitResult):
+        return _from_fit(fitted)
+    if isinstance(fitted, (str, Path)):
+        return _from_file(load_params(fitted))
+    if isinstance(fitted, SavedModel):
+        return _from_file(fitted)
+    remedy = "give a result of softid.fit, or the params.json that save_fit wrote"
+    raise refused("a fitted model", fitted, remedy)
 
 
 def _from_fit(result: FitResult) -> _Scored:

@@ -46,6 +46,8 @@ def test_a_file_scores_as_the_fit_itself(fitted: FitResult, tmp_path: Path) -> N
     log = load(DATA / "muscle_sine_025.csv")
     direct = validate(fitted, log)
     saved = validate(load_params(tmp_path / "params.json"), log)
+    named = validate(tmp_path / "params.json", log)
+    assert named.statistics == saved.statistics
     for a, b in zip(direct.simulations, saved.simulations, strict=True):
         assert b.outputs["contraction"] == pytest.approx(a.outputs["contraction"], rel=1e-12)
     assert direct.fitted_range == saved.fitted_range == fitted.fitted_range

@@ -1,0 +1,50 @@
+"""The public functions say in one sentence what they cannot be called with, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import softid
+
+
+def _log() -> softid.Log:
+    time_s = 0.01 * np.arange(300)
+    return softid.Log.from_arrays(time_s, {"pressure": time_s, "angle": time_s})
+
+
+@pytest.mark.parametrize(
+    "function",
+    [softid.fit, softid.diagnose, softid.inspect, lambda log: softid.fit([log])],
+    ids=["fit", "diagnose", "inspect", "fit of several"],
+)
+@pytest.mark.parametrize("name", ["step.csv", Path("step.csv")], ids=["text", "path"])
+def test_the_name_of_a_file_is_no_log(function: Callable[..., object], name: str | Path) -> None:
+    with pytest.raises(softid.UsageError, match=r"'step\.csv'.*softid\.load") as raised:
+        function(name)
+    assert raised.value.exit_code == 2
+
+
+def test_arrays_are_no_log_either() -> None:
+    with pytest.raises(softid.UsageError, match=r"ndarray.*Log\.from_arrays"):
+        softid.fit([np.arange(3.0)])  # type: ignore[list-item]
+    with pytest.raises(softid.UsageError, match=r"float.*Log\.from_arrays"):
+        softid.fit(np.arange(3.0))  # type: ignore[arg-type]
+
+
+def test_the_key_of_a_model_is_no_model() -> None:
+    with pytest.raises(softid.UsageError, match=r"'muscle'.*MODELS"):
+        softid.simulate("muscle", {}, _log())  # type: ignore[arg-type]
+
+
+def test_what_was_never_fitted_cannot_be_validated() -> None:
+    with pytest.raises(softid.UsageError, match=r"dict.*softid\.fit"):
+        softid.validate({"M": 1.0}, _log())  # type: ignore[arg-type]
+
+
+def test_a_file_of_parameters_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(softid.InputError, match=r"none\.json: there is no such file"):
+        softid.validate(tmp_path / "none.json", _log())
