@@ -17,8 +17,10 @@ from softid.diagnosis.report.other_model import with_other_model
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search_result import SearchResult
+from softid.diagnosis.smoothed_record import smoothed_alone
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
 from softid.diagnosis_results import Diagnosis, Verdict
+from softid.errors import Issue
 
 Answered = tuple[Diagnosis, BaseFit, Candidate]
 """A diagnosis, the base that it extends, and the model with all that is named or described."""
@@ -141,12 +143,21 @@ def _answered(found: SearchResult, search: CauseSearch) -> Answered:
     search.report("computing errors", 0.9)
     answer, base, final = _answer(found, search)
     is_unknown = answer.verdict is Verdict.UNKNOWN
-    alone = search.alone_beside(answer.descriptive, answer.remainder) if is_unknown else None
+    if not is_unknown:
+        return answer, base, final
+    alone = search.alone_beside(answer.descriptive, answer.remainder)
     if alone is not None:
-        refused = unsure_issues(answer.descriptive)
-        answer, base, final = _answer(alone, search)
-        answer = replace(answer, issues=(*answer.issues, *refused))
+        return _with_issues(_answer(alone, search), unsure_issues(answer.descriptive))
+    smoothed = smoothed_alone(search, answer.descriptive)
+    if smoothed is not None:
+        return _with_issues(_answer(smoothed[0], search), smoothed[1:])
     return answer, base, final
+
+
+def _with_issues(answered: Answered, issues: tuple[Issue, ...]) -> Answered:
+    """The same with more remarks."""
+    answer, base, final = answered
+    return replace(answer, issues=(*answer.issues, *issues)), base, final
 
 
 def _surest_answer(

@@ -140,7 +140,7 @@ class CauseSearch:
             self.base.scale,
             self.base.sigma,
             is_no_worse=self._is_borne_out,
-            is_noise=self._leaves_noise,
+            is_noise=self.leaves_noise,
             report=lambda message, fraction: self.report(message, 0.3 + 0.4 * fraction),
             known_links=chain.links,
             extra=extra,
@@ -154,9 +154,9 @@ class CauseSearch:
         limit = BETTER if before.effects else NO_WORSE
         if held_out.rms(after) > limit * held_out.rms(before):
             return False
-        return not (self._leaves_noise(before) and takes_input_noise_at_most(before, after, gauges))
+        return not (self.leaves_noise(before) and takes_input_noise_at_most(before, after, gauges))
 
-    def _leaves_noise(self, model: Candidate) -> bool:
+    def leaves_noise(self, model: Candidate) -> bool:
         """Whether what a model leaves looks like noise, also on what is held out."""
         left, held_out = self.remainder_of(model), self.base.held_out
         if left.structured:

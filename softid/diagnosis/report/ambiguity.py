@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of, variables_left
+from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
     LAWS_ALIKE,
@@ -218,6 +219,20 @@ def law_that_ties(alternative: Alternative, *, linear: bool) -> EquivalenceClass
     if not linear:
         return None
     return next((known for known in LINEAR_FILTERS if set(known.effects) <= tied), None)
+
+
+def remedy_of_disturbance(found: Diagnosis) -> str | None:
+    """What to do about a disturbance, where nothing else describes the misfit or what is left.
+
+    Parameters
+    ----------
+    found
+        The diagnosis.
+    """
+    is_all = found.verdict is Verdict.UNKNOWN and not found.descriptive
+    if not (is_all or found.remainder.is_a_line):
+        return None
+    return next((issue.remedy for issue in found.issues if issue.code in CODES), None)
 
 
 def what_next(

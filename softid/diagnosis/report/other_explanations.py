@@ -26,7 +26,7 @@ from softid.diagnosis.verdict.beyond_catalogue import (
     beyond_and_cause,
     beyond_catalogue,
 )
-from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE, UNLISTED_LAWS
+from softid.diagnosis.verdict.unlisted_laws import NEAR_ONE, OF_LINEAR, UNLISTED_LAWS
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import Diagnosis, Doubt, Verdict
 from softid.effects.base import Effect
@@ -276,13 +276,15 @@ def unlisted_issue(found: BeyondCatalogue, *, of_rest: bool = False) -> Issue:
     causes = listed([lowered(effect.title) for effect in found.beside])
     together = f"{causes} together with " if causes and not of_rest else ""
     take = "take" if together else "takes"
+    law = found.laws[0]
+    elsewhere = f"{law.remedy}, or " if isinstance(law, OF_LINEAR) else ""
     return Issue(
         UNLISTED_LAW if found.is_whole and not of_rest else LIKE_UNLISTED_LAW,
         "info",
         f"what is {'left' if of_rest else 'missing'} behaves like {together}a law in no "
         f"catalogue, {_laws_of(found)}, which {take} away {percent(found.share)} of the misfit "
         f"above the noise, and {percent(found.held_out_share)} of it on what is held out",
-        f"record {found.laws[0].shown_by}, where it would show",
+        f"{elsewhere}record {law.shown_by}, where it would show",
     )
 
 

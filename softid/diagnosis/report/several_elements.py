@@ -15,7 +15,8 @@ from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.chain_consistency import may_hold_more
 from softid.diagnosis.verdict.refitted_laws import PROMISING_RATIO, refitted_with, standing_of
-from softid.diagnosis.verdict.unlisted_laws import Law, SecondCreep, SecondHysteresis
+from softid.diagnosis.verdict.unlisted_laws import Law
+from softid.diagnosis.verdict.unlisted_memories import SecondCreep, SecondHysteresis
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.effects import extended_name
 from softid.errors import Issue

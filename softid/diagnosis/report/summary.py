@@ -11,6 +11,7 @@ from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
 from softid.diagnosis.report.ambiguity import (
     are_alike,
     is_linear,
+    remedy_of_disturbance,
     told_as_tied,
     what_next,
     with_reasons,
@@ -52,6 +53,7 @@ from softid.diagnosis.report.phrases import (
 from softid.diagnosis.report.rounding import OF_RECORDED_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.residual.disturbances import CODES
+from softid.diagnosis.smoothed_record import SMOOTHED_RECORD
 from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis_results import (
     NOTABLE,
@@ -77,6 +79,10 @@ ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)
 MARKS = (*CODES, *OF_REST, *OF_RECORDED_INPUT)
 """Codes of remarks on what is left, which say what it is or may be."""
 
+INSTEAD = (NEGLIGIBLE_MISFIT, SMOOTHED_RECORD)
+"""Codes of remarks that stand for what is said of noise: a misfit is too small to be looked into,
+or the record was smoothed."""
+
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
 
@@ -96,7 +102,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
     alternatives = with_reasons(found)
     following = (
         found.next_experiment
-        or _remedy_of_disturbance(found)
+        or remedy_of_disturbance(found)
         or what_next(
             found.verdict,
             alternatives=alternatives,
@@ -124,7 +130,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         held_out_changes=[i.message for i in found.issues if i.code == HELD_OUT_CHANGE],
         joined=[i.message for i in found.issues if i.code in (ONE_CAUSE, SEVERAL_ELEMENTS)],
         dropped=dropped_from(found),
-        negligible=next((i.message for i in found.issues if i.code == NEGLIGIBLE_MISFIT), ""),
+        instead=next((i.message for i in found.issues if i.code in INSTEAD), ""),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
 
@@ -134,14 +140,6 @@ def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
     if verdict in (Verdict.UNKNOWN, Verdict.PARTIAL):
         return *ALWAYS_SEEN, NEARLY_STATIC, RESIDUAL_SET
     return ALWAYS_SEEN
-
-
-def _remedy_of_disturbance(found: Diagnosis) -> str | None:
-    """What to do about a disturbance, where nothing else describes the misfit or what is left."""
-    is_all = found.verdict is Verdict.UNKNOWN and not found.descriptive
-    if not (is_all or found.remainder.is_a_line):
-        return None
-    return next((issue.remedy for issue in found.issues if issue.code in CODES), None)
 
 
 def summarise(
@@ -163,7 +161,7 @@ def summarise(
     seen: Sequence[str] = (),
     joined: Sequence[str] = (),
     dropped: Sequence[str] = (),
-    negligible: str = "",
+    instead: str = "",
 ) -> str:
     """What is wrong, by how much, why we think so, what it could be confused with, what to do next.
 
@@ -188,8 +186,8 @@ def summarise(
         That two causes may be one, or that one has several elements.
     dropped
         Parameters of the base that the extended model does without.
-    negligible
-        That the misfit is too small to be looked into; empty where it is not.
+    instead
+        The remark of `INSTEAD`; empty where there is none.
 
     Returns
     -------
@@ -200,7 +198,7 @@ def summarise(
     opening = teller.misfit(is_extended=bool(causes or descriptive))
     told = [opening, given_up(dropped), *(sentence(remark) for remark in seen)]
     if verdict is Verdict.ADEQUATE:
-        told += [sentence(negligible)] if negligible else _adequate(teller, remainder, refused)
+        told += [sentence(instead)] if instead else _adequate(teller, remainder, refused)
     elif verdict is Verdict.UNKNOWN:
         if changes:
             told += [sentence(change) for change in changes]

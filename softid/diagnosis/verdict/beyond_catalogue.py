@@ -19,7 +19,13 @@ from softid.diagnosis.search.bic_ranking import rank
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import select_forward
 from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
-from softid.diagnosis.verdict.unlisted_laws import BEYOND_ONE, NEAR_TWO, UNLISTED_LAWS, Law
+from softid.diagnosis.verdict.unlisted_laws import (
+    BEYOND_ONE,
+    NEAR_TWO,
+    UNLISTED_LAWS,
+    Law,
+    suiting,
+)
 from softid.effects import belongs_to, extended_name
 from softid.effects.base import Effect
 from softid.parallel import in_parallel
@@ -124,7 +130,8 @@ def beyond_catalogue(
     )
     standing, kept = standing_of(known, base), known.acting
     found = in_parallel(
-        lambda law: refitted_with(standing, kept, (law(),), near=near, enough=hopeful), laws
+        lambda law: refitted_with(standing, kept, (law(),), near=near, enough=hopeful),
+        suiting(laws, is_linear=known.problem.model.is_linear),
     )
     enough = [one for one in found if one is not None and _share(known, one, left) > LEAST_TAKEN]
     ranked = rank([known, *enough], base.sigma) if enough else []
@@ -158,7 +165,7 @@ def beyond_and_cause(
     standing = standing_of(known, base)
     found = in_parallel(
         lambda law: refitted_with(standing, (), (law(),), near=known.squares, enough=near),
-        UNLISTED_LAWS,
+        suiting(UNLISTED_LAWS, is_linear=known.problem.model.is_linear),
     )
     begun = sorted((one for one in found if one is not None), key=lambda one: one.squares)
     for one in begun[:MOST_BEGUN]:

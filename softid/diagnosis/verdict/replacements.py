@@ -32,11 +32,10 @@ from softid.diagnosis.verdict.unlisted_laws import (
     BentReading,
     InputPlay,
     OutputPlay,
-    OwnBranches,
     PositionDamping,
-    SecondCreep,
-    SecondHysteresis,
+    suiting,
 )
+from softid.diagnosis.verdict.unlisted_memories import OwnBranches, SecondCreep, SecondHysteresis
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import (
     EarlyReading,
@@ -233,7 +232,8 @@ def _asked(named: Sequence[Effect], *, is_linear: bool, is_doubtful: bool = Fals
     for effects in together:
         names = tuple(effect.name for effect in effects)
         known = {laws for row, laws in found if [e for e in named if row.takes(e)] == [*effects]}
-        laws_left = tuple((law(),) for law in UNLISTED_LAWS if (law(),) not in known)
+        suitable = suiting(UNLISTED_LAWS, is_linear=is_linear)
+        laws_left = tuple((law(),) for law in suitable if (law(),) not in known)
         found += [(Replacement(names, laws_left, behind=0.0), laws) for laws in laws_left]
     return [(row, laws) for row, laws in found if not (is_linear and _drifts(laws))]
 

@@ -1,4 +1,4 @@
-"""Curves in no catalogue: forces that go with the position, and rests that go with the input."""
+"""Laws in no catalogue of what goes with the position or the input: forces, rests, coefficients."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from softid.diagnosis.verdict.unlisted_drifts import one_parameter
 from softid.effects.base import StateEffect
 from softid.effects.scale import Scale
-from softid.kernels.terms import FORCE, SHIFT
+from softid.kernels.terms import DAMPING, FORCE, SHIFT, STIFFNESS
 from softid.parameters import ParameterSet
 
 KNOTS = 11
@@ -19,6 +19,12 @@ KNOTS = 11
 INNER = KNOTS - 2
 NAMES = tuple(f"f{k}" for k in range(1, INNER + 1))
 """The knots that have a force."""
+
+MOST_FALLEN, MOST_RISEN = -0.9, 20.0
+"""Bounds of what a stiffness or a damping gains over the range of the input, as a share of it."""
+
+STIFFER = (0.5, -0.3)
+"""Starts of that gain of the stiffness."""
 
 MARGIN = 0.05
 """Share of the range of positions by which the knots reach beyond either end of it, for the model
@@ -215,3 +221,55 @@ class FineCurve(StateEffect):
                 w = CUBICS[j]
                 shift += (w[0] + b * (w[1] + b * (w[2] + b * w[3]))) * eta[knot - 1]
         out[SHIFT] += eta[BENDS] * shift
+
+
+@dataclass(frozen=True)
+class PressureStiffness(StateEffect):
+    """Stiffness and damping that go with the input, (1 + k ξ) and (1 + d ξ) times the model's.
+
+    ξ is the input within its range, from 0 to 1. A linear model has neither, and a law that bends
+    the motion in another way, such as an inertia that falls with the input, follows them in part.
+
+    Source: Ru et al. 2019, doi 10.1007/s11432-018-9709-x, Eq 4, where both depend on pressure.
+    """
+
+    name: ClassVar[str] = "pressure_stiffness"
+    title: ClassVar[str] = "Stiffness and damping that go with the pressure"
+    law: ClassVar[str] = "stiffness (1 + k xi), damping (1 + d xi), xi the input within its range"
+    meaning: ClassVar[str] = "An inflated chamber is stiffer than an empty one, and damps more."
+    signature: ClassVar[str] = "Small steps ring faster at a high pressure than at a low one."
+    remedy: ClassVar[str] = "take the muscle model (--model muscle)"
+    shown_by: ClassVar[str] = "small steps about a low and about a high pressure"
+    source: ClassVar[str] = "Ru et al. 2019, doi 10.1007/s11432-018-9709-x, Eq 4"
+    amplitude: ClassVar[str] = "k"
+    changes_sign: ClassVar[bool] = True
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """Both vanish together."""
+        return ("k", "d")
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """What stiffness and damping gain over the range of the input, as a share."""
+        del scale
+        declared = (
+            one_parameter(name, 0.0, "1", MOST_FALLEN, MOST_RISEN, "gain", self.source)[name]
+            for name in self.amplitudes
+        )
+        return ParameterSet(tuple(declared))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Two starts: a stiffness that rises, and one that falls."""
+        del scale
+        return tuple({"k": k, "d": 0.0} for k in STIFFER)
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """Lower end of the range of the input, and the range."""
+        return scale.u_low, scale.u_span
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Relative changes k ξ and d ξ; beyond the range both stay what they are at its ends."""
+        share = min(max((u - eta[2]) / eta[3], 0.0), 1.0)
+        out[STIFFNESS] += eta[0] * share
+        out[DAMPING] += eta[1] * share

@@ -5,14 +5,19 @@ They are in no race: beside every other effect they would make ties of what a lo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from softid.diagnosis.verdict.unlisted_curves import FineCurve, FreeSpring, PowerSpring
+from softid.diagnosis.verdict.unlisted_curves import (
+    FineCurve,
+    FreeSpring,
+    PowerSpring,
+    PressureStiffness,
+)
 from softid.diagnosis.verdict.unlisted_drifts import (
     DampingDrift,
     LoadDrift,
@@ -22,6 +27,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     SettlingStiffness,
     one_parameter,
 )
+from softid.diagnosis.verdict.unlisted_memories import OwnBranches
 from softid.diagnosis.verdict.unlisted_pneumatics import (
     InputLimit,
     RateLimit,
@@ -36,17 +42,13 @@ from softid.diagnosis.verdict.unlisted_readings import (
     SwingingPart,
     UnevenReading,
 )
-from softid.effects import effect_of
 from softid.effects.base import Effect, InputEffect, OutputEffect, StateEffect
 from softid.effects.scale import Scale
 from softid.kernels.filters import play
-from softid.kernels.terms import DAMPING, FORCE, RATE
+from softid.kernels.terms import DAMPING
 from softid.parameters import Parameter, ParameterSet
 
 Array = npt.NDArray[np.float64]
-
-CREEP_TIMES = (0.01, 0.03, 0.1, 0.3, 0.6)
-"""Starts of the time of a second creep, as shares of the log."""
 
 MOST_BENT = 0.9
 """Bound of what a bend adds to the slope of a reading at the ends of its range: it still rises."""
@@ -234,115 +236,6 @@ class OutputPlay(Play, OutputEffect):
         return recorded
 
 
-@dataclass(frozen=True)
-class SecondCreep(StateEffect):
-    """Creep of another time beside a creep, + k (x − z) with τ ż = x − z.
-
-    What a material gives way by after a load has as many times as its molecules have lengths.
-    """
-
-    name: ClassVar[str] = "second_creep"
-    title: ClassVar[str] = "Second creep"
-    law: ClassVar[str] = "+ k (x - z),  tau z' = x - z"
-    meaning: ClassVar[str] = "The material creeps within a short time, and within a long one."
-    signature: ClassVar[str] = "The residual decays after every change, and later more slowly."
-    remedy: ClassVar[str] = "precondition the actuator, or use a less viscoelastic elastomer"
-    shown_by: ClassVar[str] = "a hold ten times as long as the longer time, and as long a rest"
-    source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, §1 (generalised Maxwell model)"
-    amplitude: ClassVar[str] = "k"
-    essential: ClassVar[tuple[str, ...]] = ("tau",)
-    has_state: ClassVar[bool] = True
-    follows_position: ClassVar[bool] = True
-
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """Stiffness and time of a creep."""
-        return effect_of("creep").parameters(scale)
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """Times from a hundredth to more than half of the log, for the first creep has any."""
-        declared = self.parameters(scale)
-        k, tau = declared["k"], declared["tau"]
-        wanted = np.clip(np.array(CREEP_TIMES) * scale.duration_s, tau.lower, tau.upper)
-        return tuple({"k": k.value, "tau": time_s} for time_s in np.unique(wanted).tolist())
-
-    @staticmethod
-    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
-        """Force k (x − z), and ż = (x − z)/τ."""
-        out[FORCE] += eta[0] * (x - z)
-        out[RATE] += (x - z) / eta[1]
-
-
-@dataclass(frozen=True)
-class SecondHysteresis(StateEffect):
-    """Hysteresis over another distance beside one, + α z with zs ż = v − |v| z.
-
-    What slips inside a material gives way a little here and a little there: elements in parallel.
-    """
-
-    name: ClassVar[str] = "second_hysteresis"
-    title: ClassVar[str] = "Second hysteresis"
-    law: ClassVar[str] = "+ alpha z,  z' = (v - |v| z)/zs"
-    meaning: ClassVar[str] = (
-        "The material gives way within a short distance, and within a long one."
-    )
-    signature: ClassVar[str] = "The residual differs up and down, and turns over two distances."
-    remedy: ClassVar[str] = "approach every position from the same side"
-    shown_by: ClassVar[str] = "slow loops of many sizes, one within the other"
-    source: ClassVar[str] = "Rizos and Fassois, Chaos 14, 2004 (Maxwell slip: elements in parallel)"
-    amplitude: ClassVar[str] = "alpha"
-    essential: ClassVar[tuple[str, ...]] = ("zs",)
-    has_state: ClassVar[bool] = True
-
-    def parameters(self, scale: Scale) -> ParameterSet:
-        """Half height and distance of a hysteresis."""
-        return effect_of("hysteresis").parameters(scale)
-
-    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
-        """The distances of a hysteresis, for the first one has any."""
-        return effect_of("hysteresis").starts(scale)
-
-    def rate(self, eta: Array, scale: Scale) -> float:
-        """That of a hysteresis."""
-        first = effect_of("hysteresis")
-        assert isinstance(first, StateEffect)
-        return first.rate(eta, scale)
-
-    @staticmethod
-    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
-        """Force α z, and ż = (v − |v| z)/zs."""
-        out[FORCE] += eta[0] * z
-        out[RATE] += (v - abs(v) * z) / eta[1]
-
-
-@dataclass(frozen=True)
-class OwnBranches(SecondHysteresis):
-    """The same as a slider s behind a spring, + α (x − s)/zs with zs ṡ = |v| (x − s).
-
-    With z = (x − s)/zs this is α z, zs ż = v − |v| z. Where a log begins says nothing of where s
-    is then: how an actuator was moved before is an unknown of each log.
-
-    Source: Dahl 1968, *A Solid Friction Model*.
-    """
-
-    name: ClassVar[str] = "own_branches"
-    title: ClassVar[str] = "Hysteresis from a branch of its own in each log"
-    law: ClassVar[str] = "+ alpha (x - s)/zs,  zs s' = |v| (x - s)"
-    meaning: ClassVar[str] = "The material keeps a set from how it was moved before each log."
-    signature: ClassVar[str] = "The logs begin at one pressure and at different positions."
-    remedy: ClassVar[str] = "run the same cycles before each log"
-    shown_by: ClassVar[str] = "one path in two logs, the second right after the first"
-    source: ClassVar[str] = "Dahl 1968, A Solid Friction Model"
-    follows_position: ClassVar[bool] = True
-    keeps_place: ClassVar[bool] = True
-
-    @staticmethod
-    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
-        """Force α (x − z)/zs, and ż = |v| (x − z)/zs: the own state z is the slider."""
-        strain = (x - z) / eta[1]
-        out[FORCE] += eta[0] * strain
-        out[RATE] += abs(v) * strain
-
-
 Law = StateEffect | InputEffect | OutputEffect
 
 UNLISTED_LAWS: tuple[type[Law], ...] = (
@@ -361,6 +254,7 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     PowerSpring,
     FreeSpring,
     FineCurve,
+    PressureStiffness,
     EarlyReading,
     LateGauge,
     SmoothedInput,
@@ -383,3 +277,19 @@ stiffens up to a wall, a curve at rest one with a dead zone, and a leak a lag an
 
 BEYOND_ONE = tuple(law for law in UNLISTED_LAWS if law not in NEAR_ONE)
 """Laws of no catalogue that no single cause can do as well, but for the plain shapes of a curve."""
+
+OF_LINEAR = (PressureStiffness,)
+"""Laws that a model which is not linear has itself, or makes up for; their remedy is that model."""
+
+
+def suiting(laws: Sequence[type[Law]], *, is_linear: bool) -> tuple[type[Law], ...]:
+    """Those of some laws that a base can be told from.
+
+    Parameters
+    ----------
+    laws
+        Laws in no catalogue.
+    is_linear
+        Whether the base is linear.
+    """
+    return tuple(law for law in laws if is_linear or law not in OF_LINEAR)

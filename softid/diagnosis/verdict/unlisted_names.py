@@ -8,6 +8,8 @@ UNLISTED: dict[str, str] = {
     "free_spring": "a spring, a wall or a load whose force follows the position along some other "
     "curve",
     "fine_curve": "a static curve that bends within a smaller part of the range",
+    "pressure_stiffness": "a stiffness or a damping that goes with the pressure, which the muscle "
+    "model has",
     "gauge_lag": "a pressure gauge that lags behind",
     "sensor_lead": "a sensor that runs ahead of the motion",
     "held_input": "an input that is held until its next sample",

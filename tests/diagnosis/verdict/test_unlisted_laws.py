@@ -14,7 +14,13 @@ from printed_laws import unnamed_in
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS, REPLACED
-from softid.diagnosis.verdict.unlisted_curves import MARGIN, FineCurve, FreeSpring, PowerSpring
+from softid.diagnosis.verdict.unlisted_curves import (
+    MARGIN,
+    FineCurve,
+    FreeSpring,
+    PowerSpring,
+    PressureStiffness,
+)
 from softid.diagnosis.verdict.unlisted_drifts import (
     LoadDrift,
     PressureDrift,
@@ -27,11 +33,10 @@ from softid.diagnosis.verdict.unlisted_laws import (
     BentReading,
     InputPlay,
     OutputPlay,
-    OwnBranches,
     PositionDamping,
-    SecondCreep,
-    SecondHysteresis,
+    suiting,
 )
+from softid.diagnosis.verdict.unlisted_memories import OwnBranches, SecondCreep, SecondHysteresis
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis.verdict.unlisted_pneumatics import (
     InputLimit,
@@ -359,3 +364,24 @@ def test_they_are_told_and_are_in_no_catalogue() -> None:
     assert not names & {key.split(".")[0] for key in EFFECTS}
     assert set(CHANGING.effects) < names
     assert set(DRIFTS) <= set(EFFECTS)
+
+
+def test_a_stiffness_goes_with_the_pressure() -> None:
+    """By hand: half way through the range of the input both gain half, beyond it no more."""
+    scale = sizes_of("muscle")
+    eta = np.array([0.6, -0.2, *PressureStiffness().constants(scale)])
+    for u, share in (
+        (scale.u_low - 1.0, 0.0),
+        (scale.u_low + 0.5 * scale.u_span, 0.5),
+        (scale.u_high + 1.0, 1.0),
+    ):
+        out = np.zeros(8)
+        PressureStiffness.step(0.3, 0.1, 0.0, u, 0.0, eta, out)
+        assert out[STIFFNESS] == pytest.approx(0.6 * share)
+        assert out[DAMPING] == pytest.approx(-0.2 * share)
+
+
+def test_a_stiffness_that_goes_with_the_pressure_is_asked_of_linear_bases_alone() -> None:
+    """The muscle has it itself."""
+    assert set(UNLISTED_LAWS) - set(suiting(UNLISTED_LAWS, is_linear=False)) == {PressureStiffness}
+    assert suiting(UNLISTED_LAWS, is_linear=True) == UNLISTED_LAWS

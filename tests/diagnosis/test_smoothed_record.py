@@ -1,0 +1,74 @@
+"""A true model over a record that was filtered after it was taken, as motion capture often is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from scipy.signal import butter, filtfilt, savgol_filter
+
+from softid.diagnosis import diagnose
+from softid.diagnosis.smoothed_record import SMOOTHED_RECORD
+from softid.diagnosis_results import Verdict
+from softid.log import Log
+from softid.synthesis import hidden_pair
+
+Array = npt.NDArray[np.float64]
+
+RATE_HZ = 100.0
+
+
+def there_and_back(cut_off_hz: float, order: int) -> Callable[[Array], Array]:
+    """A Butterworth filter that delays nothing."""
+    b, a = butter(order, cut_off_hz / (0.5 * RATE_HZ))
+    return lambda y: np.asarray(filtfilt(b, a, y))
+
+
+def filtered(log: Log, smooth: Callable[[Array], Array]) -> Log:
+    """The log with its output smoothed."""
+    (name,) = log.outputs
+    channels = {log.input: log.channels[log.input].values, name: smooth(log.channels[name].values)}
+    units = {key: log.channels[key].unit for key in channels}
+    return Log.from_arrays(log.time_s, channels, outputs=(name,), units=units, name=log.name)
+
+
+@pytest.mark.parametrize(
+    ("seed", "smooth"),
+    [
+        (7, there_and_back(6.0, 4)),
+        pytest.param(7, there_and_back(10.0, 2), marks=pytest.mark.slow),
+        pytest.param(8, lambda y: savgol_filter(y, 21, 3), marks=pytest.mark.slow),
+        pytest.param(9, there_and_back(6.0, 4), marks=pytest.mark.slow),
+        pytest.param(10, there_and_back(10.0, 4), marks=pytest.mark.slow),
+        pytest.param(11, there_and_back(20.0, 2), marks=pytest.mark.slow),
+    ],
+)
+def test_noise_behind_a_filter_is_no_misfit(seed: int, smooth: Callable[[Array], Array]) -> None:
+    """Either the filter moves the prediction, and is named, or the model is adequate."""
+    train, judge = (filtered(log, smooth) for log in hidden_pair((), seed=seed).logs)
+    found = diagnose([train], hold_out=[judge], model="muscle")
+    assert {cause.effect for cause in found.causes} <= {"smoothing"}
+    if not found.causes:
+        assert found.verdict is Verdict.ADEQUATE
+        told = {issue.code for issue in found.issues}
+        assert SMOOTHED_RECORD not in told or "was smoothed after it was recorded" in found.summary
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "coulomb_friction",
+        pytest.param("creep", marks=pytest.mark.slow),
+        pytest.param("stiffening", marks=pytest.mark.slow),
+        pytest.param("dead_zone", marks=pytest.mark.slow),
+    ],
+)
+def test_a_cause_behind_a_filter_is_still_found(effect: str) -> None:
+    """The filter is in both logs; it may be named beside the cause, or not."""
+    smooth = there_and_back(8.0, 4)
+    train, judge = (filtered(log, smooth) for log in hidden_pair((effect,), seed=12).logs)
+    found = diagnose([train], hold_out=[judge], model="muscle")
+    assert effect in {cause.effect for cause in found.causes}
+    assert {cause.effect for cause in found.causes} <= {effect, "smoothing"}
