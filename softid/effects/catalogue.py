@@ -5,7 +5,7 @@ from softid.effects.asymmetric_damping import AsymmetricDamping
 from softid.effects.base import Effect
 from softid.effects.clock_rate import ClockRate
 from softid.effects.contact import Contact, LowerContact
-from softid.effects.coulomb_friction import CoulombFriction, StribeckFriction
+from softid.effects.coulomb_friction import CoulombFriction, PressureFriction, StribeckFriction
 from softid.effects.creep import Creep, SeriesCreep
 from softid.effects.dead_zone import DeadZone
 from softid.effects.delay import Delay
@@ -55,6 +55,7 @@ STATE: tuple[type[Effect], ...] = (
     AsymmetricDamping,
     CoulombFriction,
     StribeckFriction,
+    PressureFriction,
     Hysteresis,
     BranchHysteresis,
     Creep,

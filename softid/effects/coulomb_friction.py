@@ -1,10 +1,10 @@
-"""Coulomb friction: a force of constant size against the motion, and its Stribeck form."""
+"""Coulomb friction: a force of constant size against the motion, and forms whose size varies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -53,6 +53,10 @@ EXCESS = (1e-3, 0.5, 20.0)
 """Bounds and start of the share by which friction is larger at low speed. Static friction is seldom
 twice the sliding one; the upper bound leaves room where none of the motion is quick enough to show
 the latter alone."""
+
+GROWTH = (1e-3, 1.0, 100.0)
+"""Bounds and start of the share by which friction grows up to the largest input: it doubles, stays,
+or is next to nothing without pressure."""
 
 STRIBECK_SPEEDS = (0.03, 0.1)
 """Starts of vb, as shares of the largest speed."""
@@ -120,15 +124,15 @@ class CoulombFriction(StateEffect):
 
     def rate(self, eta: Array, scale: Scale) -> float:
         """The friction turns round while the speed goes through ±vs."""
-        largest = float(eta[0]) * (1.0 + self.excess(eta))
+        largest = float(eta[0]) * (1.0 + self.excess(eta, scale))
         passes = scale.turning_rate * scale.v_max / float(eta[1])
         share = min(max(largest / scale.force, 0.0) / LARGE, 1.0)
         jumps = SHARP * math.sqrt(share * scale.turning_rate * scale.v_max / scale.x_span)
         return TURN * min(passes, jumps)
 
-    def excess(self, eta: Array) -> float:
-        """Share by which the friction at low speed is above that at high speed."""
-        del eta
+    def excess(self, eta: Array, scale: Scale) -> float:
+        """Share by which the largest friction is above Fc."""
+        del eta, scale
         return 0.0
 
     @staticmethod
@@ -190,8 +194,9 @@ class StribeckFriction(CoulombFriction):
             for start, share in zip(super().starts(scale), STRIBECK_SPEEDS, strict=True)
         )
 
-    def excess(self, eta: Array) -> float:
+    def excess(self, eta: Array, scale: Scale) -> float:
         """The share β."""
+        del scale
         return max(float(eta[2]), 0.0)
 
     @staticmethod
@@ -201,3 +206,65 @@ class StribeckFriction(CoulombFriction):
         out[FORCE] += (
             eta[0] * hyperbolic_tangent(v / eta[1]) * (1.0 + eta[2] * math.exp(-fast * fast))
         )
+
+
+@dataclass(frozen=True)
+class PressureFriction(CoulombFriction):
+    r"""Dry friction that grows with the input, + Fc tanh(v/vs) (1 + k \|u\|).
+
+    Pressure presses the threads of a braid, or a bellows and its guide, onto each other.
+
+    Source: Tondu and Lopez 2000, doi 10.1109/37.833638 (friction of a braid goes with pressure).
+    """
+
+    variant: ClassVar[str] = "pressure"
+    title: ClassVar[str] = "Dry friction that grows with the pressure"
+    law: ClassVar[str] = "+ Fc tanh(v/vs) (1 + k |u|)"
+    meaning: ClassVar[str] = (
+        "Surfaces that rub hold the motion back, and more so the harder the pressure presses them "
+        "onto each other, as it does the threads of a braid."
+    )
+    signature: ClassVar[str] = (
+        "As for dry friction, and at high pressure the residual is larger than at low pressure."
+    )
+    shown_by: ClassVar[str] = "slow strokes up and down about a low and about a high pressure"
+    source: ClassVar[str] = "Tondu and Lopez 2000, doi 10.1109/37.833638"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Those of dry friction, of which Fc is that without pressure, and the growth k."""
+        force, speed = super().parameters(scale).values()
+        reach = max(abs(scale.u_low), abs(scale.u_high))
+        least, start, most = (share / reach for share in GROWTH)
+        return ParameterSet(
+            (
+                replace(force, meaning="friction force at high speed without pressure"),
+                speed,
+                Parameter(
+                    "k",
+                    start,
+                    f"1/{scale.u_unit}",
+                    least,
+                    most,
+                    "log",
+                    meaning="share of Fc gained with each unit of input",
+                    source=self.source,
+                ),
+            )
+        )
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Those of dry friction, of which half comes with the largest input."""
+        k = self.parameters(scale)["k"].value
+        return tuple(
+            {**start, "Fc": start["Fc"] / (1.0 + GROWTH[1]), "k": k}
+            for start in super().starts(scale)
+        )
+
+    def excess(self, eta: Array, scale: Scale) -> float:
+        """The growth up to the largest input."""
+        return max(float(eta[2]), 0.0) * max(abs(scale.u_low), abs(scale.u_high))
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force Fc tanh(v/vs) (1 + k |u|)."""
+        out[FORCE] += eta[0] * hyperbolic_tangent(v / eta[1]) * (1.0 + eta[2] * abs(u))

@@ -153,10 +153,10 @@ def _asymmetric(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
 def _friction(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     del sizes, occasion
     dry, vs = values["Fc"], values["vs"]
-    beta, vb = values.get("beta", 0.0), values.get("vb", 1.0)
+    beta, vb, k = values.get("beta", 0.0), values.get("vb", 1.0), values.get("k", 0.0)
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
-        excess = beta * exp(-((v / vb) ** 2)) if beta else 0.0
+        excess = k * abs(p) + (beta * exp(-((v / vb) ** 2)) if beta else 0.0)
         parts.force += dry * tanh(v / vs) * (1.0 + excess)
         return NO_RATES
 
@@ -303,6 +303,13 @@ MOTIONS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             **draw_friction(s, rng, 0.7 * size), "beta": rng.uniform(0.4, 1.2),
             "vb": between(rng, 0.06, 0.2) * s.v_max,
+        }, _friction,
+    ),
+    entry(
+        "coulomb_friction.pressure", "state", "+ Fc tanh(v/vs) (1 + k |u|)",
+        "Fc {f}, vs {x}/s, k 1/kPa",
+        lambda s, rng, size: {
+            **draw_friction(s, rng, 0.5 * size), "k": rng.uniform(1.0, 4.0) / s.p_high,
         }, _friction,
     ),
     entry(

@@ -10,16 +10,21 @@ from textbook_effects import oscillation, round_scale, segment
 
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.effects import ExtendedModel
-from softid.effects.coulomb_friction import SHARPEST, CoulombFriction, StribeckFriction
+from softid.effects.coulomb_friction import (
+    SHARPEST,
+    CoulombFriction,
+    PressureFriction,
+    StribeckFriction,
+)
 from softid.kernels.terms import FORCE
 from softid.log import Log
 from softid.simulation import simulate
 
 
-def force(effect: CoulombFriction, v: float, eta: list[float]) -> float:
-    """Friction at a speed, by the effect's own step."""
+def force(effect: CoulombFriction, v: float, eta: list[float], *, u: float = 0.0) -> float:
+    """Friction at a speed and an input, by the effect's own step."""
     out = np.zeros(6)
-    effect.step(0.0, v, 0.0, 0.0, 0.0, np.array(eta), out)
+    effect.step(0.0, v, 0.0, u, 0.0, np.array(eta), out)
     return float(out[FORCE])
 
 
@@ -63,6 +68,16 @@ def test_stribeck_is_larger_slowly_and_the_same_fast() -> None:
     assert abs(force(stribeck, -1.0, eta) + 2.0) < 1e-9
     for v in (-0.2, 1e-4, 0.05):
         assert force(stribeck, v, [2.0, 1e-4, 0.0, 0.1]) == force(plain, v, eta[:2])
+
+
+def test_friction_grows_with_the_pressure() -> None:
+    """Fc (1 + k |u|) beyond vs, for pressure and vacuum, and Fc tanh(v/vs) without either."""
+    pressed, plain = PressureFriction(), CoulombFriction()
+    eta = [2.0, 1e-4, 0.01]
+    assert abs(force(pressed, 1.0, eta, u=150.0) - 5.0) < 1e-9
+    assert abs(force(pressed, -1.0, eta, u=-50.0) + 3.0) < 1e-9
+    for v in (-0.2, 1e-4, 0.05):
+        assert force(pressed, v, eta) == force(plain, v, eta[:2])
 
 
 def test_sharp_friction_asks_for_small_steps() -> None:

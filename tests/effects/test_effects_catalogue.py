@@ -177,6 +177,7 @@ SHARPEST = {
     "hysteresis.branch": {"alpha": 0.3, "zs": 3e-3, "z0": -1.0},
     "coulomb_friction": {"Fc": 0.05, "vs": 1e-3},
     "coulomb_friction.stribeck": {"Fc": 0.05, "vs": 3e-3, "beta": 0.5, "vb": 0.1},
+    "coulomb_friction.pressure": {"Fc": 0.03, "vs": 3e-3, "k": 1.0},
     "asymmetric_damping": {"eps": -0.9, "v0": 3e-3},
     "quadratic_damping": {"d2": 10.0},
 }
@@ -192,6 +193,7 @@ def test_sharp_laws_get_the_steps_they_need(key: str, base: str) -> None:
         "kw": scale.force / scale.x_span, "xw": scale.x_span, "alpha": scale.force,
         "zs": scale.x_span, "Fc": scale.force, "vs": scale.v_max, "beta": 1.0, "vb": scale.v_max,
         "z0": 1.0, "eps": 1.0, "v0": scale.v_max, "d2": scale.force / scale.v_max**2,
+        "k": 1.0 / scale.u_high,
     }  # fmt: skip
     values = {name: share * natural[name] for name, share in SHARPEST[key].items()}
     if "xw" in values:
@@ -241,6 +243,7 @@ def test_jacobian(key: str, base: str, sampling: str) -> None:
 GENTLE = {
     "coulomb_friction": {"Fc": 0.05, "vs": 0.3},
     "coulomb_friction.stribeck": {"Fc": 0.05, "vs": 0.3, "beta": 0.1, "vb": 1.0},
+    "coulomb_friction.pressure": {"Fc": 0.02, "vs": 0.3, "k": 1.0},
     "hysteresis.branch": {"alpha": 0.05, "zs": 0.01, "z0": -0.8},
 }
 """In shares of force, range and largest speed. Without inertia and damping nothing but the spring
@@ -269,7 +272,7 @@ def test_lower_orders_are_the_limits_of_higher_ones(order: str, key: str, base: 
     if key in GENTLE:
         natural = {
             "Fc": scale.force, "vs": scale.v_max, "vb": scale.v_max, "beta": 1.0,
-            "alpha": scale.force, "zs": scale.x_span, "z0": 1.0,
+            "alpha": scale.force, "zs": scale.x_span, "z0": 1.0, "k": 1.0 / scale.u_high,
         }  # fmt: skip
         values = {name: share * natural[name] for name, share in GENTLE[key].items()}
     eta = eta_of(effect, scale, values)

@@ -97,6 +97,9 @@ LAWS: dict[str, Law] = {
     ),
     "coulomb_friction": lambda at, p: Parts(force=p["Fc"] * float(np.tanh(at.v / p["vs"]))),
     "coulomb_friction.stribeck": _stribeck,
+    "coulomb_friction.pressure": lambda at, p: Parts(
+        force=p["Fc"] * float(np.tanh(at.v / p["vs"])) * (1 + p["k"] * abs(at.u))
+    ),
     "hysteresis": lambda at, p: Parts(
         force=p["alpha"] * at.z, rate=(at.v - abs(at.v) * at.z) / p["zs"]
     ),
