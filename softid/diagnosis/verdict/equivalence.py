@@ -247,6 +247,22 @@ OWN_BRANCH = EquivalenceClass(
 )
 """Logs that begin at rest where friction or a hysteresis holds the actuator, each elsewhere."""
 
+OTHER_FRICTION = EquivalenceClass(
+    ("dry friction that goes with the pressure or the speed", UNLISTED["position_friction"]),
+    ("position_friction",),
+    _IN_PLACE_OF_IT,
+    "slow strokes up and down about one position at several pressures, as under several loads",
+)
+"""Friction that is larger further out, where the pressure is, too."""
+
+STIFFER_WITH_PRESSURE = EquivalenceClass(
+    ("causes beside a linear model", UNLISTED["pressure_stiffness"]),
+    ("pressure_stiffness",),
+    _IN_PLACE_OF_IT,
+    "small steps about a low and about a high pressure; the muscle model (--model muscle) has it",
+)
+"""A linear model has one stiffness for all pressures."""
+
 REPLACED = (
     CHANGING,
     BENT_READING,
@@ -257,6 +273,8 @@ REPLACED = (
     TWO_HYSTERESES,
     SETTLING_STIFFNESS,
     OWN_BRANCH,
+    OTHER_FRICTION,
+    STIFFER_WITH_PRESSURE,
     OTHER_CURVE,
     ONE_FOR_ALL,
 )

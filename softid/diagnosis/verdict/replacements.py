@@ -33,6 +33,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
     InputPlay,
     OutputPlay,
     PositionDamping,
+    PositionFriction,
     suiting,
 )
 from softid.diagnosis.verdict.unlisted_memories import OwnBranches, SecondCreep, SecondHysteresis
@@ -145,6 +146,11 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(("sensor_clipping.lower", "contact.lower"), ((effect_of("dead_zone"),),)),
     Replacement(("hysteresis", "coulomb_friction"), ((InputPlay(),), (OutputPlay(),)), behind=0.0),
     Replacement(("coulomb_friction",), ((OwnBranches(),),), behind=0.0),
+    Replacement(
+        ("coulomb_friction.pressure", "coulomb_friction.stribeck"),
+        ((PositionFriction(),),),
+        behind=0.0,
+    ),
     Replacement(
         ("quadratic_damping", "asymmetric_damping"),
         ((PositionDamping(),), (DampingDrift(),)),

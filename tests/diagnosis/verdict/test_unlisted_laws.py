@@ -34,6 +34,7 @@ from softid.diagnosis.verdict.unlisted_laws import (
     InputPlay,
     OutputPlay,
     PositionDamping,
+    PositionFriction,
     suiting,
 )
 from softid.diagnosis.verdict.unlisted_memories import OwnBranches, SecondCreep, SecondHysteresis
@@ -59,7 +60,7 @@ from softid.effects.sensor_resonance import SensorResonance
 from softid.kernels.filters import lag
 from softid.kernels.terms import DAMPING, FORCE, RATE, SHIFT, STIFFNESS
 
-SECOND = (SecondCreep, SecondHysteresis, OwnBranches)
+SECOND = (SecondCreep, SecondHysteresis, OwnBranches, PositionFriction)
 """Laws that only stand beside another one, or in the place of one."""
 
 
@@ -385,3 +386,14 @@ def test_a_stiffness_that_goes_with_the_pressure_is_asked_of_linear_bases_alone(
     """The muscle has it itself."""
     assert set(UNLISTED_LAWS) - set(suiting(UNLISTED_LAWS, is_linear=False)) == {PressureStiffness}
     assert suiting(UNLISTED_LAWS, is_linear=True) == UNLISTED_LAWS
+
+
+def test_friction_goes_with_the_position() -> None:
+    """By hand: half way through the range it is half as much larger, and holds either way."""
+    scale, law = sizes_of("muscle"), PositionFriction()
+    eta = np.array([2.0, 1e-6, 3.0, *law.constants(scale)])
+    for share, v, expected in ((0.0, 1.0, 2.0), (0.5, -1.0, -5.0), (2.0, 1.0, 8.0)):
+        out = np.zeros(8)
+        law.step(scale.x_low + share * scale.x_span, v, 0.0, 0.0, 0.0, eta, out)
+        assert out[FORCE] == pytest.approx(expected)
+    assert law.rate(eta[:3], scale) > law.rate(np.array([2.0, 1e-6, 0.0]), scale) > 0.0
