@@ -9,7 +9,7 @@ from softid.effects.coulomb_friction import CoulombFriction, PressureFriction, S
 from softid.effects.creep import Creep, SeriesCreep
 from softid.effects.dead_zone import DeadZone
 from softid.effects.delay import Delay
-from softid.effects.hysteresis import BranchHysteresis, Hysteresis
+from softid.effects.hysteresis import BranchHysteresis, Hysteresis, PressureHysteresis
 from softid.effects.line_resonance import LineResonance
 from softid.effects.pneumatic_lag import (
     LevelPneumaticLag,
@@ -58,6 +58,7 @@ STATE: tuple[type[Effect], ...] = (
     PressureFriction,
     Hysteresis,
     BranchHysteresis,
+    PressureHysteresis,
     Creep,
     Softening,
     Ageing,

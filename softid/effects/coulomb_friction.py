@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, StateEffect
 from softid.effects.scale import Scale
+from softid.effects.shared_laws.pressed_surfaces import SHOWN_BY, SOURCE, growth, largest_input
 from softid.kernels.exponential import hyperbolic_tangent
 from softid.kernels.terms import FORCE
 from softid.parameters import Parameter, ParameterSet
@@ -53,10 +54,6 @@ EXCESS = (1e-3, 0.5, 20.0)
 """Bounds and start of the share by which friction is larger at low speed. Static friction is seldom
 twice the sliding one; the upper bound leaves room where none of the motion is quick enough to show
 the latter alone."""
-
-GROWTH = (1e-3, 1.0, 100.0)
-"""Bounds and start of the share by which friction grows up to the largest input: it doubles, stays,
-or is next to nothing without pressure."""
 
 STRIBECK_SPEEDS = (0.03, 0.1)
 """Starts of vb, as shares of the largest speed."""
@@ -227,42 +224,26 @@ class PressureFriction(CoulombFriction):
     signature: ClassVar[str] = (
         "As for dry friction, and at high pressure the residual is larger than at low pressure."
     )
-    shown_by: ClassVar[str] = "slow strokes up and down about a low and about a high pressure"
-    source: ClassVar[str] = "Tondu and Lopez 2000, doi 10.1109/37.833638"
+    shown_by: ClassVar[str] = SHOWN_BY
+    source: ClassVar[str] = SOURCE
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """Those of dry friction, of which Fc is that without pressure, and the growth k."""
         force, speed = super().parameters(scale).values()
-        reach = max(abs(scale.u_low), abs(scale.u_high))
-        least, start, most = (share / reach for share in GROWTH)
-        return ParameterSet(
-            (
-                replace(force, meaning="friction force at high speed without pressure"),
-                speed,
-                Parameter(
-                    "k",
-                    start,
-                    f"1/{scale.u_unit}",
-                    least,
-                    most,
-                    "log",
-                    meaning="share of Fc gained with each unit of input",
-                    source=self.source,
-                ),
-            )
-        )
+        force = replace(force, meaning="friction force at high speed without pressure")
+        return ParameterSet((force, speed, growth(scale)))
 
     def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
         """Those of dry friction, of which half comes with the largest input."""
-        k = self.parameters(scale)["k"].value
+        k = growth(scale).value
         return tuple(
-            {**start, "Fc": start["Fc"] / (1.0 + GROWTH[1]), "k": k}
+            {**start, "Fc": start["Fc"] / (1.0 + k * largest_input(scale)), "k": k}
             for start in super().starts(scale)
         )
 
     def excess(self, eta: Array, scale: Scale) -> float:
         """The growth up to the largest input."""
-        return max(float(eta[2]), 0.0) * max(abs(scale.u_low), abs(scale.u_high))
+        return max(float(eta[2]), 0.0) * largest_input(scale)
 
     @staticmethod
     def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from softid.effects.base import LEAST_AMPLITUDE, SHARPEST_BEND, StateEffect
 from softid.effects.scale import Scale
+from softid.effects.shared_laws.pressed_surfaces import SHOWN_BY, SOURCE, growth, largest_input
 from softid.kernels.terms import FORCE, RATE
 from softid.parameters import Parameter, ParameterSet
 
@@ -162,3 +163,51 @@ class BranchHysteresis(Hysteresis):
         branch = eta[2] + z
         out[FORCE] += eta[0] * branch
         out[RATE] += (v - abs(v) * branch) / eta[1]
+
+
+@dataclass(frozen=True)
+class PressureHysteresis(Hysteresis):
+    r"""The same with a loop that is wider at high input, + α z (1 + k \|u\|).
+
+    What slips in it is pressed together by the pressure, as the threads of a braid are.
+
+    Source: Dahl 1968, *A Solid Friction Model*; Tondu and Lopez 2000, doi 10.1109/37.833638.
+    """
+
+    variant: ClassVar[str] = "pressure"
+    title: ClassVar[str] = "Hysteresis that grows with the pressure"
+    law: ClassVar[str] = "+ alpha z (1 + k |u|),  z' = (v - |v| z)/zs"
+    meaning: ClassVar[str] = (
+        "The way up and the way down follow different curves however slow the motion is, and lie "
+        "further apart the harder the pressure presses the fibres onto each other."
+    )
+    signature: ClassVar[str] = (
+        "As for hysteresis, and loops about a high pressure are wider than about a low one."
+    )
+    shown_by: ClassVar[str] = SHOWN_BY
+    source: ClassVar[str] = f"Dahl 1968, A Solid Friction Model; {SOURCE}"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Those of the plain form, of which α is that without pressure, and the growth k."""
+        height, distance = super().parameters(scale).values()
+        height = replace(height, meaning=f"{height.meaning} without pressure")
+        return ParameterSet((height, distance, growth(scale)))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Those of the plain form, of which half comes with the largest input."""
+        k = growth(scale).value
+        return tuple(
+            {**start, "alpha": start["alpha"] / (1.0 + k * largest_input(scale)), "k": k}
+            for start in super().starts(scale)
+        )
+
+    def rate(self, eta: Array, scale: Scale) -> float:
+        """That of a loop as wide as at the largest input."""
+        widest = eta[0] * (1.0 + max(float(eta[2]), 0.0) * largest_input(scale))
+        return super().rate(np.array([widest, eta[1]]), scale)
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force α z (1 + k |u|), and ż = (v − |v| z)/zs."""
+        out[FORCE] += eta[0] * z * (1.0 + eta[2] * abs(u))
+        out[RATE] += (v - abs(v) * z) / eta[1]

@@ -165,10 +165,10 @@ def _friction(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
 
 def _hysteresis(values: Values, sizes: Sizes, occasion: Occasion) -> MotionLaw:
     del sizes, occasion
-    alpha, zs = values["alpha"], values["zs"]
+    alpha, zs, k = values["alpha"], values["zs"], values.get("k", 0.0)
 
     def act(t: float, p: float, x: float, v: float, z: States, parts: Parts) -> Rates:
-        parts.force += alpha * z[0]
+        parts.force += alpha * z[0] * (1.0 + k * abs(p))
         return ((v - abs(v) * z[0]) / zs,)
 
     return MotionLaw(act, rest_on_branch(values.get("z0", 0.0)))
@@ -324,6 +324,14 @@ MOTIONS: tuple[Hidden, ...] = (
         lambda s, rng, size: {
             "alpha": about(rng, 0.06 * size * s.force), "zs": between(rng, 0.04, 0.2) * s.x_span,
             "z0": either(rng) * rng.uniform(0.5, 1.0),
+        }, _hysteresis,
+    ),
+    entry(
+        "hysteresis.pressure", "state", "+ alpha z (1 + k |u|), z' = (v - |v| z)/zs",
+        "alpha {f}, zs {x}, k 1/kPa",
+        lambda s, rng, size: {
+            "alpha": about(rng, 0.03 * size * s.force), "zs": between(rng, 0.04, 0.2) * s.x_span,
+            "k": rng.uniform(1.0, 4.0) / s.p_high,
         }, _hysteresis,
     ),
     entry(

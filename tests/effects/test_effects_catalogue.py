@@ -175,6 +175,7 @@ SHARPEST = {
     "contact.lower": {"kw": 90.0, "xw": 0.4},
     "hysteresis": {"alpha": 0.3, "zs": 3e-3},
     "hysteresis.branch": {"alpha": 0.3, "zs": 3e-3, "z0": -1.0},
+    "hysteresis.pressure": {"alpha": 0.15, "zs": 3e-3, "k": 1.0},
     "coulomb_friction": {"Fc": 0.05, "vs": 1e-3},
     "coulomb_friction.stribeck": {"Fc": 0.05, "vs": 3e-3, "beta": 0.5, "vb": 0.1},
     "coulomb_friction.pressure": {"Fc": 0.03, "vs": 3e-3, "k": 1.0},

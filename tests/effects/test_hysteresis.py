@@ -6,7 +6,7 @@ import numpy as np
 from textbook_effects import oscillation, segment
 
 from softid.effects.base import StateEffect
-from softid.effects.hysteresis import BranchHysteresis, Hysteresis
+from softid.effects.hysteresis import BranchHysteresis, Hysteresis, PressureHysteresis
 from softid.models.oscillator import Oscillator
 
 VALUES = {"alpha": 0.2, "zs": 0.05}
@@ -83,3 +83,12 @@ def test_a_branch_of_nothing_is_the_plain_form() -> None:
     path = np.array([0.0, 1.0, 0.2, 0.6, 0.4, 0.8, 0.0])
     found = slowly(path, 6.0, 1201, BranchHysteresis(), {**VALUES, "z0": 0.0})
     np.testing.assert_allclose(found, slowly(path, 6.0, 1201), atol=1e-12)
+
+
+def test_the_loop_is_wider_at_high_pressure() -> None:
+    """Closed form, to 1e-6: on the way up u = Q x + α (1 + k u) (1 − exp(−x/zs))."""
+    k = 3.0
+    x = slowly(np.array([0.0, 1.0]), 4.0, effect=PressureHysteresis(), values={**VALUES, "k": k})
+    u = np.linspace(0.0, 1.0, 600)
+    z = 1.0 - np.exp(-x / VALUES["zs"])
+    np.testing.assert_allclose(STIFFNESS * x + VALUES["alpha"] * (1.0 + k * u) * z, u, atol=1e-6)

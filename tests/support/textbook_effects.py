@@ -103,6 +103,10 @@ LAWS: dict[str, Law] = {
     "hysteresis": lambda at, p: Parts(
         force=p["alpha"] * at.z, rate=(at.v - abs(at.v) * at.z) / p["zs"]
     ),
+    "hysteresis.pressure": lambda at, p: Parts(
+        force=p["alpha"] * at.z * (1 + p["k"] * abs(at.u)),
+        rate=(at.v - abs(at.v) * at.z) / p["zs"],
+    ),
     "hysteresis.branch": lambda at, p: Parts(  # z counts from z0 here
         force=p["alpha"] * (p["z0"] + at.z),
         rate=(at.v - abs(at.v) * (p["z0"] + at.z)) / p["zs"],

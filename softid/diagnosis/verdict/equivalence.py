@@ -248,8 +248,8 @@ OWN_BRANCH = EquivalenceClass(
 """Logs that begin at rest where friction or a hysteresis holds the actuator, each elsewhere."""
 
 OTHER_FRICTION = EquivalenceClass(
-    ("dry friction that goes with the pressure or the speed", UNLISTED["position_friction"]),
-    ("position_friction",),
+    ("friction that goes with the pressure or the speed", "one that goes with the position"),
+    ("position_friction", "position_hysteresis"),
     _IN_PLACE_OF_IT,
     "slow strokes up and down about one position at several pressures, as under several loads",
 )

@@ -36,7 +36,12 @@ from softid.diagnosis.verdict.unlisted_laws import (
     PositionFriction,
     suiting,
 )
-from softid.diagnosis.verdict.unlisted_memories import OwnBranches, SecondCreep, SecondHysteresis
+from softid.diagnosis.verdict.unlisted_memories import (
+    OwnBranches,
+    PositionHysteresis,
+    SecondCreep,
+    SecondHysteresis,
+)
 from softid.diagnosis.verdict.unlisted_pneumatics import InputLimit, RateLimit, ReliefLeak
 from softid.diagnosis.verdict.unlisted_readings import (
     EarlyReading,
@@ -131,6 +136,10 @@ MOST_OF_A_LOOP = 0.8
 """Share of what such a cause does that a second loop does as well where there is a second loop: of
 what several elements leave of one it takes nearly all, of another law hardly any."""
 
+AT_REST = ("static_curve", "stiffening")
+"""What friction of another size at each position leaves of a constant one, or of one that goes with
+the pressure, looks like these, for it holds the actuator elsewhere."""
+
 REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(DRIFTS, ((LoadDrift(),), (PressureGainDrift(),), (PressureDrift(),))),
     Replacement(("stiffening", "static_curve", "contact"), ((BentReading(),),)),
@@ -147,9 +156,16 @@ REPLACEMENTS: tuple[Replacement, ...] = (
     Replacement(("hysteresis", "coulomb_friction"), ((InputPlay(),), (OutputPlay(),)), behind=0.0),
     Replacement(("coulomb_friction",), ((OwnBranches(),),), behind=0.0),
     Replacement(
-        ("coulomb_friction.pressure", "coulomb_friction.stribeck"),
+        ("coulomb_friction.pressure", "coulomb_friction.stribeck", *AT_REST),
         ((PositionFriction(),),),
         behind=0.0,
+        beside="coulomb_friction",
+    ),
+    Replacement(
+        ("hysteresis.pressure", *AT_REST),
+        ((PositionHysteresis(),),),
+        behind=0.0,
+        beside="hysteresis",
     ),
     Replacement(
         ("quadratic_damping", "asymmetric_damping"),

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.verdict.unlisted_drifts import one_parameter
 from softid.effects import effect_of
 from softid.effects.base import StateEffect
 from softid.effects.scale import Scale
@@ -16,6 +17,9 @@ from softid.kernels.terms import FORCE, RATE
 from softid.parameters import ParameterSet
 
 Array = npt.NDArray[np.float64]
+
+LEAST_GAIN, MOST_GAIN = -0.9, 30.0
+"""Bounds of what a loop gains over the range of positions, as a share of it at the lower end."""
 
 CREEP_TIMES = (0.01, 0.03, 0.1, 0.3, 0.6)
 """Starts of the time of a second creep, as shares of the log."""
@@ -128,3 +132,43 @@ class OwnBranches(SecondHysteresis):
         strain = (x - z) / eta[1]
         out[FORCE] += eta[0] * strain
         out[RATE] += abs(v) * strain
+
+
+@dataclass(frozen=True)
+class PositionHysteresis(SecondHysteresis):
+    """Hysteresis that goes with the position, + α z (1 + d ξ), ξ from 0 to 1."""
+
+    name: ClassVar[str] = "position_hysteresis"
+    title: ClassVar[str] = "Hysteresis that goes with the position"
+    law: ClassVar[str] = (
+        "+ alpha z (1 + d xi),  z' = (v - |v| z)/zs,  xi the position within its range"
+    )
+    meaning: ClassVar[str] = "What bends further is pressed harder onto what it slips on."
+    signature: ClassVar[str] = "Loops are wider at one end of the range."
+    remedy: ClassVar[str] = "push the actuator at one pressure, from several positions"
+    shown_by: ClassVar[str] = "slow loops at one pressure, about several positions"
+
+    def parameters(self, scale: Scale) -> ParameterSet:
+        """Those of a hysteresis, and the share d that it gains over the range."""
+        gain = one_parameter("d", 0.0, "1", LEAST_GAIN, MOST_GAIN, "gain", self.source)
+        return ParameterSet((*super().parameters(scale).values(), *gain.values()))
+
+    def starts(self, scale: Scale) -> tuple[Mapping[str, float], ...]:
+        """Those of a hysteresis, as wide at every position."""
+        return tuple({**start, "d": 0.0} for start in super().starts(scale))
+
+    def rate(self, eta: Array, scale: Scale) -> float:
+        """That of a loop as wide as it gets."""
+        widest = float(eta[0]) * max(1.0, 1.0 + float(eta[2]))
+        return super().rate(np.array([widest, eta[1]]), scale)
+
+    def constants(self, scale: Scale) -> tuple[float, ...]:
+        """Lower end of the range, and the range."""
+        return scale.x_low, scale.x_span
+
+    @staticmethod
+    def step(x: float, v: float, z: float, u: float, t: float, eta: Any, out: Any) -> None:
+        """Force α z (1 + d ξ), ż = (v − |v| z)/zs; beyond the range as wide as at its end."""
+        place = min(max((x - eta[3]) / eta[4], 0.0), 1.0)
+        out[FORCE] += eta[0] * z * (1.0 + eta[2] * place)
+        out[RATE] += (v - abs(v) * z) / eta[1]

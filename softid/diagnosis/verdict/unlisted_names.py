@@ -5,6 +5,7 @@ from __future__ import annotations
 UNLISTED: dict[str, str] = {
     "position_damping": "a damping of the actuator itself that goes with its position",
     "position_friction": "dry friction that goes with the position",
+    "position_hysteresis": "a hysteresis that goes with the position",
     "power_spring": "a spring that stiffens with another power of the position",
     "free_spring": "a spring, a wall or a load whose force follows the position along some other "
     "curve",

@@ -37,7 +37,12 @@ from softid.diagnosis.verdict.unlisted_laws import (
     PositionFriction,
     suiting,
 )
-from softid.diagnosis.verdict.unlisted_memories import OwnBranches, SecondCreep, SecondHysteresis
+from softid.diagnosis.verdict.unlisted_memories import (
+    OwnBranches,
+    PositionHysteresis,
+    SecondCreep,
+    SecondHysteresis,
+)
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis.verdict.unlisted_pneumatics import (
     InputLimit,
@@ -60,7 +65,7 @@ from softid.effects.sensor_resonance import SensorResonance
 from softid.kernels.filters import lag
 from softid.kernels.terms import DAMPING, FORCE, RATE, SHIFT, STIFFNESS
 
-SECOND = (SecondCreep, SecondHysteresis, OwnBranches, PositionFriction)
+SECOND = (SecondCreep, SecondHysteresis, OwnBranches, PositionFriction, PositionHysteresis)
 """Laws that only stand beside another one, or in the place of one."""
 
 
@@ -397,3 +402,14 @@ def test_friction_goes_with_the_position() -> None:
         law.step(scale.x_low + share * scale.x_span, v, 0.0, 0.0, 0.0, eta, out)
         assert out[FORCE] == pytest.approx(expected)
     assert law.rate(eta[:3], scale) > law.rate(np.array([2.0, 1e-6, 0.0]), scale) > 0.0
+
+
+def test_a_hysteresis_goes_with_the_position() -> None:
+    """By hand: half way through the range its loop is half as much wider; it turns as ever."""
+    scale, law = sizes_of("muscle"), PositionHysteresis()
+    eta = np.array([2.0, 0.5, 3.0, *law.constants(scale)])
+    out = np.zeros(8)
+    law.step(scale.x_low + 0.5 * scale.x_span, -1.0, 0.4, 0.0, 0.0, eta, out)
+    assert out[FORCE] == pytest.approx(2.0 * 0.4 * 2.5)
+    assert out[RATE] == pytest.approx((-1.0 - 0.4) / 0.5)
+    assert law.rate(eta[:3], scale) > law.rate(np.array([2.0, 0.5, 0.0]), scale) > 0.0
