@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from itertools import islice
 
 from softid.diagnosis.answer import answer_of
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
@@ -16,6 +17,7 @@ from softid.diagnosis.report.other_explanations import OtherExplanations
 from softid.diagnosis.report.other_model import with_other_model
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
+from softid.diagnosis.search.rival_in_place import with_rivals_in_place
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.smoothed_record import smoothed_alone
 from softid.diagnosis.strategy import Searched, search_causes, search_with_intersample
@@ -30,6 +32,9 @@ CONCLUSIVE_VERDICTS = (Verdict.ADEQUATE, Verdict.NAMED, Verdict.AMBIGUOUS)
 
 CURVES = ("static_curve", "dead_zone")
 """Causes that make a curve of a line, as the spring of a muscle does by itself."""
+
+MOST_RIVALS = 2
+"""Rivals that are tried in the place of a cause whose numbers refuse its name."""
 
 HOLLOW = 3
 """A model of which so many parameters are not identified beside its causes may be a plainer one."""
@@ -167,7 +172,8 @@ def _surest_answer(
 ) -> Answered:
     """The diagnosis of what was found; where that is unknown, of what is sure in its place.
 
-    Numbers may refuse a name that a search gave, and no other beginning has been tried then. The
+    Numbers may refuse a name that a search gave, and no other beginning has been tried then: first
+    come rivals that explain as much, for their numbers may say enough. The
     many other first causes come last, for they take the longest; a plainer model that leaves no
     more than noise saves them.
     """
@@ -178,6 +184,11 @@ def _surest_answer(
     def answered(other: SearchResult | None) -> Answered | None:
         return _answer(other, search) if other else None
 
+    for chain in islice(with_rivals_in_place(found.chain), MOST_RIVALS):
+        other = search.judged(chain, found.first)
+        again = answered(other if other.is_sure else None)
+        if again is not None and again[0].verdict is not Verdict.UNKNOWN:
+            return again
     again = answered(search.search_from_multistart(found))
     if again is not None and again[0].verdict is not Verdict.UNKNOWN:
         return again
