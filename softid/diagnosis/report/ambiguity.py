@@ -29,7 +29,7 @@ from softid.effects.scale import Scale
 from softid.models import MODELS
 from softid.results import FitResult
 
-BEST_OF_UNEQUAL = "The best, though its lead is smaller than what none of them explains"
+BEST_OF_UNEQUAL = "The best, though it leads by less than all of them leave unexplained"
 """Beginning of a tie whose causes do not explain the logs equally well."""
 
 SPLITS = ". What splits them: "

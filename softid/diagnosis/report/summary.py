@@ -283,8 +283,8 @@ def _not_told_apart(tie: Alternative) -> str:
     if are_alike(tie):
         return f"These logs do not tell {title_of(first)} from {rest}."
     return (
-        f"The lead of {title_of(first)} over {rest} is smaller than what none of them explains, so "
-        "it does not say which."
+        f"The lead of {title_of(first)} over {rest} is smaller than what all of them leave "
+        "unexplained, so it does not say which."
     )
 
 

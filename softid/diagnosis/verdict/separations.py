@@ -16,6 +16,9 @@ CHIRP = "a chirp from slow to fast"
 EXPERIMENTS = (SINE, STAIRCASE, STEPS, HOLD, CHIRP)
 """What may be recorded to split two causes, in the order of `SEPARATIONS`."""
 
+LISTED = 3
+"""Causes whose own experiments are listed at most, the best first: more would be no advice."""
+
 LEAST_SEPARATION = 0.2
 """Two causes that differ by less than this, in units of the noise of 0.5 %, are not told apart."""
 
@@ -65,6 +68,9 @@ class Split:
 def splitting_experiment(effects: Sequence[str]) -> Split | None:
     """The experiment in which causes that explain the same logs differ most.
 
+    It is known where the best was simulated beside each of the others. Otherwise it is what the
+    catalogue says of the best ones.
+
     Parameters
     ----------
     effects
@@ -85,13 +91,13 @@ def splitting_experiment(effects: Sequence[str]) -> Split | None:
         return None
     known = [SEPARATIONS.get(frozenset(pair)) for pair in combinations(names, 2)]
     rows = [row for row in known if row is not None]
-    if rows:
+    if all(frozenset((names[0], other)) in SEPARATIONS for other in names[1:]):
         worst = [min(column) for column in zip(*rows, strict=True)]
         best = max(worst)
         if best >= LEAST_SEPARATION:
             measured = best if len(rows) == len(known) else None
             return Split(EXPERIMENTS[worst.index(best)], measured)
-    shown = dict.fromkeys(EFFECTS[key].shown_by for key in effects if key in EFFECTS)
+    shown = dict.fromkeys(EFFECTS[key].shown_by for key in effects[:LISTED] if key in EFFECTS)
     return Split("; ".join(shown), None) if shown else None
 
 

@@ -119,7 +119,7 @@ def test_two_sentences_on_one_tie_agree_whether_its_causes_explain_alike(behind:
     assert (
         ("The best by a little, delay," in told) == ("equally well" in why) == (behind < INDISTINCT)
     )
-    assert ("its lead is smaller than what none of them explains, delay," in told) == (
+    assert ("it leads by less than all of them leave unexplained, delay," in told) == (
         behind >= INDISTINCT
     )
 

@@ -65,6 +65,13 @@ def test_causes_outside_the_table_are_shown_by_what_shows_each() -> None:
     assert EFFECTS["creep"].shown_by in split.experiment
 
 
+def test_a_best_cause_that_was_not_simulated_beside_the_others_is_shown_by_its_own() -> None:
+    """A pair further behind was, ageing and a drift of the gain; of six causes three are listed."""
+    keys = ("sensor_drift", "sensor_warmup", "ageing", "sensor_gain_drift", "softening", "creep")
+    split = splitting_experiment(keys)
+    assert split == Split("; ".join(EFFECTS[key].shown_by for key in keys[:3]), None)
+
+
 def test_variants_of_one_cause_need_no_split() -> None:
     """A richer law of the same cause is the same cause."""
     assert splitting_experiment(("pneumatic_lag", "pneumatic_lag.separate")) is None
