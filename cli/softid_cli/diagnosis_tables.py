@@ -24,8 +24,17 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     _print_causes(_of_descriptions(diagnosis), diagnosis.descriptive, diagnosis)
     for alternative in diagnosis.alternatives:
         print_text("")
-        print_text(f"Cannot be split: {', '.join(alternative.keys)}. {alternative.why}".rstrip())
+        print_text(f"Cannot be split: {_listed(alternative.keys)}. {alternative.why}".rstrip())
     print_issues(diagnosis.issues)
+
+
+def _listed(keys: Sequence[str]) -> str:
+    """Keys of effects, and what laws are that `softid effects` does not list."""
+    from softid.diagnosis.verdict.unlisted_names import UNLISTED
+
+    if not set(keys) & set(UNLISTED):
+        return ", ".join(keys)
+    return "; ".join(UNLISTED.get(key, key) for key in keys)
 
 
 def _of_descriptions(diagnosis: Diagnosis) -> str:

@@ -95,13 +95,13 @@ def _jobs() -> Iterator[Job]:
 def _effects(*, inside: bool) -> Iterator[Job]:
     """Simulations of the effects that act inside the equation of motion, or of all others."""
     from softid.diagnosis.changes.probes import PROBES
-    from softid.diagnosis.verdict.unlisted_laws import UNLISTED_LAWS
+    from softid.diagnosis.verdict.unlisted_laws import LAWS_BESIDE, UNLISTED_LAWS
     from softid.effects import EFFECTS, StateEffect
     from softid.models.muscle import Muscle
     from softid.models.oscillator import Oscillator
 
     (segment,) = _drawn().segments()
-    laws = (*EFFECTS.values(), *UNLISTED_LAWS, *PROBES)
+    laws = (*EFFECTS.values(), *UNLISTED_LAWS, *LAWS_BESIDE, *PROBES)
     for law, base in product(laws, (Muscle(), Oscillator())):
         if issubclass(law, StateEffect) == inside:
             yield "effects", partial(_extended, base, (law(),), segment)

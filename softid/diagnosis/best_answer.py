@@ -172,10 +172,9 @@ def _surest_answer(
 ) -> Answered:
     """The diagnosis of what was found; where that is unknown, of what is sure in its place.
 
-    Numbers may refuse a name that a search gave, and no other beginning has been tried then: first
-    come rivals that explain as much, for their numbers may say enough. The
-    many other first causes come last, for they take the longest; a plainer model that leaves no
-    more than noise saves them.
+    Numbers may refuse a name that a search gave, and no other beginning has been tried then. First
+    come rivals that explain as much, for their numbers may say enough. The many other first causes
+    come last, for they take the longest; a plainer model that leaves no more than noise saves them.
     """
     first = _answered(found, search)
     if first[0].verdict is not Verdict.UNKNOWN or found.came_to_nothing:

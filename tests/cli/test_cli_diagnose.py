@@ -147,6 +147,15 @@ def test_every_verdict_is_printed(softid: Cli, bench: Desk, verdict: Verdict) ->
     assert ("ΔBIC" in flat) is (verdict is not Verdict.ADEQUATE)
 
 
+def test_a_law_in_no_catalogue_is_told_in_words(softid: Cli, bench: Desk) -> None:
+    """`softid effects` does not list its key."""
+    answer = diagnosis(Verdict.AMBIGUOUS)
+    tie = replace(answer.alternatives[0], effects=("contact", "power_spring"), forms=())
+    bench.answer = replace(answer, alternatives=(tie,))
+    flat = " ".join(softid("diagnose", "step_1.csv", "--no-plots").out.split())
+    assert "Cannot be split: contact; a spring that stiffens with another power of" in flat
+
+
 def test_a_law_that_is_told_stands_before_descriptions(softid: Cli, bench: Desk) -> None:
     """The table says that what it holds is not what the paragraph tells."""
     found = diagnosis(Verdict.UNKNOWN)

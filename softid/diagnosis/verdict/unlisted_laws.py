@@ -27,7 +27,12 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     SettlingStiffness,
     one_parameter,
 )
-from softid.diagnosis.verdict.unlisted_memories import OwnBranches
+from softid.diagnosis.verdict.unlisted_memories import (
+    OwnBranches,
+    PositionHysteresis,
+    SecondCreep,
+    SecondHysteresis,
+)
 from softid.diagnosis.verdict.unlisted_pneumatics import (
     InputLimit,
     RateLimit,
@@ -314,6 +319,15 @@ UNLISTED_LAWS: tuple[type[Law], ...] = (
     OutputPlay,
 )
 """All laws of no catalogue that may stand in the place of all causes."""
+
+LAWS_BESIDE: tuple[type[Law], ...] = (
+    SecondCreep,
+    SecondHysteresis,
+    OwnBranches,
+    PositionFriction,
+    PositionHysteresis,
+)
+"""Laws of no catalogue that only stand beside a cause, or in the place of one."""
 
 NEAR_ONE = (ReliefLeak, UnevenDelay, UnevenReading, SwingingPart, OwnBranches)
 """Laws of no catalogue that a single cause may do as well: a leak may be next to none, and is a lag

@@ -29,6 +29,7 @@ from softid.diagnosis.verdict.unlisted_drifts import (
     SettlingStiffness,
 )
 from softid.diagnosis.verdict.unlisted_laws import (
+    LAWS_BESIDE,
     UNLISTED_LAWS,
     BentReading,
     InputPlay,
@@ -64,9 +65,6 @@ from softid.effects.sensor_lag import SensorLag
 from softid.effects.sensor_resonance import SensorResonance
 from softid.kernels.filters import lag
 from softid.kernels.terms import DAMPING, FORCE, RATE, SHIFT, STIFFNESS
-
-SECOND = (SecondCreep, SecondHysteresis, OwnBranches, PositionFriction, PositionHysteresis)
-"""Laws that only stand beside another one, or in the place of one."""
 
 
 def residual_with(effect: Effect, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -344,7 +342,7 @@ def test_each_log_at_rest_begins_with_a_slider_of_its_own() -> None:
         assert [len(extended.state_positions(k)) for k in range(2)] == [count, count]
 
 
-@pytest.mark.parametrize("law", [*UNLISTED_LAWS, *SECOND], ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [*UNLISTED_LAWS, *LAWS_BESIDE], ids=lambda law: law.name)
 def test_starts_lie_within_the_bounds(law: Any) -> None:
     scale = sizes_of("muscle")
     declared = law().parameters(scale)
@@ -354,7 +352,7 @@ def test_starts_lie_within_the_bounds(law: Any) -> None:
             assert declared[name].lower <= value <= declared[name].upper
 
 
-@pytest.mark.parametrize("law", [*UNLISTED_LAWS, *SECOND], ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [*UNLISTED_LAWS, *LAWS_BESIDE], ids=lambda law: law.name)
 def test_the_law_names_every_parameter_and_says_what_it_is(law: Any) -> None:
     declared = law().parameters(sizes_of("muscle"))
     assert unnamed_in(law().law, declared.names) == set()
@@ -364,7 +362,7 @@ def test_the_law_names_every_parameter_and_says_what_it_is(law: Any) -> None:
 
 
 def test_they_are_told_and_are_in_no_catalogue() -> None:
-    names = {law.name for law in (*UNLISTED_LAWS, *SECOND)}
+    names = {law.name for law in (*UNLISTED_LAWS, *LAWS_BESIDE)}
     told = {name for known in REPLACED for name in known.effects}
     assert told <= names <= set(UNLISTED)
     assert not names & {key.split(".")[0] for key in EFFECTS}
