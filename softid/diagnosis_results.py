@@ -55,6 +55,7 @@ class Doubt(Enum):
     DWARFED = "dwarfed"
     ONE_STEP = "one step"
     MENDS = "mends another"
+    FAST_NOISE = "fast noise"
 
 
 @dataclass(frozen=True)
@@ -190,8 +191,7 @@ class Alternative:
     why
         Why they cannot be split, and what would split them.
     forms
-        Keys of the forms that explain it best, in the order of the effects; empty for the plain
-        ones.
+        Keys of the forms that explain it best, in the order of the effects; empty for plain ones.
     """
 
     effects: tuple[str, ...]

@@ -17,7 +17,7 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search_result import SearchResult
-from softid.diagnosis.verdict.doubts import NO_GAIN
+from softid.diagnosis.verdict.doubts import NO_GAIN, OVER_RECORD
 from softid.diagnosis.verdict.refitted_laws import refitted_with, standing_of
 from softid.diagnosis_results import Cause
 from softid.effects import effect_of, own_values
@@ -26,9 +26,8 @@ from softid.errors import Issue
 SMOOTHED_RECORD = "smoothed-record"
 """Code of the remark that a record was smoothed, and that this is all that is missing."""
 
-SMOOTHING, FORMS = "smoothing", ("smoothing", "smoothing.mean")
-"""Name of the effect, and its forms that act before and after a sample alike. What acts behind it
-alone is a lag, which moves what is predicted."""
+SMOOTHING = "smoothing"
+"""Name of the effect whose forms are tried."""
 
 
 def smoothed_alone(
@@ -50,7 +49,7 @@ def smoothed_alone(
         return None
     base = search.base
     standing = standing_of(base.candidate, base)
-    tried = (refitted_with(standing, (), (effect_of(key),), near=np.inf) for key in FORMS)
+    tried = (refitted_with(standing, (), (effect_of(key),), near=np.inf) for key in OVER_RECORD)
     found = [model for model in tried if model is not None and search.leaves_noise(model)]
     smoothed = min(found, key=lambda model: model.squares, default=None)
     if smoothed is None or not is_likelier(smoothed, base.candidate, base.sigma):

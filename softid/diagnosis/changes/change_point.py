@@ -100,9 +100,11 @@ def change_point(model: Candidate, scale: Scale, excess: float) -> ChangePoint |
         return None
     first = model.problem.outputs[0]
     rows = [row for row in rows_of(model) if row.channel == first]
-    if not all(np.isfinite(row.jacobian).all() for row in rows):  # it runs away
+    by_load = _by_load(model, scale)
+    columns = (by_load, *(row.jacobian for row in rows))
+    if not all(np.isfinite(column).all() for column in columns):  # it runs away, or nearly so
         return None
-    look = _ScoreTest(rows, _by_load(model, scale))
+    look = _ScoreTest(rows, by_load)
     noise = look.power / (1.0 + excess)
     best: ChangePoint | None = None
     for log in sorted({row.log for row in look.rows}):
@@ -136,7 +138,7 @@ class _ScoreTest:
     def best_of(self, log: int, noise: float) -> ChangePoint | None:
         """The moment of one log at which a change takes most of what is more than noise."""
         misfit = float(self.left @ self.left) - noise
-        if misfit <= 0.0:
+        if not misfit > 0.0:
             return None
         mine = self.time_s[self.log == log]
         begin, length = float(mine[0]), float(np.ptp(mine))
@@ -144,7 +146,7 @@ class _ScoreTest:
         moments = begin + EDGE * length + step * np.arange(MOMENTS)
         taken = np.array([self.taken(self.columns, log, t) for t in moments.tolist()])
         most = float(taken.max())
-        if most < LEAST_TAKEN * misfit or float(np.median(taken)) > MEDIAN_SHARE * most:
+        if not most >= LEAST_TAKEN * misfit or float(np.median(taken)) > MEDIAN_SHARE * most:
             return None
         at = float(moments[int(taken.argmax())])
         variance = max(noise / self.left.size, self.long_run_variance(log, at))

@@ -7,6 +7,9 @@ from dataclasses import replace
 from itertools import pairwise
 
 from softid.diagnosis.base.base_fit import BaseFit
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.residual.motion import heard, residual_context, samples_alike
+from softid.diagnosis.residual.noise_floor import fastest_part
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.verdict.cancelling import cancelling
@@ -19,6 +22,7 @@ from softid.effects import extended_name
 from softid.effects.base import Effect
 from softid.effects.scale import Scale
 from softid.results import FitResult
+from softid.uncertainty.autoregression import contiguous_runs
 
 NO_GAIN = (Doubt.GAINS_NOTHING, Doubt.MAY_GAIN_NOTHING)
 """What is held out refuses these, if it holds them at all."""
@@ -26,6 +30,17 @@ NO_GAIN = (Doubt.GAINS_NOTHING, Doubt.MAY_GAIN_NOTHING)
 DWARFED = 0.05
 """Share of the misfit of the largest cause, as a root mean square, up to which another may as well
 be what the law of that one leaves, for no material keeps to its law more closely."""
+
+OVER_RECORD = ("smoothing", "smoothing.mean")
+"""Filters that run over a record when it is there, noise and all. A moving average of the past may
+be that of a sensor, whose converter adds noise behind it."""
+
+LEAST_ALIKE = 3
+"""Samples whose noise is alike behind a filter, at least, where it can be told from white noise."""
+
+AS_WHITE = 0.7
+"""Share of the variance of second differences of samples far apart that those of neighbours have at
+least in white noise, where it is 1. Behind a mean of three samples it is 0.22, 4/6 over three."""
 
 WITHIN_A_SAMPLE = 0.1
 """Share of a sampling interval up to which a lag or a delay may as well be what the input did in
@@ -65,6 +80,7 @@ def with_doubts(
         **dict.fromkeys(cancelling(final, base.candidate, scale), Doubt.CANCELS),
     }
     told, small, in_one_step = [], dwarfed(chain), is_one_step(final.problem)
+    noisy = set() if remainder.noise_from_rounding else with_fast_noise(final)
     pieces = mending(chain.links, final.squares, remainder)
     for cause, link in zip(causes, chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
@@ -72,6 +88,8 @@ def with_doubts(
             doubt = Doubt.DWARFED
         if doubt is None and is_within_a_sample(cause, link.added, scale):
             doubt = Doubt.TOO_QUICK
+        if doubt is None and cause.key in noisy:
+            doubt = Doubt.FAST_NOISE
         if doubt is None and in_one_step and not link.added.has_one_form:
             doubt = Doubt.ONE_STEP
         if doubt is None and cause.key in pieces:
@@ -80,6 +98,30 @@ def with_doubts(
             doubt = Doubt.DOES_NOT_OCCUR
         told.append(replace(cause, doubt=against.get(cause.key, doubt)))
     return tuple(told)
+
+
+def with_fast_noise(final: Candidate) -> set[str]:
+    """Keys of filters over the record that would have taken away the fast noise which is left.
+
+    Behind such a filter the noise of neighbouring samples is alike. A misfit that a filter follows,
+    as that of a second mass, is not.
+
+    Parameters
+    ----------
+    final
+        The model with all causes.
+    """
+    keys = {effect.key for effect in final.effects if effect.key in OVER_RECORD}
+    alike = samples_alike(final)
+    if not keys or alike < LEAST_ALIKE:
+        return set()
+    runs = [
+        run
+        for part in heard(final, residual_context(final))
+        for run in contiguous_runs(part.residual)
+    ]
+    fastest, apart = fastest_part(runs), fastest_part(runs, alike)
+    return keys if fastest.variance > AS_WHITE * apart.variance else set()
 
 
 def dwarfed(chain: Chain) -> set[str]:

@@ -21,6 +21,7 @@ from linear_motion import (
 from noise import coloured
 
 from softid.diagnosis import diagnose
+from softid.diagnosis.changes import change_point as change_point_module
 from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
@@ -203,6 +204,14 @@ def test_one_change_throughout_is_told_before_a_moment(monkeypatch: pytest.Monke
     size = re.search(r"the gain of the reading changes by ([0-9.+]+) % in linear-7", mark.message)
     assert size is not None
     assert float(size[1]) == pytest.approx(6.0, abs=0.3)
+
+
+def test_a_model_that_runs_away_has_no_moment(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A load that is nearly nothing moves it beyond all numbers: nothing is regressed on that."""
+    base = fitted(linear_log(noise=NOISE, samples=N, added=ADDED["zero"]))
+    assert change_point(base, sizes(base), excess(base)) is not None
+    monkeypatch.setattr(change_point_module, "_by_load", lambda *given: np.full(N, np.inf))
+    assert change_point(base, sizes(base), excess(base)) is None
 
 
 def test_a_diagnosis_tells_the_moment() -> None:
