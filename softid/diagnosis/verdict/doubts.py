@@ -38,9 +38,11 @@ be that of a sensor, whose converter adds noise behind it."""
 LEAST_ALIKE = 3
 """Samples whose noise is alike behind a filter, at least, where it can be told from white noise."""
 
-AS_WHITE = 0.7
+FAST_SHARE, OF_MEAN = 0.3, 2.0
 """Share of the variance of second differences of samples far apart that those of neighbours have at
-least in white noise, where it is 1. Behind a mean of three samples it is 0.22, 4/6 over three."""
+least where fast noise is left, and the same times the number of samples between: in white noise it
+is 1. Behind a mean of k samples it is 2/3 over k; what a converter or rounding adds behind the
+filter is allowed for."""
 
 WITHIN_A_SAMPLE = 0.1
 """Share of a sampling interval up to which a lag or a delay may as well be what the input did in
@@ -121,7 +123,8 @@ def with_fast_noise(final: Candidate) -> set[str]:
         for run in contiguous_runs(part.residual)
     ]
     fastest, apart = fastest_part(runs), fastest_part(runs, alike)
-    return keys if fastest.variance > AS_WHITE * apart.variance else set()
+    limit = max(FAST_SHARE, OF_MEAN / alike)
+    return keys if fastest.variance > limit * apart.variance else set()
 
 
 def dwarfed(chain: Chain) -> set[str]:

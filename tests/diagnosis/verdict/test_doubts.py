@@ -1,4 +1,4 @@
-"""Laws that are over within a sampling interval, and those that others dwarf."""
+"""Laws that are over within a sampling interval, that others dwarf, or that the noise refutes."""
 
 from __future__ import annotations
 
@@ -6,13 +6,22 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from handmade_diagnosis import cause, estimate, remainder
 from handmade_rounds import ranked
+from linear_motion import TRUTH, linear_log, linear_problem, standing
 from textbook_effects import round_scale
 
+from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis.verdict.doubts import dwarfed, is_within_a_sample, is_within_samples
+from softid.diagnosis.verdict.doubts import (
+    dwarfed,
+    is_within_a_sample,
+    is_within_samples,
+    with_fast_noise,
+)
 from softid.diagnosis_results import Doubt
 from softid.effects import effect_of
 
@@ -70,3 +79,32 @@ def test_a_twentieth_of_the_largest_is_small(share: float, is_small: bool) -> No
         )
         chain: Any = SimpleNamespace(links=links, final=SimpleNamespace(squares=3.0))
         assert dwarfed(chain) == ({"delay"} if is_small else set())
+
+
+@pytest.mark.parametrize(
+    ("key", "values"),
+    [
+        ("smoothing", {"period": 0.3, "order": 2.0}),
+        ("smoothing.mean", {"width": 0.14}),
+        ("smoothing.past", {"width": 0.14}),
+    ],
+)
+@pytest.mark.parametrize("is_filtered", [True, False], ids=["filtered", "white"])
+def test_behind_a_filter_over_a_record_there_is_no_fast_noise(
+    key: str, values: dict[str, float], *, is_filtered: bool
+) -> None:
+    """Noise that a mean of seven samples smoothed, and white noise, which a filter over the record
+    would have smoothed; behind a sensor's own average its converter may add some."""
+    samples = 2000
+    noise = 0.01 * np.random.default_rng(0).standard_normal(samples)
+    if is_filtered:
+        noise = np.convolve(noise, np.ones(7) / 7.0, "same")
+    problem = linear_problem([linear_log(samples=samples, added=noise)])
+    z, effect = problem.unknowns(TRUTH), effect_of(key)
+    extended = extend(problem, (effect,), scale_of(problem, z))
+    at = start_unknowns(
+        extended, problem, z, {f"{effect.name}_{name}": value for name, value in values.items()}
+    )
+    final = replace(standing(extended, at), effects=(effect,))
+    refused = not is_filtered and key != "smoothing.past"
+    assert with_fast_noise(final) == ({key} if refused else set())
