@@ -78,6 +78,6 @@ def smoothed_issue(smoothed: Candidate) -> Issue:
         "info",
         f"{smoothed.problem.outputs[0]} was smoothed after it was recorded: readings within "
         f"{within_s:.2g} s of each other have noise in common; a model that allows for that leaves "
-        "nothing else, and predicts no better, so there is nothing to name",
+        "nothing else, and does not surely predict better, so there is nothing to name",
         effect.remedy,
     )

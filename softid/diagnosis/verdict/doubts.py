@@ -44,6 +44,10 @@ least where fast noise is left, and the same times the number of samples between
 is 1. Behind a mean of k samples it is 2/3 over k; what a converter or rounding adds behind the
 filter is allowed for."""
 
+WORTH_A_NAME = 0.1
+"""Share of the held-out error that a filter takes away at least which the noise bears out, where
+the interval of that gain holds a loss."""
+
 WITHIN_A_SAMPLE = 0.1
 """Share of a sampling interval up to which a lag or a delay may as well be what the input did in
 it."""
@@ -82,7 +86,7 @@ def with_doubts(
         **dict.fromkeys(cancelling(final, base.candidate, scale), Doubt.CANCELS),
     }
     told, small, in_one_step = [], dwarfed(chain), is_one_step(final.problem)
-    noisy = set() if remainder.noise_from_rounding else with_fast_noise(final)
+    is_noisy = None if remainder.noise_from_rounding else has_fast_noise(final)
     pieces = mending(chain.links, final.squares, remainder)
     for cause, link in zip(causes, chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
@@ -90,8 +94,7 @@ def with_doubts(
             doubt = Doubt.DWARFED
         if doubt is None and is_within_a_sample(cause, link.added, scale):
             doubt = Doubt.TOO_QUICK
-        if doubt is None and cause.key in noisy:
-            doubt = Doubt.FAST_NOISE
+        doubt = _of_filter(doubt, cause, is_noisy=is_noisy)
         if doubt is None and in_one_step and not link.added.has_one_form:
             doubt = Doubt.ONE_STEP
         if doubt is None and cause.key in pieces:
@@ -102,8 +105,8 @@ def with_doubts(
     return tuple(told)
 
 
-def with_fast_noise(final: Candidate) -> set[str]:
-    """Keys of filters over the record that would have taken away the fast noise which is left.
+def has_fast_noise(final: Candidate) -> bool | None:
+    """Whether fast noise is left that a filter over the record would have taken away.
 
     Behind such a filter the noise of neighbouring samples is alike. A misfit that a filter follows,
     as that of a second mass, is not.
@@ -112,19 +115,32 @@ def with_fast_noise(final: Candidate) -> set[str]:
     ----------
     final
         The model with all causes.
+
+    Returns
+    -------
+    bool or None
+        None without such a filter, or where it is too short to tell.
     """
-    keys = {effect.key for effect in final.effects if effect.key in OVER_RECORD}
     alike = samples_alike(final)
-    if not keys or alike < LEAST_ALIKE:
-        return set()
+    if not any(effect.key in OVER_RECORD for effect in final.effects) or alike < LEAST_ALIKE:
+        return None
     runs = [
         run
         for part in heard(final, residual_context(final))
         for run in contiguous_runs(part.residual)
     ]
-    fastest, apart = fastest_part(runs), fastest_part(runs, alike)
     limit = max(FAST_SHARE, OF_MEAN / alike)
-    return keys if fastest.variance > limit * apart.variance else set()
+    return fastest_part(runs).variance > limit * fastest_part(runs, alike).variance
+
+
+def _of_filter(doubt: Doubt | None, cause: Cause, *, is_noisy: bool | None) -> Doubt | None:
+    """What speaks against a filter over the record, which the noise refutes or bears out."""
+    if cause.key not in OVER_RECORD or is_noisy is None:
+        return doubt
+    if is_noisy:
+        return doubt or Doubt.FAST_NOISE
+    gains = cause.holdout_rmse_after < (1.0 - WORTH_A_NAME) * cause.holdout_rmse_before
+    return None if doubt is Doubt.MAY_GAIN_NOTHING and gains else doubt
 
 
 def dwarfed(chain: Chain) -> set[str]:
