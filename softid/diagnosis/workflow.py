@@ -34,6 +34,7 @@ from softid.diagnosis.logs.moving_start import without_moving_start
 from softid.diagnosis.logs.permanent_set import permanent_set_issues
 from softid.diagnosis.plainer_model import plainer_model_issues
 from softid.diagnosis.refit.characteristic_scales import fastest_time
+from softid.diagnosis.report.clipped_input import with_clipped_input
 from softid.diagnosis.report.coarse_sampling import with_coarse_sampling
 from softid.diagnosis.report.issues import (
     averaging_issues,
@@ -169,11 +170,11 @@ def diagnose(
     answer, base, final = best_answer(recordings, request, search, others, is_in_doubt=is_in_doubt)
     answer = with_other_explanations(answer, base, others)
     answer = with_second_input(answer, base, recorded.logs, seed)
-    answer = with_event_beside(answer, base, final)
-    answer = with_law_beside(answer, base, final, search.effects)
+    answer = with_law_beside(with_event_beside(answer, base, final), base, final, search.effects)
+    answer = with_clipped_input(answer, recorded.logs)
     if count == 1:  # the mean of several samples lies between the steps
-        answer = with_rounding(answer, recorded, base.candidate)
-        answer = with_coarse_sampling(answer, base.candidate)
+        rounded = with_rounding(answer, recorded, base.candidate)
+        answer = with_coarse_sampling(rounded, base.candidate)
     unit = recorded.input_unit if base.candidate.problem.model.is_linear else None
     answer = with_open_places(with_shared_scale(answer, linear_in=unit))
     answer = with_unnamed_misfit(with_varying_sizes(answer))

@@ -17,6 +17,7 @@ from softid.diagnosis.report.ambiguity import (
     with_reasons,
 )
 from softid.diagnosis.report.changes import HELD_OUT_CHANGE
+from softid.diagnosis.report.clipped_input import CLIPPED_INPUT
 from softid.diagnosis.report.descriptions import described
 from softid.diagnosis.report.error_texts import ErrorTexts, judged_by_blocks
 from softid.diagnosis.report.evidence_text import evidence_text
@@ -76,7 +77,7 @@ WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP)
 ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)
 """Codes of remarks on the logs that belong into every paragraph."""
 
-MARKS = (*CODES, *OF_REST, *OF_RECORDED_INPUT)
+MARKS = (*CODES, *OF_REST, CLIPPED_INPUT, *OF_RECORDED_INPUT)
 """Codes of remarks on what is left, which say what it is or may be."""
 
 INSTEAD = (NEGLIGIBLE_MISFIT, SMOOTHED_RECORD)
