@@ -207,7 +207,7 @@ class StribeckFriction(CoulombFriction):
 
 @dataclass(frozen=True)
 class PressureFriction(CoulombFriction):
-    r"""Dry friction that grows with the input, + Fc tanh(v/vs) (1 + k \|u\|).
+    """Dry friction that grows with the input, + Fc tanh(v/vs) (1 + k |u|).
 
     Pressure presses the threads of a braid, or a bellows and its guide, onto each other.
 

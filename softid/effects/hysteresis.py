@@ -167,7 +167,7 @@ class BranchHysteresis(Hysteresis):
 
 @dataclass(frozen=True)
 class PressureHysteresis(Hysteresis):
-    r"""The same with a loop that is wider at high input, + α z (1 + k \|u\|).
+    """The same with a loop that is wider at high input, + α z (1 + k |u|).
 
     What slips in it is pressed together by the pressure, as the threads of a braid are.
 
