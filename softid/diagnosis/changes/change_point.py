@@ -138,7 +138,7 @@ class _ScoreTest:
     def best_of(self, log: int, noise: float) -> ChangePoint | None:
         """The moment of one log at which a change takes most of what is more than noise."""
         misfit = float(self.left @ self.left) - noise
-        if not misfit > 0.0:
+        if not misfit > 0.0:  # or no number, where a column is nearly beyond all numbers
             return None
         mine = self.time_s[self.log == log]
         begin, length = float(mine[0]), float(np.ptp(mine))

@@ -350,7 +350,7 @@ def test_a_stiffness_that_goes_with_the_pressure_is_asked_of_linear_bases_alone(
 
 
 def test_friction_goes_with_the_position() -> None:
-    """By hand: half way through the range it is half as much larger, and holds either way."""
+    """By hand: half way through the range it has gained half of its share; it holds either way."""
     scale, law = sizes_of("muscle"), PositionFriction()
     eta = np.array([2.0, 1e-6, 3.0, *law.constants(scale)])
     for share, v, expected in ((0.0, 1.0, 2.0), (0.5, -1.0, -5.0), (2.0, 1.0, 8.0)):

@@ -56,7 +56,7 @@ def test_each_log_at_rest_begins_with_a_slider_of_its_own() -> None:
 
 
 def test_a_hysteresis_goes_with_the_position() -> None:
-    """By hand: half way through the range its loop is half as much wider; it turns as ever."""
+    """By hand: half way through the range its loop has gained half its share; it turns as ever."""
     scale, law = sizes_of("muscle"), PositionHysteresis()
     eta = np.array([2.0, 0.5, 3.0, *law.constants(scale)])
     out = np.zeros(8)
