@@ -13,6 +13,7 @@ from softid.diagnosis.base.reduced_base import reduced_base_issues
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
 from softid.diagnosis.refit.optimum import optimum_of
+from softid.diagnosis.refit.whitening import Whitener
 from softid.diagnosis.report.ambiguity import with_presliding
 from softid.diagnosis.report.changes import held_out_change_issues
 from softid.diagnosis.report.issues import refusal_issues, unsure_input_issues
@@ -23,6 +24,7 @@ from softid.diagnosis.report.tied_values import with_tied_values
 from softid.diagnosis.residual.disturbances import Line, disturbance_issues, line_in, with_line
 from softid.diagnosis.residual.input_noise import moved_parameters, unknown_input
 from softid.diagnosis.residual.motion import heard, residual_context
+from softid.diagnosis.residual.noise_model import noise_with_moments, refined_under
 from softid.diagnosis.residual.parameter_constancy import variations
 from softid.diagnosis.search.backward_revision import prefix_models, refit_without
 from softid.diagnosis.search.forward_selection import Chain
@@ -66,13 +68,12 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     seed
         Seed of the fits, which their records keep.
     """
-    chain, held_out = found.chain, base.held_out
-    recorded = held_out_at_samples(held_out)
+    chain, noise = _with_open_moments(found.chain, base)
+    recorded = held_out_at_samples(base.held_out)
     line = line_in(residual_context(chain.final))
     remainder = with_line(found.remainder, line, base.scale.motion_s)
     lengths = held_out_lengths(recorded, chain.final)
-    unsure = unknown_input(chain.final, base.gauges, remainder.noise_power)
-    least_sd = moved_parameters(chain.final, unsure, remainder.noise_power)
+    unsure, least_sd = _unsure_of(chain.final, base, remainder, noise)
     extends = bool(chain.links) or base.instead_of is not None
     before, after = both(
         lambda: _fit_of_base(base, seed, {} if extends else least_sd),
@@ -92,7 +93,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
         link.added.key: told_as(link.added, cause.parameters).key
         for link, cause in zip(chain.links, causes, strict=True)
     }
-    after, causes = with_intervals(after, causes, is_named, chain, base.sigma, least_sd)
+    after, causes = with_intervals(after, causes, is_named, chain, base.sigma, least_sd, noise)
     links = with_rivals(chain, causes, list(forms.values()), is_named, base, remainder)
     told = list(zip(causes, is_named, strict=True))
     named = [link for link, stays in zip(links, is_named, strict=True) if stays]
@@ -117,8 +118,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
             *(after if after is not None and named else before).issues,
             *unsure_input_issues(after or before, least_sd),
             *_issues_of_rest(base, chain, before, line),
-            *refusal_issues(chain, held_out),
-            *held_out_change_issues(chain.final, remainder, held_out, base.scale, is_sure=is_sure),
+            *_issues_of_held_out(base, chain, remainder, is_sure=is_sure),
         ),
         gain_ci95=whole_gain_of(errors, lengths),
     )
@@ -126,6 +126,26 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     answer = with_other_forms(answer, named, chain.final, base)
     answer = with_several_elements(answer, named, chain.final, base)
     return with_open_intersample(answer, chain.final, base)
+
+
+def _with_open_moments(chain: Chain, base: BaseFit) -> tuple[Chain, Whitener | None]:
+    """The chain with its last model refined under the noise that moments of jumps make, and that.
+
+    Drawn straight, a jump is early for a law that gives way at once, and other parameters make up
+    for it.
+    """
+    noise = noise_with_moments(chain.final, base.sigma) if chain.links else None
+    if noise is None:
+        return chain, None
+    return replace(chain, final=refined_under(chain.final, noise, base.sigma)), noise
+
+
+def _unsure_of(
+    final: Candidate, base: BaseFit, remainder: Remainder, noise: Whitener | None
+) -> tuple[Array | None, dict[str, float]]:
+    """Draws of what is not known of the input, and how far that moves each parameter."""
+    unsure = unknown_input(final, base.gauges, remainder.noise_power)
+    return unsure, moved_parameters(final, unsure, remainder.noise_power, noise)
 
 
 def _issues_of_rest(
@@ -143,6 +163,17 @@ def _issues_of_rest(
             unit=row.display_unit,
             factor=row.display_factor,
         ),
+    )
+
+
+def _issues_of_held_out(
+    base: BaseFit, chain: Chain, remainder: Remainder, *, is_sure: bool
+) -> tuple[Issue, ...]:
+    """What the held-out samples refuse, and what is another in them."""
+    final, held_out = chain.final, base.held_out
+    return (
+        *refusal_issues(chain, held_out),
+        *held_out_change_issues(final, remainder, held_out, base.scale, is_sure=is_sure),
     )
 
 

@@ -17,7 +17,6 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import Recordings, Request
 from softid.diagnosis.base.intersample_selection import (
-    choice_unless_held,
     recordings_with_intersample,
     refitted_as,
 )
@@ -32,6 +31,7 @@ from softid.diagnosis.residual.projection import slopes_of
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search_result import SearchResult
 from softid.diagnosis.verdict.held_out_error import held_out_responses
+from softid.identification.intersample_choice import choice_unless_held
 from softid.intersample import Intersample
 from softid.log import Log, LogSet
 from softid.segment import Segment

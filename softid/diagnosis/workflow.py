@@ -19,7 +19,6 @@ from softid.diagnosis.base.base_fit import (
     require_moving,
 )
 from softid.diagnosis.base.intersample_selection import (
-    choice_unless_held,
     is_measured,
     is_open,
     recordings_with_intersample,
@@ -67,6 +66,7 @@ from softid.effects import effects_of
 from softid.errors import InputError
 from softid.identification.gauge_errors import gauge_errors
 from softid.identification.input_denoising import AVERAGED, without_input_noise
+from softid.identification.intersample_choice import choice_unless_held
 from softid.identification.lost_input import without_lost_input
 from softid.identification.preparation import as_log_set, as_logs, without_dropouts
 from softid.identification.repeated_input import without_repeats

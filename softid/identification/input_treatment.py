@@ -11,7 +11,13 @@ from softid.errors import Issue
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
 from softid.identification.input_denoising import AVERAGED, without_input_noise
-from softid.identification.intersample_choice import BETTER_BY, misfit_of
+from softid.identification.intersample_choice import (
+    BEHAVIOUR_WORDS,
+    BETTER_BY,
+    COMMAND,
+    choice_unless_held,
+    misfit_of,
+)
 from softid.identification.preparation import without_dropouts
 from softid.identification.repeated_input import without_repeats
 from softid.identification.slow_outputs import at_readings
@@ -20,7 +26,7 @@ from softid.log import Log
 from softid.models.base import Model
 
 HELD_OTHERWISE = "held-otherwise"
-"""Code of the remark that a log is held in another way than the fitted ones."""
+"""Code of the remark that the input of a log is taken in another way than in the fitted ones."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +80,7 @@ def input_as_fitted(log: Log, treatment: InputTreatment) -> Log:
 def taken_as_fitted(
     logs: Sequence[Log], intersample: object, model: Model, values: Mapping[str, float]
 ) -> tuple[Log, ...]:
-    """New logs with the intersample behaviour of the fitted ones, or the other way of holding.
+    """New logs with the intersample behaviour of the fitted ones, or that which explains them.
 
     Parameters
     ----------
@@ -87,10 +93,29 @@ def taken_as_fitted(
     """
     found = []
     for log in logs:
-        others = HELD if log.intersample is None and intersample in HELD else ()
+        others = other_ways(log, intersample) if log.intersample is None else ()
         versions = (log.with_intersample(each) for each in (intersample, *others))
         found.append(explained_best(tuple(versions), model, values))
     return tuple(found)
+
+
+def other_ways(log: Log, intersample: object) -> tuple[Intersample, ...]:
+    """What else the input of a log may do between its samples than that of fitted ones.
+
+    A recorder that runs in step with the controller sees a command change as it does, another one
+    at the sample that follows: what is held in one log need not be held, nor held alike, in the
+    next. A measured input that is not held in the fitted ones is in none.
+
+    Parameters
+    ----------
+    log
+        A log.
+    intersample
+        What the input of the fitted logs does.
+    """
+    if intersample is None or not (intersample in HELD or log.input == COMMAND):
+        return ()
+    return tuple(way for way in (*HELD, choice_unless_held([log])) if way != intersample)
 
 
 def explained_best(versions: Sequence[Log], model: Model, values: Mapping[str, float]) -> Log:
@@ -126,19 +151,12 @@ def _same_course(one: Log, other: Log) -> bool:
     return all(np.array_equal(a.input, b.input) for a, b in pairs)
 
 
-HOLDING_WORDS: Mapping[Intersample | None, str] = {
-    "held": "only where it jumps",
-    "zoh": "at every sample",
-}
-"""Where an input is held, as the remark on a log that is held otherwise says it."""
-
-
 def _told(log: Log) -> Log:
     issue = Issue(
         HELD_OTHERWISE,
         "info",
-        f"{log.name}: {log.input} held {HOLDING_WORDS[log.intersample]} explains it better than "
-        "held as in the fitted logs, which do not tell the two apart, and is taken so",
+        f"{log.name}: {log.input} {BEHAVIOUR_WORDS[log.effective_intersample]} explains it better "
+        "than taken as in the fitted logs, and is taken so",
         "declare it with --intersample",
     )
     return replace(log, issues=(*log.issues, issue))

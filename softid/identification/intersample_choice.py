@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -27,6 +27,14 @@ HELD_INPUT = "held-input"
 
 SMOOTH_INPUT = "smooth-input"
 """Code of the remark that an input is taken as smooth."""
+
+BEHAVIOUR_WORDS: Mapping[Intersample, str] = {
+    "straight": "going straight from sample to sample",
+    "smooth": "going smoothly from sample to sample",
+    "held": "held where it jumps",
+    "zoh": "held at every sample",
+}
+"""What an input may do, as the texts say it."""
 
 BETTER_BY = 10.0
 """n·ln(mean square) must fall by this much: both ways have the same number of unknowns."""
@@ -66,6 +74,18 @@ def is_smooth(logs: Iterable[Log]) -> bool:
     open_ones = [log for log in logs if log.intersample is None and log.input != COMMAND]
     segments = (segment for log in open_ones for segment in log.segments())
     return any(knots(s.time_s, s.input, "smooth")[0].size for s in segments)
+
+
+def choices_of(logs: Iterable[Log]) -> tuple[Intersample, ...]:
+    """What the inputs may do between their samples, whatever was declared; what bends is smooth."""
+    opened = [replace(log.as_recorded, intersample=None) for log in logs]
+    plain: tuple[Intersample, ...] = ("straight", "smooth") if is_smooth(opened) else ("straight",)
+    return (*plain, *held_choices(opened))
+
+
+def choice_unless_held(logs: Iterable[Log]) -> Intersample:
+    """What a measured input does as long as nothing tells otherwise."""
+    return "smooth" if "smooth" in choices_of(logs) else "straight"
 
 
 def as_smooth(logs: Sequence[Log]) -> tuple[Log, ...]:

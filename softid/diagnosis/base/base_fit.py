@@ -197,7 +197,7 @@ class BaseFit:
             The held-out logs.
         """
         identified = replace(self.identified, hold_out=tuple(logs))
-        held_out = HeldOutLogs(identified.hold_out, self.gauges)
+        held_out = HeldOutLogs(identified.hold_out, self.gauges, self.is_intersample_open)
         return replace(self, identified=identified, held_out=held_out)
 
     @property
@@ -311,7 +311,8 @@ class Request:
         )
         candidate = _candidate(identified, self.model)
         scale = scale_of(candidate.problem, candidate.minimum.point)
-        held_out = held or HeldOutLogs(identified.hold_out, self.gauges)
+        is_open = self.is_intersample_open
+        held_out = held or HeldOutLogs(identified.hold_out, self.gauges, is_open)
         return BaseFit(
             identified,
             candidate,
@@ -319,7 +320,7 @@ class Request:
             held_out,
             self.instead_of,
             self.gauges,
-            self.is_intersample_open,
+            is_open,
         )
 
 

@@ -17,18 +17,20 @@ from softid.diagnosis.base.base_fit import Recordings
 from softid.diagnosis.logs.decimation import with_other_intersample
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
+from softid.diagnosis.residual.motion import mean_square
+from softid.diagnosis.residual.noise_model import moments_of
 from softid.effects import ExtendedModel, effect_of, own_values
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
 from softid.fitters.residual_whiteness import residuals_by_channel, squared_autocorrelation
-from softid.identification.input_treatment import explained_best
+from softid.identification.input_treatment import explained_best, other_ways
 from softid.identification.intersample_choice import (
     BETTER_BY,
     COMMAND,
     HELD_INPUT,
     as_held,
-    held_choices,
-    is_smooth,
+    choice_unless_held,
+    choices_of,
 )
 from softid.intersample import HELD, Intersample
 from softid.log import Log, LogSet
@@ -72,25 +74,14 @@ def is_measured(logs: Iterable[Log]) -> bool:
     return all(log.input != COMMAND for log in logs)
 
 
-def choices_of(logs: Iterable[Log]) -> tuple[Intersample, ...]:
-    """What the inputs may do between their samples, whatever was declared; what bends is smooth."""
-    opened = [replace(log.as_recorded, intersample=None) for log in logs]
-    plain: tuple[Intersample, ...] = ("straight", "smooth") if is_smooth(opened) else ("straight",)
-    return (*plain, *held_choices(opened))
-
-
-def choice_unless_held(logs: Iterable[Log]) -> Intersample:
-    """What a measured input does as long as nothing tells otherwise."""
-    return "smooth" if "smooth" in choices_of(logs) else "straight"
-
-
 def better_intersample(
     candidate: Candidate, sigma: Mapping[str, float], *, least: float = 0.0
 ) -> Intersample | None:
     """Another intersample behaviour where it explains the logs better with the same effects.
 
     What it leaves may go on for long, as what no cause has explained yet does: the sums of its
-    squares then differ by little for nothing.
+    squares then differ by little for nothing. Where the input is not held the moments of its jumps
+    may be open, each of which costs two numbers.
 
     Parameters
     ----------
@@ -118,7 +109,7 @@ def better_intersample(
         refitted = refitted_as(candidate, sigma, intersample)
         if refitted is None:
             return -np.inf
-        found = _fall(candidate, refitted)
+        found = _fall_with_moments(candidate, refitted)
         return found * _independent_share(refitted) if found >= needed else -np.inf
 
     falls = in_parallel(fall, others)
@@ -126,6 +117,21 @@ def better_intersample(
         return None
     alike = max(falls) - TIE_DISTANCE
     return next(one for one, found in zip(others, falls, strict=True) if found > alike)
+
+
+def _fall_with_moments(candidate: Candidate, other: Candidate) -> float:
+    """As `_fall`, with the moments of jumps open in either model."""
+    return _fall(candidate, other) + _gained_by_moments(other) - _gained_by_moments(candidate)
+
+
+def _gained_by_moments(candidate: Candidate) -> float:
+    """By how much n ln(S) falls with the moments of jumps open, less the price of these; or 0."""
+    moments = moments_of(candidate)
+    if moments is None:
+        return 0.0
+    n, before = candidate.problem.n_samples, mean_square(moments.responses.parts)
+    fall = n * float(np.log(before / mean_square(moments.found.parts)))
+    return float(max(fall - moments.responses.columns.shape[1] * np.log(n), 0.0))
 
 
 def intersample_after_first_cause(
@@ -291,9 +297,10 @@ def explained_alike(
         None where the logs tell, or the refit does not go.
     """
     refitted = refitted_as(candidate, sigma, intersample)
-    if refitted is None or _fall(refitted, candidate) * _independent_share(candidate) > BETTER_BY:
+    if refitted is None:
         return None
-    return refitted
+    fall = _fall_with_moments(refitted, candidate) * _independent_share(candidate)
+    return refitted if fall <= BETTER_BY else None
 
 
 def _fall(candidate: Candidate, other: Candidate) -> float:
@@ -335,7 +342,7 @@ def hold_out_as_explained(
     sigma: Mapping[str, float],
     hold_out: Sequence[Log],
 ) -> tuple[Log, ...]:
-    """The logs that judge, each held as the model explains it better where the fitted are held.
+    """The logs that judge, each with the intersample behaviour that the model explains best.
 
     A model that lacks a cause that takes time would hold them later than they were.
 
@@ -350,16 +357,17 @@ def hold_out_as_explained(
     hold_out
         Logs with that intersample behaviour.
     """
-    if intersample not in HELD:
+    if intersample not in HELD and is_measured(hold_out):
         return tuple(hold_out)
     now = candidate.problem.logs[0].effective_intersample
     refitted = None if intersample == now else refitted_as(candidate, sigma, intersample)
     known = refitted or candidate
     model, values = known.problem.model, known.parameters
-    others = [other for other in HELD if other != intersample]
     return tuple(
         explained_best(
-            (log, *(with_other_intersample(log, other) for other in others)), model, values
+            (log, *(with_other_intersample(log, way) for way in other_ways(log, intersample))),
+            model,
+            values,
         )
         for log in hold_out
     )

@@ -11,12 +11,17 @@ from dataclasses import replace
 
 from softid.diagnosis.base.base_fit import BaseFit, Recordings, Request
 from softid.diagnosis.base.intersample_selection import (
-    choices_of,
     is_measured,
     recordings_with_intersample,
 )
 from softid.errors import Issue
-from softid.identification.intersample_choice import BETTER_BY, HELD_INPUT, misfit_of
+from softid.identification.intersample_choice import (
+    BEHAVIOUR_WORDS,
+    BETTER_BY,
+    HELD_INPUT,
+    choices_of,
+    misfit_of,
+)
 from softid.intersample import Intersample
 from softid.log import LogSet
 
@@ -26,13 +31,6 @@ DOUBTFUL_RATIO = 1.25
 TELLS = 0.5
 """Largest share of the mean square of what is held out that another intersample behaviour leaves:
 errors of the parameters, which are others with every one, make less of a difference."""
-
-BEHAVIOUR_WORDS: dict[Intersample, str] = {
-    "straight": "going straight from sample to sample",
-    "held": "held where it jumps",
-    "zoh": "held at every sample",
-}
-"""What a command may do."""
 
 
 def with_judged_intersample(
@@ -60,7 +58,7 @@ def with_judged_intersample(
     now = recordings.logs.logs[0].effective_intersample
     best, least = (recordings, base), TELLS**0.5 * before
     for intersample in choices_of(recordings.logs):
-        if intersample == now or intersample not in BEHAVIOUR_WORDS:
+        if intersample == now or intersample == "smooth":
             continue
         changed = _told(recordings_with_intersample(recordings, intersample), intersample)
         other = request.fit_base(changed.logs, changed.hold_out, thorough=False)

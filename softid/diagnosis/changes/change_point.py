@@ -107,7 +107,7 @@ def change_point(model: Candidate, scale: Scale, excess: float) -> ChangePoint |
     look = _ScoreTest(rows, by_load)
     noise = look.power / (1.0 + excess)
     best: ChangePoint | None = None
-    for log in sorted({row.log for row in look.rows}):
+    for log in sorted({row.place.log for row in look.rows}):
         found = look.best_of(log, noise)
         if found is not None and (best is None or found.share > best.share):
             best = found
@@ -128,7 +128,7 @@ class _ScoreTest:
             "gain": _joined(self.rows, lambda row: row.motion.x),
         }
         self.time_s = _joined(self.rows, lambda row: row.motion.time_s)
-        self.log = np.concatenate([np.full(row.residual.size, row.log) for row in self.rows])
+        self.log = np.concatenate([np.full(row.residual.size, row.place.log) for row in self.rows])
         self.basis = basis_of(jacobian)
         residual = np.concatenate([row.residual for row in self.rows])
         self.left = project_out(self.basis, residual)

@@ -206,4 +206,4 @@ class _Steps:
 
 def _index(row: Rows) -> npt.NDArray[np.intp]:
     """Index of the log, at each of a row's samples."""
-    return np.full(row.residual.size, row.log)
+    return np.full(row.residual.size, row.place.log)

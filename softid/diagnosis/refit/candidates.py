@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.state_sizes import reach_of
-from softid.diagnosis.refit.whitening import Whitener
+from softid.diagnosis.refit.whitening import Place, Whitener
 from softid.effects import ExtendedModel
 from softid.effects.base import Effect
 from softid.fitters.levenberg_marquardt import Minimum, NormalEquations, minimise
@@ -158,11 +158,8 @@ class WhitenedObjective(Objective):
             kept = found.blocks(derivatives=True) if found.kept else None
             for block in kept or self.problem.blocks(z, derivatives=True, plans=self.plans):
                 assert block.jacobian is not None
-                segment = self.problem.segments[block.segment]
-                used = segment.samples_of(segment.used[block.channel])
-                log = self.problem.owner[block.segment]
                 rows = np.column_stack((block.residual, block.jacobian))
-                white = self.whitener.apply(rows, used, log=log, channel=block.channel)
+                white = self.whitener.whiten(rows, Place.of(block, self.problem))
                 r, jacobian = white[:, 0], white[:, 1:]
                 cost += 0.5 * float(r @ r)
                 gradient += jacobian.T @ r

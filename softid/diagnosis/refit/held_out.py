@@ -145,10 +145,13 @@ class HeldOutLogs(HeldOut):
         The logs.
     gauges
         See `HeldOut`.
+    is_intersample_open
+        Whether nobody said what the input does between its samples.
     """
 
     logs: tuple[Log, ...]
     gauges: Mapping[str, GaugeErrors] = field(default_factory=dict)
+    is_intersample_open: bool = False
 
     def errors(self, candidate: Candidate) -> list[HeldOutErrors]:
         """At all samples of the logs; see `HeldOut.errors`."""

@@ -6,15 +6,14 @@ from dataclasses import replace
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.base.intersample_selection import (
-    choices_of,
     explained_alike,
     is_measured,
 )
-from softid.diagnosis.base.judged_intersample import BEHAVIOUR_WORDS
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.parameter_doubts import less_sure, other_values, outside_intervals
 from softid.diagnosis_results import Diagnosis
 from softid.errors import Issue
+from softid.identification.intersample_choice import BEHAVIOUR_WORDS, choices_of
 
 OPEN_INTERSAMPLE = "open-reading"
 """Code of the remark that parameters hang on what a command does between its samples."""

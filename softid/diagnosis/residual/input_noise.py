@@ -17,7 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, prior_sd
+from softid.diagnosis.refit.whitening import Whitener
 from softid.diagnosis.residual.input_course import moved_by_courses
+from softid.diagnosis.residual.jump_timing import part_of_jumps
 from softid.diagnosis.residual.motion import mean_square, residual_context, simulated
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.projection import basis_of, rows_of
@@ -124,7 +126,8 @@ def unknown_input(
 ) -> Array | None:
     """Draws of what is not known of the input, in the first output; None where that is nothing.
 
-    What parameters make up for is in them, too.
+    What parameters make up for is in them, too, and so is what the moments do at which it jumped
+    between two samples.
 
     Parameters
     ----------
@@ -136,11 +139,15 @@ def unknown_input(
     ndarray or None
         One draw in each row, at the used samples of all segments, shape (D, m).
     """
-    found = _unknown(model, gauges, variance)
-    return None if found is None else found[0] + found[1]
+    found, moments = _unknown(model, gauges, variance), _of_moments(model, variance)
+    if found is None:
+        return moments if moments.any() else None
+    return found[0] + found[1] + moments
 
 
-def moved_parameters(model: Candidate, draws: Array | None, variance: float) -> dict[str, float]:
+def moved_parameters(
+    model: Candidate, draws: Array | None, variance: float, noise: Whitener | None = None
+) -> dict[str, float]:
     """How far what is not known of the input moves each free parameter; nothing where it does not.
 
     The root mean square of what parameters, sensor zeros and initial states together make up for of
@@ -155,19 +162,30 @@ def moved_parameters(model: Candidate, draws: Array | None, variance: float) -> 
         As in `input_noise`.
     draws
         From `unknown_input`.
+    noise
+        That under which the model is at its optimum; None for white noise.
     """
     if draws is None:
         return {}
-    slopes = _slopes(model)
-    if not (np.isfinite(slopes).all() and np.isfinite(draws).all()):  # it runs away
+    slopes, moved = _slopes(model), draws.T
+    if not (np.isfinite(slopes).all() and np.isfinite(moved).all()):  # it runs away
         return {}
+    if noise is not None:
+        slopes, moved = (_shrunk(model, columns, noise) for columns in (slopes, moved))
     free = model.problem.free
     known = np.zeros((len(free), slopes.shape[1]))
     known[:, : len(free)] = np.diag([variance**0.5 / prior_sd(model, k) for k in range(len(free))])
     moved = np.linalg.lstsq(
-        np.vstack((slopes, known)), np.pad(draws.T, ((0, len(free)), (0, 0))), rcond=None
+        np.vstack((slopes, known)), np.pad(moved, ((0, len(free)), (0, 0))), rcond=None
     )[0]
     return dict(zip(free, np.sqrt(np.mean(moved**2, axis=1)).tolist(), strict=False))
+
+
+def _shrunk(model: Candidate, columns: Array, noise: Whitener) -> Array:
+    """Columns at the used samples of the first output, with what unknown numbers move shrunk."""
+    own = [row for row in rows_of(model) if row.channel == model.problem.outputs[0]]
+    each = np.split(columns, np.cumsum([row.residual.size for row in own])[:-1])
+    return np.vstack([noise.shrunk(part, row.place) for part, row in zip(each, own, strict=True)])
 
 
 def _unknown(
@@ -214,6 +232,21 @@ def _of_courses(model: Candidate, draws: Sequence[int]) -> Array:
     used = np.concatenate([s.samples_of(s.used[first]) for s in problem.segments])
     moved = moved_by_courses(model, draws, without_jumps=True)
     return np.array([np.concatenate(parts)[used] for parts in moved])
+
+
+def _of_moments(model: Candidate, variance: float) -> Array:
+    """Changes of the first output at its used samples with draws of moments, shape (D, m).
+
+    Of shape (1, 1) where they hardly make any.
+    """
+    problem, first = model.problem, model.problem.outputs[0]
+    rng, moved = np.random.default_rng(SEED), []
+    for k, segment in enumerate(problem.segments):
+        columns = part_of_jumps(model, k, noise=variance**0.5)
+        columns = columns[segment.samples_of(segment.used[first])]
+        moved.append(rng.standard_normal((DRAWS, columns.shape[1])) @ columns.T)
+    found = np.hstack(moved)
+    return found if np.mean(found**2) > LEAST_COURSE * variance else np.zeros((1, 1))
 
 
 def _of_noise(model: Candidate, gauges: Mapping[str, GaugeErrors]) -> Array:

@@ -50,6 +50,9 @@ MOST_TO_ONE_SIDE = 3.0
 FURTHEST = 3.0**0.5
 """Either end of an interval is so many standard deviations off its middle."""
 
+BEYOND = 0.25
+"""Share of half an interval by which noise takes moments beyond the end where all of them are."""
+
 
 class Pulse(NamedTuple):
     """Moves of the input at the inner two knots of an interval, per unit.
@@ -114,9 +117,21 @@ class OpenJumps:
         A cause that makes the motion late asks for moments that are all late; and one of another
         kind for such as are in no interval.
         """
-        moments = np.concatenate(self.moments)
-        mean, size = float(np.mean(moments)), float(np.sqrt(np.mean(moments**2)))
-        return abs(mean) * self.count**0.5 < MOST_TO_ONE_SIDE and size < FURTHEST
+        mean = float(np.mean(np.concatenate(self.moments)))
+        return abs(mean) * self.count**0.5 < MOST_TO_ONE_SIDE and self._size < FURTHEST
+
+    @property
+    def lie_inside(self) -> bool:
+        """Whether the moments may all lie in their intervals, be it at one end of each.
+
+        A recorder that runs in step with the controller sees every jump as it happens, another one
+        up to an interval later.
+        """
+        return self._size < (1.0 + BEYOND) * FURTHEST
+
+    @property
+    def _size(self) -> float:
+        return float(np.sqrt(np.mean(np.concatenate(self.moments) ** 2)))
 
 
 def untimed_jumps(segment: Segment) -> Array:
@@ -192,6 +207,14 @@ class JumpResponses:
         used = [whole[np.isfinite(p.residual)] for whole, p in zip(each, parts, strict=True)]
         counts = tuple(whole.shape[1] // len(PULSES) for whole in each)
         return cls(tuple(parts), block_diag(*used), basis_of(np.vstack(slopes)), counts)
+
+    @property
+    def by_part(self) -> list[Array]:
+        """The columns of the jumps of each part at its used samples, each of shape (m, 2 J)."""
+        used = [int(np.isfinite(part.residual).sum()) for part in self.parts]
+        rows = np.split(self.columns, np.cumsum(used)[:-1])
+        ends = np.cumsum([0, *(len(PULSES) * count for count in self.counts)]).tolist()
+        return [own[:, a:b] for own, (a, b) in zip(rows, pairwise(ends), strict=True)]
 
     def opened(self, variance: float) -> OpenJumps:
         """The likeliest moments, and what is left behind them.

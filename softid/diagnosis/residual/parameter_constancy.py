@@ -122,7 +122,7 @@ class _ScoreTest:
         """Columns at the used samples of all rows, made white."""
         edges = np.cumsum([0, *(row.residual.size for row in self.rows)])
         parts = [
-            self.whitener.apply(columns[begin:end], row.used, log=row.log, channel=row.channel)
+            self.whitener.innovations(columns[begin:end], row.place)
             for row, (begin, end) in zip(self.rows, pairwise(edges.tolist()), strict=True)
         ]
         return np.concatenate(parts)
@@ -219,7 +219,7 @@ def _piecewise_linear(name: str, rows: Sequence[Rows], weight: Array) -> Array:
     values = np.concatenate([_variable(name, row)[row.used] for row in rows])
     if name != "t":
         return _piecewise_linear_over(values, weight)
-    owner = np.concatenate([np.full(row.residual.size, row.log) for row in rows])
+    owner = np.concatenate([np.full(row.residual.size, row.place.log) for row in rows])
     parts = []
     for log in np.unique(owner):
         mine = owner == log

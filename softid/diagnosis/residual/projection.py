@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import FINE_STEPS, Candidate, limited_plans
+from softid.diagnosis.refit.whitening import Place
 from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.structure import ResidualContext
 
@@ -27,26 +28,30 @@ class Rows:
 
     Attributes
     ----------
-    channel
-        The output channel.
+    place
+        Which.
     residual
         Measured minus simulated at the used samples, shape (m,).
     jacobian
         ∂(simulated)/∂(unknowns) there, shape (m, U).
-    used
-        Which samples are used, shape (n,).
-    log
-        Index of the log.
     motion
         Motion and input at all samples.
     """
 
-    channel: str
+    place: Place
     residual: Array
     jacobian: Array
-    used: npt.NDArray[np.bool_]
-    log: int
     motion: ResidualContext
+
+    @property
+    def channel(self) -> str:
+        """The output channel."""
+        return self.place.channel
+
+    @property
+    def used(self) -> npt.NDArray[np.bool_]:
+        """Which samples are used, shape (n,)."""
+        return self.place.used
 
 
 def rows_of(candidate: Candidate) -> list[Rows]:
@@ -63,10 +68,8 @@ def rows_of(candidate: Candidate) -> list[Rows]:
     found = []
     for block in problem.blocks(z, derivatives=True, plans=plans):
         assert block.jacobian is not None
-        segment = problem.segments[block.segment]
-        used = segment.samples_of(segment.used[block.channel])
-        owner, motion = problem.owner[block.segment], motions[block.segment]
-        found.append(Rows(block.channel, block.residual, block.jacobian, used, owner, motion))
+        place, motion = Place.of(block, problem), motions[block.segment]
+        found.append(Rows(place, block.residual, block.jacobian, motion))
     return found
 
 

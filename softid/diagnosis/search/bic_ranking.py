@@ -10,6 +10,7 @@ import numpy as np
 
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.whitening import Whitener, whitener_of
+from softid.diagnosis.residual.noise_model import noise_model_of
 from softid.diagnosis.search.catching_up import by_squares, can_catch_up
 from softid.parallel import in_parallel
 
@@ -71,7 +72,7 @@ def rank(
         A noise model; None fits it to what the best candidate leaves.
     """
     best = by_squares(candidates)[0]
-    model = whitener or whitener_of(best.problem, best.minimum.point, sigma)
+    model = whitener or noise_model_of(best, sigma)
 
     placed = [
         replace(c, minimum=replace(c.minimum, damping=None), whitener=model) for c in candidates
@@ -98,6 +99,28 @@ def rank(
         white[k] = candidate
     ranked = [Ranked(w, c, bic_of(w)) for w, c in zip(white, candidates, strict=True)]
     return sorted(ranked, key=lambda r: r.bic)
+
+
+def rank_either_way(
+    candidates: Sequence[Candidate], sigma: Mapping[str, float]
+) -> list[list[Ranked]]:
+    """As `rank`, and where jumps of the input may have come at other moments, as drawn besides.
+
+    What the input did between its samples beside a jump is not its moment alone: a law may follow
+    the rest, or the moments.
+
+    Parameters
+    ----------
+    candidates, sigma
+        As in `rank`.
+    """
+    ranked = rank(candidates, sigma)
+    whitener = ranked[0].candidate.whitener
+    if whitener is None or not whitener.unknown:
+        return [ranked]
+    best = by_squares(candidates)[0]
+    as_drawn = whitener_of(best.problem, best.minimum.point, sigma)
+    return [ranked, rank(candidates, sigma, whitener=as_drawn)]
 
 
 def is_likelier(one: Candidate, other: Candidate, sigma: Mapping[str, float]) -> bool:

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from softid.diagnosis.logs.decimation import with_other_intersample
 from softid.diagnosis.refit.candidates import Candidate, prior_sd
-from softid.diagnosis.refit.held_out import HeldOut, fitted_range, mean_power
+from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs, fitted_range, mean_power
 from softid.diagnosis.refit.optimum import optimum_of
 from softid.diagnosis.residual.assessment import held_out_share
 from softid.diagnosis.residual.input_noise import input_noise
@@ -18,6 +19,7 @@ from softid.diagnosis.residual.motion import mean_square
 from softid.diagnosis.residual.noise_floor import EXCESS_SDS, fastest_part
 from softid.diagnosis.residual.projection import rows_of
 from softid.diagnosis_results import Remainder
+from softid.identification.intersample_choice import choice_unless_held
 from softid.identification.parameter_covariance import errors_of
 
 Array = npt.NDArray[np.float64]
@@ -47,7 +49,7 @@ def with_held_out(
 
     Noise of a held-out input may move the simulation more than that of the fitted ones did. Where
     what is left is more than noise, it is looked at again with the moments of jumps of other logs'
-    inputs as unknowns; if that leaves noise, and they scatter as by chance, they stay so.
+    inputs as unknowns; if that leaves noise, and they may all lie in their intervals, they stay so.
 
     Parameters
     ----------
@@ -75,7 +77,7 @@ def with_held_out(
     spread = EXCESS_SDS * remainder.noise_sd * float(np.sqrt(1.0 + longer))
     most = OTHER_LOG * (1.0 + spread) * noise + UNLIKELY * unsure
     jumps = _open_jumps(after, held_out, noise) if power > most else None
-    timed = mean_square(jumps.parts) if jumps is not None and jumps.scatter else np.inf
+    timed = mean_square(jumps.parts) if jumps is not None and jumps.lie_inside else np.inf
     if jumps is not None and timed <= most:
         power = timed
         remainder = replace(remainder, open_jumps_held_out=jumps.count)
@@ -99,7 +101,14 @@ def _of_input(model: Candidate, held_out: HeldOut, remainder: Remainder) -> floa
 
 
 def _open_jumps(model: Candidate, held_out: HeldOut, noise: float) -> OpenJumps | None:
-    """What a model leaves of other logs with the moments of their jumps left open."""
+    """What a model leaves of other logs with the moments of their jumps left open.
+
+    Jumps that are held as those of the fitted logs may come between samples all the same.
+    """
+    if isinstance(held_out, HeldOutLogs) and held_out.is_intersample_open:
+        logs = held_out.logs
+        moving = [with_other_intersample(log, choice_unless_held([log])) for log in logs]
+        held_out = replace(held_out, logs=tuple(moving))
     judged = held_out.standing(model)
     responses = None if judged is None else held_out_responses(model, judged, noise)
     return None if responses is None else responses.opened(noise)

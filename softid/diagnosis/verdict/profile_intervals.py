@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.optimum import optimum_of
+from softid.diagnosis.refit.whitening import Whitener
 from softid.diagnosis.search.effect_starts import squares_at
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis_results import Cause
@@ -60,6 +61,7 @@ def with_intervals(
     chain: Chain,
     sigma: Mapping[str, float],
     least_sd: Mapping[str, float] = MappingProxyType({}),
+    noise: Whitener | None = None,
 ) -> tuple[FitResult | None, tuple[Cause, ...]]:
     """The fit and its causes with profile likelihood intervals of what is named.
 
@@ -75,11 +77,13 @@ def with_intervals(
         Output channel → scale that its residual is divided by.
     least_sd
         As in `softid.identification.assembly.assemble`.
+    noise
+        That under which the model is at its optimum; None for white noise.
     """
     named = [link.added for link, stays in zip(chain.links, is_named, strict=True) if stays]
     if after is None or not named:
         return after, tuple(causes)
-    known = with_profile_intervals(after, chain.final, named, sigma, least_sd)
+    known = with_profile_intervals(after, chain.final, named, sigma, least_sd, noise)
     told = (tuple(known.parameter(p.name) for p in cause.parameters) for cause in causes)
     pairs = zip(causes, told, strict=True)
     return known, tuple(replace(cause, parameters=own) for cause, own in pairs)
@@ -91,6 +95,7 @@ def with_profile_intervals(
     effects: Sequence[Effect],
     sigma: Mapping[str, float],
     least_sd: Mapping[str, float] = MappingProxyType({}),
+    noise: Whitener | None = None,
 ) -> FitResult:
     """The fit with profile likelihood intervals of what effects know badly, or beside a bound.
 
@@ -107,8 +112,8 @@ def with_profile_intervals(
         Those whose parameters are looked at.
     sigma
         Output channel → scale that its residual is divided by.
-    least_sd
-        As in `softid.identification.assembly.assemble`.
+    least_sd, noise
+        As in `with_intervals`.
     """
     rough = [
         p.name
@@ -121,6 +126,8 @@ def with_profile_intervals(
     if covariance is None:
         return fit
     covariance = widened(covariance, least_sd)
+    if noise is not None:
+        final = advance(replace(final, whitener=noise), sigma, 1)
     profiles = in_parallel(lambda name: _profile_of(final, name, covariance, sigma), rough)
     known = dict(zip(rough, profiles, strict=True))
     told = [_with_interval(p, known.get(p.name)) for p in fit.parameters]
@@ -163,6 +170,7 @@ def _profile_of(
     """
     p, value = final.problem.parameters[name], final.parameters[name]
     sd, unit, freedom = _steps_of(p, value, covariance)
+    unit *= _of_whitened(final, sigma)
     if not (sd > 0.0 and unit > 0.0):
         return None
 
@@ -174,7 +182,7 @@ def _profile_of(
     def solve(rival: Problem, starts: Starts) -> tuple[float, Array]:
         nearer = (starts.predicted, starts.nearest)
         z = min(nearer, key=lambda start: squares_at(rival, start, sigma))
-        begin = begun(final, final.effects, rival, z)
+        begin = replace(begun(final, final.effects, rival, z), whitener=final.whitener)
         found = advance(begin, sigma, REFIT_EVALUATIONS, tolerance=tolerance)
         return found.squares, found.minimum.point
 
@@ -193,6 +201,14 @@ def _profile_of(
         upper=max(p.upper, value),
         degrees_of_freedom=freedom,
     )
+
+
+def _of_whitened(final: Candidate, sigma: Mapping[str, float]) -> float:
+    """How much larger a square of the first output is in the unit of the noise than in its own."""
+    if final.whitener is None:
+        return 1.0
+    first = final.problem.outputs[0]
+    return (sigma[first] / final.whitener.sigma[final.problem.owner[0], first]) ** 2
 
 
 def _steps_of(p: Parameter, value: float, covariance: Covariance) -> tuple[float, float, float]:

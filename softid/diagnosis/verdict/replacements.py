@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut
-from softid.diagnosis.search.bic_ranking import rank
+from softid.diagnosis.search.bic_ranking import Ranked, rank_either_way
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.equivalence import CHANGING, DRIFTS
@@ -234,16 +234,21 @@ def with_replacements(
     tries = _tries(asked, named, final.acting)
     standing, near = standing_of(final, base), PROMISING_RATIO * final.squares
     others = in_parallel(lambda each: refitted_with(standing, each[2], each[1], near=near), tries)
-    ranked = rank([final, *(other for other in others if other is not None)], base.sigma)
-    bic = {id(row.plain): row.bic for row in ranked}
-    found, best = list(links), ranked[0].bic + INDISTINCT
+    rankings = rank_either_way([final, *(one for one in others if one is not None)], base.sigma)
+    found = list(links)
     for (row, laws, _), other in zip(tries, others, strict=True):
         if other is None:
             continue
-        is_alike = bic[id(other)] < min(best, bic[id(final)] + row.behind)
+        is_alike = all(_is_alike(other, final, row.behind, ranked) for ranked in rankings)
         if is_alike or row.does_as_much(links, other, final, base.held_out):
             found = [_with_rivals(link, row, laws, other) for link in found]
     return found
+
+
+def _is_alike(other: Candidate, final: Candidate, behind: float, ranked: Sequence[Ranked]) -> bool:
+    """Whether a BIC is hardly above the least, and at most so much above that of the causes."""
+    bic = {id(row.plain): row.bic for row in ranked}
+    return bic[id(other)] < min(ranked[0].bic + INDISTINCT, bic[id(final)] + behind)
 
 
 def _asked(named: Sequence[Effect], *, is_linear: bool, is_doubtful: bool = False) -> list[Asked]:

@@ -23,8 +23,6 @@ import softid
 from softid.diagnosis.base import intersample_selection
 from softid.diagnosis.base.intersample_selection import (
     better_intersample,
-    choice_unless_held,
-    choices_of,
     hold_out_as_explained,
     intersample_after_all_causes,
     intersample_after_first_cause,
@@ -38,6 +36,7 @@ from softid.diagnosis.refit.extension import extend, start_unknowns
 from softid.diagnosis.search.forward_selection import converged
 from softid.diagnosis_results import Verdict
 from softid.effects import effect_of
+from softid.identification.intersample_choice import choice_unless_held, choices_of
 from softid.intersample import Intersample
 from softid.log import Log, LogSet
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 from linear_motion import TRUTH, linear_log, linear_problem
 
-from softid.diagnosis.refit.whitening import SIGMA_FLOOR, Whitener, whitener_of
+from softid.diagnosis.refit.whitening import SIGMA_FLOOR, Place, Unknown, Whitener, whitener_of
 from softid.fitters.problem import Problem
 
 Array = npt.NDArray[np.float64]
@@ -17,6 +17,10 @@ Array = npt.NDArray[np.float64]
 PHI = 0.8
 KEY = (0, "angle")
 ONE = Whitener({KEY: np.array([PHI])}, {KEY: 0.01})
+
+
+def place(used: npt.NDArray[np.bool_]) -> Place:
+    return Place(0, *KEY, used)
 
 
 def coloured(samples: int, seed: int = 0) -> tuple[Array, Array]:
@@ -35,7 +39,7 @@ def coloured_problem(samples: int = 4000, seed: int = 0) -> Problem:
 def test_rows_become_the_innovations() -> None:
     """Closed form: e_t − φ e_{t−1} = w_t exactly, in units of its deviation; the first is lost."""
     values, innovations = coloured(300)
-    white = ONE.apply(values[:, None], np.ones(300, bool), log=0, channel="angle")
+    white = ONE.innovations(values[:, None], place(np.ones(300, bool)))
     assert white.shape == (299, 1)
     assert white[:, 0] == pytest.approx(innovations[1:] / 0.01, abs=1e-9)
 
@@ -45,9 +49,9 @@ def test_residual_and_jacobian_are_treated_alike() -> None:
     rng = np.random.default_rng(1)
     rows = rng.standard_normal((200, 3))
     used = rng.random(200) > 0.1
-    whole = ONE.apply(rows[used], used, log=0, channel="angle")
+    whole = ONE.innovations(rows[used], place(used))
     weights = np.array([1.0, -2.0, 0.5])
-    summed = ONE.apply((rows[used] @ weights)[:, None], used, log=0, channel="angle")
+    summed = ONE.innovations((rows[used] @ weights)[:, None], place(used))
     assert summed[:, 0] == pytest.approx(whole @ weights)
 
 
@@ -57,12 +61,12 @@ def test_gaps_do_not_leak() -> None:
     used = np.ones(300, bool)
     used[100:105] = False
     used[200] = False
-    white = ONE.apply(values[used][:, None], used, log=0, channel="angle")
+    white = ONE.innovations(values[used][:, None], place(used))
     wanted = np.concatenate([innovations[1:100], innovations[106:200], innovations[202:]]) / 0.01
     assert white[:, 0] == pytest.approx(wanted, abs=1e-9)
     shouted = values.copy()
     shouted[:100] *= 1e3
-    other = ONE.apply(shouted[used][:, None], used, log=0, channel="angle")
+    other = ONE.innovations(shouted[used][:, None], place(used))
     assert np.array_equal(other[99:], white[99:])
 
 
@@ -72,9 +76,9 @@ def test_runs_that_are_too_short_are_left_out() -> None:
     used = np.array([True] * 3 + [False] + [True] * 4 + [False])
     rows = np.ones((7, 2))
     rows[:3] = 99.0
-    white = three.apply(rows, used, log=0, channel="angle")
+    white = three.innovations(rows, place(used))
     assert white == pytest.approx(np.full((1, 2), 0.7))
-    nothing = three.apply(np.ones((3, 2)), used[:4], log=0, channel="angle")
+    nothing = three.innovations(np.ones((3, 2)), place(used[:4]))
     assert nothing.shape == (0, 2)
 
 
@@ -90,7 +94,7 @@ def test_the_noise_of_a_fit_is_found() -> None:
     assert found.sigma[KEY] == pytest.approx(0.01, rel=0.045)
     (block,) = problem.blocks(z, derivatives=False)
     used = problem.segments[0].used["angle"]
-    white = found.apply(block.residual[:, None], used, log=0, channel="angle")[:, 0]
+    white = found.innovations(block.residual[:, None], place(used))[:, 0]
     assert float(np.mean(white**2)) == pytest.approx(1.0, rel=0.09)
     for lag in (1, 2, 5):
         assert abs(float(np.corrcoef(white[lag:], white[:-lag])[0, 1])) < 0.065
@@ -131,3 +135,16 @@ def test_without_noise_the_floor_holds() -> None:
     exact = linear_problem([replace(problem.logs[0], channels=channels)])
     found = whitener_of(exact, z, {"angle": 1e6})
     assert found.sigma[KEY] == pytest.approx(SIGMA_FLOOR * 1e6)
+
+
+def test_what_unknown_numbers_move_becomes_white_with_the_noise() -> None:
+    """Closed form: W (I + G Gᵀ) Wᵀ = I; where none is, only the noise is made white."""
+    columns = np.random.default_rng(1).standard_normal((40, 3)) * (0.1, 1.0, 30.0)
+    whole = np.eye(40) + columns @ columns.T
+    noise = replace(ONE, phi={KEY: np.empty(0)}, unknown={KEY: Unknown.of(columns)})
+    moved = noise.shrunk(np.eye(40), place(np.ones(40, bool)))
+    assert moved @ whole @ moved.T == pytest.approx(np.eye(40), abs=1e-8)
+    white = noise.whiten(np.eye(40), place(np.ones(40, bool)))
+    assert white == pytest.approx(moved / 0.01)
+    elsewhere = Place(1, *KEY, np.ones(40, bool))
+    assert noise.whiten(np.eye(40), elsewhere) == pytest.approx(np.eye(40) / 0.01)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -13,9 +14,12 @@ from linear_motion import RATE_HZ, TRUTH, linear_angle, linear_log, linear_probl
 import softid
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.cause_search import CauseSearch
+from softid.diagnosis.refit.candidates import Candidate
+from softid.diagnosis.refit.whitening import Whitener, whitener_of
 from softid.diagnosis.residual import jump_timing
 from softid.diagnosis.residual.assessment import assess
 from softid.diagnosis.residual.jump_timing import part_of_jumps, untimed_jumps
+from softid.diagnosis.search import bic_ranking
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log, LogSet
 from softid.models.oscillator import Oscillator
@@ -230,14 +234,28 @@ def test_a_delay_is_found_beside_open_moments(delay_s: float) -> None:
 
 
 def test_what_explains_a_part_of_open_moments_is_chance(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At 20 Hz a law was found that helps and may not be named; the base alone leaves noise."""
-    fitted, judge = (switched(seed, period_s=0.05, noise=0.002) for seed in (3, 53))
-    found = softid.diagnose(fitted, hold_out=[judge], model="oscillator")
+    """At 20 Hz a law helps where jumps are taken as drawn, and may not be named; the base alone
+    leaves noise. Nothing helps where moments are a part of that."""
+
+    def diagnosis() -> Diagnosis:
+        fitted, judge = (switched(seed, period_s=0.05, noise=0.002) for seed in (3, 53))
+        return softid.diagnose(fitted, hold_out=[judge], model="oscillator")
+
+    found = diagnosis()
     assert found.verdict is Verdict.ADEQUATE
     assert found.remainder.open_jumps > 12
+    with monkeypatch.context() as patched:
+        patched.setattr(CauseSearch, "without_causes", lambda search: None)
+        assert diagnosis().verdict is Verdict.ADEQUATE
+    monkeypatch.setattr(bic_ranking, "noise_model_of", as_drawn)
+    assert diagnosis().verdict is Verdict.ADEQUATE
     monkeypatch.setattr(CauseSearch, "without_causes", lambda search: None)
-    found = softid.diagnose(fitted, hold_out=[judge], model="oscillator")
-    assert found.verdict is Verdict.UNKNOWN
+    assert diagnosis().verdict is Verdict.UNKNOWN
+
+
+def as_drawn(best: Candidate, sigma: Mapping[str, float]) -> Whitener:
+    """The noise that a candidate leaves if all jumps come where they are drawn."""
+    return whitener_of(best.problem, best.minimum.point, sigma)
 
 
 @pytest.mark.parametrize(("damping", "fewer"), [(10.0, True), (500.0, False)])

@@ -58,7 +58,7 @@ def test_rows_are_those_of_the_problem() -> None:
     problem = linear_problem([log.with_masked(masked), linear_log(seed=1)])
     candidate = standing(problem, problem.unknowns(TRUTH), SIGMA)
     rows = rows_of(candidate)
-    assert [row.log for row in rows] == [0, 1]
+    assert [row.place.log for row in rows] == [0, 1]
     assert rows[0].residual.size == len(log) - 40 == int(rows[0].used.sum())
     assert rows[0].jacobian.shape == (len(log) - 40, problem.size)
     assert rows[0].motion.x.size == len(log)
