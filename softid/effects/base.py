@@ -83,6 +83,9 @@ class Effect(ABC):
         Set it where the reading stands still, noise and all, at the ends of its range, as
         `sensor_clipping` has it. Other effects then act before it, and samples that stand there say
         nothing of the noise.
+    is_linear
+        Set it where the law is linear in the input or the reading, as that of a `delay`. Beside no
+        other kind a linear model stays one, in which operations commute.
     begins_with_log
         Set it where the law begins anew with every log, as `softening` by use does. Where it fails
         on what is held out, the report says that this may have begun otherwise.
@@ -134,6 +137,7 @@ class Effect(ABC):
     counts_position: ClassVar[bool] = False
     readings: ClassVar[tuple[str, ...]] = ()
     mutes: ClassVar[bool] = False
+    is_linear: ClassVar[bool] = False
     begins_with_log: ClassVar[bool] = False
 
     # Hints for the search

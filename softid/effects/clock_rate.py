@@ -52,6 +52,7 @@ class ClockRate(OutputEffect):
     shown_by: ClassVar[str] = "the same fast steps at the beginning and end of a long record"
     source: ClassVar[str] = "linear clock model; IEEE Std 1588-2019"
     amplitude: ClassVar[str] = "rate"
+    is_linear: ClassVar[bool] = True
     changes_sign: ClassVar[bool] = True
     begins_with_log: ClassVar[bool] = True
     has_one_form: ClassVar[bool] = True

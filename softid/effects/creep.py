@@ -50,6 +50,7 @@ class Creep(StateEffect):
     shown_by: ClassVar[str] = "a hold of 20 s followed by a rest of 20 s"
     source: ClassVar[str] = "Christensen, Theory of Viscoelasticity, §1 (standard linear solid)"
     amplitude: ClassVar[str] = "k"
+    is_linear: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
     has_state: ClassVar[bool] = True
     follows_position: ClassVar[bool] = True

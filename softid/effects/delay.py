@@ -61,6 +61,7 @@ class Delay(InputEffect):
     shown_by: ClassVar[str] = "fast steps, or a chirp"
     source: ClassVar[str] = "Ljung, System Identification, 2nd ed. 1999, §4.2"
     amplitude: ClassVar[str] = "tau"
+    is_linear: ClassVar[bool] = True
     has_one_form: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:

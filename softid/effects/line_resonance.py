@@ -58,6 +58,7 @@ class LineResonance(InputEffect):
     shown_by: ClassVar[str] = "fast steps, or a chirp beyond the ringing frequency"
     source: ClassVar[str] = "Bergh and Tijdeman, NLR-TR F.238, 1965"
     amplitude: ClassVar[str] = "period"
+    is_linear: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("period",)
     floors: ClassVar[tuple[str, ...]] = ("zeta",)
 

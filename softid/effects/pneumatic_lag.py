@@ -49,6 +49,7 @@ class PneumaticLag(InputEffect):
     shown_by: ClassVar[str] = "a chirp up to the bandwidth of the actuator"
     source: ClassVar[str] = "Andersen, The Analysis and Design of Pneumatic Systems, Wiley 1967"
     amplitude: ClassVar[str] = "tau"
+    is_linear: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time constant τ, up to a quarter of the log."""
@@ -83,6 +84,7 @@ class SeparatePneumaticLag(PneumaticLag):
     """
 
     variant: ClassVar[str] = "separate"
+    is_linear: ClassVar[bool] = False
     title: ClassVar[str] = "Lag of the pneumatics that differs by direction"
     law: ClassVar[str] = "tau pa' + pa = p while filling, ratio tau pa' + pa = p while venting"
     meaning: ClassVar[str] = (
@@ -141,6 +143,7 @@ class LevelPneumaticLag(PneumaticLag):
     """
 
     variant: ClassVar[str] = "level"
+    is_linear: ClassVar[bool] = False
     title: ClassVar[str] = "Lag of the pneumatics that differs by level"
     law: ClassVar[str] = (
         "tau ratio^((pa - pm)/(ph - pl)) pa' + pa = p, pl lowest, ph highest, pm middle of p"

@@ -40,6 +40,7 @@ class SensorDrift(OutputEffect):
     shown_by: ClassVar[str] = "a rest at the beginning and at the end of a long record"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     amplitude: ClassVar[str] = "rate"
+    is_linear: ClassVar[bool] = True
     changes_sign: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:

@@ -49,6 +49,7 @@ class SensorGainDrift(OutputEffect):
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     begins_with_log: ClassVar[bool] = True
     amplitude: ClassVar[str] = "g"
+    is_linear: ClassVar[bool] = True
     counts_position: ClassVar[bool] = True
     changes_sign: ClassVar[bool] = True
 

@@ -51,6 +51,7 @@ class SensorLag(OutputEffect):
     shown_by: ClassVar[str] = "a chirp beyond the bandwidth of the sensor, at two offsets"
     source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.3"
     amplitude: ClassVar[str] = "tau"
+    is_linear: ClassVar[bool] = True
 
     def parameters(self, scale: Scale) -> ParameterSet:
         """The time constant τ, up to a quarter of the log."""

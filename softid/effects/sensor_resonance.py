@@ -56,6 +56,7 @@ class SensorResonance(OutputEffect):
     shown_by: ClassVar[str] = "a chirp beyond the bandwidth of the sensor, at two offsets"
     source: ClassVar[str] = "Doebelin, Measurement Systems, 5th ed. 2004, §3.3"
     amplitude: ClassVar[str] = "period"
+    is_linear: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("period",)
     floors: ClassVar[tuple[str, ...]] = ("zeta",)
 

@@ -57,6 +57,7 @@ class SensorWarmup(OutputEffect):
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     begins_with_log: ClassVar[bool] = True
     amplitude: ClassVar[str] = "size"
+    is_linear: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("time",)
     changes_sign: ClassVar[bool] = True
 

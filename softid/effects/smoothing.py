@@ -52,6 +52,7 @@ class _Smoothed(OutputEffect):
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_lag", "sensor_resonance", "pneumatic_lag")
     remedy: ClassVar[str] = "leave the record as it was read; a fit needs no smoothing"
     shown_by: ClassVar[str] = "fast steps, and the record as it was before any filter"
+    is_linear: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of, variables_left
@@ -44,6 +44,22 @@ def is_linear(base: FitResult) -> bool:
     return MODELS[base.model.name].is_linear
 
 
+def is_linear_beside(laws: Iterable[Cause], own: Collection[str], *, linear: bool) -> bool:
+    """Whether a model is linear but for some of its causes, so that operations commute there.
+
+    Parameters
+    ----------
+    laws
+        All causes and descriptions.
+    own
+        Names of those that are left out.
+    linear
+        Whether the base model is linear.
+    """
+    others = (EFFECTS[law.key] for law in laws if law.effect not in own and law.key in EFFECTS)
+    return linear and all(effect.is_linear for effect in others)
+
+
 def with_presliding(
     ties: Sequence[Alternative], causes: Sequence[Cause], scale: Scale
 ) -> tuple[Alternative, ...]:
@@ -81,7 +97,7 @@ def why_tied(alternative: Alternative, *, linear: bool, extended: FitResult | No
     alternative
         The causes.
     linear
-        Whether the base model is linear.
+        Whether the model is linear but for these.
     extended
         The model with the causes: where their times may be the actuator's, its own are told.
     """
@@ -101,11 +117,13 @@ def with_reasons(found: Diagnosis) -> tuple[Alternative, ...]:
     found
         A diagnosis in numbers.
     """
-    linear = is_linear(found.base)
-    return tuple(
-        a if a.why else replace(a, why=why_tied(a, linear=linear, extended=found.extended))
-        for a in found.alternatives
-    )
+    laws, linear = (*found.causes, *found.descriptive), is_linear(found.base)
+
+    def reason(tie: Alternative) -> str:
+        beside = is_linear_beside(laws, tie.effects, linear=linear)
+        return tie.why or why_tied(tie, linear=beside, extended=found.extended)
+
+    return tuple(replace(tie, why=reason(tie)) for tie in found.alternatives)
 
 
 def told_as_tied(
@@ -260,7 +278,8 @@ def what_next(
     if any(law.doubt is Doubt.ONE_STEP for law in laws):
         return SEVERAL_STEPS
     for alternative in alternatives if verdict is not Verdict.UNKNOWN else ():
-        known = law_that_ties(alternative, linear=linear)
+        beside = is_linear_beside(laws, alternative.effects, linear=linear)
+        known = law_that_ties(alternative, linear=beside)
         if known is not None:
             return f"record {known.splits}"
         if SPLITS in alternative.why:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.report.ambiguity import is_linear
+from softid.diagnosis.report.ambiguity import is_linear, is_linear_beside
 from softid.diagnosis.report.parameter_doubts import less_sure, other_values, outside_intervals
 from softid.diagnosis.report.phrases import title_of
 from softid.diagnosis.search.bic_ranking import rank
@@ -80,7 +80,9 @@ def _told(
     """The diagnosis with a remark on another form, and what it moves as weakly identified."""
     other = f"{title_of(form.key)} ({form.key})"
     remedy = f"record {form.shown_by}, which would tell the two apart"
-    if is_linear(found.base) and form.stage != effect_of(key).stage:  # one transfer function
+    laws = (*found.causes, *found.descriptive)
+    linear = is_linear_beside(laws, (form.name,), linear=is_linear(found.base))
+    if linear and form.stage != effect_of(key).stage:  # one transfer function
         remedy = "read off what both have in common, such as the response, or fix what is known"
     issue = Issue(
         OTHER_FORM,

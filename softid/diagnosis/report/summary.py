@@ -11,6 +11,7 @@ from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
 from softid.diagnosis.report.ambiguity import (
     are_alike,
     is_linear,
+    is_linear_beside,
     remedy_of_disturbance,
     told_as_tied,
     what_next,
@@ -342,9 +343,11 @@ def _explained(
     leaves_noise: bool,
 ) -> list[str]:
     told = []
-    linear, earlier = is_linear(teller.base), list[Alternative]()
+    laws, earlier = (*causes, *descriptive), list[Alternative]()
     for number, cause in enumerate(causes, start=1):
         tie = next((a for a in alternatives if cause.effect in a.effects), None)
+        own = tie.effects if tie else (cause.effect,)
+        linear = is_linear_beside(laws, own, linear=is_linear(teller.base))
         opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
         values = values_of(cause.parameters)
         if tie is not None:

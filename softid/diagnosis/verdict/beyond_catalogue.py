@@ -131,7 +131,7 @@ def beyond_catalogue(
     standing, kept = standing_of(known, base), known.acting
     found = in_parallel(
         lambda law: refitted_with(standing, kept, (law(),), near=near, enough=hopeful),
-        suiting(laws, is_linear=known.problem.model.is_linear),
+        suiting(laws, is_linear=base.candidate.problem.model.is_linear),
     )
     enough = [one for one in found if one is not None and _share(known, one, left) > LEAST_TAKEN]
     ranked = rank([known, *enough], base.sigma) if enough else []

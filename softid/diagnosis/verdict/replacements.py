@@ -227,8 +227,14 @@ def with_replacements(
         Whether the causes behind the first may together stand for one law.
     """
     named = [link.added for link, may in zip(links, is_named, strict=True) if may]
-    is_linear = final.problem.model.is_linear
-    asked = _asked(named, is_linear=is_linear, is_doubtful=is_doubtful) if named else []
+    if not named:
+        return list(links)
+    asked = _asked(
+        named,
+        is_linear=final.problem.model.is_linear,
+        over_linear=base.candidate.problem.model.is_linear,
+        is_doubtful=is_doubtful,
+    )
     if not asked:
         return list(links)
     tries = _tries(asked, named, final.acting)
@@ -251,16 +257,22 @@ def _is_alike(other: Candidate, final: Candidate, behind: float, ranked: Sequenc
     return bic[id(other)] < min(ranked[0].bic + INDISTINCT, bic[id(final)] + behind)
 
 
-def _asked(named: Sequence[Effect], *, is_linear: bool, is_doubtful: bool = False) -> list[Asked]:
+def _asked(
+    named: Sequence[Effect],
+    *,
+    is_linear: bool,
+    over_linear: bool = False,
+    is_doubtful: bool = False,
+) -> list[Asked]:
     """Rows of the table that take a named effect, each with its sets of laws one by one."""
+    unlisted = suiting(UNLISTED_LAWS, is_linear=over_linear)
     rows = [row for row in REPLACEMENTS if row.asks(named)]
     found = [(row, laws) for row in rows for laws in row.laws]
     together = [named, named[1:]] if is_doubtful and len(named) > 1 else [named]
     for effects in together:
         names = tuple(effect.name for effect in effects)
         known = {laws for row, laws in found if [e for e in named if row.takes(e)] == [*effects]}
-        suitable = suiting(UNLISTED_LAWS, is_linear=is_linear)
-        laws_left = tuple((law(),) for law in suitable if (law(),) not in known)
+        laws_left = tuple((law(),) for law in unlisted if (law(),) not in known)
         found += [(Replacement(names, laws_left, behind=0.0), laws) for laws in laws_left]
     return [(row, laws) for row, laws in found if not (is_linear and _drifts(laws))]
 

@@ -75,7 +75,7 @@ class ExtendedModel(Model):
             "own_zero": base.own_zero,
             "sticks": base.sticks or any(effect.sticks for effect in self.effects),
             "keeps_place": any(effect.keeps_place for effect in self._state_effects),
-            "is_linear": base.is_linear,
+            "is_linear": base.is_linear and all(effect.is_linear for effect in order),
             "inertia_parameter": base.inertia_parameter,
             "stiffness_parameter": base.stiffness_parameter,
             "rest_parameter": base.rest_parameter,

@@ -44,6 +44,7 @@ class SettlingShare(OutputEffect):
     amplitude: ClassVar[str] = "c"
     before_sensor: ClassVar[bool] = True
     begins_with_log: ClassVar[bool] = True
+    is_linear: ClassVar[bool] = True
     essential: ClassVar[tuple[str, ...]] = ("tau",)
     ceilings: ClassVar[tuple[str, ...]] = ("c",)
     shares: ClassVar[tuple[float, float]]

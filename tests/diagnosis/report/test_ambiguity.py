@@ -10,6 +10,7 @@ from handmade import fit_result
 from handmade_diagnosis import FRICTION, cause, estimate, remainder
 
 from softid.diagnosis.report.ambiguity import (
+    is_linear_beside,
     law_that_ties,
     told_as_tied,
     what_next,
@@ -44,6 +45,26 @@ def tie(*keys: str, behind: float = 3.0) -> Alternative:
 def left(**by: float) -> Remainder:
     """A remainder of which variables predict these shares."""
     return replace(remainder(structured=True, explained=0.6), by=by)
+
+
+@pytest.mark.parametrize(
+    ("keys", "own", "commute"),
+    [
+        (["sensor_drift"], ["sensor_drift"], True),
+        (["sensor_drift", "creep", "delay"], ["sensor_drift"], True),
+        (["sensor_drift", "stiffening"], ["sensor_drift"], False),
+        (["pneumatic_lag.separate"], ["pneumatic_lag", "asymmetric_damping"], True),
+        (["pneumatic_lag.separate", "creep"], ["creep"], False),
+    ],
+)
+def test_operations_commute_beside_what_is_linear(
+    keys: list[str], own: list[str], commute: bool
+) -> None:
+    """A law that bends tells what comes before it from what comes behind; those that are asked do
+    not count, and a muscle is not linear itself."""
+    laws = [cause(key, [], before=2.0, after=1.0) for key in keys]
+    assert is_linear_beside(laws, own, linear=True) is commute
+    assert not is_linear_beside(laws, own, linear=False)
 
 
 @pytest.mark.parametrize(
