@@ -157,9 +157,9 @@ def absent_times(time_s: Array, knot_s: Array, apart_s: Array | float) -> Array:
     apart_s
         Up to where a time is that of a row.
     """
-    after = np.searchsorted(time_s, knot_s - apart_s)
-    nearest_s = time_s[np.minimum(after, time_s.size - 1)]
-    return np.unique(knot_s[np.abs(nearest_s - knot_s) > apart_s])
+    after = np.searchsorted(time_s, knot_s)
+    beside_s = time_s[np.clip((after - 1, after), 0, time_s.size - 1)]
+    return np.unique(knot_s[np.abs(beside_s - knot_s).min(axis=0) > apart_s])
 
 
 def with_added(segment: Segment, knot_s: Array, added: Array) -> Segment:
