@@ -146,6 +146,7 @@ class StribeckFriction(CoulombFriction):
     """
 
     variant: ClassVar[str] = "stribeck"
+    floors: ClassVar[tuple[str, ...]] = ("vb",)
     title: ClassVar[str] = "Dry friction that is larger at low speed"
     law: ClassVar[str] = "+ Fc tanh(v/vs) (1 + beta exp(-(v/vb)^2))"
     meaning: ClassVar[str] = (

@@ -72,8 +72,9 @@ def choose_contender(
     plain = next(
         (r for r in ranked if added(r).name == added(best).name and not added(r).variant), None
     )
-    if added(best).variant and plain is not None and plain.bic - best.bic < NESTED:
-        best = plain
+    if added(best).variant and plain is not None:
+        is_no_richer = _is_held(best, added(best)) and not _is_held(plain, added(plain))
+        best = plain if is_no_richer or plain.bic - best.bic < NESTED else best
     simple = next((r for r in ranked if added(r).key == _simpler(best, added(best))), None)
     if simple is not None:
         margin = NESTED

@@ -72,6 +72,14 @@ def test_a_richer_law_must_gain_on_the_plain_one(gain: float, key: str) -> None:
     assert names == ("pneumatic_lag",)
 
 
+@pytest.mark.parametrize(("speed", "key"), [("vb", ""), ("vs", "stribeck")])
+def test_a_richer_law_that_ends_at_its_floor_is_the_plain_one(speed: str, key: str) -> None:
+    """An excess of friction within a speed that is hardly one makes up for the rounded sign."""
+    held = ranked(("coulomb_friction.stribeck",), 0.0, at_bound=(f"coulomb_friction_{speed}",))
+    best, _ = choose_contender([held, ranked(("coulomb_friction",), 60.0)], BEFORE, PERIOD_S)
+    assert best.candidate.effects[0].variant == key
+
+
 def test_a_richer_law_without_a_plain_one_is_taken() -> None:
     """When the plain form has dropped out of the race there is nothing to prefer."""
     rows = [ranked(("pneumatic_lag.separate",), 0.0), ranked(("creep",), 1.0)]
