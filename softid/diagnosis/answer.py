@@ -144,7 +144,8 @@ def _unsure_of(
     final: Candidate, base: BaseFit, remainder: Remainder, noise: Whitener | None
 ) -> tuple[Array | None, dict[str, float]]:
     """Draws of what is not known of the input, and how far that moves each parameter."""
-    unsure = unknown_input(final, base.gauges, remainder.noise_power)
+    is_open = noise is not None
+    unsure = unknown_input(final, base.gauges, remainder.noise_power, moments_are_open=is_open)
     return unsure, moved_parameters(final, unsure, remainder.noise_power, noise)
 
 

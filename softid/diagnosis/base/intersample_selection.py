@@ -17,7 +17,6 @@ from softid.diagnosis.base.base_fit import Recordings
 from softid.diagnosis.logs.decimation import with_other_intersample
 from softid.diagnosis.refit.candidates import Candidate, advance, begun
 from softid.diagnosis.refit.extension import extend, named_values, start_unknowns
-from softid.diagnosis.residual.motion import mean_square
 from softid.diagnosis.residual.noise_model import moments_of
 from softid.effects import ExtendedModel, effect_of, own_values
 from softid.effects.scale import Scale
@@ -127,11 +126,7 @@ def _fall_with_moments(candidate: Candidate, other: Candidate) -> float:
 def _gained_by_moments(candidate: Candidate) -> float:
     """By how much n ln(S) falls with the moments of jumps open, less the price of these; or 0."""
     moments = moments_of(candidate)
-    if moments is None:
-        return 0.0
-    n, before = candidate.problem.n_samples, mean_square(moments.responses.parts)
-    fall = n * float(np.log(before / mean_square(moments.found.parts)))
-    return float(max(fall - moments.responses.columns.shape[1] * np.log(n), 0.0))
+    return 0.0 if moments is None else moments.gain
 
 
 def intersample_after_first_cause(

@@ -122,26 +122,32 @@ def input_noise(
 
 
 def unknown_input(
-    model: Candidate, gauges: Mapping[str, GaugeErrors], variance: float
+    model: Candidate,
+    gauges: Mapping[str, GaugeErrors],
+    variance: float,
+    *,
+    moments_are_open: bool = False,
 ) -> Array | None:
     """Draws of what is not known of the input, in the first output; None where that is nothing.
 
-    What parameters make up for is in them, too, and so is what the moments do at which it jumped
-    between two samples.
+    What parameters make up for is in them, too.
 
     Parameters
     ----------
     model, gauges, variance
         As in `input_noise`.
+    moments_are_open
+        Whether the moments at which the input jumped between two samples are not known.
 
     Returns
     -------
     ndarray or None
         One draw in each row, at the used samples of all segments, shape (D, m).
     """
-    found, moments = _unknown(model, gauges, variance), _of_moments(model, variance)
+    found = _unknown(model, gauges, variance)
+    moments = _of_moments(model, variance) if moments_are_open else np.zeros((1, 1))
     if found is None:
-        return moments if moments.any() else None
+        return moments if moments_are_open else None
     return found[0] + found[1] + moments
 
 
@@ -235,18 +241,14 @@ def _of_courses(model: Candidate, draws: Sequence[int]) -> Array:
 
 
 def _of_moments(model: Candidate, variance: float) -> Array:
-    """Changes of the first output at its used samples with draws of moments, shape (D, m).
-
-    Of shape (1, 1) where they hardly make any.
-    """
+    """Changes of the first output at its used samples with draws of moments, shape (D, m)."""
     problem, first = model.problem, model.problem.outputs[0]
     rng, moved = np.random.default_rng(SEED), []
     for k, segment in enumerate(problem.segments):
         columns = part_of_jumps(model, k, noise=variance**0.5)
         columns = columns[segment.samples_of(segment.used[first])]
         moved.append(rng.standard_normal((DRAWS, columns.shape[1])) @ columns.T)
-    found = np.hstack(moved)
-    return found if np.mean(found**2) > LEAST_COURSE * variance else np.zeros((1, 1))
+    return np.hstack(moved)
 
 
 def _of_noise(model: Candidate, gauges: Mapping[str, GaugeErrors]) -> Array:

@@ -42,6 +42,15 @@ class Moments:
     found: OpenJumps
 
     @property
+    def gain(self) -> float:
+        """By how much n ln(S) falls with the moments open, less ln n for each of their numbers."""
+        n = sum(row.residual.size for row in self.rows)
+        before, after = mean_square(self.responses.parts), mean_square(self.found.parts)
+        return n * float(np.log(before / after)) - self.responses.columns.shape[1] * float(
+            np.log(n)
+        )
+
+    @property
     def residuals(self) -> list[Array]:
         """What is left behind them at the used samples of each segment."""
         return [part.residual[np.isfinite(part.residual)] for part in self.found.parts]
@@ -65,8 +74,8 @@ class Moments:
 def moments_of(model: Candidate, rows: Sequence[Rows] = ()) -> Moments | None:
     """The moments of jumps of a model where it stands; None where none is open.
 
-    None is where no input jumps, nor where the likeliest do not lie in their intervals: the lack of
-    a delay asks for those.
+    None is where no input jumps, nor where all may come as they are drawn, nor where the likeliest
+    do not lie in their intervals: the lack of a delay asks for those.
 
     Parameters
     ----------
@@ -84,7 +93,8 @@ def moments_of(model: Candidate, rows: Sequence[Rows] = ()) -> Moments | None:
     found = None if responses is None else responses.with_misfit()
     if responses is None or found is None or not found.lie_inside:
         return None
-    return Moments(own, responses, found)
+    moments = Moments(own, responses, found)
+    return moments if moments.gain > 0.0 else None
 
 
 def noise_model_of(best: Candidate, sigma: Mapping[str, float]) -> Whitener:
