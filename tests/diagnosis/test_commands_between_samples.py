@@ -59,6 +59,11 @@ def by_direction(u: Array) -> Array:
     return followed(u, lambda u, p: (u - p) / (0.08 if u > p else 0.24))
 
 
+def by_level(u: Array) -> Array:
+    """τ = 0.25 s exp(0.006/kPa (p − 75 kPa)): slower the fuller it is."""
+    return followed(u, lambda u, p: (u - p) / (0.25 * float(np.exp(0.006 * (p - 75.0)))))
+
+
 def through_a_valve(u: Array) -> Array:
     """ISO 6358 with τ = 0.35 s and b = 0.3."""
 
@@ -81,7 +86,7 @@ def followed(u: Array, rate: object) -> Array:
     return found
 
 
-LAWS = {f.__name__: f for f in (first_order, late, by_direction, through_a_valve)}
+LAWS = {f.__name__: f for f in (first_order, late, by_direction, by_level, through_a_valve)}
 
 
 @cache
@@ -149,6 +154,21 @@ def test_moments_do_not_tell_two_laws_apart(seed: int) -> None:
     found = diagnosed("by_direction", seed, fitted=False, judges=False)
     tie = {name for group in found.alternatives for name in group.effects}
     assert {"pneumatic_lag", "asymmetric_damping"} <= tie, found.summary
+
+
+@pytest.mark.parametrize(
+    ("in_step", "seed"),
+    [(True, 70), *(pytest.param(False, s, marks=pytest.mark.slow) for s in (360, 380))],
+)
+def test_a_lag_by_level_is_no_mere_motion(in_step: bool, seed: int) -> None:
+    """It takes the place of the base's own, and says what a damping that goes with it says, too."""
+    found = diagnosed("by_level", seed, fitted=in_step, judges=in_step)
+    (tie,) = found.alternatives
+    assert tie.keys == ("pneumatic_lag.level", "position_damping"), found.summary
+    (lag,) = found.causes
+    u = recorded("by_level", seed, in_step=in_step).channels["pressure_command"].values
+    in_the_middle_s = 0.25 * np.exp(0.006 * (0.5 * (u.min() + u.max()) - 75.0))
+    assert lag.parameters[0].value == pytest.approx(in_the_middle_s, rel=0.02)
 
 
 @pytest.mark.slow

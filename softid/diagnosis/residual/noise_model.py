@@ -44,11 +44,9 @@ class Moments:
     @property
     def gain(self) -> float:
         """By how much n ln(S) falls with the moments open, less ln n for each of their numbers."""
-        n = sum(row.residual.size for row in self.rows)
+        n, numbers = self.responses.columns.shape
         before, after = mean_square(self.responses.parts), mean_square(self.found.parts)
-        return n * float(np.log(before / after)) - self.responses.columns.shape[1] * float(
-            np.log(n)
-        )
+        return float(n * np.log(before / after) - numbers * np.log(n))
 
     @property
     def residuals(self) -> list[Array]:

@@ -80,8 +80,10 @@ def with_doubts(
     final, held_out, scale = chain.final, base.held_out, base.scale
     whole, varies = held_out.rms(final), most_variation(remainder)
     displaced_by = displacing(final, base.candidate)
+    # what differs by direction or by level says more than the motion whose place it takes
+    moves_alike = (e.key for e in final.effects if e.is_linear and e.key in displaced_by)
     against = {
-        **dict.fromkeys(displaced_by, Doubt.DISPLACES),
+        **dict.fromkeys(moves_alike, Doubt.DISPLACES),
         **dict.fromkeys(behind(final, displaced_by), Doubt.ACTS_BEHIND),
         **dict.fromkeys(cancelling(final, base.candidate, scale), Doubt.CANCELS),
     }
