@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from softid.excitation import find_quantisation
 from softid.identification.interpolated_readings import reading_clock, readings_at
 from softid.identification.intersample_choice import COMMAND
 from softid.log import Log
@@ -46,6 +47,10 @@ reading a fifth do or more."""
 LEAST_EVEN_RUNS = 0.8
 """Least share of the runs of samples on a line whose length is that of the usual one, or one more
 or less."""
+
+FINER = 1.5
+"""Step of the readings in that of what lies between them, at least: of two samples a reading every
+other one is off by half a step."""
 
 AT_SAMPLES = 0.9
 """Readings are at samples where so many of the corners are single ones; a reading between two
@@ -136,6 +141,8 @@ def _between_readings(time_s: Array, values: Array) -> BoolArray:
     count = int(moving.sum())
     if count < MOVING * moving.size or straight.sum() < LEAST_SHARE * count:
         return nothing
+    if _is_rounded(values[inner], straight, moving):
+        return nothing
     lengths = _runs(straight)
     if np.mean(np.abs(lengths - np.median(lengths)) <= 1) < LEAST_EVEN_RUNS:
         return nothing
@@ -158,6 +165,19 @@ def _on_lines(time_s: Array, values: Array, at: IntArray) -> tuple[BoolArray, Bo
     off = np.abs(values[at] - line)
     moving = np.abs(values[at + 1] - values[at - 1]) > STILL_BEND * float(np.ptp(values))
     return (off < STRAIGHT_SHARE * float(np.quantile(off, LARGE_QUANTILE))) & moving, moving
+
+
+def _is_rounded(values: Array, straight: BoolArray, moving: BoolArray) -> bool:
+    """Whether samples lie on the lines through their neighbours because all are rounded coarsely.
+
+    What is between two readings lies on a finer grid than these.
+    """
+    between, corners = find_quantisation(values[straight]), ~straight & moving
+    bends = np.abs(np.diff(values, 2))[corners[1:-1]]
+    if between is None or between.step < STRAIGHT_SHARE * float(np.median(bends)):
+        return False
+    grid = find_quantisation(values[corners])
+    return grid is None or grid.step < FINER * between.step
 
 
 def _runs(flags: BoolArray) -> IntArray:

@@ -54,6 +54,34 @@ def test_what_was_sampled_has_none(hidden: list[str]) -> None:
     assert not interpolated_samples(log).any()
 
 
+@pytest.mark.parametrize("rate_hz", [10.0, 20.0, 100.0])
+@pytest.mark.parametrize("step", [0.5, 1.0, 2.0])
+def test_what_is_rounded_coarsely_was_sampled(step: float, rate_hz: float) -> None:
+    """An encoder of 1 degree, or a gauge that tells whole kPa: every fifth reading, or more, lies
+    exactly between its neighbours."""
+    rng = np.random.default_rng(2)
+    time_s = np.arange(0.0, 60.0, 1.0 / rate_hz)
+    angle = 40.0 * np.sin(time_s) + 0.4 * rng.standard_normal(time_s.size)
+    rounded = step * np.round(angle / step)
+    log = Log.from_arrays(time_s, {"pressure": time_s, "angle": rounded})
+    assert not interpolated_samples(log).any()
+
+
+@pytest.mark.parametrize("times", [2, 3, 4])
+def test_rounded_readings_are_told_from_what_lies_between_them(times: int) -> None:
+    """Halves, thirds and quarters of the step of a sensor are no readings of it."""
+    rng = np.random.default_rng(2)
+    read_s = np.arange(0.0, 60.0, 0.05)
+    angle = 40.0 * np.sin(read_s) + 0.4 * rng.standard_normal(read_s.size)
+    readings = 0.1 * np.round(angle / 0.1)
+    time_s = np.arange(0.0, 59.0, 0.05 / times)
+    values = np.interp(time_s, read_s, readings)
+    log = Log.from_arrays(time_s, {"pressure": time_s, "angle": values})
+    between = interpolated_samples(log)
+    assert between.mean() == pytest.approx(1.0 - 1.0 / times, rel=0.1)
+    assert np.mean(np.flatnonzero(between) % times != 0) > 0.95  # a reading may lie on a line
+
+
 def test_a_log_that_was_resampled_is_adequate() -> None:
     """Recorded at 40 Hz and brought to 100 Hz; neighbouring samples share their noise."""
     train, hold_out = hidden_pair([], seed=621, rig=Rig(rate_hz=40.0)).logs
