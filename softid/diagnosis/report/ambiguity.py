@@ -10,10 +10,8 @@ from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, title
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
-    LAWS_ALIKE,
     LIKELIER,
     LINEAR_FILTERS,
-    LOWER_END,
     PRESLIDING,
     REPLACED,
     TWO_LAGS,
@@ -22,6 +20,7 @@ from softid.diagnosis.verdict.equivalence import (
     EquivalenceClass,
 )
 from softid.diagnosis.verdict.law_rivals import GIVES_WAY
+from softid.diagnosis.verdict.laws_alike import LAWS_ALIKE, LOWER_END
 from softid.diagnosis.verdict.separations import splitting_experiment, why_unsplit
 from softid.diagnosis_results import Alternative, Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects import EFFECTS

@@ -7,7 +7,8 @@ from itertools import takewhile
 
 from softid.diagnosis.report.ambiguity import is_linear, law_that_ties, own_places, own_times
 from softid.diagnosis.report.parameter_doubts import less_sure
-from softid.diagnosis.verdict.equivalence import OWN_DAMPING, TWO_LAGS, TWO_RESONANCES
+from softid.diagnosis.verdict.equivalence import TWO_LAGS, TWO_RESONANCES
+from softid.diagnosis.verdict.laws_alike import OWN_DAMPING
 from softid.diagnosis_results import Cause, Diagnosis
 from softid.effects import belongs_to, effect_of
 from softid.effects.base import Effect

@@ -14,13 +14,15 @@ from softid.diagnosis.refit.usual_law import usual_law
 from softid.diagnosis.residual.motion import turns_round
 from softid.diagnosis.search.forward_selection import MAX_LINKS, Chain, Link
 from softid.diagnosis.verdict.chain_consistency import may_hold_more
-from softid.diagnosis.verdict.equivalence import (
+from softid.diagnosis.verdict.equivalence import PRESLIDING
+from softid.diagnosis.verdict.laws_alike import (
+    BEFORE_THE_LOAD,
     HELD_INPUT,
     LEAD_AND_RELAXATION,
     ONE_WAY,
     OWN_DAMPING,
     POLE_AND_ZERO,
-    PRESLIDING,
+    STICTION,
     THINNING,
 )
 from softid.diagnosis.verdict.replacements import with_replacements
@@ -33,6 +35,12 @@ GIVES_WAY = 0.02
 
 DRY = 0.1
 """Dry friction has come up at this share of the largest speed."""
+
+FORCES = ("force", "torque")
+"""Outputs that are nothing as long as the actuator does not touch its load."""
+
+STICTION_ALONE = 9.0
+"""Excess of a friction at rest over that in motion, of which less than a tenth is left then."""
 
 OWN_TIME = 0.2
 """An actuator keeps no time of its own when it is below this share of the lag's."""
@@ -110,6 +118,10 @@ def with_law_rivals(link: Link, cause: Cause, key: str, final: Candidate, scale:
         others = OWN_DAMPING.effects[1:]
     elif cause.effect == "coulomb_friction" and not turns_round(final):
         others = ONE_WAY.effects[1:]
+    elif key == "sensor_clipping.lower" and final.problem.outputs[0] in FORCES:
+        others = BEFORE_THE_LOAD.effects[1:]
+    elif values.get("beta", 0.0) > STICTION_ALONE:
+        others = STICTION.effects[1:]
     elif cause.effect == "coulomb_friction" and values["vs"] > DRY * scale.v_max:
         others = THINNING.effects[1:]
     elif key in SINGLE_DELAYS and _may_be_held(cause, final):

@@ -24,6 +24,8 @@ UNLISTED: dict[str, str] = {
     "input_limit": "a supply that gives no more than one pressure",
     "relief_leak": "a leak that opens above a pressure, as a relief valve does",
     "thinning_damping": "a damping of the actuator that grows less than in proportion to its speed",
+    "dead_band": "a valve or a regulator that does nothing within a band about its set point",
+    "gap": "a gap between the actuator and its load",
     "giving_way": "a creep of the material, or a damping that grows less than in proportion to its "
     "speed",
     "bent_reading": "a sensor whose gain is not the same over its range",

@@ -19,15 +19,17 @@ from softid.diagnosis.report.ambiguity import (
 )
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
-    HELD_INPUT,
     LINEAR_FILTERS,
+    PRESLIDING,
+    TWO_LATE,
+    EquivalenceClass,
+)
+from softid.diagnosis.verdict.laws_alike import (
+    HELD_INPUT,
     LOWER_END,
     ONE_WAY,
     OWN_DAMPING,
-    PRESLIDING,
     THINNING,
-    TWO_LATE,
-    EquivalenceClass,
 )
 from softid.diagnosis.verdict.separations import CHIRP
 from softid.diagnosis_results import Alternative, Doubt, Remainder, Verdict

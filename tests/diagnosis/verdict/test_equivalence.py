@@ -6,13 +6,13 @@ import pytest
 
 from softid.diagnosis.verdict.equivalence import (
     CLASSES,
-    LAWS_ALIKE,
     LINEAR_CLASSES,
     LINEAR_FILTERS,
     REPLACED,
     UNLISTED,
     classes_of,
 )
+from softid.diagnosis.verdict.laws_alike import LAWS_ALIKE
 from softid.diagnosis.verdict.separations import (
     CHIRP,
     EXPERIMENTS,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -182,3 +183,26 @@ def test_a_lag_of_two_times_is_no_held_input() -> None:
     told = cause("pneumatic_lag", sizes, before=2.0, after=1.0)
     key = "pneumatic_lag.separate"
     assert with_law_rivals(link_of(key), told, key, final, scale).rivals == ("pneumatic_lag",)
+
+
+@pytest.mark.parametrize(("beta", "rivals"), [(8.9, 1), (9.1, 2)])
+def test_friction_that_is_gone_in_motion_may_be_a_dead_band(beta: float, rivals: int) -> None:
+    """A regulator that rests within a band about its set point: nothing of it is left beyond."""
+    values = [
+        estimate("coulomb_friction_vs", 0.1, "kPa/s"),
+        estimate("coulomb_friction_beta", beta, "1"),
+    ]
+    told = cause("coulomb_friction.stribeck", values, before=2.0, after=1.0)
+    final, scale = linear_with("coulomb_friction", Fc=1.0, vs=0.5)
+    found = with_law_rivals(link_of("coulomb_friction"), told, told.key, final, scale)
+    assert found.rivals == ("coulomb_friction", "dead_band")[:rivals]
+
+
+@pytest.mark.parametrize(("output", "rivals"), [("force", 2), ("torque", 2), ("angle", 1)])
+def test_a_force_that_stays_at_rest_may_come_behind_a_gap(output: str, rivals: int) -> None:
+    """An actuator that does not touch its load yet has none; an angle that stays is clipped."""
+    told = cause("sensor_clipping.lower", [], before=2.0, after=1.0)
+    final: Any = SimpleNamespace(problem=SimpleNamespace(outputs=(output,)))
+    link = link_of("sensor_clipping")
+    found = with_law_rivals(link, told, told.key, final, sizes_of("muscle"))
+    assert found.rivals == ("sensor_clipping", "gap")[:rivals]
