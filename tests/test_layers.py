@@ -24,7 +24,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("channels", "chi_square", "fingerprint", "intersample", "tie_expressions"),
     ("segment",),
     ("log", "parameters", "results"),
-    ("arguments", "diagnosis_results", "log_kinds"),
+    ("arguments", "diagnosis_results", "interval_words", "log_kinds"),
     ("readers", "excitation", "models", "residuals", "scores"),
     ("effects", "quality"),
     ("records", "plots"),

@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 
 from softid.diagnosis_results import Cause, Diagnosis, cause_before
+from softid.interval_words import value_in_words
 from softid.results import ParameterEstimate
-from softid_cli.tables import interval, name_in_effect, print_issues, print_rows, print_text
+from softid_cli.tables import name_in_effect, print_issues, print_rows, print_text
 
 COLUMNS = [
     ("cause", "left"),
@@ -84,10 +85,8 @@ def _error(value: float, factor: float, unit: str = "") -> str:
 
 
 def _value(key: str, p: ParameterEstimate) -> str:
-    ends = interval(p.ci95, lower=p.lower, upper=p.upper)
-    unit = "" if p.unit == "1" else p.unit
-    told = f"{name_in_effect(p.name, key)} = {p.value:.4g} {ends} {unit}"
-    return " ".join(told.split()) + (", at bound" if p.at_bound else "")
+    bound = ", at bound" if p.at_bound else ""
+    return f"{name_in_effect(p.name, key)} = {value_in_words(p)}{bound}"
 
 
 def _display(diagnosis: Diagnosis) -> tuple[str, float]:

@@ -52,11 +52,12 @@ def profiled(
 
 def print_profiles(result: FitResult, profiles: Mapping[str, ProfileResult]) -> None:
     """Print the interval of every profile in a sentence."""
-    from softid_cli.tables import interval, print_text
+    from softid.interval_words import interval_in_words
+    from softid_cli.tables import print_text
 
     for name, profile in profiles.items():
         unit = result.parameter(name).unit
-        text = f"{name} by profile: 95 % interval {interval(profile.ci95)} {unit}"
+        text = f"{name} by profile: 95 % interval {interval_in_words(profile.ci95)} {unit}"
         open_sides = [
             side for side, end in zip(("below", "above"), profile.ci95, strict=True) if end is None
         ]

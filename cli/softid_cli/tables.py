@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from softid.errors import Issue
+from softid.interval_words import interval_in_words
 from softid.results import (
     FitResult,
     FitStatistics,
@@ -26,9 +27,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 WIDTH = 80
-OPEN = "…"
 _MOST_DIGITS = 9
-_FEWEST_DIGITS = 4
 _OPTION_UNITS = {"_n_per_mm": "N/mm", "_kg_m3": "kg/m³", "_mm": "mm", "_pa": "Pa", "_m": "m"}
 """Ending of an option's name → its unit; the longest that fits comes first."""
 
@@ -42,8 +41,6 @@ def print_fit(result: FitResult) -> None:
     _print("", _parameter_table(own), "")
     for key, members in by_effect.items():
         _print(f"Effect {key}:", "", _parameter_table(members, key), "")
-    if any(OPEN in _interval_of(p) for p in result.parameters):
-        _print(f"{OPEN}: no limit on this side within the bounds of the parameter", "")
     for estimate in result.parameters:
         told = any(issue.message.startswith(f"{estimate.name} ") for issue in result.issues)
         if estimate.reason and not told:
@@ -166,45 +163,6 @@ def with_error(value: float, stderr: float | None) -> str:
     return f"({text})e{exponent:+03d}" if scaled else text
 
 
-def interval(
-    ci95: tuple[float | None, float | None] | None,
-    *,
-    lower: float | None = None,
-    upper: float | None = None,
-) -> str:
-    """A confidence interval; an end that is open, or not within the bounds of the search, is ``…``.
-
-    Four digits, or as many as show its width to two.
-
-    Examples
-    --------
-    >>> interval((0.12, 3.4)), interval((1e-30, 2.0), lower=1e-15)
-    ('[0.12, 3.4]', '[…, 2]')
-    >>> interval((0.01429572, 0.01431257))
-    '[0.014296, 0.014313]'
-    """
-    if ci95 is None:
-        return ""
-    low, high = ci95
-    below = low is None or not math.isfinite(low) or (lower is not None and low <= lower)
-    above = high is None or not math.isfinite(high) or (upper is not None and high >= upper)
-    digits = _FEWEST_DIGITS if below or above else _digits(low, high)
-    ends = (OPEN if below else f"{low:.{digits}g}", OPEN if above else f"{high:.{digits}g}")
-    return f"[{ends[0]}, {ends[1]}]"
-
-
-def _digits(low: float | None, high: float | None) -> int:
-    """Significant digits of the larger end that show the width of an interval to two of its own."""
-    if low is None or high is None or not high > low:
-        return _FEWEST_DIGITS
-    largest, width = (math.floor(math.log10(v)) for v in (max(abs(low), abs(high)), high - low))
-    return min(max(largest - width + 2, _FEWEST_DIGITS), _MOST_DIGITS)
-
-
-def _interval_of(p: ParameterEstimate) -> str:
-    return interval(p.ci95, lower=p.lower, upper=p.upper)
-
-
 def _parameter_table(parameters: Sequence[ParameterEstimate], key: str = "") -> Table:
     table = table_of(
         [
@@ -220,7 +178,7 @@ def _parameter_table(parameters: Sequence[ParameterEstimate], key: str = "") -> 
         table.add_row(
             name_in_effect(p.name, key),
             with_error(p.value, p.stderr),
-            _interval_of(p),
+            interval_in_words(p.ci95, lower=p.lower, upper=p.upper, value=p.value),
             _unit(p.unit),
             verdict,
         )

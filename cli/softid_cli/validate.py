@@ -162,9 +162,10 @@ def score(
 
 def check_self(*, as_json: bool, quiet: bool) -> bool:
     """Refit the bundled logs; returns whether every truth lies where it should."""
+    from softid.interval_words import interval_in_words
     from softid.records import dump_json
     from softid.validation import self_check
-    from softid_cli.tables import interval, print_rows, print_text
+    from softid_cli.tables import print_rows, print_text
 
     with announce_compilation(quiet=quiet), progress(quiet=quiet) as report:
         found = self_check(progress=report)
@@ -179,7 +180,7 @@ def check_self(*, as_json: bool, quiet: bool) -> bool:
                     row.parameter,
                     f"{row.truth:.5g}",
                     f"{row.estimate:.5g}",
-                    interval(row.ci95),
+                    interval_in_words(row.ci95),
                     "" if row.distance is None else f"{row.distance:.2f}",
                     "inside" if row.inside else "OUTSIDE",
                 )

@@ -34,7 +34,7 @@ def test_an_open_side_is_called_open(capsys: pytest.CaptureFixture[str]) -> None
     profile = ProfileResult((0.1, 0.2, 0.5), (0.3, 0.0, 4.0), 3.84, (None, 0.49), 2)
     print_profiles(fit_result(), {"M": profile})
     told = " ".join(capsys.readouterr().out.split())
-    assert "[…, 0.49]" in told
+    assert "at most 0.49 s²/rad" in told
     assert "open below: the logs set no limit there" in told
 
 

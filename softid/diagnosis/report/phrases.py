@@ -10,6 +10,7 @@ from softid.diagnosis.verdict.naming import EXPLAINED, carries_over_whole, expla
 from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import CARRIED, NOTABLE, Cause, Doubt, NotNoise, Remainder
 from softid.effects import EFFECTS, confusable_with
+from softid.interval_words import value_in_words
 from softid.results import ParameterEstimate
 from softid.uncertainty.profile import CI_METHOD as PROFILE
 
@@ -78,6 +79,9 @@ MOST_VARIABLES = 2
 
 MOST_PARAMETERS = 3
 """Most parameters that a sentence names."""
+
+FEWEST_DIGITS = 3
+"""Significant digits of a value in a sentence, unless its interval asks for more."""
 
 
 def variables_left(remainder: Remainder) -> list[str]:
@@ -180,31 +184,19 @@ def _is_open_within(p: ParameterEstimate) -> bool:
     return p.ci95[0] <= p.lower and p.ci95[1] >= p.upper
 
 
-def _ends_within_bounds(p: ParameterEstimate) -> tuple[str, str]:
-    """The ends of the interval of a value; open where they are no nearer than its bounds."""
-    low, high = p.ci95 or (None, None)
-    is_low_open = low is None or not math.isfinite(low) or (p.lower is not None and low <= p.lower)
-    is_high_open = (
-        high is None or not math.isfinite(high) or (p.upper is not None and high >= p.upper)
-    )
-    return "…" if is_low_open else f"{low:.3g}", "…" if is_high_open else f"{high:.3g}"
-
-
 def _value(p: ParameterEstimate) -> str:
-    unit = "" if p.unit == "1" else f" {p.unit}"
     name = p.name
     for key in sorted(EFFECTS, key=len, reverse=True):
         name = p.name.removeprefix(f"{key}_")
         if name != p.name:
             break
     if _is_open_within(p):
+        unit = "" if p.unit == "1" else f" {p.unit}"
         return (
             f"{name}, which is not known within its bounds of {p.lower:.3g} to {p.upper:.3g}{unit}"
         )
-    low, high = _ends_within_bounds(p)
-    interval = f" [{low}, {high}]" if p.ci95 is not None else ""
     bound = ", at its bound" if p.at_bound else ""
-    return f"{name} = {p.value:.3g}{interval}{unit}{bound}"
+    return f"{name} = {value_in_words(p, fewest_digits=FEWEST_DIGITS)}{bound}"
 
 
 def taken_by(remainder: Remainder) -> str:
