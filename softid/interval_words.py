@@ -67,15 +67,33 @@ def value_in_words(p: ParameterEstimate, *, fewest_digits: int = FEWEST_DIGITS) 
     fewest_digits
         As in `interval_in_words`.
     """
-    low, high = _ends(p.ci95, p.lower, p.upper)
-    digits = _digits((low, high, p.value), fewest_digits)
     told = interval_in_words(
         p.ci95, lower=p.lower, upper=p.upper, value=p.value, fewest_digits=fewest_digits
     )
     if told and not told.startswith("["):
         told = f"({told})"
     unit = "" if p.unit == "1" else p.unit
-    return " ".join(filter(None, (f"{p.value:.{digits}g}", told, unit)))
+    return " ".join(
+        filter(None, (number_in_words(p.value, p, fewest_digits=fewest_digits), told, unit))
+    )
+
+
+def number_in_words(
+    number: float, p: ParameterEstimate, *, fewest_digits: int = FEWEST_DIGITS
+) -> str:
+    """A number of the size of a parameter, with as many digits as its value has.
+
+    Parameters
+    ----------
+    number
+        The value, or what is told in its place.
+    p
+        The parameter.
+    fewest_digits
+        As in `interval_in_words`.
+    """
+    ends = _ends(p.ci95, p.lower, p.upper)
+    return f"{number:.{_digits((*ends, p.value), fewest_digits)}g}"
 
 
 def _ends(

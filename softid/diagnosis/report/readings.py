@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
+from softid.diagnosis.report.phrases import FEWEST_DIGITS
 from softid.diagnosis_results import Cause, Diagnosis
 from softid.effects import EFFECTS
 from softid.errors import Issue
-from softid.results import FitResult
+from softid.interval_words import number_in_words
+from softid.results import FitResult, ParameterEstimate
 
 TOLD_READING = "told-reading"
 """Code of the remark that says at which reading a cause acts."""
 
 LEAST_ZERO = 0.01
-"""Share of the range of the first output from which a sensor zero makes a difference."""
+"""Share of the range of the first output from which a sensor zero makes a difference, though the
+value is not known so well."""
 
 MOST_LOGS = 3
 """The readings in more logs are not told."""
@@ -39,7 +44,7 @@ def _told(cause: Cause, extended: FitResult) -> Issue | None:
     logs = {s.log for s in extended.statistics if s.in_sample}
     zeros = {n.log: n.zero[first] for n in extended.nuisances if n.log in logs and first in n.zero}
     largest = max(map(abs, zeros.values()), default=0.0)
-    if largest < LEAST_ZERO * (high - low) or len(zeros) > MOST_LOGS:
+    if len(zeros) > MOST_LOGS:
         return None
     of = {f"{cause.effect}_{name}": name for name in EFFECTS[cause.key].readings}
     parts = []
@@ -47,11 +52,23 @@ def _told(cause: Cause, extended: FitResult) -> Issue | None:
         name = of.get(p.name)
         if name is None or p.unit != row.unit:
             continue
+        if largest < min(LEAST_ZERO * (high - low), _half_width(p)):
+            continue
         where = [
-            f"{(p.value + zero) * row.display_factor:.3g} {row.display_unit} in {log}"
+            f"{_as_read(p, zero, row.display_factor)} {row.display_unit} in {log}"
             for log, zero in zeros.items()
         ]
         parts.append(f"{name} is a reading of {' and '.join(where)}")
     if not parts:
         return None
     return Issue(TOLD_READING, "info", f"{cause.key}: {'; '.join(parts)}")
+
+
+def _as_read(p: ParameterEstimate, zero: float, factor: float) -> str:
+    """A value with the zero of a log, with as many digits as it has by itself."""
+    return number_in_words((p.value + zero) * factor, p, fewest_digits=FEWEST_DIGITS)
+
+
+def _half_width(p: ParameterEstimate) -> float:
+    """Half of the interval of a value; infinite without one."""
+    return 0.5 * (p.ci95[1] - p.ci95[0]) if p.ci95 is not None else math.inf

@@ -35,7 +35,20 @@ def test_what_is_no_reading_is_not_told() -> None:
     """A time; a place in another unit than the output's; a zero that makes no difference."""
     assert reading_issues(found("delay", "delay_tau", 0.2, unit="s")) == ()
     assert reading_issues(found("contact", "contact_xw", 0.2, unit="mm")) == ()
-    small = found("contact", "contact_xw", 0.2)
-    assert small.extended is not None
-    wide = replace(small.extended, fitted_range={"pressure": (0.0, 80.0), "angle": (0.0, 50.0)})
-    assert reading_issues(replace(small, extended=wide)) == ()
+    small = over_a_wide_range("contact", "contact_xw", 1.0)
+    assert reading_issues(small) == ()
+
+
+def test_a_zero_beyond_the_interval_of_a_limit_is_told() -> None:
+    """A zero of 0.1/3 rad is 0.07 % of the range, and far outside an interval of ±0.005 rad."""
+    known = over_a_wide_range("sensor_clipping", "sensor_clipping_upper", 0.1)
+    (issue,) = reading_issues(known)
+    assert "upper is a reading of 7.64 deg in step_1" in issue.message
+
+
+def over_a_wide_range(key: str, name: str, value: float) -> Diagnosis:
+    """The same in a log whose range is fifty times as large."""
+    made = found(key, name, value)
+    assert made.extended is not None
+    wide = replace(made.extended, fitted_range={"pressure": (0.0, 80.0), "angle": (0.0, 50.0)})
+    return replace(made, extended=wide)
