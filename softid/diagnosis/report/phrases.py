@@ -199,6 +199,13 @@ def _value(p: ParameterEstimate) -> str:
     return f"{name} = {value_in_words(p, fewest_digits=FEWEST_DIGITS)}{bound}"
 
 
+TOO_LITTLE = (
+    "which is too little for a name: a cause that leaves some of the misfit unexplained is named "
+    f"only if it takes away {percent(EXPLAINED)} or more of it"
+)
+"""Why a description that takes away much is no cause."""
+
+
 def taken_by(remainder: Remainder) -> str:
     """How much of the misfit goes, and why that names no cause."""
     fitted, held_out = remainder.explained_share, remainder.held_out_share
@@ -207,17 +214,10 @@ def taken_by(remainder: Remainder) -> str:
         held = percent(held_out)
         return f"{taken} on the fitted samples but {held} on those held out: it does not carry over"
     if not carries_over_whole(remainder):
-        held, least = percent_below(held_out, EXPLAINED), percent(EXPLAINED)
-        return (
-            f"{taken} on the fitted samples and {held} on those held out, which is too little for "
-            f"a cause: where more than noise stays, {least} or more must go"
-        )
+        held = percent_below(held_out, EXPLAINED)
+        return f"{taken} on the fitted samples and {held} on those held out, {TOO_LITTLE}"
     if not remainder.carries_over or not explains_enough(remainder):
-        least = percent(EXPLAINED)
-        return (
-            f"{taken}, which is too little for a cause: where more than noise stays, {least} or "
-            "more must go"
-        )
+        return f"{taken}, {TOO_LITTLE}"
     return f"{taken}, but not surely enough for a name"
 
 

@@ -165,7 +165,7 @@ def test_structure_that_chance_would_make_of_slow_noise_is_told() -> None:
             True,
             0.92,
             0.92,
-            "cause: where more than noise stays, 93 % or more must go",
+            "unexplained is named only if it takes away 93 % or more of it",
         ),
         (True, 0.94, 0.78, "not surely enough for a name"),
         (False, 0.8, 0.75, "not surely enough for a name"),
@@ -174,7 +174,7 @@ def test_structure_that_chance_would_make_of_slow_noise_is_told() -> None:
             True,
             0.5,
             0.45,
-            "cause: where more than noise stays, 93 % or more must go",
+            "unexplained is named only if it takes away 93 % or more of it",
         ),
         (True, 0.6, 0.37, "but 37 % on those held out: it does not carry over"),
     ],
@@ -194,7 +194,7 @@ def test_a_rest_that_is_held_out_is_why_a_description_is_no_cause() -> None:
     left = remainder(structured=False, explained=1.0)
     left = replace(left, held_out_share=0.9, misses_held_out=True)
     assert "100 % of the misfit above the noise on the fitted samples and 90 %" in taken_by(left)
-    assert taken_by(left).endswith("where more than noise stays, 93 % or more must go")
+    assert taken_by(left).endswith("is named only if it takes away 93 % or more of it")
 
 
 @pytest.mark.parametrize("doubt", Doubt)
