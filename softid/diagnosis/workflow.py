@@ -48,6 +48,7 @@ from softid.diagnosis.report.joint_causes import (
     with_shared_scale,
 )
 from softid.diagnosis.report.motion_shown import motion_shown_issues
+from softid.diagnosis.report.no_response import with_no_response
 from softid.diagnosis.report.other_explanations import (
     OtherExplanations,
     with_event_beside,
@@ -171,7 +172,7 @@ def diagnose(
     answer = with_other_explanations(answer, base, others)
     answer = with_second_input(answer, base, recorded.logs, seed)
     answer = with_law_beside(with_event_beside(answer, base, final), base, final, search.effects)
-    answer = with_clipped_input(answer, recorded.logs)
+    answer = with_no_response(with_clipped_input(answer, recorded.logs), final)
     if count == 1:  # the mean of several samples lies between the steps
         rounded = with_rounding(answer, recorded, base.candidate)
         answer = with_coarse_sampling(rounded, base.candidate)

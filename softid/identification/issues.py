@@ -24,6 +24,10 @@ POOR_FIT_PERCENT = 70.0
 """Fit below which the user is told: it leaves 30 % of the output's standard deviation, or 9 % of
 its variance. A judgement of what is worth a look at the residual."""
 
+NEXT_TO_NOTHING_PERCENT = 10.0
+"""Fit of all fitted logs below which the output may have nothing to do with the input: a fifth of
+its variance is explained, as slow noise and a few parameters can make by chance."""
+
 LEAST_R2, CHANCE_TIMES = 0.02, 3.0
 """Least share of an output's variance that a model explains, a fit of 1 %, and the times of what so
 many unknowns take away from noise that it must explain: less is nothing."""
@@ -198,7 +202,12 @@ def _poor_fit(row: FitStatistics, statistics: Sequence[FitStatistics]) -> Issue:
     spread = row.rmse / row.nrmse if row.nrmse > 0.0 else np.inf
     elsewhere = [r.rmse for r in statistics if r.in_sample and r.channel == row.channel]
     usual = float(np.median(elsewhere)) if elsewhere else 0.0
-    if not row.in_sample and spread < usual:
+    explains = any(
+        r.fit_percent > NEXT_TO_NOTHING_PERCENT
+        for r in statistics
+        if r.in_sample and r.channel == row.channel
+    )
+    if not row.in_sample and spread < usual and explains:
         return Issue(
             "nothing-to-score",
             "warning",
@@ -211,6 +220,8 @@ def _poor_fit(row: FitStatistics, statistics: Sequence[FitStatistics]) -> Issue:
         "poor-fit",
         "warning",
         f"{row.log} ({where}): the model explains {row.channel} only to "
-        f"{row.fit_percent:.0f} %, leaving {row.rmse * factor:.3g} {unit} rms",
-        "look at the residual plots for what is missing",
+        f"{row.fit_percent:z.0f} %, leaving {row.rmse * factor:.3g} {unit} rms",
+        "look at the residual plots for what is missing"
+        if explains
+        else f"check that the sensor of {row.channel} works, and that the right columns are read",
     )

@@ -33,6 +33,9 @@ NOTABLE_DEG = 5.0
 NEARLY_ALL = 0.98
 """From this share of what the model explains on, a static curve explains nearly as much."""
 
+NEXT_TO_NOTHING = 0.1
+"""A model that explains less of the output is not judged by what a static curve does of that."""
+
 CURVE_ORDER = 4
 """Order of the polynomial that stands for the static curve."""
 
@@ -107,7 +110,7 @@ def static_share(problem: Problem, squares: float) -> float:
     """What a static curve explains of the first output, as a share of what a model explains.
 
     1 − SS over the sum of squares about the mean of every log, for the polynomial of order 4 with a
-    zero for every log and for the model.
+    zero for every log and for the model; 0 where the model explains next to nothing.
 
     Parameters
     ----------
@@ -127,7 +130,8 @@ def static_share(problem: Problem, squares: float) -> float:
     curve = np.column_stack([zeros, *(scaled**k for k in range(1, CURVE_ORDER + 1))])
     left = [y - columns @ np.linalg.lstsq(columns, y)[0] for columns in (zeros, curve)]
     whole, static = (float(r @ r) for r in left)
-    return (whole - static) / (whole - squares) if whole > squares else 0.0
+    explained = whole - squares
+    return (whole - static) / explained if explained > NEXT_TO_NOTHING * whole else 0.0
 
 
 def _one_frequency(base: BaseFit, answer: Diagnosis) -> tuple[Issue, ...]:

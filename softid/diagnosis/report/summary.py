@@ -25,6 +25,7 @@ from softid.diagnosis.report.evidence_text import evidence_text
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
+from softid.diagnosis.report.no_response import NO_RESPONSE
 from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
 from softid.diagnosis.report.other_explanations import EVENTS, OF_REST, ONE_STEP, UNLISTED_LAW
 from softid.diagnosis.report.phrases import (
@@ -72,7 +73,7 @@ from softid.diagnosis_results import (
 from softid.quality.causality import LEADING_OUTPUT
 from softid.results import FitResult
 
-WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP)
+WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP, NO_RESPONSE)
 """Codes of remarks that say what a misfit is for which no cause is named."""
 
 ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)

@@ -109,6 +109,16 @@ def test_the_share_of_a_static_curve_by_hand() -> None:
     assert static_share(problem, 0.0) == pytest.approx(0.25, abs=0.02)
 
 
+def test_a_model_that_explains_nothing_has_no_static_share() -> None:
+    """Of noise a curve explains all of the hundredth that a model does."""
+    noise = np.random.default_rng(0).standard_normal(TIME_S.size)
+    problem = fitted(
+        Log.from_arrays(TIME_S, {"pressure": sine(0.3), "angle": noise})
+    ).candidate.problem
+    whole = float(np.sum((noise - noise.mean()) ** 2))
+    assert static_share(problem, 0.99 * whole) == 0.0
+
+
 def test_what_the_logs_show_is_told() -> None:
     """One frequency with a lag of more than 5 degrees; with care beside a lag, not beside a tie."""
     base = fitted(moving(sine(0.5)))
