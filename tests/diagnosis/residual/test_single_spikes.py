@@ -33,3 +33,17 @@ def test_corners_of_a_motion_are_none(rise: float, fall: float) -> None:
     slope = np.cumsum(rng.standard_normal(1000) + 3.0)
     slope[500] += 100.0
     assert 500 in np.flatnonzero(spikes_in(slope))
+
+
+@pytest.mark.parametrize("width", [3.0, 4.0, 6.0])
+def test_what_a_filter_smoothed_has_none(width: float) -> None:
+    """Peaks that turn round within several samples, smoothly or in a cusp as a filter that looks
+    ahead leaves at a step, of hundreds of times the fast noise; a single reading off them is one.
+    """
+    rng = np.random.default_rng(4)
+    at = np.arange(61) - 30
+    for peak in (np.exp(-((at / width) ** 2)), np.exp(-np.abs(at) / width)):
+        residual = np.tile(peak, 30) + 0.001 * rng.standard_normal(30 * at.size)
+        assert not spikes_in(residual).any()
+        residual[505] += 0.5
+        assert np.flatnonzero(spikes_in(residual)).tolist() == [505]
