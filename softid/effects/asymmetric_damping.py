@@ -48,7 +48,10 @@ class AsymmetricDamping(StateEffect):
         "the motion ends."
     )
     neighbours: ClassVar[tuple[str, ...]] = ("pneumatic_lag", "valve_flow", "quadratic_damping")
-    remedy: ClassVar[str] = "exhaust through a valve as wide as the one that fills"
+    remedy: ClassVar[str] = (
+        "if the pressure is read before a valve or a long tube, vent through a path as wide as the "
+        "one that fills; if it is read in the chamber, look for what rubs or drags one way only"
+    )
     shown_by: ClassVar[str] = "equal steps up and down between the same levels"
     source: ClassVar[str] = "Dixon, The Shock Absorber Handbook (bump and rebound)"
     amplitude: ClassVar[str] = "eps"
