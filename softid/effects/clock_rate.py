@@ -49,7 +49,7 @@ class ClockRate(OutputEffect):
     )
     neighbours: ClassVar[tuple[str, ...]] = ("delay", "sensor_lag", "ageing")
     remedy: ClassVar[str] = "stamp all channels with one clock, or mark the start and end in both"
-    shown_by: ClassVar[str] = "the same fast steps at the beginning and end of a long record"
+    shown_by: ClassVar[str] = "the same fast steps at the beginning and end of a long log"
     source: ClassVar[str] = "linear clock model; IEEE Std 1588-2019"
     amplitude: ClassVar[str] = "rate"
     is_linear: ClassVar[bool] = True

@@ -37,7 +37,7 @@ class SensorDrift(OutputEffect):
     signature: ClassVar[str] = "The residual is a straight line over the whole log."
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_warmup", "ageing", "creep")
     remedy: ClassVar[str] = "let the sensor warm up, calibrate a gyro's bias at rest"
-    shown_by: ClassVar[str] = "a rest at the beginning and at the end of a long record"
+    shown_by: ClassVar[str] = "a rest at the beginning and at the end of a long log"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     amplitude: ClassVar[str] = "rate"
     is_linear: ClassVar[bool] = True

@@ -53,7 +53,7 @@ class SensorWarmup(OutputEffect):
     )
     neighbours: ClassVar[tuple[str, ...]] = ("sensor_drift", "creep", "ageing")
     remedy: ClassVar[str] = "switch the sensor on long before the log, or log a rest first"
-    shown_by: ClassVar[str] = "a record much longer than the warm-up, with rests in it"
+    shown_by: ClassVar[str] = "a log much longer than the warm-up, with rests in it"
     source: ClassVar[str] = "Fraden, Handbook of Modern Sensors, 5th ed. 2016, ch. 3"
     begins_with_log: ClassVar[bool] = True
     amplitude: ClassVar[str] = "size"

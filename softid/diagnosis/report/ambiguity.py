@@ -31,6 +31,10 @@ from softid.results import FitResult
 BEST_OF_UNEQUAL = "The best, though it leads by less than all of them leave unexplained"
 """Beginning of a tie whose causes do not explain the logs equally well."""
 
+WORTH_DOUBTS = 0.5
+"""What is doubtful about a description, and what it is not told from, is said where it takes away
+so much of the misfit."""
+
 SPLITS = ". What splits them: "
 """Words between why causes are tied and what to record."""
 
@@ -276,7 +280,10 @@ def what_next(
     """
     if any(law.doubt is Doubt.ONE_STEP for law in laws):
         return SEVERAL_STEPS
-    for alternative in alternatives if verdict is not Verdict.UNKNOWN else ():
+    come_first = verdict is not Verdict.UNKNOWN or (
+        remainder.explained_share >= WORTH_DOUBTS and not variables_left(remainder)
+    )
+    for alternative in alternatives if come_first else ():
         beside = is_linear_beside(laws, alternative.effects, linear=linear)
         known = law_that_ties(alternative, linear=beside)
         if known is not None:

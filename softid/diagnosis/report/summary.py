@@ -9,6 +9,7 @@ from dataclasses import replace
 from softid.diagnosis.changes.zero_jumps import ZERO_JUMP
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
 from softid.diagnosis.report.ambiguity import (
+    WORTH_DOUBTS,
     are_alike,
     is_linear,
     is_linear_beside,
@@ -88,9 +89,6 @@ or the record was smoothed."""
 
 NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
-
-WORTH_DOUBTS = 0.5
-"""What is doubtful about a description is told where it takes away so much of the misfit."""
 
 
 def write_summary(found: Diagnosis) -> Diagnosis:

@@ -33,6 +33,7 @@ from softid.diagnosis.verdict.laws_alike import (
 )
 from softid.diagnosis.verdict.separations import CHIRP
 from softid.diagnosis_results import Alternative, Doubt, Remainder, Verdict
+from softid.effects import EFFECTS
 
 NOISE = remainder(structured=False, explained=1.0)
 FAR = INDISTINCT + 1.0
@@ -158,11 +159,25 @@ def test_the_experiment_splits_the_first_from_the_others() -> None:
     assert asked.endswith("from lag of the pneumatics or lag of the sensor")
 
 
-def test_of_an_unknown_remainder_ties_do_not_matter() -> None:
-    """What none of them explains comes first."""
+def test_what_an_unknown_remainder_follows_from_comes_before_ties() -> None:
+    """What none of them explains comes first, where it says what to vary."""
     lag = tie("delay", "pneumatic_lag")
     asked = what_next(Verdict.UNKNOWN, alternatives=[lag], remainder=left(x=0.3))
     assert asked == "repeat these logs with more positions over the whole range"
+
+
+@pytest.mark.parametrize("remainder", [left(x=0.01), NOISE])
+def test_descriptions_that_are_not_told_apart_ask_for_what_shows_each(remainder: Remainder) -> None:
+    """The catalogue's words for a drift and a warm-up, which the same path at two speeds does not
+    tell; nothing of the kind where they describe next to nothing.
+    """
+    drifts = [tie("sensor_drift", "sensor_warmup")]
+    asked = what_next(Verdict.UNKNOWN, alternatives=drifts, remainder=remainder)
+    shown = "; ".join(EFFECTS[key].shown_by for key in drifts[0].effects)
+    assert asked == f"record {shown}, to tell drift of the sensor from warm-up of the sensor"
+    little = replace(remainder, explained_share=0.2)
+    other = what_next(Verdict.UNKNOWN, alternatives=drifts, remainder=little)
+    assert other == what_next(Verdict.UNKNOWN, alternatives=(), remainder=little)
 
 
 @pytest.mark.parametrize(
