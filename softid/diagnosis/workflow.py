@@ -172,13 +172,13 @@ def diagnose(
     answer = with_other_explanations(answer, base, others)
     answer = with_second_input(answer, base, recorded.logs, seed)
     answer = with_law_beside(with_event_beside(answer, base, final), base, final, search.effects)
-    answer = with_no_response(with_clipped_input(answer, recorded.logs), final)
+    answer = with_clipped_input(answer, recorded.logs)
     if count == 1:  # the mean of several samples lies between the steps
         rounded = with_rounding(answer, recorded, base.candidate)
         answer = with_coarse_sampling(rounded, base.candidate)
     unit = recorded.input_unit if base.candidate.problem.model.is_linear else None
     answer = with_open_places(with_shared_scale(answer, linear_in=unit))
-    answer = with_unnamed_misfit(with_varying_sizes(answer))
+    answer = with_no_response(with_unnamed_misfit(with_varying_sizes(answer)), final)
     has_spring = base.candidate.has_spring
     sets, motions = both(
         lambda: permanent_set_issues(whole, base.scale.motion_s) if has_spring else (),

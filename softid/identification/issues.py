@@ -24,6 +24,10 @@ POOR_FIT_PERCENT = 70.0
 """Fit below which the user is told: it leaves 30 % of the output's standard deviation, or 9 % of
 its variance. A judgement of what is worth a look at the residual."""
 
+ASTRAY = 3.0
+"""A model that errs by so many times its usual error on an output that hardly moves moves there: it
+is the output that stays still."""
+
 NEXT_TO_NOTHING_PERCENT = 10.0
 """Fit of all fitted logs below which the output may have nothing to do with the input: a fifth of
 its variance is explained, as slow noise and a few parameters can make by chance."""
@@ -207,21 +211,21 @@ def _poor_fit(row: FitStatistics, statistics: Sequence[FitStatistics]) -> Issue:
         for r in statistics
         if r.in_sample and r.channel == row.channel
     )
+    check = f"check that the sensor of {row.channel} works, and that the right columns are read"
     if not row.in_sample and spread < usual and explains:
+        is_still = row.rmse > ASTRAY * usual
         return Issue(
             "nothing-to-score",
             "warning",
             f"{row.log} ({where}): {row.channel} moves by only {spread * factor:.3g} {unit} rms, "
             f"less than the {usual * factor:.3g} {unit} that the model leaves on the usual fitted "
             f"log, so its fit % says nothing; {row.rmse * factor:.3g} {unit} rms are left",
-            "hold out a log in which the actuator moves",
+            check if is_still else "hold out a log in which the actuator moves",
         )
     return Issue(
         "poor-fit",
         "warning",
         f"{row.log} ({where}): the model explains {row.channel} only to "
         f"{row.fit_percent:z.0f} %, leaving {row.rmse * factor:.3g} {unit} rms",
-        "look at the residual plots for what is missing"
-        if explains
-        else f"check that the sensor of {row.channel} works, and that the right columns are read",
+        "look at the residual plots for what is missing" if explains else check,
     )

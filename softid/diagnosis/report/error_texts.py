@@ -32,6 +32,18 @@ def judged_by_blocks(gains: Sequence[Gain]) -> bool:
     return any(gain.held_out and gain.log in fitted for gain in gains)
 
 
+def spread_of(gain: Gain) -> float:
+    """Root mean square of what moves in a log, about its mean: error over its share of that.
+
+    Parameters
+    ----------
+    gain
+        The errors in the log.
+    """
+    missed = 1.0 - gain.fit_percent_before / 100.0
+    return gain.rmse_before / missed if missed > 0.0 else math.inf
+
+
 class ErrorTexts:
     """What is said of the errors of one diagnosis.
 
@@ -101,12 +113,14 @@ class ErrorTexts:
         error, fitted = (_error_of(rows, _before) for rows in (self.rows, self.fitted))
         before = self.size(error)
         fit = self.percents(lambda g: g.fit_percent_before)
-        if any(g.fit_percent_before < RUNS_AWAY for g in self.rows):
+        if any(self._runs_away(g) for g in self.rows):
             return (
                 f"{model} runs away on {where}, by {before} rms: nothing in the fitted ones holds "
                 "its parameters there."
             )
-        told = f"{model} misses {self.first} by {before} rms on {where} (fit {fit})."
+        is_still = any(g.fit_percent_before < RUNS_AWAY for g in self.rows)
+        known = "" if is_still else f" (fit {fit})"
+        told = f"{model} misses {self.first} by {before} rms on {where}{known}."
         if self.held_out and error > ASTRAY * fitted:
             gained = ", and what is gained there is in part better parameters"
             told += (
@@ -114,6 +128,11 @@ class ErrorTexts:
                 f"{gained if is_extended else ''}."
             )
         return told
+
+    def _runs_away(self, gain: Gain) -> bool:
+        """Whether the model errs by far more than moves there, and than moves in the fitted logs."""
+        widest = max(map(spread_of, self.fitted), default=0.0)
+        return gain.fit_percent_before < RUNS_AWAY and not gain.rmse_before <= ASTRAY * widest
 
     def more_held_out(self, remainder: Remainder, *, is_tied: bool = False) -> str:
         """That what is held out keeps more than what was fitted, where it does.

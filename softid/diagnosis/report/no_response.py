@@ -10,9 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.report.phrases import variables_left
+from softid.diagnosis.report.error_texts import spread_of
+from softid.diagnosis.report.phrases import listed, variables_left
 from softid.diagnosis.residual.motion import residual_context
-from softid.diagnosis_results import Diagnosis, Verdict
+from softid.diagnosis.verdict.held_out_error import ASTRAY
+from softid.diagnosis_results import Diagnosis, Gain, Verdict
 from softid.errors import Issue
 from softid.uncertainty.autoregression import fit_ar
 
@@ -27,7 +29,7 @@ model says: one of high order can follow a slow motion by itself."""
 
 
 def with_no_response(answer: Diagnosis, final: Candidate) -> Diagnosis:
-    """The diagnosis; unknown, with the reason, where a constant explains the output as well.
+    """The diagnosis; unknown, with the reason, where the output does not answer to the input.
 
     Parameters
     ----------
@@ -38,24 +40,50 @@ def with_no_response(answer: Diagnosis, final: Candidate) -> Diagnosis:
     """
     if answer.verdict not in (Verdict.ADEQUATE, Verdict.UNKNOWN):
         return answer
-    if set(variables_left(answer.remainder)) - {"t"} or not is_as_good_as_constant(final):
-        return answer
     problem = final.problem
     first, driving = problem.outputs[0], problem.logs[0].channels[problem.logs[0].input]
-    moves = np.ptp(np.concatenate([segment.input for segment in problem.segments]))
-    issue = Issue(
-        NO_RESPONSE,
-        "warning",
-        f"{first} does not visibly answer to {driving.name}, though that moves over "
-        f"{moves * driving.display_factor:.3g} {driving.display_unit}: a constant explains {first} "
-        "as well as the model does",
-        f"check that the sensor of {first} works, and that the right columns are read",
-    )
+    is_still = not set(variables_left(answer.remainder)) - {"t"} and is_as_good_as_constant(final)
+    still = still_logs(answer.gains, first)
+    if is_still:
+        moves = np.ptp(np.concatenate([segment.input for segment in problem.segments]))
+        told = (
+            f"{first} does not visibly answer to {driving.name}, though that moves over "
+            f"{moves * driving.display_factor:.3g} {driving.display_unit}: a constant explains "
+            f"{first} as well as the model does"
+        )
+    elif still:
+        told = (
+            f"in {listed(still)}, which {'is' if len(still) == 1 else 'are'} held out, {first} "
+            f"stays still where the model moves: it does not visibly answer to {driving.name} there"
+        )
+    else:
+        return answer
+    remedy = f"check that the sensor of {first} works, and that the right columns are read"
+    issue = Issue(NO_RESPONSE, "warning", told, remedy)
     return replace(
         answer,
         verdict=Verdict.UNKNOWN,
         next_experiment=issue.remedy,
         issues=(issue, *answer.issues),
+    )
+
+
+def still_logs(gains: Sequence[Gain], channel: str) -> tuple[str, ...]:
+    """Logs held out in which less moves than the model usually misses, and the model moves.
+
+    Parameters
+    ----------
+    gains
+        Errors of the base in all logs.
+    channel
+        The output.
+    """
+    mine = [gain for gain in gains if gain.channel == channel]
+    usual = max((gain.rmse_before for gain in mine if not gain.held_out), default=math.nan)
+    return tuple(
+        gain.log
+        for gain in mine
+        if gain.held_out and spread_of(gain) < usual and gain.rmse_before > ASTRAY * usual
     )
 
 

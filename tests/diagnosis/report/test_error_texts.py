@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from handmade_diagnosis import diagnosis, gain
 
@@ -91,6 +92,20 @@ def test_a_model_that_runs_away_has_no_fit() -> None:
     text = write_summary(replace(found, gains=far)).summary
     assert text.startswith("The muscle model runs away on held-out samples, by 138 deg rms:")
     assert "fit -" not in text
+
+
+def test_a_model_that_moves_where_nothing_does_has_not_run_away() -> None:
+    """An error as large as the fitted motion, of 12.5 degrees, on an output that stays still."""
+    found = diagnosis(Verdict.UNKNOWN)
+    still = tuple(
+        replace(g, rmse_before=np.deg2rad(13.0), fit_percent_before=-5000.0) if g.held_out else g
+        for g in (
+            gain("a", before=2.0, after=0.2, held_out=False),
+            gain("b", before=13.0, after=0.2, held_out=True),
+        )
+    )
+    text = write_summary(replace(found, gains=still)).summary
+    assert text.startswith("The muscle model misses angle by 13 deg rms on held-out samples. On")
 
 
 @pytest.mark.parametrize(("held", "carries_over"), [(5.9, True), (6.1, False)])

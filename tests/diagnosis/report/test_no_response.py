@@ -52,6 +52,18 @@ def test_a_dead_sensor_is_told(model: str, rho: float) -> None:
     assert "nothing to mend" not in told.summary
 
 
+def test_a_sensor_that_is_dead_in_what_is_held_out_is_told() -> None:
+    """The fitted log is followed to its noise; in the other one nothing moves."""
+    noise = 0.01 * noise_of(0.0, 3)
+    told = found("oscillator", [linear_angle(TIME_S, STEPS) + noise, 0.3 + 0.1 * noise])
+    assert told.verdict is Verdict.UNKNOWN
+    assert "In held, which is held out, angle stays still where the model moves" in told.summary
+    assert "runs away" not in told.summary
+    assert told.next_experiment is not None
+    assert told.next_experiment.startswith("check that the sensor of angle works")
+    assert not any("in which the actuator moves" in (i.remedy or "") for i in told.issues)
+
+
 @pytest.mark.parametrize("model", MODELS)
 def test_an_output_that_stays_constant_is_refused(model: str) -> None:
     """Nothing can be fitted to it."""
