@@ -94,6 +94,13 @@ class _Draft:
         return float(np.sqrt(np.mean(held**2))) if held.size else float("inf")
 
 
+_OTHERS = "choose other --input and --output channels, or name a --model with its options"
+_SEVERAL = (
+    "fit one --output at a time: several go together only where the geometry of a muscle links "
+    "them, as an angle and a length, and --model muscle then needs its options"
+)
+
+
 def choose_model(
     logs: LogSet,
     *,
@@ -133,7 +140,7 @@ def choose_model(
         raise UsageError(
             f"no model explains {' and '.join(logs.outputs)} from {logs.input} as it stands",
             value="; ".join(refused) or None,
-            remedy="choose other --input and --output channels, or name a --model with its options",
+            remedy=_SEVERAL if len(logs.outputs) > 1 else _OTHERS,
         )
     if len(candidates) == 1:
         only = candidates[0]

@@ -130,7 +130,7 @@ class ErrorTexts:
         return told
 
     def _runs_away(self, gain: Gain) -> bool:
-        """Whether the model errs by far more than moves there, and than moves in the fitted logs."""
+        """Whether the model errs by far more than anything moves, there and in the fitted logs."""
         widest = max(map(spread_of, self.fitted), default=0.0)
         return gain.fit_percent_before < RUNS_AWAY and not gain.rmse_before <= ASTRAY * widest
 
