@@ -36,6 +36,9 @@ LARGEST_SHARE = 0.55
 ZERO = "zero"
 """Kind of a difference that every log has anyway."""
 
+SIGN, TURNED = "sign", -2.0
+"""Kind of a difference that is a turned output, and its size: the change of a gain of 1 to −1."""
+
 DELAY = "delay"
 """Kind of a difference whose size is in seconds."""
 
@@ -47,7 +50,7 @@ class LogDifferences:
     Attributes
     ----------
     kinds
-        What differs, the one that takes most first: ``gain``, ``delay``, ``drift`` and
+        What differs, the one that takes most first: ``sign``, ``gain``, ``delay``, ``drift`` and
         ``settling_drift`` of the reading, ``load``, ``stiffness``, ``damping``, ``pressure_gain``,
         ``pressure_zero`` or a parameter of the model; all others take nearly as much. It is
         ``zero`` alone where that does.
@@ -104,7 +107,7 @@ def log_differences(
     fitted = in_parallel(lambda change: [change.on(log) for log in logs], changes)
     falls = [
         (before - own - sum(left for left, _ in rows)) / misfit
-        if all(size is not None and change.is_small(size) for _, size in rows)
+        if change.may_be([size for _, size in rows])
         else -np.inf
         for change, rows in zip(changes, fitted, strict=True)
     ]
@@ -157,9 +160,9 @@ class _Change:
     problem: Problem
     values: Mapping[str, float]
 
-    def is_small(self, size: float) -> bool:
-        """Whether the change is small enough for one rig; only its bounds limit a delay."""
-        return self.kind == DELAY or abs(size) <= LARGEST_SHARE
+    def may_be(self, sizes: Sequence[float | None]) -> bool:
+        """Whether changes are small enough for one rig; only its bounds limit a delay."""
+        return all(s is not None and (self.kind == DELAY or abs(s) <= LARGEST_SHARE) for s in sizes)
 
     def on(self, log: Log) -> tuple[float, float | None]:
         """What is left of a log, and the change: of a parameter of the model as a share of it.
@@ -182,11 +185,28 @@ class _Change:
         return left, value / known - 1.0 if known else None
 
 
+@dataclass(frozen=True, eq=False)
+class _Turn(_Change):
+    """The sign of the first output, where that of some logs is turned."""
+
+    def may_be(self, sizes: Sequence[float | None]) -> bool:
+        """Whether any is; without one it is a zero of their own."""
+        return any(sizes)
+
+    def on(self, log: Log) -> tuple[float, float | None]:
+        """What is left of a log with the better sign, and its change."""
+        channel = log.channels[self.problem.outputs[0]]
+        turned = replace(channel, values=-channel.values)
+        as_it_is, _ = super().on(log)
+        left, _ = super().on(replace(log, channels={**log.channels, channel.name: turned}))
+        return (as_it_is, 0.0) if as_it_is <= left else (left, TURNED)
+
+
 def _changes(reference: Candidate, scale: Scale) -> list[_Change]:
     """Everything that may differ: the zero, every free parameter, and what the probes change."""
     problem, values = reference.problem, reference.parameters
     scale = _own_scale(reference, scale)
-    found = [_Change(ZERO, "", problem, values)]
+    found = [_Change(ZERO, "", problem, values), _Turn(SIGN, "", problem, values)]
     found += [_Change(name, name, problem, values) for name in problem.free]
     for law in PROBES:
         probe = law()

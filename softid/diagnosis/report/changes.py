@@ -13,6 +13,7 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.changes.input_levels import have_same_levels
 from softid.diagnosis.changes.log_differences import (
+    SIGN,
     ZERO,
     LogDifferences,
     log_differences,
@@ -51,6 +52,7 @@ CHANGES = {
 
 DIFFERENCES = {
     ZERO: "the zero of the reading",
+    SIGN: "the sign of the reading",
     "gain": "the gain of the reading",
     "delay": "the delay of the reading",
     "drift": "the drift of the reading",
@@ -244,7 +246,7 @@ def _as_if(change: LogDifferences | None) -> str:
         return ", outside of which no more than noise is left"
     kind = change.kinds[0]
     sizes = listed([_size(kind, size) for size in change.sizes])
-    by = f" by {sizes}" if kind != ZERO else ""
+    by = f" by {sizes}" if kind not in (ZERO, SIGN) else ""
     return (
         f": there {_title(kind)} changes{by}, which takes away {percent(change.share)} of it"
         f"{_or_else(change)}"
@@ -299,6 +301,8 @@ def _told(
     if found is None:
         return None
     kind = found.kinds[0]
+    if kind == SIGN:
+        return _turned(found, logs, output, reference)
     rows = [
         f"{_size(kind, size)} in {log.name}" for log, size in zip(logs, found.sizes, strict=True)
     ]
@@ -309,6 +313,18 @@ def _told(
         f"takes away {percent(found.share)} of the misfit of {output}{_or_else(found)}",
         "look at what was changed between the logs, such as a load, a mount or a calibration, and "
         "diagnose each of them apart",
+    )
+
+
+def _turned(found: LogDifferences, logs: Sequence[Log], output: str, reference: str) -> Issue:
+    """That an output has the other sign in some logs."""
+    names = [log.name for log, size in zip(logs, found.sizes, strict=True) if size]
+    return Issue(
+        LOG_DIFFERENCES,
+        "warning",
+        f"the logs differ: {output} has the other sign in {listed(names)} than in {reference}, "
+        f"which makes {percent(found.share)} of its misfit",
+        f"turn it where it is wrong, with --channel {output}=COLUMN:-UNIT or in a sidecar",
     )
 
 

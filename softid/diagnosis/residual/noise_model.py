@@ -45,8 +45,9 @@ class Moments:
     def gain(self) -> float:
         """By how much n ln(S) falls with the moments open, less ln n for each of their numbers."""
         n, numbers = self.responses.columns.shape
-        before, after = mean_square(self.responses.parts), mean_square(self.found.parts)
-        return float(n * np.log(before / after) - numbers * np.log(n))
+        left = [mean_square(parts) for parts in (self.responses.parts, self.found.parts)]
+        before, after = np.log(np.maximum(left, np.finfo(float).tiny))
+        return float(n * (before - after) - numbers * np.log(n))
 
     @property
     def residuals(self) -> list[Array]:

@@ -93,6 +93,24 @@ def test_what_differs_is_found(kind: str, size: float, alike: set[str]) -> None:
     assert found.share == pytest.approx(1.0, abs=0.05)
 
 
+def turned(log: Log) -> Log:
+    """The log with an angle of the other sign."""
+    angle = log.channels["angle"]
+    return replace(log, channels={**log.channels, "angle": replace(angle, values=-angle.values)})
+
+
+def test_a_turned_output_is_found_and_told() -> None:
+    """An axis of a camera that points the other way on one day of three."""
+    found = found_in(turned(log_with(1)))
+    assert found is not None
+    assert (found.kinds, found.sizes) == (("sign",), (-2.0,))
+    logs = (log_with(0), turned(log_with(1)), log_with(2))
+    request = Request("oscillator", None, 0, lambda message, fraction: None)
+    (issue,) = difference_issues(request.fit_base(LogSet(logs), (), thorough=False))
+    assert issue.message.startswith("the logs differ: angle has the other sign in log-1 than in")
+    assert "--channel angle=COLUMN:-UNIT" in str(issue.remedy)
+
+
 def test_a_zero_is_each_logs_own_unless_it_counts() -> None:
     """What only a zero takes away is no difference between logs, and one within a log."""
     plain = log_with(1)
