@@ -27,6 +27,13 @@ MOST_EXPLAINED = 0.7
 """A model that explains a larger share of the output's variance is no constant, whatever the noise
 model says: one of high order can follow a slow motion by itself."""
 
+COURSES = ("a constant", "a straight line in time")
+"""What an output may follow that answers to no input, by the order of its polynomial."""
+
+LEAST_MOVED = 0.5
+"""Share of the input's variance that such a course leaves at least: what follows a slow ramp of the
+input is a straight line, too."""
+
 
 def with_no_response(answer: Diagnosis, final: Candidate) -> Diagnosis:
     """The diagnosis; unknown, with the reason, where the output does not answer to the input.
@@ -42,14 +49,15 @@ def with_no_response(answer: Diagnosis, final: Candidate) -> Diagnosis:
         return answer
     problem = final.problem
     first, driving = problem.outputs[0], problem.logs[0].channels[problem.logs[0].input]
-    is_still = not set(variables_left(answer.remainder)) - {"t"} and is_as_good_as_constant(final)
+    follows = set(variables_left(answer.remainder)) - {"t"}
+    course = None if follows else course_without_input(final)
     still = still_logs(answer.gains, first)
-    if is_still:
+    if course is not None:
         moves = np.ptp(np.concatenate([segment.input for segment in problem.segments]))
         told = (
             f"{first} does not visibly answer to {driving.name}, though that moves over "
-            f"{moves * driving.display_factor:.3g} {driving.display_unit}: a constant explains "
-            f"{first} as well as the model does"
+            f"{moves * driving.display_factor:.3g} {driving.display_unit}: {course} "
+            f"explains {first} as well as the model does"
         )
     elif still:
         told = (
@@ -87,33 +95,48 @@ def still_logs(gains: Sequence[Gain], channel: str) -> tuple[str, ...]:
     )
 
 
-def is_as_good_as_constant(model: Candidate) -> bool:
-    """Whether a constant for every log has no larger BIC than a model, each with its own noise.
+def course_without_input(model: Candidate) -> str | None:
+    """What explains the output as well as a model and knows no input; None where nothing does.
+
+    That is a constant for every log, or a straight line where the input is none: its BIC is no
+    larger, each with its own noise.
 
     Parameters
     ----------
     model
         The model where it stands.
     """
-    problem = model.problem
+    problem, parts = model.problem, residual_context(model)
     first = problem.outputs[0]
-    left = [part.residual for part in residual_context(model)]
-    recorded = [
-        np.where(np.isfinite(residual), segment.samples_of(segment.outputs[first]), np.nan)
-        for segment, residual in zip(problem.segments, left, strict=True)
-    ]
-    about_constant = _less_means(recorded, problem.owner)
-    if _squares(left) < (1.0 - MOST_EXPLAINED) * _squares(about_constant):
-        return False
-    of_model, of_constant = fit_ar(left), fit_ar(about_constant)
-    return of_constant.bic <= of_model.bic + len(problem.free) * math.log(of_model.n)
+    left = [part.residual for part in parts]
+    of_model = fit_ar(left)
+    least = of_model.bic + len(problem.free) * math.log(of_model.n)
+    readings = [segment.samples_of(segment.outputs[first]) for segment in problem.segments]
+    recorded = [np.where(np.isfinite(r), y, np.nan) for r, y in zip(left, readings, strict=True)]
+    driven, times = [part.u for part in parts], [part.time_s for part in parts]
+    moved = _squares(_less_course(driven, times, problem.owner, 0))
+    for order, course in enumerate(COURSES):
+        if _squares(_less_course(driven, times, problem.owner, order)) < LEAST_MOVED * moved:
+            continue
+        about = _less_course(recorded, times, problem.owner, order)
+        is_followed = _squares(left) < (1.0 - MOST_EXPLAINED) * _squares(about)
+        slopes = order * len(set(problem.owner))
+        if not is_followed and fit_ar(about).bic + slopes * math.log(of_model.n) <= least:
+            return course
+    return None
 
 
-def _less_means(recorded: Sequence[Array], owner: Sequence[int]) -> list[Array]:
-    """The readings of every segment less the mean of its log."""
-    pairs = list(zip(recorded, owner, strict=True))
-    whole = {log: np.concatenate([y for y, k in pairs if k == log]) for log in owner}
-    return [y - np.nanmean(whole[log]) for y, log in pairs]
+def _less_course(
+    rows: Sequence[Array], times: Sequence[Array], owner: Sequence[int], order: int
+) -> list[Array]:
+    """The rows of every segment less the polynomial of an order through those of its log."""
+    found = []
+    for row, time_s, log in zip(rows, times, owner, strict=True):
+        mine = [k for k, other in enumerate(owner) if other == log]
+        t, y = (np.concatenate([part[k] for k in mine]) for part in (times, rows))
+        used = np.isfinite(y)
+        found.append(row - np.polyval(np.polyfit(t[used], y[used], order), time_s))
+    return found
 
 
 def _squares(parts: Sequence[Array]) -> float:

@@ -52,6 +52,14 @@ def test_a_dead_sensor_is_told(model: str, rho: float) -> None:
     assert "nothing to mend" not in told.summary
 
 
+def test_a_dead_sensor_that_drifts_is_told() -> None:
+    """A motion of no end follows a drift, too, and looks like an answer."""
+    drift = 0.002 * TIME_S
+    told = found("oscillator", [drift + 0.01 * noise_of(0.0, seed) for seed in (1, 2)])
+    assert told.verdict is Verdict.UNKNOWN
+    assert "a straight line in time explains angle as well as the model does" in told.summary
+
+
 def test_a_sensor_that_is_dead_in_what_is_held_out_is_told() -> None:
     """The fitted log is followed to its noise; in the other one nothing moves."""
     noise = 0.01 * noise_of(0.0, 3)
@@ -73,7 +81,7 @@ def test_an_output_that_stays_constant_is_refused(model: str) -> None:
 
 @pytest.mark.parametrize("model", MODELS)
 def test_a_motion_deep_in_noise_is_none_of_it(model: str) -> None:
-    """The noise is as large as the motion, of whose power nine tenths are left unexplained."""
+    """The noise is twice as large as the motion, of whose power four fifths are unexplained."""
     motion = linear_angle(TIME_S, STEPS)
     noise = 2.0 * float(np.std(motion))
     told = found(model, [motion + noise * noise_of(0.0, seed) for seed in (1, 2)])
