@@ -146,7 +146,7 @@ class StribeckFriction(CoulombFriction):
     """
 
     variant: ClassVar[str] = "stribeck"
-    floors: ClassVar[tuple[str, ...]] = ("vb",)
+    plain_at: ClassVar[tuple[str, float] | None] = ("vb", 0.0)
     title: ClassVar[str] = "Dry friction that is larger at low speed"
     law: ClassVar[str] = "+ Fc tanh(v/vs) (1 + beta exp(-(v/vb)^2))"
     meaning: ClassVar[str] = (

@@ -99,11 +99,16 @@ def names_of(key: str) -> tuple[str, ...]:
 
 @pytest.mark.parametrize("key", EFFECTS)
 def test_roles_are_played_by_parameters(key: str) -> None:
-    """Bounds that make a law another one's, the plain form and the simpler effect all exist."""
+    """Bounds that make a law another one's, the plain form and the simpler effect all exist.
+
+    A plain form lies within the bounds, or is the limit below the lower one, as where the excess of
+    a friction lies within no speed at all.
+    """
     effect, declared = EFFECTS[key](), EFFECTS[key]().parameters(muscle_scale())
     assert set(effect.essential) | set(effect.ceilings) <= set(declared)
     assert set(effect.draws) <= set(NAMES)
     if effect.plain_at is not None:
         name, value = effect.plain_at
         assert effect.variant
-        assert declared[name].lower < value < declared[name].upper
+        assert value < declared[name].upper
+        assert declared[name].lower < value or (value == 0.0 < declared[name].lower)

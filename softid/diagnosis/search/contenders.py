@@ -73,8 +73,8 @@ def choose_contender(
         (r for r in ranked if added(r).name == added(best).name and not added(r).variant), None
     )
     if added(best).variant and plain is not None:
-        is_no_richer = _is_held(best, added(best)) and not _is_held(plain, added(plain))
-        best = plain if is_no_richer or plain.bic - best.bic < NESTED else best
+        is_richer = plain.bic - best.bic >= NESTED and not _ends_plain(best, added(best))
+        best = best if is_richer else plain
     simple = next((r for r in ranked if added(r).key == _simpler(best, added(best))), None)
     if simple is not None:
         margin = NESTED
@@ -110,6 +110,15 @@ def _is_held(row: Ranked, effect: Effect) -> bool:
         or lie_on(c.at_bound - c.at_upper_bound, effect.floors)
         for c in (row.candidate, row.plain)
     )
+
+
+def _ends_plain(row: Ranked, effect: Effect) -> bool:
+    """Whether a richer form ends at the lower bound beyond which its law is the plain one."""
+    if effect.plain_at is None:
+        return False
+    name, value = extended_name(effect, effect.plain_at[0]), effect.plain_at[1]
+    at_lower_bound = row.candidate.at_bound - row.candidate.at_upper_bound
+    return name in at_lower_bound and value <= row.candidate.parameters[name]
 
 
 def _differs_within(row: Ranked, effect: Effect) -> float:
