@@ -108,7 +108,7 @@ def test_the_offset_of_the_drive_grows_with_speed(drive: Diagnosis, drive_log: L
 
 
 def offset_at_usual_speed(drive: Diagnosis) -> tuple[float, float]:
-    """The force that does not turn with the speed, and its standard error; tanh(v/v0) is 1 there."""
+    """The force that does not turn with the speed, and its error; tanh(v/v0) is 1 there."""
     fit = drive.extended
     assert fit is not None
     assert fit.correlation is not None
