@@ -174,7 +174,7 @@ def _is_rounded(values: Array, straight: BoolArray, moving: BoolArray) -> bool:
     """
     between, corners = find_quantisation(values[straight]), ~straight & moving
     bends = np.abs(np.diff(values, 2))[corners[1:-1]]
-    if between is None or between.step < STRAIGHT_SHARE * float(np.median(bends)):
+    if between is None or not bends.size or between.step < STRAIGHT_SHARE * float(np.median(bends)):
         return False
     grid = find_quantisation(values[corners])
     return grid is None or grid.step < FINER * between.step

@@ -67,6 +67,13 @@ def test_what_is_rounded_coarsely_was_sampled(step: float, rate_hz: float) -> No
     assert not interpolated_samples(log).any()
 
 
+def test_a_ramp_without_a_corner_says_nothing() -> None:
+    """Every sample lies on the line, and none tells a reading."""
+    time_s = np.arange(0.0, 20.0, 0.1)
+    log = Log.from_arrays(time_s, {"pressure": time_s, "angle": np.arange(200.0)})
+    assert not interpolated_samples(log).any()
+
+
 @pytest.mark.parametrize("times", [2, 3, 4])
 def test_rounded_readings_are_told_from_what_lies_between_them(times: int) -> None:
     """Halves, thirds and quarters of the step of a sensor are no readings of it."""

@@ -194,7 +194,9 @@ class JumpResponses:
         variance: float,
         slopes: Sequence[Array],
     ) -> JumpResponses | None:
-        """Responses of a model, at its present parameters, to all jumps; None where none jumps.
+        """Responses of a model, at its present parameters, to all jumps.
+
+        None where none jumps, and where the model runs away when one is moved.
 
         Parameters
         ----------
@@ -202,7 +204,9 @@ class JumpResponses:
             As in `with_open_jumps`.
         """
         each = [part_of_jumps(model, k, noise=variance**0.5) for k in range(len(parts))]
-        if not any(whole.shape[1] for whole in each):
+        if not any(whole.shape[1] for whole in each) or not all(
+            np.isfinite(whole).all() for whole in each
+        ):
             return None
         used = [whole[np.isfinite(p.residual)] for whole, p in zip(each, parts, strict=True)]
         counts = tuple(whole.shape[1] // len(PULSES) for whole in each)

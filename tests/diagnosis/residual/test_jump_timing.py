@@ -16,7 +16,7 @@ from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.whitening import Whitener, whitener_of
-from softid.diagnosis.residual import jump_timing
+from softid.diagnosis.residual import jump_timing, noise_model
 from softid.diagnosis.residual.assessment import assess
 from softid.diagnosis.residual.jump_timing import part_of_jumps, untimed_jumps
 from softid.diagnosis.search import bic_ranking
@@ -231,6 +231,18 @@ def test_a_delay_is_found_beside_open_moments(delay_s: float) -> None:
     named = {cause.effect for cause in found.causes}
     tied = {effect for tie in found.alternatives for effect in tie.effects}
     assert "delay" in named | tied
+
+
+def test_a_model_that_runs_away_has_no_moments(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a jump does to it is no number."""
+    problem = linear_problem([switched(3)])
+    model = standing(problem, problem.unknowns(TRUTH))
+    columns = part_of_jumps(model, 0, noise=1.0)
+    assert columns.size
+    monkeypatch.setattr(
+        jump_timing, "part_of_jumps", lambda *a, **k: np.full(columns.shape, np.nan)
+    )
+    assert noise_model.moments_of(model) is None
 
 
 def test_what_explains_a_part_of_open_moments_is_chance(monkeypatch: pytest.MonkeyPatch) -> None:
