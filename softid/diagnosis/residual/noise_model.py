@@ -7,7 +7,7 @@ parameters would follow it too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,13 +31,14 @@ class Moments:
 
     Attributes
     ----------
-    rows
-        What it leaves of the first output, for every segment.
+    own, others
+        What it leaves of the first output, for every segment, and of other ones.
     responses, found
         What moments do, and the likeliest ones.
     """
 
-    rows: tuple[Rows, ...]
+    own: tuple[Rows, ...]
+    others: tuple[Rows, ...]
     responses: JumpResponses
     found: OpenJumps
 
@@ -64,13 +65,13 @@ class Moments:
         """
         unknown = {
             (row.place.segment, row.channel): Unknown.of(noise.innovations(columns, row.place))
-            for row, columns in zip(self.rows, self.responses.by_part, strict=True)
+            for row, columns in zip(self.own, self.responses.by_part, strict=True)
             if columns.size
         }
         return replace(noise, unknown=unknown)
 
 
-def moments_of(model: Candidate, rows: Sequence[Rows] = ()) -> Moments | None:
+def moments_of(model: Candidate) -> Moments | None:
     """The moments of jumps of a model where it stands; None where none is open.
 
     None is where no input jumps, nor where all may come as they are drawn, nor where the likeliest
@@ -80,19 +81,18 @@ def moments_of(model: Candidate, rows: Sequence[Rows] = ()) -> Moments | None:
     ----------
     model
         The model.
-    rows
-        What it leaves, if that is known.
     """
-    if not _has_untimed_jumps(model):
+    if not any(len(untimed_jumps(segment)) for segment in model.problem.segments):
         return None
-    first = model.problem.outputs[0]
-    own = tuple(row for row in rows or rows_of(model) if row.channel == first)
+    rows, first = rows_of(model), model.problem.outputs[0]
+    own = tuple(row for row in rows if row.channel == first)
+    others = tuple(row for row in rows if row.channel != first)
     parts, slopes = [row.motion for row in own], [row.jacobian for row in own]
     responses = JumpResponses.of(model, parts, mean_square(parts), slopes)
     found = None if responses is None else responses.with_misfit()
     if responses is None or found is None or not found.lie_inside:
         return None
-    moments = Moments(own, responses, found)
+    moments = Moments(own, others, responses, found)
     return moments if moments.gain > 0.0 else None
 
 
@@ -108,14 +108,11 @@ def noise_model_of(best: Candidate, sigma: Mapping[str, float]) -> Whitener:
     sigma
         Output channel → scale that its residual is divided by, which floors the noise.
     """
-    if not _has_untimed_jumps(best):
-        return whitener_of(best.problem, best.minimum.point, sigma)
-    rows = rows_of(best)
-    moments = moments_of(best, rows)
+    moments = moments_of(best)
     if moments is None:
         return whitener_of(best.problem, best.minimum.point, sigma)
-    others = [(row.place, row.residual) for row in rows if row not in moments.rows]
-    places = [row.place for row in moments.rows]
+    others = [(row.place, row.residual) for row in moments.others]
+    places = [row.place for row in moments.own]
     left = list(zip(places, moments.residuals, strict=True))
     return moments.beside(whitener_for([*left, *others], sigma))
 
@@ -128,15 +125,12 @@ def noise_with_moments(model: Candidate, sigma: Mapping[str, float]) -> Whitener
     model, sigma
         As in `noise_model_of`.
     """
-    if not _has_untimed_jumps(model):
-        return None
-    rows = rows_of(model)
-    moments = moments_of(model, rows)
+    moments = moments_of(model)
     if moments is None:
         return None
     left = float(np.sqrt(np.mean(np.concatenate(moments.residuals) ** 2)))
-    spread = {(row.place.log, row.channel): sigma[row.channel] for row in rows}
-    spread |= {(row.place.log, row.channel): left for row in moments.rows}
+    spread = {(row.place.log, row.channel): sigma[row.channel] for row in moments.others}
+    spread |= {(row.place.log, row.channel): left for row in moments.own}
     return moments.beside(Whitener(dict.fromkeys(spread, np.empty(0)), spread))
 
 
@@ -157,7 +151,3 @@ def refined_under(model: Candidate, noise: Whitener, sigma: Mapping[str, float])
     if not np.isfinite(found.squares):
         return model
     return advance(begun(model, model.effects, model.problem, found.minimum.point), sigma, 1)
-
-
-def _has_untimed_jumps(model: Candidate) -> bool:
-    return any(len(untimed_jumps(segment)) for segment in model.problem.segments)
