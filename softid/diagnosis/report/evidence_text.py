@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from softid.diagnosis.report.error_texts import ErrorTexts
 from softid.diagnosis.report.phrases import listed, neighbours_of, title_of, titles_of
 from softid.diagnosis_results import Alternative, Cause, Evidence
+
+MOST_CONFUSED = 3
+"""Most effects that a sentence lists as easily confused; `softid effects NAME` lists all."""
 
 
 def evidence_text(
@@ -56,8 +60,21 @@ def evidence_text(
     if confused:
         known = {e.effect for e in raced} - {key.split(".")[0] for key in ahead}
         also = ", which explain these logs less well" if known.issuperset(confused) else ""
-        told += f". It is easily confused with {listed([title_of(n) for n in confused])}{also}"
+        told += f". It is easily confused with {_nearest_of(confused, rivals)}{also}"
     return told + "."
+
+
+def _nearest_of(confused: Sequence[str], rivals: Sequence[tuple[float, str]]) -> str:
+    """The effects that come nearest in the race, and how many there are beside them."""
+    reached: dict[str, float] = {}
+    for delta, key in rivals:
+        plain = key.split(".")[0]
+        reached[plain] = max(delta, reached.get(plain, -math.inf))
+    nearest = sorted(confused, key=lambda name: -reached.get(name, -math.inf))
+    told = [title_of(name) for name in nearest[:MOST_CONFUSED]]
+    if (more := len(nearest) - len(told)) > 0:
+        told.append(f"{more} more" if more > 1 else title_of(nearest[-1]))
+    return listed(told)
 
 
 def _has_other_forms(cause: Cause, evidence: Sequence[Evidence]) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,17 +11,15 @@ from softid.diagnosis.report.ambiguity import (
     WORTH_DOUBTS,
     are_alike,
     is_linear,
-    is_linear_beside,
     remedy_of_disturbance,
-    told_as_tied,
     what_next,
     with_reasons,
 )
+from softid.diagnosis.report.cause_texts import all_in_one, paragraphs_of
 from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.report.clipped_input import CLIPPED_INPUT
 from softid.diagnosis.report.descriptions import described
 from softid.diagnosis.report.error_texts import ErrorTexts, judged_by_blocks
-from softid.diagnosis.report.evidence_text import evidence_text
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
 from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
@@ -37,7 +34,6 @@ from softid.diagnosis.report.phrases import (
     known_noise,
     listed,
     lowered,
-    named_whole,
     nature_of_rest,
     percent,
     percent_below,
@@ -46,9 +42,6 @@ from softid.diagnosis.report.phrases import (
     taken_by,
     title_of,
     titles_of,
-    told_apart,
-    unsteady,
-    values_of,
     variables_left,
     what_is_unknown,
     what_it_may_be,
@@ -58,7 +51,6 @@ from softid.diagnosis.report.rounding import OF_RECORDED_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.smoothed_record import SMOOTHED_RECORD
-from softid.diagnosis.verdict.equivalence import classes_of
 from softid.diagnosis_results import (
     NOTABLE,
     Alternative,
@@ -68,7 +60,6 @@ from softid.diagnosis_results import (
     Gain,
     Remainder,
     Verdict,
-    cause_before,
     dropped_from,
 )
 from softid.quality.causality import LEADING_OUTPUT
@@ -193,11 +184,13 @@ def summarise(
     Returns
     -------
     str
-        A few plain sentences, numbers in the units of the logs.
+        A few plain sentences, numbers in the units of the logs. Of several causes the first
+        paragraph tells the whole, one each follows, and the last says what to do.
     """
     teller = ErrorTexts(base, gains, gain_ci95, dropped)
     opening = teller.misfit(is_extended=bool(causes or descriptive))
     told = [opening, given_up(dropped), *(sentence(remark) for remark in seen)]
+    each: list[str] = []
     if verdict is Verdict.ADEQUATE:
         told += [sentence(instead)] if instead else _adequate(teller, remainder, refused)
     elif verdict is Verdict.UNKNOWN:
@@ -209,8 +202,8 @@ def summarise(
             told += _unknown(teller, tried, alternatives, remainder, is_told=bool(marks))
         told += [sentence(change) for change in held_out_changes]
     else:
-        leaves_noise = not (remainder.structured or remainder.open_jumps)
-        told += _explained(teller, causes, alternatives, evidence, descriptive, leaves_noise)
+        each = paragraphs_of(teller, causes, alternatives, evidence, descriptive, remainder)
+        told += [all_in_one(causes, alternatives)] if len(causes) > 1 else each
         told += [sentence(remark) for remark in joined]
         if descriptive:
             told.append(described(descriptive, causes))
@@ -225,8 +218,9 @@ def summarise(
     told += [sentence(mark) for mark in (*marks, *(() if changes else refused))]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend(remainder))
-    told += _next(verdict, causes, alternatives, next_experiment)
-    return " ".join(sentence for sentence in told if sentence)
+    advice = " ".join(_next(verdict, causes, alternatives, next_experiment))
+    whole = " ".join(filter(None, told))
+    return "\n\n".join((whole, *each, advice)) if len(each) > 1 else f"{whole} {advice}".rstrip()
 
 
 def _adequate(teller: ErrorTexts, remainder: Remainder, refused: Sequence[str]) -> list[str]:
@@ -331,55 +325,6 @@ def _left(teller: ErrorTexts, remainder: Remainder, *, but: str = "", is_told: b
         told += "is more than the noise between neighbouring samples, and follows from no variable "
         told += "that was looked at" + ("" if is_told else f": {what_it_may_be(remainder)}")
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
-
-
-def _explained(
-    teller: ErrorTexts,
-    causes: Sequence[Cause],
-    alternatives: Sequence[Alternative],
-    evidence: Sequence[Evidence],
-    descriptive: Sequence[Cause],
-    leaves_noise: bool,
-) -> list[str]:
-    told = []
-    laws, earlier = (*causes, *descriptive), list[Alternative]()
-    for number, cause in enumerate(causes, start=1):
-        tie = next((a for a in alternatives if cause.effect in a.effects), None)
-        own = tie.effects if tie else (cause.effect,)
-        linear = is_linear_beside(laws, own, linear=is_linear(teller.base))
-        opening = "The cause:" if len(causes) == 1 else f"Cause {number}:"
-        values = values_of(cause.parameters)
-        if tie is not None:
-            tied = told_as_tied(
-                tie, cause.title, linear=linear, earlier=earlier, leaves_noise=leaves_noise
-            )
-            earlier.append(tie)
-            told.append(f"{opening} {tied} would have {values}.")
-        else:
-            told.append(
-                f"{opening} {named_whole(cause, linear=linear)} ({cause.key}) with {values}. "
-                f"{cause.meaning}"
-            )
-        told += [
-            f"No log of pressure and motion tells {told_apart(c.members)}: {lowered(c.why)}"
-            for c in (classes_of(tie.effects) if tie else classes_of([cause.effect], linear=linear))
-        ]
-        alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
-        errors = "" if alone else _errors(teller, cause, descriptive)
-        told += [evidence_text(teller, cause, tie, evidence, errors), unsteady(cause)]
-    return told
-
-
-def _errors(teller: ErrorTexts, cause: Cause, descriptive: Sequence[Cause]) -> str:
-    """The error before and after, and which description brought it to where the cause begins."""
-    errors = (cause.holdout_rmse_before, cause.holdout_rmse_after)
-    if not all(map(math.isfinite, errors)):
-        return ""
-    before, after = map(teller.size, errors)
-    earlier = cause_before(cause, descriptive)
-    there = f", where {lowered(earlier.title)} has brought it," if earlier else ""
-    how = "and" if errors[1] <= errors[0] else "though by itself"
-    return f", {how} the held-out error goes from {before}{there} to {after}"
 
 
 def _next(
