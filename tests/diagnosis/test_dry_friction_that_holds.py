@@ -63,8 +63,8 @@ def dry_log(course: str, seed: int, *, friction: float = FRICTION_KPA) -> Log:
     ("course", "seed"),
     [
         ("steps", 1),
+        ("ramps", 1),
         pytest.param("ramps", 2, marks=pytest.mark.slow),
-        pytest.param("ramps", 1, marks=pytest.mark.slow),
         pytest.param("steps", 2, marks=pytest.mark.slow),
     ],
 )

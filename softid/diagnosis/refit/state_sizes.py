@@ -1,8 +1,10 @@
-"""How far initial states may plausibly move, as far as the motion itself goes.
+"""How far zeros and initial states may plausibly move, as far as the motion itself goes.
 
-A log that begins in motion has initial states of its own, which are forgotten before the first
+A log that begins in motion has initial states of its own, which may be forgotten before the first
 sample that counts. Nothing holds them there, and a step of theirs that goes hundreds of spans away
-breaks what remembers the motion, such as a rubber that softens.
+breaks what remembers the motion, such as a rubber that softens. A reach far beyond the motion would
+also make the first damping of a search, which is a share of the largest curvature, too strong for
+parameters that the logs show faintly, such as the speed below which dry friction is smooth.
 """
 
 from __future__ import annotations
@@ -17,20 +19,22 @@ Array = npt.NDArray[np.float64]
 
 
 def reach_of(problem: Problem) -> Array:
-    """How far each unknown may move, shape (U,): `Problem.reach`, and unheld states by their sizes.
-
-    Where the first samples count they hold the state.
+    """How far each unknown may move, shape (U,): parameters by `Problem.reach`, others by size.
 
     Parameters
     ----------
     problem
         A problem.
     """
-    far, first = problem.reach(), problem.outputs[0]
+    far = problem.reach()
     for k, segment in enumerate(problem.segments):
         places = problem.state_positions(k)
-        if len(places) and not segment.samples_of(segment.used[first])[0]:
-            far[places] = state_sizes(segment, first, len(places))
+        far[places] = state_sizes(segment, problem.outputs[0], len(places))
+    for log in range(len(problem.logs)) if problem.zeros else ():
+        mine = [s for s, owner in zip(problem.segments, problem.owner, strict=True) if owner == log]
+        for name in problem.outputs:
+            spans = [state_sizes(segment, name, 1)[0] for segment in mine]
+            far[problem.zero_position(log, name)] = max(spans, default=1.0)
     return far
 
 

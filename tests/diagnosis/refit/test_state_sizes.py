@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from softid.diagnosis.base.base_fit import Request
@@ -25,18 +24,16 @@ def in_motion(masked_s: float) -> Candidate:
     return request.fit_base(LogSet((log,)), (), thorough=False).candidate
 
 
-def test_a_state_that_nothing_holds_moves_as_far_as_the_motion() -> None:
-    """Parameters and zeros move as they do in a fit, and so does a state from the first sample."""
-    held = in_motion(0.0).problem
-    assert reach_of(held).tolist() == held.reach().tolist()
-    problem = in_motion(1.0).problem
-    places = problem.state_positions(0)
-    assert len(places) == 2
-    reach, before = reach_of(problem), problem.reach()
-    (segment,) = problem.segments
-    assert reach[places] == pytest.approx(state_sizes(segment, "contraction", 2))
-    others = np.delete(np.arange(problem.size), places)
-    assert reach[others].tolist() == before[others].tolist()
+@pytest.mark.parametrize("masked_s", [0.0, 1.0])
+def test_what_is_no_parameter_moves_as_far_as_the_motion(masked_s: float) -> None:
+    """Zero and initial position by a span, the speed by the largest; parameters as in a fit."""
+    problem = in_motion(masked_s).problem
+    (segment,), reach = problem.segments, reach_of(problem)
+    span, speed = state_sizes(segment, "contraction", 2)
+    assert reach[problem.state_positions(0)].tolist() == [span, speed]
+    assert reach[problem.zero_position(0, "contraction")] == span
+    known = len(problem.free)
+    assert reach[:known].tolist() == problem.reach()[:known].tolist()
 
 
 @pytest.mark.parametrize(("masked_s", "forgotten"), [(0.0, False), (3.0, True)])
