@@ -93,7 +93,8 @@ def refitted_with(
     """The base with effects of a model that stands, and others from the best of their starts.
 
     Where none of its effects stays, they also begin beside the base without any, for what stood in
-    their place may have moved it to another optimum, or away from one: the nearer one goes on.
+    their place may have moved it to another optimum, or away from one. All that come near go on: of
+    two optima the one that is reached first is not always the lower.
     One of `CURVED` also begins at start values of the base for what arrives behind it: what stood
     for it has bent the curve of the base.
 
@@ -120,16 +121,18 @@ def refitted_with(
     sigma, effects = standing.rough_sigma, (*kept, *laws)
     problem = extend_in_order(rough_base.problem, acting_order(kept, laws), base.scale)
     limit = known.squares + near - standing.model.squares
-    found = min(
-        (
-            _begun_near(begun(known, effects, problem, z), sigma, limit)
-            for z in _starts(standing, kept, laws, problem)
-        ),
-        key=lambda candidate: candidate.squares,
-    )
-    if not found.squares <= limit:
+    starts = [
+        _begun_near(begun(known, effects, problem, z), sigma, limit)
+        for z in _starts(standing, kept, laws, problem)
+    ]
+    ended = [
+        advance(start, sigma, REFIT_EVALUATIONS, substeps=COARSE_STEPS)
+        for start in starts
+        if start.squares <= limit
+    ]
+    found = min(ended, key=lambda candidate: candidate.squares, default=None)
+    if found is None:
         return None
-    found = advance(found, sigma, REFIT_EVALUATIONS, substeps=COARSE_STEPS)
     if found.squares - known.squares > enough - standing.model.squares:
         return None
     whole = over_samples_of(found, base.candidate, base.scale)

@@ -272,21 +272,21 @@ def test_what_is_known_joins_for_the_last_rounds() -> None:
 
 
 def test_what_began_elsewhere_gets_near_before_anyone_drops_out() -> None:
-    """Known truth: a wave of 5/s, handed in at 4.8/s, over a parabola that leads until it is near.
+    """Known truth: a wave of 6/s, handed in at 5.8/s, over a parabola that leads until it is near.
 
     By itself the wave begins at 2/s, from where it is not found.
     """
     time_s = linear_log().time_s
-    added = 0.1 * np.sin(5.0 * time_s) + 0.2 * (time_s / time_s[-1]) ** 2
+    added = 0.1 * np.sin(6.0 * time_s) + 0.2 * (time_s / time_s[-1]) ** 2
     problem = linear_problem([linear_log(noise=0.01, added=added)])
     z = problem.unknowns(TRUTH)
     base, scale = converged(standing(problem, z), SIGMA), scale_of(problem, z)
-    _, elsewhere = candidate_at(base, Wave(), {"c": 0.1, "w": 4.8}, scale, SIGMA)
+    _, elsewhere = candidate_at(base, Wave(), {"c": 0.1, "w": 5.8}, scale, SIGMA)
     effects = [DRIFT, Bow(), Wave()]
     assert race(base, effects, scale, SIGMA)[0].keys == ("bow",)
     rows = race(base, effects, scale, SIGMA, extra=[elsewhere])
     assert rows[0].keys == ("wave",)
-    assert rows[0].parameters["wave_w"] == pytest.approx(5.0, abs=0.05)
+    assert rows[0].parameters["wave_w"] == pytest.approx(6.0, abs=0.05)
 
 
 def test_the_race_goes_to_the_true_cause() -> None:

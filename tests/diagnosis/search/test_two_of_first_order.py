@@ -11,6 +11,7 @@ from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.search.two_of_first_order import chain_of_first_order
 from softid.effects import EFFECTS, effect_of
+from softid.fitters.problem import Problem
 from softid.synthesis import hidden_pair
 
 
@@ -42,9 +43,12 @@ def test_a_law_of_second_order_knows_its_lag_where_it_does_not_ring() -> None:
 
 
 def test_the_likelier_of_two_models_leaves_less() -> None:
-    """The truth against a stiffness that is 5 % off, of the same number of unknowns."""
-    problem = linear_problem([linear_log(noise=0.01)])
-    true = standing(problem, problem.unknowns(TRUTH))
-    off = standing(problem, problem.unknowns(TRUTH | {"Q": 1.05 * TRUTH["Q"]}))
-    assert is_likelier(true, off, SIGMA)
-    assert not is_likelier(off, true, SIGMA)
+    """The truth against a stiffness that is held 5 % off: fewer unknowns, and more that is left."""
+    log = linear_log(noise=0.01)
+    true = linear_problem([log])
+    true_one = standing(true, true.unknowns(TRUTH))
+    off_values = TRUTH | {"Q": 1.05 * TRUTH["Q"]}
+    held = Problem(true.model, true.parameters.with_fixed(off_values), [log])
+    off_one = standing(held, held.unknowns(off_values))
+    assert is_likelier(true_one, off_one, SIGMA)
+    assert not is_likelier(off_one, true_one, SIGMA)
