@@ -37,7 +37,7 @@ from softid.diagnosis.verdict.cause_results import (
     told_as,
     whole_gain_of,
 )
-from softid.diagnosis.verdict.chain_consistency import consistent_names
+from softid.diagnosis.verdict.chain_consistency import named_together
 from softid.diagnosis.verdict.doubts import NO_GAIN, with_doubts
 from softid.diagnosis.verdict.gain_interval import gain_interval
 from softid.diagnosis.verdict.held_out_runs import held_out_lengths
@@ -88,7 +88,7 @@ def answer_of(base: BaseFit, found: SearchResult, seed: int) -> Diagnosis:
     causes = tuple(replace(c, variation=v) for c, v in zip(causes, varied, strict=True))
     causes = with_doubts(causes, chain, after, remainder, base)
     sure = [may and c.doubt is None for may, c in zip(found.is_named, causes, strict=True)]
-    is_named = consistent_names(chain.links, causes, sure, chain.final.squares)
+    is_named, causes = named_together(chain.links, causes, sure, chain.final.squares)
     forms = {
         link.added.key: told_as(link.added, cause.parameters).key
         for link, cause in zip(chain.links, causes, strict=True)

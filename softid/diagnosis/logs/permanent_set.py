@@ -51,6 +51,9 @@ NOISES = 4.957
 """A set is more than so many standard deviations of white noise: three times its median second
 difference."""
 
+AS_ZERO = 1e-4
+"""A reading below this share of the largest is told as zero."""
+
 
 @dataclass(frozen=True)
 class ResidualSet:
@@ -176,4 +179,5 @@ def _told(log: Log, output: str, left: ResidualSet) -> Issue:
 
 def _shown(channel: Channel, value: float) -> str:
     unit = "" if channel.display_unit == "1" else f" {channel.display_unit}"
-    return f"{value * channel.display_factor:.3g}{unit}"
+    is_zero = abs(value) < AS_ZERO * float(np.nanmax(np.abs(channel.values)))
+    return f"{0.0 if is_zero else value * channel.display_factor:.3g}{unit}"

@@ -61,7 +61,7 @@ DOUBTS = {
     Doubt.CANCELS: "nearly cancels another of these laws: both leave the shape of a third",
     Doubt.DISPLACES: "moves as the actuator itself does, of whose own motion nothing is left",
     Doubt.ACTS_BEHIND: "acts behind that motion, as a nonlinear sensor does",
-    Doubt.DWARFED: "may be what the law of the largest cause leaves, as small as it is",
+    Doubt.DWARFED: "may be what the law of a larger cause leaves, as small as it is",
     Doubt.ONE_STEP: "is not told from other slow or nonlinear laws by a single step",
     Doubt.FAST_NOISE: "would have taken fast noise away, which is there",
     Doubt.MENDS: "may be a piece of one law of another form, for more than noise is left beside it",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis_results import Cause, Remainder
+from softid.diagnosis_results import Cause, Doubt, Remainder
 from softid.effects import confusable_with, extended_name
 from softid.effects.base import Effect
 
@@ -59,6 +60,32 @@ def consistent_names(
     if sum(t for t, counts in zip(taken, counted, strict=True) if counts) < MAIN * sum(taken):
         return (False,) * len(links)
     return tuple(kept)
+
+
+def named_together(
+    links: Sequence[Link], causes: Sequence[Cause], named: Sequence[bool], squares_left: float
+) -> tuple[tuple[bool, ...], tuple[Cause, ...]]:
+    """As `consistent_names`, and the causes; one that may mend another's law has that doubt.
+
+    Parameters
+    ----------
+    links, causes, named, squares_left
+        As in `consistent_names`.
+    """
+    kept = consistent_names(links, causes, named, squares_left)
+    taken = _taken(links, squares_left)
+    slight = {
+        late
+        for late, early in _pairs_alike([link.added for link in links])
+        if kept[early] and taken[late] < SLIGHT * taken[early]
+    }
+    told = tuple(
+        replace(cause, doubt=cause.doubt or Doubt.DWARFED)
+        if k in slight and named[k] and not kept[k]
+        else cause
+        for k, cause in enumerate(causes)
+    )
+    return kept, told
 
 
 def may_hold_more(remainder: Remainder) -> bool:

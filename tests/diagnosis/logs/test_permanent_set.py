@@ -90,6 +90,12 @@ def test_the_remark_tells_the_numbers() -> None:
     assert remark.remedy
 
 
+def test_a_reading_that_is_nothing_is_told_as_nothing() -> None:
+    """A filter leaves 1e-320 kPa of a step; no one reads that off a gauge."""
+    (issue,) = permanent_set_issues([cycled(1.0, back_kpa=1e-320)], 0.1)
+    assert "with the pressure back at 0 kPa" in issue.message
+
+
 @pytest.mark.parametrize(("name", "leaves"), [("hysteresis", True), ("delay", False)])
 def test_effects_that_leave_one(name: str, leaves: bool) -> None:
     """Known truth: a hysteresis begins without memory and keeps some; a delay keeps nothing."""

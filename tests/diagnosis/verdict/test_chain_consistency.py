@@ -9,8 +9,12 @@ from handmade_diagnosis import cause, estimate, remainder
 from handmade_rounds import ranked
 
 from softid.diagnosis.search.forward_selection import Link
-from softid.diagnosis.verdict.chain_consistency import consistent_names, mending
-from softid.diagnosis_results import Cause
+from softid.diagnosis.verdict.chain_consistency import (
+    consistent_names,
+    mending,
+    named_together,
+)
+from softid.diagnosis_results import Cause, Doubt
 
 
 def links(*keys: str, squares: tuple[float, ...]) -> list[Link]:
@@ -86,6 +90,21 @@ def test_a_curve_that_asks_for_more_than_it_may_have_is_no_further_cause(
     ]
     told = [*causes("ageing"), cause("static_curve", knots, before=2.0, after=1.0)]
     assert consistent_names(chain, told, (True, True), 1.0) == kept
+
+
+def test_what_may_mend_the_law_of_another_is_told_so() -> None:
+    """The contact took 1 of 99; a delay beside a lag is another law, however little it takes."""
+    chain, told = (
+        links("stiffening", "contact", squares=(100.0, 2.0)),
+        causes("stiffening", "contact"),
+    )
+    kept, reasoned = named_together(chain, told, (True, True), 1.0)
+    assert kept == (True, False)
+    assert [cause.doubt for cause in reasoned] == [None, Doubt.DWARFED]
+    late = links("pneumatic_lag", "delay", squares=(100.0, 3.0))
+    kept, reasoned = named_together(late, causes("pneumatic_lag", "delay"), (True, True), 1.0)
+    assert kept == (True, True)
+    assert [cause.doubt for cause in reasoned] == [None, None]
 
 
 def test_a_cause_beside_a_larger_description_is_none() -> None:
