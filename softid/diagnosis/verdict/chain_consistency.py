@@ -42,7 +42,7 @@ def consistent_names(
     squares_left
         Sum of squares that the last model leaves.
     """
-    taken = _taken(links, squares_left)
+    taken = taken_by(links, squares_left)
     effects = [link.added for link in links]
     kept, counted = list(named), list(named)
     for late in range(1, len(effects)):
@@ -73,7 +73,7 @@ def named_together(
         As in `consistent_names`.
     """
     kept = consistent_names(links, causes, named, squares_left)
-    taken = _taken(links, squares_left)
+    taken = taken_by(links, squares_left)
     slight = {
         late
         for late, early in _pairs_alike([link.added for link in links])
@@ -120,7 +120,7 @@ def mending(links: Sequence[Link], squares_left: float, remainder: Remainder) ->
     """
     if not may_hold_more(remainder):
         return frozenset()
-    taken = _taken(links, squares_left)
+    taken = taken_by(links, squares_left)
     effects = [link.added for link in links]
     found = set()
     for late, early in _pairs_alike(effects):
@@ -132,8 +132,16 @@ def mending(links: Sequence[Link], squares_left: float, remainder: Remainder) ->
     return frozenset(found)
 
 
-def _taken(links: Sequence[Link], squares_left: float) -> list[float]:
-    """What each link takes away of the sum of squares."""
+def taken_by(links: Sequence[Link], squares_left: float) -> list[float]:
+    """What each link takes away of the sum of squares.
+
+    Parameters
+    ----------
+    links
+        The chain.
+    squares_left
+        Sum of squares that the last model leaves.
+    """
     squares = [*(link.squares_before for link in links), squares_left]
     return [max(before - after, 0.0) for before, after in pairwise(squares)]
 

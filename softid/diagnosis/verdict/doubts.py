@@ -13,10 +13,11 @@ from softid.diagnosis.residual.noise_floor import fastest_part
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.forward_selection import Chain
 from softid.diagnosis.verdict.cancelling import cancelling
-from softid.diagnosis.verdict.chain_consistency import mending
+from softid.diagnosis.verdict.chain_consistency import mending, taken_by
 from softid.diagnosis.verdict.displacement import behind, displacing
 from softid.diagnosis.verdict.naming import doubt_of, most_variation
 from softid.diagnosis.verdict.occurrence import occurs
+from softid.diagnosis.verdict.two_memories import MEMORIES, are_two_laws
 from softid.diagnosis_results import Cause, Doubt, Remainder
 from softid.effects import extended_name
 from softid.effects.base import Effect
@@ -30,6 +31,10 @@ NO_GAIN = (Doubt.GAINS_NOTHING, Doubt.MAY_GAIN_NOTHING)
 DWARFED = 0.05
 """Share of the misfit of the largest cause, as a root mean square, up to which another may as well
 be what the law of that one leaves, for no material keeps to its law more closely."""
+
+PIECE = 0.2
+"""What takes less than this share of what a law does that is not quite that of the catalogue may be
+what this one leaves."""
 
 OVER_RECORD = ("smoothing", "smoothing.mean")
 """Filters that run over a record when it is there, noise and all. A moving average of the past may
@@ -89,7 +94,7 @@ def with_doubts(
     }
     told, small, in_one_step = [], dwarfed(chain), is_one_step(final.problem)
     is_noisy = None if remainder.noise_from_rounding else has_fast_noise(final)
-    pieces = mending(chain.links, final.squares, remainder)
+    pieces = _pieces(chain, remainder, base)
     for cause, link in zip(causes, chain.links, strict=True):
         doubt = doubt_of(cause, link.added, extended, whole, varies=varies)
         if doubt is None and cause.key in small:
@@ -105,6 +110,24 @@ def with_doubts(
             doubt = Doubt.DOES_NOT_OCCUR
         told.append(replace(cause, doubt=against.get(cause.key, doubt)))
     return tuple(told)
+
+
+def _pieces(chain: Chain, remainder: Remainder, base: BaseFit) -> frozenset[str]:
+    """Keys of causes that may be pieces of one law, without two that are shown to be two laws.
+
+    One of those two is then not quite that of the catalogue, and what it leaves looks like others.
+    """
+    final, links = chain.final, chain.links
+    found = mending(links, final.squares, remainder)
+    memories = {effect.key for effect in final.effects if effect.name in MEMORIES}
+    has_both = len(memories) == len(MEMORIES)
+    if not (has_both and found & memories and are_two_laws(final, base, remainder)):
+        return found
+    taken = dict(
+        zip((link.added.key for link in links), taken_by(links, final.squares), strict=True)
+    )
+    least = PIECE * min(taken[key] for key in memories)
+    return (found - memories) | {key for key in taken.keys() - memories if taken[key] < least}
 
 
 def has_fast_noise(final: Candidate) -> bool | None:
