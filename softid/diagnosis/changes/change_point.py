@@ -49,6 +49,10 @@ GRADUAL = 0.9
 """Share of what a change takes away from which on a weight that goes evenly with the time speaks
 against a moment."""
 
+ALL_OF_IT = 0.9
+"""Share of what a change takes away from which on one of the whole log against the others speaks
+against a moment: what differs between logs shows from where a log begins to move."""
+
 LARGEST_ODDS = 0.01
 """Odds of a change somewhere in a log that takes as much of mere noise, above which it is none."""
 
@@ -159,6 +163,8 @@ class _ScoreTest:
         if not kind and most < TAKES_AT_LARGE * misfit:
             return None
         if self.taken_gradually(log, begin, length) > GRADUAL * most:
+            return None
+        if self.taken(self.columns, log, -np.inf) > ALL_OF_IT * most:
             return None
         return ChangePoint(log, time_s, most / misfit, kind)
 

@@ -123,8 +123,8 @@ class ReadingProbe(Probe, OutputEffect):
 
 
 PROBES: tuple[type[MotionProbe | InputProbe | ReadingProbe], ...] = (
+    ReadingProbe,
     MotionProbe,
     InputProbe,
-    ReadingProbe,
 )
 """Laws of the differences between logs that are neither a zero nor a parameter of the model."""

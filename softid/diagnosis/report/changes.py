@@ -6,8 +6,10 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
+from operator import is_
 
 import numpy as np
+import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
@@ -29,7 +31,11 @@ from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis_results import Remainder
 from softid.effects.scale import Scale
 from softid.errors import IdentificationError, InputError, Issue
+from softid.fitters.output_error import refit_nuisance
+from softid.fitters.problem import Problem
 from softid.log import Log
+
+Array = npt.NDArray[np.float64]
 
 CHANGE_POINT = "change-point"
 """Code of the remark that a misfit begins at one moment."""
@@ -253,22 +259,24 @@ def _as_if(change: LogDifferences | None) -> str:
     )
 
 
-def difference_issues(base: BaseFit) -> tuple[Issue, ...]:
+def difference_issues(base: BaseFit, model: Candidate | None = None) -> tuple[Issue, ...]:
     """What differs from one fitted log to another; nothing where that is not the misfit.
 
     Parameters
     ----------
     base
         The base fit to the logs.
+    model
+        What it is extended to, whose misfit is asked about; None for its own.
     """
-    candidate = base.candidate
+    candidate = model or base.candidate
     logs = base.whole_logs
     if len(logs) < 2 or not have_same_levels(logs[:1], logs[1:]):
         return ()
     output = candidate.problem.outputs[0]
-    before = squares_of(candidate.problem, candidate.minimum.point)
-    samples = candidate.problem.n_samples / len(candidate.problem.outputs)
-    noise = samples * noise_variance(candidate, base.scale)
+    problem, z = _over(logs, candidate)
+    before = squares_of(problem, z)
+    noise = problem.n_samples / len(problem.outputs) * noise_variance(candidate, base.scale)
     for k, reference in enumerate(logs[:REFERENCES]):
         others = (*logs[:k], *logs[k + 1 :])
         if not _shows_motion_of((reference,), others):
@@ -281,6 +289,15 @@ def difference_issues(base: BaseFit) -> tuple[Issue, ...]:
             if told is not None:
                 return (told,)
     return ()
+
+
+def _over(logs: Sequence[Log], model: Candidate) -> tuple[Problem, Array]:
+    """A model over whole logs of which it was fitted to parts, and its unknowns there."""
+    if len(logs) == len(model.problem.logs) and all(map(is_, logs, model.problem.logs)):
+        return model.problem, model.minimum.point
+    held = model.problem.parameters.with_fixed(model.parameters)
+    problem = Problem(model.problem.model, held, logs)
+    return problem, refit_nuisance(problem).unknowns
 
 
 def _are_comparable(fitted: Sequence[Log], others: Sequence[Log]) -> bool:
@@ -309,7 +326,7 @@ def _told(
     return Issue(
         LOG_DIFFERENCES,
         "warning",
-        f"the logs differ: beside {reference} {_title(kind)} changes by {listed(rows)}, which "
+        f"the logs differ: against {reference} {_title(kind)} changes by {listed(rows)}, which "
         f"takes away {percent(found.share)} of the misfit of {output}{_or_else(found)}",
         "look at what was changed between the logs, such as a load, a mount or a calibration, and "
         "diagnose each of them apart",

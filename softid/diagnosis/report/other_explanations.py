@@ -214,7 +214,7 @@ def with_law_beside(
 
 
 def with_event_beside(answer: Diagnosis, base: BaseFit, final: Candidate) -> Diagnosis:
-    """The diagnosis with a moment at which what causes leave begins.
+    """The diagnosis with what happened beside causes: a difference between logs, or at a moment.
 
     A slip of the sensor asks for a cause that stands for it, so each is also left out once.
 
@@ -231,7 +231,8 @@ def with_event_beside(answer: Diagnosis, base: BaseFit, final: Candidate) -> Dia
         return answer
     for model in _with_all_or_all_but_one(base, final):
         excess = excess_of(model, base.scale)
-        for issue in change_issues(model, base.scale, excess, alone=True):
+        differences = difference_issues(base, model)
+        for issue in differences or change_issues(model, base.scale, excess, alone=True):
             beside = listed([lowered(effect.title) for effect in model.effects])
             told = replace(issue, code=EVENT_BESIDE, message=f"beside {beside} {issue.message}")
             return replace(answer, issues=(*answer.issues, told), next_experiment=issue.remedy)

@@ -163,7 +163,7 @@ def test_the_differences_of_fitted_logs_are_told() -> None:
     (issue,) = difference_issues(base_of(*logs))
     assert issue.code == LOG_DIFFERENCES
     told = re.search(
-        r"beside log-0 .* changes by ([+-][0-9.]+) % in log-1 and ([+-][0-9.]+) % in log-2",
+        r"against log-0 .* changes by ([+-][0-9.]+) % in log-1 and ([+-][0-9.]+) % in log-2",
         issue.message,
     )
     assert told is not None

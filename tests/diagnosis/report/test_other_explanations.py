@@ -169,6 +169,7 @@ def test_a_moment_is_looked_for_beside_all_causes_and_all_but_one(
         )
 
     monkeypatch.setattr(other_explanations, "change_issues", change)
+    monkeypatch.setattr(other_explanations, "difference_issues", lambda *args: ())
     monkeypatch.setattr(other_explanations, "excess_of", lambda *args: 1.0)
     monkeypatch.setattr(
         other_explanations,
