@@ -11,11 +11,14 @@ of the valley instead of stopping at its wall.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+from softid.kernels.damped_systems import solve_damped
 
 Array = npt.NDArray[np.float64]
 
@@ -74,6 +77,9 @@ makes it short enough, the last is taken."""
 _SCALE_FLOOR = 1e-12
 """Least scale, as a share of the largest: keeps the division by it finite where a reach is infinite
 or very long."""
+
+_LEAST_DIAGONAL = 1e-300
+"""Stands for a diagonal of zero: close to the smallest number there is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,48 +169,49 @@ def minimise(
     damping
         That of a run that goes on; None begins anew.
     """
-    z = np.clip(start, lower, upper)
+    z = within(start, lower, upper)
     now = evaluate(z)
     z = now.point
     used = 1
     growth = 2.0
     progress = _Progress()
     scale = 1.0 / reach
+    unit = _floored(scale)
     if damping is None:
         damping = INITIAL_DAMPING * float(np.max(np.diag(now.matrix) * reach**2, initial=0.0))
-    while used < evaluations and np.isfinite(now.cost) and z.size:
+    while used < evaluations and math.isfinite(now.cost) and z.size:
         moving = movable(z, now.gradient, lower, upper)
         offset = attainable_offset(now, moving, reach)
         if offset <= tolerance or not moving.any() or progress.stalls(used, now, offset):
             break
-        step = _step(now, moving, scale, damping)
-        step *= min(1.0, LARGEST_STEP / max(float(np.max(np.abs(step) / reach)), 1e-300))
-        straight = np.clip(z + step, lower, upper) - z
+        step = _solved(now.matrix, damping * unit**2, now.gradient, moving)
+        longest = float(np.abs(scale * step).max())
+        step *= min(1.0, LARGEST_STEP / max(longest, 1e-300))
+        trial = within(z + step, lower, upper)
+        straight = trial - z
         predicted = float(straight @ now.gradient - 0.5 * straight @ now.matrix @ straight)
-        if bend is not None and float(np.max(scale * np.abs(step))) > SHORT_STEP:
+        if bend is not None and longest > SHORT_STEP:
             pull = bend(z, step, now)
             used += 1
             if pull is not None:
-                correction = -0.5 * _step(replace(now, gradient=pull), moving, scale, damping)
+                correction = -0.5 * _solved(now.matrix, damping * unit**2, pull, moving)
                 with np.errstate(over="ignore"):  # a correction beyond all numbers is too large
                     share = float(np.linalg.norm(scale * correction) / np.linalg.norm(scale * step))
                 if 2.0 * share <= MOST_BEND:
-                    step = step + correction
+                    trial = within(z + step + correction, lower, upper)
                 else:
                     length = float(np.linalg.norm((scale * step)[moving]))
                     least = LESS_BEND * MOST_BEND / (2.0 * share)
                     shorter = max(least, MOST_SHORTENED) * length
-                    damping = _damping_for(now, moving, scale, damping, shorter)
+                    damping = _damping_for(now, moving, unit, damping, shorter)
                     growth = 2.0
                     continue
-        trial = np.clip(z + step, lower, upper)
-        taken = trial - z
-        if np.all(np.abs(taken) <= SMALLEST_STEP * (np.abs(z) + SMALLEST_STEP)):
+        if (np.abs(trial - z) <= SMALLEST_STEP * (np.abs(z) + SMALLEST_STEP)).all():
             break
         then = evaluate(trial)
         used += 1
         gained = now.cost - then.cost
-        if np.isfinite(then.cost) and gained > 0 and predicted > 0:
+        if math.isfinite(then.cost) and gained > 0 and predicted > 0:
             ratio = gained / predicted
             damping *= max(LARGEST_DECREASE, 1.0 - (2.0 * min(ratio, 1.5) - 1.0) ** 3)
             growth = 2.0
@@ -228,8 +235,15 @@ def offset_within(normal: NormalEquations, lower: Array, upper: Array, reach: Ar
 def next_point(found: Minimum, lower: Array, upper: Array, reach: Array) -> Array:
     """Where the next step of a run that has ended would lead, shape (U,)."""
     moving = movable(found.point, found.normal.gradient, lower, upper)
-    step = _step(found.normal, moving, 1.0 / reach, found.damping or 0.0)
-    return np.clip(found.point + step, lower, upper)
+    ridge = (found.damping or 0.0) * _floored(1.0 / reach) ** 2
+    step = _solved(found.normal.matrix, ridge, found.normal.gradient, moving)
+    return within(found.point + step, lower, upper)
+
+
+def within(point: Array, lower: Array, upper: Array) -> Array:
+    """The nearest point within bounds, shape (U,)."""
+    found: Array = np.minimum(np.maximum(point, lower), upper)
+    return found
 
 
 def movable(z: Array, gradient: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
@@ -265,15 +279,10 @@ def attainable_offset(
     if not np.isfinite(normal.cost):
         return float("inf")
     variance = max(2.0 * normal.cost / max(normal.n - count, 1), floor**2, 1e-300)
-    matrix = _among(normal.matrix, moving)
-    diagonal = matrix.diagonal() + variance / reach[moving] ** 2
-    gradient = normal.gradient[moving]
-    scale = 1.0 / np.sqrt(diagonal)
-    scaled = matrix * scale * scale[:, None]
-    np.fill_diagonal(scaled, 1.0)
-    solution = _solve(scaled, gradient * scale)
-    gain = max(float(solution @ (gradient * scale)), 0.0)
-    return float(np.sqrt(gain / count / variance))
+    ridge = variance / reach**2
+    solution = _solved(normal.matrix, ridge, normal.gradient, moving)
+    gain = max(float(solution @ normal.gradient), 0.0)
+    return math.sqrt(gain / count / variance)
 
 
 class _Progress:
@@ -293,27 +302,21 @@ class _Progress:
         return slow and offset <= STALL_OFFSET
 
 
-def _step(
-    normal: NormalEquations, moving: npt.NDArray[np.bool_], scale: Array, damping: float
-) -> Array:
-    d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
-    matrix = _among(normal.matrix, moving) / d / d[:, None]
-    matrix.flat[:: d.size + 1] += damping
-    step = np.zeros(moving.size)
-    with np.errstate(over="ignore"):  # what the logs do not see may go as far as its reach
-        step[moving] = _solve(matrix, normal.gradient[moving] / d) / d
-    return step
+def _floored(scale: Array) -> Array:
+    """Scales of which none is so small that a step would go without bounds, shape (U,)."""
+    found: Array = np.maximum(scale, _SCALE_FLOOR * float(scale.max(initial=0.0)))
+    return found
 
 
 def _damping_for(
     normal: NormalEquations,
     moving: npt.NDArray[np.bool_],
-    scale: Array,
+    unit: Array,
     damping: float,
     length: float,
 ) -> float:
     """The least damping, in doublings, at which the step is no longer than ``length``."""
-    d = np.maximum(scale[moving], _SCALE_FLOOR * float(scale.max()))
+    d = unit[moving]
     values, vectors = np.linalg.eigh(_among(normal.matrix, moving) / d / d[:, None])
     along = (normal.gradient[moving] / d) @ vectors
     trials = max(damping, 1e-300) * 2.0 ** np.arange(1.0, DOUBLINGS + 1.0)
@@ -325,6 +328,22 @@ def _damping_for(
 def _among(matrix: Array, moving: npt.NDArray[np.bool_]) -> Array:
     """Rows and columns of the unknowns that move."""
     return matrix if moving.all() else matrix[np.ix_(moving, moving)]
+
+
+def _solved(matrix: Array, ridge: Array, vector: Array, moving: npt.NDArray[np.bool_]) -> Array:
+    """Solution of (matrix + diag(ridge))·x = vector over the unknowns that move, shape (U,).
+
+    Where rounding leaves it singular, the one that is least in units of its diagonal.
+    """
+    solution = np.empty(vector.size)
+    if solve_damped(matrix, ridge, vector, moving, solution):
+        return solution
+    damped = _among(matrix + np.diag(ridge), moving)
+    unit = 1.0 / np.sqrt(np.maximum(damped.diagonal(), _LEAST_DIAGONAL))
+    solution[:] = 0.0
+    with np.errstate(over="ignore"):  # what the logs do not see may go as far as its reach
+        solution[moving] = unit * _solve(damped * unit * unit[:, None], unit * vector[moving])
+    return solution
 
 
 def _solve(matrix: Array, vector: Array) -> Array:
