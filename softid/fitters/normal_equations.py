@@ -8,6 +8,7 @@ moves to its optimum by changing t, no sample being visited again.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -80,9 +81,13 @@ class Piece:
     @property
     def squares(self) -> tuple[float, int]:
         """Σr² and the number of residuals."""
+        return max(float(self.residual @ self.gram @ self.residual), 0.0), self.count
+
+    @property
+    def count(self) -> int:
+        """Number of residuals."""
         count = float(self.gram[-2, -2])
-        total = max(float(self.residual @ self.gram @ self.residual), 0.0)
-        return total, round(count) if np.isfinite(count) else 0
+        return round(count) if math.isfinite(count) else 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,12 +135,19 @@ class Linearised(NormalEquations):
 
     def weighted(self, sigma: Mapping[str, float]) -> Linearised:
         """What `linearise` would find at the point, without a prior; nothing is simulated."""
+        pieces = [replace(piece, residual=piece.residual.copy()) for piece in self.pieces]
         with np.errstate(all="ignore"):
-            return _summed_at_best_zeros(self.problem, self.point, self.pieces, sigma, self.plans)
+            return _summed_at_best_zeros(self.problem, self.point, pieces, sigma, self.plans)
 
     def with_zeros_of(self, z: Array) -> Linearised:
         """The same pieces at ``z``, which differs in its sensor zeros only; nothing is summed."""
-        pieces = [_with_zeros(self.problem, piece, self.point, z) for piece in self.pieces]
+        if not self.problem.zeros:
+            return replace(self, point=z)
+        pieces = []
+        for piece in self.pieces:
+            zero, residual = _zero_of(self.problem, piece), piece.residual.copy()
+            residual[-2] -= z[zero] - self.point[zero]
+            pieces.append(replace(piece, residual=residual))
         return replace(self, point=z, pieces=tuple(pieces))
 
 
@@ -168,9 +180,9 @@ def linearise(
         return _summed_at_best_zeros(problem, z, pieces, sigma, plans)
 
 
-def _zero_of(problem: Problem, segment: int, channel: str) -> int:
+def _zero_of(problem: Problem, at: Piece | Block) -> int:
     """Where the sensor zero of a segment and channel stands among the unknowns."""
-    return problem.zero_position(problem.owner[segment], channel)
+    return problem.zero_position(problem.owner[at.segment], at.channel)
 
 
 def _summed_at_best_zeros(
@@ -180,18 +192,18 @@ def _summed_at_best_zeros(
     sigma: Mapping[str, float],
     plans: Sequence[Division | None] | None,
 ) -> Linearised:
-    moved, pieces = _with_best_zeros(problem, z, pieces)
+    """The normal equations with every zero at its optimum; the residuals follow where they are."""
+    moved = _best_zeros(problem, z, pieces)
     cost, n = 0.0, 0
     gradient, matrix = np.zeros(problem.size), np.zeros((problem.size, problem.size))
     for piece in pieces:
-        weight = 1.0 / sigma[piece.channel] ** 2
+        weight, mine = 1.0 / sigma[piece.channel] ** 2, piece.moved_by
         pushed = piece.gram @ piece.residual
         cost += 0.5 * weight * max(float(piece.residual @ pushed), 0.0)
-        mine = piece.moved_by
         gradient[mine] += weight * (piece.jacobian.T @ pushed)
-        matrix[np.ix_(mine, mine)] += weight * (piece.jacobian.T @ piece.gram @ piece.jacobian)
-        n += round(float(piece.gram[-2, -2])) if np.isfinite(piece.gram[-2, -2]) else 0
-    if not (np.isfinite(cost) and np.isfinite(gradient).all() and np.isfinite(matrix).all()):
+        matrix[mine[:, None], mine] += weight * (piece.jacobian.T @ piece.gram @ piece.jacobian)
+        n += piece.count
+    if not np.isfinite(cost + float(gradient.sum()) + float(matrix.sum())):
         cost, gradient, matrix = np.inf, np.zeros(problem.size), np.eye(problem.size)
     return Linearised(moved, cost, gradient, matrix, n, tuple(pieces), plans, problem)
 
@@ -294,7 +306,7 @@ def _products(
 ) -> Products | None:
     """Those of the segment and channel of a ``place``, with the measured outputs of ``segment``."""
     number, channel = place
-    zero = _zero_of(problem, number, channel)
+    zero = problem.zero_position(problem.owner[number], channel)
     return problem.model.products(
         theta,
         segment,
@@ -310,20 +322,21 @@ def _products(
 def _from_products(
     problem: Problem, chain: Array, segment: int, channel: str, products: Products
 ) -> Piece:
-    jacobian = np.zeros((products.gram.shape[0], problem.size))
-    inner = products.by_theta.shape[0]
-    jacobian[:inner, : len(problem.free)] = products.by_theta @ chain
-    if problem.zeros:
-        jacobian[-2, _zero_of(problem, segment, channel)] = 1.0
-    states = problem.state_positions(segment)
-    jacobian[inner:-2, states] = products.by_state[:, : len(states)]
-    residual = np.zeros(products.gram.shape[0])
-    residual[-1] = 1.0
     at = _moved_by(problem, segment, channel)
-    columns = products.columns
-    return Piece(
-        channel, segment, products.gram, at, jacobian[:, at], residual, columns, summed=True
+    inner, free, states = (
+        len(products.by_theta),
+        len(problem.free),
+        problem.state_positions(segment),
     )
+    jacobian, residual = np.zeros((len(products.gram), at.size)), np.zeros(len(products.gram))
+    jacobian[:inner, :free] = products.by_theta @ chain
+    if problem.zeros:
+        jacobian[-2, free] = 1.0
+    if states:
+        jacobian[inner:-2, -len(states) :] = products.by_state[:, : len(states)]
+    residual[-1] = 1.0
+    columns = products.columns
+    return Piece(channel, segment, products.gram, at, jacobian, residual, columns, summed=True)
 
 
 def _from_block(problem: Problem, block: Block, *, keep: bool) -> Piece:
@@ -344,35 +357,26 @@ def _from_block(problem: Problem, block: Block, *, keep: bool) -> Piece:
 
 def _moved_by(problem: Problem, segment: int, channel: str) -> IndexArray:
     """The unknowns that move an output channel over a segment, in order."""
-    places = [*range(len(problem.free)), *problem.state_positions(segment)]
+    places = list(range(len(problem.free)))
     if problem.zeros:
-        places.append(_zero_of(problem, segment, channel))
-    return np.sort(np.array(places, np.intp))
+        places.append(problem.zero_position(problem.owner[segment], channel))
+    return np.array([*places, *problem.state_positions(segment)], np.intp)
 
 
-def _with_best_zeros(
-    problem: Problem, z: Array, pieces: Sequence[Piece]
-) -> tuple[Array, list[Piece]]:
-    """Move every zero to its optimum, the mean residual of its log and channel."""
+def _best_zeros(problem: Problem, z: Array, pieces: Sequence[Piece]) -> Array:
+    """Every zero at its optimum, the mean residual of its log and channel, and residuals moved."""
     if not problem.zeros:
-        return z, list(pieces)
+        return z
     sums: dict[int, tuple[float, float]] = {}
-    places = [_zero_of(problem, p.segment, p.channel) for p in pieces]
+    places = [_zero_of(problem, piece) for piece in pieces]
     for place, piece in zip(places, pieces, strict=True):
         total, count = sums.get(place, (0.0, 0.0))
         left = float(piece.gram[-2] @ piece.residual)
         sums[place] = total + left, count + float(piece.gram[-2, -2])
     moved = z.copy()
     for place, (total, count) in sums.items():
-        if count > 0.0 and np.isfinite(total):
+        if count > 0.0 and math.isfinite(total):
             moved[place] += total / count
-    return moved, [_with_zeros(problem, piece, z, moved) for piece in pieces]
-
-
-def _with_zeros(problem: Problem, piece: Piece, z: Array, moved: Array) -> Piece:
-    """A piece at other unknowns, which differ in sensor zeros only."""
-    residual = piece.residual.copy()
-    if problem.zeros:
-        zero = _zero_of(problem, piece.segment, piece.channel)
-        residual[-2] -= moved[zero] - z[zero]
-    return replace(piece, residual=residual)
+    for place, piece in zip(places, pieces, strict=True):
+        piece.residual[-2] -= moved[place] - z[place]
+    return moved

@@ -279,8 +279,8 @@ class Problem:
         if not states:
             return None
         state, names = np.zeros(len(self.model.states)), self.model.states
-        places = [names.index(name) for name in self.model.start_states]
-        state[places[: len(states)]] = z[states]
+        for name, at in zip(self.model.start_states, states, strict=False):
+            state[names.index(name)] = z[at]
         return state
 
     def state_positions(self, segment: int) -> range:

@@ -11,7 +11,7 @@ from softid.kernels.affine_blocks import N_PARAMETERS, N_STATES
 from softid.kernels.affine_simulation import move_through
 from softid.models.base import Model, Response
 from softid.models.division import Division, held
-from softid.models.second_order import Law, Motion, initial_state, start_tangent
+from softid.models.second_order import Law, Motion, begun
 
 Array = npt.NDArray[np.float64]
 
@@ -42,8 +42,7 @@ def simulate_law_through(
     form = law.affine()
     if form is None:
         return None
-    state = initial_state(law, first_input, start, relative=relative)
-    tangent = start_tangent(form, first_input, from_rest=start is None or relative)
+    state, tangent = begun(form, first_input, start, relative=relative)
     n = plan.time_s.size
     x, v = np.empty(n), np.empty(n)
     by = np.empty((N_PARAMETERS + N_STATES, n if derivatives else 0))

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.kernels.affine_blocks import (
-    MUSCLE,
     N_COLUMNS,
     N_PADDED,
     N_PARAMETERS,
@@ -19,6 +18,7 @@ from softid.kernels.affine_blocks import (
     RK4,
 )
 from softid.kernels.affine_simulation import move, move_with_derivatives, sum_products
+from softid.kernels.affine_start import begin
 from softid.kernels.radau import propagate, propagate_with_sensitivities
 from softid.kernels.small_matrix import LANES, groups
 from softid.models.division import Division, divide, held
@@ -159,16 +159,16 @@ def simulate_law(
     """
     if plan is None:
         plan = divide(law, time_s, u)
-    state = initial_state(law, float(u[0]), start, relative=relative)
-    from_rest = start is None or relative
     form = law.affine()
     if form is not None:
-        run = affine_run(form, plan, state, from_rest=from_rest)
+        run = affine_run(form, plan, start, relative=relative)
         return _simulate_affine(form, run, derivatives=derivatives)
+    state = _initial_state(law, float(u[0]), start, relative=relative)
+    from_rest = start is None or relative
     return _simulate_any(law, plan, state, from_rest=from_rest, derivatives=derivatives)
 
 
-def initial_state(law: Law, u: float, start: Array | None, *, relative: bool) -> Array:
+def _initial_state(law: Law, u: float, start: Array | None, *, relative: bool) -> Array:
     """(x₀, v₀) that `simulate_law` starts from, shape (2,)."""
     if start is not None and not relative:
         return np.array(start, dtype=np.float64)
@@ -192,43 +192,37 @@ class AffineRun:
     tangent: Array
 
 
-def affine_run(form: AffineForm, plan: Division, state: Array, *, from_rest: bool) -> AffineRun:
-    """Arguments for a run that starts at ``state``.
-
-    Parameters
-    ----------
-    form
-        The law.
-    plan
-        Its steps.
-    state
-        (x₀, v₀), shape (2,).
-    from_rest
-        Whether that start follows the equilibrium when the parameters change.
-    """
-    tangent = start_tangent(form, float(plan.u[0]), from_rest=from_rest)
+def affine_run(
+    form: AffineForm, plan: Division, start: Array | None, *, relative: bool
+) -> AffineRun:
+    """Arguments for a run by a plan; form, start and relative as in `simulate_law`."""
+    state, tangent = begun(form, float(plan.u[0]), start, relative=relative)
     rule = RK4 if plan.rule == "rk4" else RADAU
     return AffineRun(
         (form.kind, rule, form.theta, plan.time_s, plan.u, plan.counts, state), tangent
     )
 
 
-def start_tangent(form: AffineForm, u: float, *, from_rest: bool) -> Array:
-    """∂(x, v)/∂(inner parameters, x₀, v₀) at the first sample, shape (2, 9)."""
-    tangent = np.zeros((2, N_PARAMETERS + N_STATES))
-    tangent[0, N_PARAMETERS] = tangent[1, N_PARAMETERS + 1] = 1.0
-    if from_rest:
-        _, a1, b1, c1, _, _, _, gain = form.theta
-        if form.kind == MUSCLE:
-            force = np.exp(b1 * u)
-            force_by = u * force
-        else:
-            force, force_by = gain * (u - b1), -gain
-        stiffness = a1 * force + c1
-        rest = force / stiffness
-        tangent[0, 1:4] = -rest * force, force_by * (1.0 - a1 * rest), -rest
-        tangent[0, 1:4] /= stiffness
-    return tangent
+def begun(
+    form: AffineForm, u: float, start: Array | None, *, relative: bool
+) -> tuple[Array, Array]:
+    """(x, v) at the first sample, and its derivatives by inner parameters, x₀ and v₀.
+
+    Of shapes (2,) and (2, 9).
+
+    Parameters
+    ----------
+    form
+        The law.
+    u
+        Input there.
+    start, relative
+        As in `simulate_law`.
+    """
+    state, tangent = np.empty(N_STATES), np.empty((N_STATES, N_PARAMETERS + N_STATES))
+    moved = np.zeros(N_STATES) if start is None else start
+    begin(form.kind, form.theta, u, moved, start is None or relative, state, tangent)
+    return state, tangent
 
 
 def sum_law(
@@ -263,8 +257,7 @@ def sum_law(
         return None
     if plan is None:
         plan = divide(law, segment.time_s, segment.input)
-    state = initial_state(law, float(segment.input[0]), start, relative=relative)
-    run = affine_run(form, plan, state, from_rest=start is None or relative)
+    run = affine_run(form, plan, start, relative=relative)
     y, used = held(segment.outputs[channel]), held(segment.used[channel])
     columns = np.zeros((N_COLUMNS, -(-segment.time_s.size // keep) if keep else 0))
     gram = np.empty((N_PADDED, N_PADDED))
