@@ -18,7 +18,7 @@ import numpy.typing as npt
 from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.problem import Block, Problem
 from softid.models.division import Division
-from softid.models.products import Products
+from softid.models.products import Keep, Products
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -50,7 +50,8 @@ class Piece:
     residual
         Weights with which they make up the residual, shape (C,).
     columns
-        The columns at every sample, zero where it is not used, shape (C, n), or None.
+        The columns at every sample, zero where it is not used, shape (C, n), or the last of them
+        alone, shape (1, n), or None.
     summed
         Whether a kernel summed the products, which it does for an output on a line in a motion that
         is affine in its state.
@@ -77,6 +78,18 @@ class Piece:
         mine, theirs = np.nonzero(self.moved_by[:, None] == unknowns)
         weights[:, theirs] = self.jacobian[:, mine]
         return weights
+
+    @property
+    def kept(self) -> bool:
+        """Whether all columns are there."""
+        return self.columns is not None and len(self.columns) == len(self.gram)
+
+    @property
+    def residuals(self) -> Array:
+        """The residual at every sample, anything where it is not used, shape (n,)."""
+        assert self.columns is not None
+        found: Array = self.columns[-1] + self.residual[-2]  # all of them follow their zero
+        return found
 
     @property
     def squares(self) -> tuple[float, int]:
@@ -116,17 +129,21 @@ class Linearised(NormalEquations):
     @property
     def kept(self) -> bool:
         """Whether the columns of all pieces are there."""
+        return all(piece.kept for piece in self.pieces)
+
+    @property
+    def has_residuals(self) -> bool:
+        """Whether the residuals of all pieces are there."""
         return all(piece.columns is not None for piece in self.pieces)
 
     def blocks(self, *, derivatives: bool) -> list[Block]:
-        """Residuals at the used samples, and Jacobians if asked, where the columns were kept."""
+        """Residuals at the used samples, and Jacobians if asked, where they were kept."""
         blocks = []
         for piece in self.pieces:
             assert piece.columns is not None
             used = self.problem.segments[piece.segment].used[piece.channel]
             kept = slice(None) if used.all() else used
-            residual = (piece.residual @ piece.columns)[kept]
-            jacobian = None
+            residual, jacobian = piece.residuals[kept], None
             if derivatives:
                 weights = piece.by(np.arange(self.problem.size))
                 jacobian = (piece.columns.T @ weights)[kept]
@@ -157,7 +174,7 @@ def linearise(
     sigma: Mapping[str, float],
     *,
     plans: Sequence[Division | None] | None,
-    keep: int,
+    keep: Keep,
 ) -> Linearised:
     """Cost ½Σ(r/σ)² and its normal equations with every sensor zero moved to its optimum.
 
@@ -172,8 +189,8 @@ def linearise(
     plans
         Steps per segment, held still by an optimiser; None plans anew.
     keep
-        As in `Model.products`; the columns that are there anyway at every sample, for a law whose
-        products no kernel sums, are kept unless they are too many.
+        As in `Model.products`; where no kernel sums the products, the columns are there anyway at
+        every sample, and all are kept, or the residual if they are too many.
     """
     with np.errstate(all="ignore"):
         pieces = _pieces(problem, z, plans, keep=keep)
@@ -257,7 +274,7 @@ def _products_with(
     """Products of the columns and values at the used samples, shape (C,); None without columns."""
     segment = problem.segments[piece.segment]
     used = segment.used[piece.channel]
-    if piece.columns is not None:
+    if piece.columns is not None and piece.kept:
         return (piece.columns if used.all() else piece.columns[:, used]) @ values
     if not piece.summed:
         return None
@@ -272,7 +289,7 @@ def _products_with(
 
 
 def _pieces(
-    problem: Problem, z: Array, plans: Sequence[Division | None] | None, *, keep: int
+    problem: Problem, z: Array, plans: Sequence[Division | None] | None, *, keep: Keep
 ) -> list[Piece]:
     found: list[Piece] = []
     theta = problem.theta(z)
@@ -302,7 +319,7 @@ def _products(
     segment: Segment,
     plan: Division | None,
     *,
-    keep: int,
+    keep: Keep,
 ) -> Products | None:
     """Those of the segment and channel of a ``place``, with the measured outputs of ``segment``."""
     number, channel = place
@@ -347,12 +364,11 @@ def _from_block(problem: Problem, block: Block, *, keep: bool) -> Piece:
     jacobian = np.eye(columns.shape[0], at.size)
     residual = np.zeros(columns.shape[0])
     residual[-1] = 1.0
-    whole = None
-    if keep:
-        whole = np.zeros((columns.shape[0], used.size))
-        whole[:, used] = columns
+    last = columns if keep else columns[-1:]
+    spread = np.zeros((len(last), used.size))
+    spread[:, used] = last
     gram = columns @ columns.T
-    return Piece(block.channel, block.segment, gram, at, jacobian, residual, whole)
+    return Piece(block.channel, block.segment, gram, at, jacobian, residual, spread)
 
 
 def _moved_by(problem: Problem, segment: int, channel: str) -> IndexArray:

@@ -19,6 +19,7 @@ from softid.fitters.levenberg_marquardt import (
 from softid.fitters.normal_equations import SUMMED_ENTRIES, Linearised, bend, linearise
 from softid.fitters.problem import Problem
 from softid.models.division import Division
+from softid.models.products import Keep
 
 Array = npt.NDArray[np.float64]
 
@@ -110,9 +111,11 @@ class Objective:
     def _at(self, z: Array, *, columns: bool = False) -> Linearised:
         """The normal equations without the prior; the last ones are kept, to begin a run with.
 
-        Columns are kept where that is cheap, and where they are asked for.
+        Columns are kept where that is cheap, and where they are asked for; where they would be too
+        many, the residuals.
         """
         keeps = self._entries <= (SUMMED_ENTRIES if columns else CHEAP_ENTRIES)
+        keep: Keep = 1 if keeps else "residual" if columns else 0
         last = self._last
         if (
             last is not None
@@ -122,10 +125,11 @@ class Objective:
             and self.sigma == self._weighted
             and _same(self.plans, last.plans)
             and (last.kept or not keeps)
+            and (last.has_residuals or keep != "residual")
         ):
             return last
         self.evaluations += 1
-        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=1 if keeps else 0)
+        found = linearise(self.problem, z, self.sigma, plans=self.plans, keep=keep)
         self._last, self._asked, self._weighted = found, z, dict(self.sigma)
         return found
 

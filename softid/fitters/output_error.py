@@ -103,7 +103,7 @@ class Optimum:
     start
         Unknowns at the start that led here, shape (U,).
     linearised
-        The normal equations there, if they were summed from columns that are still kept.
+        The normal equations there, which may still hold columns or residuals; None without them.
     """
 
     unknowns: Array
@@ -369,7 +369,7 @@ def _judge(objective: Objective, best: Minimum, start: Array, *, stable: bool) -
         objective.evaluations,
         at_bound,
         start,
-        normal if isinstance(normal, Linearised) and normal.kept else None,
+        normal if isinstance(normal, Linearised) else None,
     )
 
 

@@ -73,7 +73,7 @@ def residuals_by_channel(
     known
         Normal equations there, which may hold the residuals already.
     """
-    if isinstance(known, Linearised) and known.kept:
+    if isinstance(known, Linearised) and known.has_residuals:
         blocks = known.blocks(derivatives=False)
     else:
         blocks = list(problem.blocks(z, derivatives=False))

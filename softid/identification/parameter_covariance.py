@@ -207,7 +207,8 @@ def _covariance_of_means(
 
     None where the columns are there, or few enough at every sample, or no kernel sums them.
     """
-    if optimum.linearised is not None or problem.n_samples * problem.size <= SUMMED_ENTRIES:
+    known, few = optimum.linearised, problem.n_samples * problem.size <= SUMMED_ENTRIES
+    if few or (known is not None and known.kept):
         return None
     rows, channels = sum(s.time_s.size for s in problem.segments), len(problem.outputs)
     width = min(max(N_COLUMNS, columns.size), WIDEST_MEANS * N_COLUMNS)
@@ -229,18 +230,20 @@ def _names_of(problem: Problem, columns: IndexArray) -> list[str]:
 
 def _rows_at(problem: Problem, optimum: Optimum, *, derivatives: bool) -> list[_Rows]:
     """Residuals used spread over all samples of their segments, so that gaps stay gaps."""
-    if optimum.linearised is None:
+    known = optimum.linearised
+    if known is None or not (known.kept if derivatives else known.has_residuals):
         blocks = problem.blocks(optimum.unknowns, derivatives=derivatives)
         return [_spread(problem, block) for block in blocks]
     found = []
-    for piece in optimum.linearised.pieces:
+    for piece in known.pieces:
         assert piece.columns is not None
         segment = problem.segments[piece.segment]
         used = segment.samples_of(segment.used[piece.channel])
-        columns = segment.samples_of(piece.columns.T).T
-        residual = piece.residual @ columns
-        residual[~used] = np.nan
-        jacobian = columns, piece.gram, piece.by(np.arange(problem.size))
+        residual = np.where(used, segment.samples_of(piece.residuals), np.nan)
+        jacobian = None
+        if derivatives:
+            columns = segment.samples_of(piece.columns.T).T
+            jacobian = columns, piece.gram, piece.by(np.arange(problem.size))
         found.append(_Rows(piece.channel, piece.segment, residual, jacobian))
     return found
 

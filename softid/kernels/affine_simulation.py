@@ -125,7 +125,8 @@ def _store(w: Array, ends: Ends, columns: Array) -> None:
 
 @njit(nogil=True, error_model="numpy")
 def _add(w: Array, ends: Ends, stretch: int, columns: Array) -> None:
-    """Add to the columns of the stretches in which the samples lie; ``ends`` is used up."""
+    """Add to the last columns, of the stretches in which the samples lie; ``ends`` is used up."""
+    first = BY + (N_COLUMNS - columns.shape[0]) * POINTS
     if stretch > 1:
         for i in range(LANES, POINTS):
             if ends[i] >= 0:
@@ -133,7 +134,7 @@ def _add(w: Array, ends: Ends, stretch: int, columns: Array) -> None:
     for p in range(columns.shape[0]):
         for i in range(LANES, POINTS):
             if ends[i] >= 0:
-                columns[p, ends[i]] += w[BY + p * POINTS + i]
+                columns[p, ends[i]] += w[first + p * POINTS + i]
 
 
 @kernel
@@ -255,9 +256,10 @@ def sum_products(
     kept
         Receives ∂x by the parameters and the initial state, 1 and the residual at every sample, or
         their sums over stretches of samples, shape (11, ⌈n/stretch⌉), zero where a sample does not
-        count; zero when it is given, and of shape (11, 0) to keep nothing.
+        count; zero when it is given, with fewer rows to keep the last columns only, and of shape
+        (11, 0) to keep nothing.
     gram
-        Receives Σ cᵢcⱼ for the columns of ``kept`` in its first 11 rows, shape (12, 12).
+        Receives Σ cᵢcⱼ for all these columns in its first 11 rows, shape (12, 12).
     """
     w = np.zeros(SIZE)
     ends = np.empty(POINTS, np.int64)
@@ -273,8 +275,8 @@ def sum_products(
         for b in range(N_PADDED):
             gram[a, b] = first[a] * first[b]
     if kept.shape[1]:
-        for a in range(N_COLUMNS):
-            kept[a, 0] += first[a]
+        for a in range(kept.shape[0]):
+            kept[a, 0] += first[a + N_COLUMNS - kept.shape[0]]
     while at[0] < time_s.size - 1:
         _load(w, ends, time_s, u, counts, at)
         _run(w, law, rule, theta, now)

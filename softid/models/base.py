@@ -13,7 +13,7 @@ import numpy.typing as npt
 from softid.errors import Issue, UsageError
 from softid.models.division import Division
 from softid.models.option_kinds import require_kinds
-from softid.models.products import Products
+from softid.models.products import Keep, Products
 from softid.models.second_order import Law
 from softid.parameters import ParameterSet
 from softid.results import ModelSpec
@@ -299,7 +299,7 @@ class Model(ABC):
         relative: bool,
         plan: Division | None,
         zero: float,
-        keep: int,
+        keep: Keep,
     ) -> Products | None:
         """Summed products of residual and derivatives, without a Jacobian; None if it needs one.
 
@@ -312,8 +312,7 @@ class Model(ABC):
         zero
             Its sensor zero.
         keep
-            Number of samples over which the columns that are kept are summed: 1 to keep them at
-            every sample, 0 to keep none.
+            Which of the columns to keep.
         """
         del theta, segment, channel, start, relative, plan, zero, keep
         return None

@@ -15,7 +15,7 @@ from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide_segment
 from softid.models.geometry import ArcGeometry
 from softid.models.muscle_law import NAMES, MuscleLaw
-from softid.models.products import Products
+from softid.models.products import Keep, Products
 from softid.models.ringing import ringing_starts
 from softid.models.second_order import ORDERS, Order, simulate_law, sum_law
 from softid.models.starts import as_values, damping_shapes, hammerstein_starts
@@ -289,7 +289,7 @@ class Muscle(Model):
         relative: bool,
         plan: Division | None,
         zero: float,
-        keep: int,
+        keep: Keep,
     ) -> Products | None:
         """Summed unless the output is a distance, nonlinear in x; see `Model.products`."""
         line = self._line(channel)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from softid.kernels.affine_blocks import OSCILLATOR
 from softid.models.base import Model, Response, require_choice
 from softid.models.division import Division, divide_segment
-from softid.models.products import Products
+from softid.models.products import Keep, Products
 from softid.models.second_order import (
     ORDERS,
     AffineForm,
@@ -260,7 +260,7 @@ class Oscillator(Model):
         relative: bool,
         plan: Division | None,
         zero: float,
-        keep: int,
+        keep: Keep,
     ) -> Products | None:
         """Summed: every output is x itself; see `Model.products`."""
         return sum_law(

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
+
+Keep = int | Literal["residual"]
+"""Which columns are kept: number of samples over which all are summed, 1 for every sample and 0 for
+none, or the residual alone at every sample."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +29,8 @@ class Products:
     by_state
         Weights with which the next S₀ make up ∂y/∂(initial state), shape (S₀, S).
     columns
-        The columns at every sample, zero where it is not used, shape (P + S₀ + 2, n), or their sums
-        over stretches of samples; None where nothing was kept.
+        The columns at every sample, zero where it is not used, shape (P + S₀ + 2, n), their sums
+        over stretches of samples, or the last of them, shape (1, n); None where nothing was kept.
     """
 
     gram: Array

@@ -22,7 +22,7 @@ from softid.kernels.affine_start import begin
 from softid.kernels.radau import propagate, propagate_with_sensitivities
 from softid.kernels.small_matrix import LANES, groups
 from softid.models.division import Division, divide, held
-from softid.models.products import Products
+from softid.models.products import Keep, Products
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -235,7 +235,7 @@ def sum_law(
     plan: Division | None,
     gain: float,
     level: float,
-    keep: int,
+    keep: Keep,
 ) -> Products | None:
     """Summed products for an output gain·x + level; None for a law that the kernels do not know.
 
@@ -259,10 +259,11 @@ def sum_law(
         plan = divide(law, segment.time_s, segment.input)
     run = affine_run(form, plan, start, relative=relative)
     y, used = held(segment.outputs[channel]), held(segment.used[channel])
-    columns = np.zeros((N_COLUMNS, -(-segment.time_s.size // keep) if keep else 0))
+    rows, stretch = (1, 1) if keep == "residual" else (N_COLUMNS, keep)
+    columns = np.zeros((rows, -(-y.size // stretch) if stretch else 0))
     gram = np.empty((N_PADDED, N_PADDED))
     course, state = run.arguments[:6], run.arguments[6]
-    sum_products(*course, y, used, gain, level, state, run.tangent, keep, columns, gram)
+    sum_products(*course, y, used, gain, level, state, run.tangent, stretch, columns, gram)
     gram = gram[:N_COLUMNS, :N_COLUMNS]
     by_state = gain * np.eye(N_STATES)
     return Products(gram, gain * form.by_theta, by_state, columns if keep else None)

@@ -99,6 +99,20 @@ def test_kept_columns_make_up_residuals_and_jacobians(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["x", "geometry", "no zeros"])
+def test_residuals_are_kept_without_the_other_columns(name: str) -> None:
+    """The same as with all of them; only a law whose products no kernel sums has those anyway."""
+    p, z = case(name)
+    sigma = dict.fromkeys(p.outputs, 1.0)
+    whole = linearise(p, z, sigma, plans=p.plans(z), keep=1)
+    found = linearise(p, z, sigma, plans=p.plans(z), keep="residual")
+    assert found.has_residuals
+    assert found.kept == (name == "geometry")
+    rows = zip(found.blocks(derivatives=False), whole.blocks(derivatives=False), strict=True)
+    for block, expected in rows:
+        np.testing.assert_array_equal(block.residual, expected.residual)
+
+
+@pytest.mark.parametrize("name", ["x", "geometry", "no zeros"])
 def test_the_same_pieces_under_other_zeros_and_weights(name: str) -> None:
     """As `Problem.blocks` and `linearise` have it with σ = 2 and zeros 0.1 higher, to rounding.
 
