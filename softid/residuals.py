@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from softid.chi_square import chi_square_tail
 from softid.errors import InputError, UsageError
+from softid.kernels.lagged_products import add_lagged_products
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -297,7 +298,9 @@ def _mean_product(
 def _lagged_sums(first: Array, second: Array, max_lag: int) -> Array:
     """Σ_t first_t second_{t+k}, k = 0 … max_lag, by a zero-padded transform unless k are few."""
     if max_lag < min(first.size, FEW_LAGS):
-        return np.array([first[: first.size - k] @ second[k:] for k in range(max_lag + 1)])
+        sums = np.zeros(max_lag + 1)
+        add_lagged_products(first, second, sums)
+        return sums
     size = 1 << int(first.size + max_lag).bit_length()
     spectrum = np.conj(np.fft.rfft(first, size)) * np.fft.rfft(second, size)
     return np.fft.irfft(spectrum, size)[: max_lag + 1]

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from softid.fitters.levenberg_marquardt import NormalEquations
 from softid.fitters.normal_equations import Linearised
 from softid.fitters.problem import Problem
+from softid.kernels.lagged_products import add_lagged_products
 
 Array = npt.NDArray[np.float64]
 
@@ -52,11 +53,11 @@ def squared_autocorrelation(residuals: Sequence[Array], lags: int) -> float:
     lags
         How many.
     """
-    power = sum(float(r @ r) for r in residuals)
-    if power <= 0.0:
-        return 0.0
-    products = (sum(float(r[k:] @ r[:-k]) for r in residuals) for k in range(1, lags + 1))
-    return sum((product / power) ** 2 for product in products)
+    products = np.zeros(lags + 1)
+    for r in residuals:
+        add_lagged_products(r, r, products)
+    power = float(products[0])
+    return float(np.sum((products[1:] / power) ** 2)) if power > 0.0 else 0.0
 
 
 def residuals_by_channel(

@@ -8,6 +8,8 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels.lagged_products import add_lagged_products
+
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
 
@@ -91,7 +93,8 @@ def _lagged_moments(run: Array, max_order: int) -> Array:
     """
     size = max_order + 1
     first, last = run[: 2 * size], run[-2 * size :]
-    whole = np.array([run[d:] @ run[: run.size - d] for d in range(size)])
+    whole = np.zeros(size)
+    add_lagged_products(run, run, whole)
     begin, end = np.zeros((size, size + 1)), np.zeros((size, size + 1))
     for d in range(size):
         begin[d, 1:] = first[d : d + size] * first[:size]

@@ -53,7 +53,7 @@ class Moments:
         """The t, i and j of `packed`: a sample with t predecessors has no lag beyond t."""
         size = self.counts.size
         rows = [(t, i, j) for t in range(size) for i in range(t + 1) for j in range(i + 1)]
-        when, first, second = np.array(rows).T
+        when, first, second = np.array(rows).T.copy()
         return when, first, second
 
     @cached_property

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError
+from softid.kernels.prediction_filters import weigh_products
 from softid.uncertainty.autoregression import AutoRegression, to_phi, to_reflection
 from softid.uncertainty.moments import Moments
 
@@ -72,9 +73,9 @@ def evaluate(moments: Moments, reflection: Array) -> Objective:
     and V⁻¹ is Levinson's.
     """
     size = moments.counts.size
-    filters, ratio = _filters(reflection, size)
-    when, first, second = moments.terms
-    weights = filters[:, when, first] * filters[:, when, second] / ratio[:, when]
+    ratio = np.empty((len(reflection), size))
+    weights = np.empty((len(reflection), moments.terms[0].size))
+    weigh_products(reflection, *moments.terms, weights, ratio)
     width = moments.products.shape[-1]
     form = (weights @ moments.packed).reshape(-1, width, width)
     determinant, left, good = _reduced(form)
@@ -102,28 +103,6 @@ def _reduced_one_by_one(form: Array) -> tuple[Array, Array, Array]:
         solved = np.linalg.solve(inner[good], cross[good])
         left[good] -= np.einsum("bka,bka->b", cross[good], solved)
     return determinant, left, good & (left > 0.0)
-
-
-def _filters(reflection: Array, size: int) -> tuple[Array, Array]:
-    """Prediction-error filters 1, −φ^{(t)} of orders 0 … size − 1, and their relative variances.
-
-    Returns
-    -------
-    filters, ratio
-        Shapes (B, size, size) and (B, size); orders above q repeat order q.
-    """
-    count, order = reflection.shape
-    filters = np.zeros((count, size, size))
-    log_ratio = np.zeros((count, size))
-    filters[:, 0, 0] = 1.0
-    for t in range(1, size):
-        filters[:, t] = filters[:, t - 1]
-        log_ratio[:, t] = log_ratio[:, t - 1]
-        if t <= order:
-            k = reflection[:, t - 1]
-            filters[:, t, 1 : t + 1] -= k[:, None] * filters[:, t - 1, t - 1 :: -1][:, :t]
-            log_ratio[:, t] += np.log1p(-k * k)
-    return filters, np.exp(log_ratio - log_ratio[:, -1:])
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,43 @@
+"""Products of a series with itself some samples later, summed."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from softid.kernels.decorators import kernel
+
+Array = npt.NDArray[np.float64]
+
+SUMMING = {"contract", "nsz", "reassoc"}
+"""What summing may rearrange, so that it takes vector instructions."""
+
+CHUNK = 2048
+"""Samples that all lags are taken of before the next ones: they stay in the fastest cache."""
+
+
+@njit(nogil=True, error_model="numpy", fastmath=SUMMING, forceinline=True)
+def _sum(a: Array, b: Array) -> float:
+    total = 0.0
+    for t in range(a.size):
+        total += a[t] * b[t]
+    return total
+
+
+@kernel
+def add_lagged_products(a: Array, b: Array, sums: Array) -> None:
+    """Add Σ_t a_t b_{t+k} at every lag k.
+
+    Parameters
+    ----------
+    a, b
+        Series, each of shape (n,).
+    sums
+        Sums at lags from 0 on, shape (K,).
+    """
+    for first in range(0, a.size, CHUNK):
+        for lag in range(sums.size):
+            stop = min(first + CHUNK, a.size - lag)
+            if stop > first:
+                sums[lag] += _sum(a[first:stop], b[first + lag : stop + lag])
