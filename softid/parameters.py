@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
@@ -71,7 +72,7 @@ class Parameter:
                 value=(self.lower, self.upper),
                 remedy="swap the bounds",
             )
-        if not np.isfinite(self.value) or not self.lower <= self.value <= self.upper:
+        if not math.isfinite(self.value) or not self.lower <= self.value <= self.upper:
             raise UsageError(
                 f"the value is not within [{self.lower:g}, {self.upper:g}]",
                 where=f"parameter {self.name}",
@@ -97,7 +98,7 @@ class Parameter:
         if self.value != 0.0:
             return abs(self.value)
         width = self.upper - self.lower
-        return width if np.isfinite(width) and width > 0.0 else 1.0
+        return width if math.isfinite(width) and width > 0.0 else 1.0
 
 
 @dataclass(frozen=True)

@@ -227,10 +227,8 @@ class Muscle(Model):
 
     def _usable(self, starts: Sequence[Mapping[str, float]]) -> tuple[ParameterSet, ...]:
         declared = self.parameters()
-        return tuple(
-            declared.with_values({k: v for k, v in start.items() if not declared[k].fixed})
-            for start in starts
-        )
+        free = declared.free
+        return tuple(declared.with_values({name: start[name] for name in free}) for start in starts)
 
     def response(
         self,

@@ -20,16 +20,8 @@ import numpy.typing as npt
 
 from softid.kernels.muscle import KPA_PER_BAR
 from softid.models.second_order import Law
-from softid.models.starts import (
-    Stretch,
-    as_values,
-    block_means,
-    damping_shapes,
-    diverse,
-    motion_kind,
-    score,
-    thinned,
-)
+from softid.models.starts import as_values, damping_shapes, diverse, motion_kind, score
+from softid.models.stretches import Stretch, block_means, thinned
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]

@@ -10,7 +10,6 @@ with pressure; only then does the optimiser start.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +18,7 @@ from softid.kernels.muscle import KPA_PER_BAR
 from softid.kernels.start_value_scores import add_products
 from softid.models.division import held
 from softid.models.second_order import Law
+from softid.models.stretches import Stretch, thinned
 from softid.segment import Segment
 
 Array = npt.NDArray[np.float64]
@@ -63,39 +63,11 @@ CONSTANT_SHARE = 0.3
 """A damping that is constant is divided into a2·exp(0·p), so much of it, and c2: it stays the same,
 and tells at once which way b2 wants."""
 
-MAX_SAMPLES = 1000
-"""Samples over which the narrow grids are ranked: enough to find a basin, not its optimum."""
-
 ROUGH_SAMPLES = 500
 """Samples over which the wide grids are ranked: half the work, and the same basins."""
 
-MOST_AVERAGED_AWAY = 0.1
-"""Share of the input's variance within blocks, beyond which they hide what moves the actuator."""
-
-WHOLE_SHARE = 0.7
-"""A log is covered as a whole where windows would leave out less than the rest."""
-
-WINDOWS = 4
-"""Windows of a segment at most: each but the first loses its lead-in."""
-
-LEAST_WINDOW = 50
-"""Fewest blocks in a window."""
-
-LEAD_IN = 0.2
-"""Share of a window in which its motion comes from rest into step."""
-
 _MOST_DECAY_LENGTHS = 0.5
 """Longest time constant tried, over the longest stretch: a step is then 86 % done at its end."""
-
-
-@dataclass(frozen=True, eq=False)
-class Stretch:
-    """One segment, thinned: times, input and motion of shape (n,), and which samples count."""
-
-    time_s: Array
-    input: Array
-    motion: Array
-    used: npt.NDArray[np.bool_]
 
 
 def hammerstein_starts(
@@ -140,7 +112,7 @@ def hammerstein_starts(
             as_values(theta, gain) for _, gain, theta in diverse(coarse, N_STARTS, _static_kind)
         ]
     bases = _thetas(diverse(coarse, N_BASES, _static_kind))
-    frequencies = np.geomspace(0.3 / speeds[-1], 1.0 / speeds[0], N_FREQUENCIES)
+    frequencies = _spaced(0.3 / speeds[-1], 1.0 / speeds[0], N_FREQUENCIES)
     moving = _moving(bases, frequencies, low, span)
     ranked = _ranked(rough, law, np.concatenate([bases, moving]))
     medium = _ranked(stretches, law, _thetas(diverse(ranked, N_MOTIONS, motion_kind)))
@@ -231,7 +203,10 @@ def _theta(
         damping = 2.0 * c1 * tau
         a2 = share * damping * np.exp(np.clip(np.multiply(-b2, p50), -60.0, 60.0))
         columns = (inertia * damping, 1.0, b1, c1, a2, b2, (1.0 - share) * damping)
-    return np.stack(np.broadcast_arrays(*columns), axis=-1)
+    found = np.empty((*np.shape(a2), len(columns)))
+    for k, column in enumerate(columns):
+        found[..., k] = column
+    return found
 
 
 def _ringing(
@@ -337,64 +312,10 @@ def _scored(
 def _speeds(stretches: Sequence[Stretch]) -> Array:
     shortest = min(float(np.median(np.diff(s.time_s))) for s in stretches)
     longest = max(float(s.time_s[-1] - s.time_s[0]) for s in stretches)
-    return np.geomspace(0.3 * shortest, _MOST_DECAY_LENGTHS * longest, N_SPEEDS)
+    return _spaced(0.3 * shortest, _MOST_DECAY_LENGTHS * longest, N_SPEEDS)
 
 
-def thinned(
-    segments: Sequence[Segment], motions: Sequence[Array], output: str, *, most: int = MAX_SAMPLES
-) -> list[Stretch]:
-    """Block averages, about so many in total: enough to find the basin.
-
-    Where blocks over the whole log would average the input away, they are shorter and cover
-    windows of the log alone. A window begins somewhere in a motion and is simulated from rest, so
-    that its first part does not count.
-    """
-    total = sum(s.time_s.size for s in segments)
-    longest = max(1, int(np.ceil(total / most)))
-    k = longest
-    while k > 1 and _averaged_away(segments, k) > MOST_AVERAGED_AWAY:
-        k = k // 2
-    out = []
-    for segment, motion in zip(segments, motions, strict=True):
-        whole = block_means(segment, motion, output, k)
-        if whole.time_s.size < 2:
-            continue
-        share = k / longest
-        out += [whole] if share > WHOLE_SHARE else _windows(whole, share)
-    return out
-
-
-def _averaged_away(segments: Sequence[Segment], k: int) -> float:
-    """Share of the variance of the input that blocks of so many samples do not show."""
-    shown = power = 0.0
-    for u in (s.input[: s.input.size // k * k] for s in segments if s.input.size >= k):
-        apart = u - u.mean()
-        means = apart.reshape(-1, k).mean(axis=1)
-        power += float(apart @ apart)
-        shown += k * float(means @ means)
-    return 1.0 - shown / power if power > 0.0 else 0.0
-
-
-def block_means(segment: Segment, motion: Array, output: str, k: int) -> Stretch:
-    """Means over so many samples each, which count where all of their samples do."""
-    n = segment.time_s.size // k
-    used = np.asarray(segment.used[output][: n * k].reshape(n, k).all(axis=1), bool)
-    filled = np.where(np.isfinite(motion), motion, 0.0)
-    time_s, inputs, x = (
-        a[: n * k].reshape(n, k).mean(axis=1) for a in (segment.time_s, segment.input, filled)
-    )
-    return Stretch(time_s, inputs, x, used)
-
-
-def _windows(whole: Stretch, share: float) -> list[Stretch]:
-    """Windows spread evenly over a stretch that make up a share of it together."""
-    n = whole.time_s.size
-    count = max(1, min(WINDOWS, int(share * n) // LEAST_WINDOW))
-    size = max(2, int(share * n) // count)
-    found = []
-    for begin in np.linspace(0, n - size, count).astype(int).tolist():
-        part = slice(begin, begin + size)
-        used = whole.used[part].copy()
-        used[: int(LEAD_IN * size) if begin else 0] = False
-        found.append(Stretch(whole.time_s[part], whole.input[part], whole.motion[part], used))
+def _spaced(low: float, high: float, count: int) -> Array:
+    """Values from one to another, each as many times the one before."""
+    found: Array = low * (high / low) ** np.linspace(0.0, 1.0, count)
     return found

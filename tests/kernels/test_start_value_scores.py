@@ -6,7 +6,8 @@ import numpy as np
 
 from softid.models.muscle_law import MuscleLaw
 from softid.models.second_order import simulate_law
-from softid.models.starts import Stretch, scores
+from softid.models.starts import scores
+from softid.models.stretches import Stretch
 
 THETAS = [
     np.array([0.0, 1.0, 2.2, 30.0, 0.0, 0.0, 6.0]),

@@ -8,7 +8,8 @@ import pytest
 from softid.log import Log
 from softid.models.muscle import Muscle
 from softid.models.muscle_law import NAMES
-from softid.models.starts import MAX_SAMPLES, N_STARTS, WINDOWS, thinned
+from softid.models.starts import N_STARTS
+from softid.models.stretches import MAX_SAMPLES, WINDOWS, thinned
 from softid.synthesis import muscle_log, random_muscle_truth
 from softid.synthesis.waveforms import Steps
 
