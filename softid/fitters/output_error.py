@@ -207,8 +207,10 @@ def refit_nuisance(problem: Problem) -> Optimum:
 
 
 def _span(problem: Problem, name: str) -> float:
-    joined = np.concatenate([s.outputs[name][s.used[name]] for s in problem.segments])
-    return float(np.ptp(joined)) if joined.size and np.ptp(joined) > 0 else 1.0
+    rows = ((s.outputs[name], s.used[name]) for s in problem.segments)
+    parts = [y if used.all() else y[used] for y, used in rows if used.any()]
+    span = max(float(y.max()) for y in parts) - min(float(y.min()) for y in parts) if parts else 0.0
+    return span if span > 0.0 else 1.0
 
 
 def _basin(

@@ -78,6 +78,7 @@ def spans_of(log: Log) -> dict[str, float]:
     spans = {"input": float(np.ptp(log.channels[log.input].values))}
     for name in log.outputs:
         values = log.channels[name].values
-        finite = values[np.isfinite(values)]
+        there = np.isfinite(values)
+        finite = values if there.all() else values[there]
         spans[name] = float(np.ptp(finite)) if finite.size else 0.0
     return spans
