@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softid.errors import IdentificationError
-from softid.kernels.prediction_filters import weigh_products
+from softid.kernels.restricted_likelihood import reduce_forms
 from softid.uncertainty.autoregression import AutoRegression, to_phi, to_reflection
 from softid.uncertainty.moments import Moments
 
@@ -72,37 +72,13 @@ def evaluate(moments: Moments, reflection: Array) -> Objective:
     H. D. Patterson and R. Thompson, Biometrika 58 (1971) 545; the prediction-error form of log|V|
     and V⁻¹ is Levinson's.
     """
-    size = moments.counts.size
-    ratio = np.empty((len(reflection), size))
-    weights = np.empty((len(reflection), moments.terms[0].size))
-    weigh_products(reflection, *moments.terms, weights, ratio)
-    width = moments.products.shape[-1]
-    form = (weights @ moments.packed).reshape(-1, width, width)
-    determinant, left, good = _reduced(form)
+    determinant, left = np.empty(len(reflection)), np.empty(len(reflection))
+    reduce_forms(reflection, *moments.terms, moments.packed, moments.counts, determinant, left)
+    good = left > 0.0
     freedom = moments.n - moments.reachable
     variance = np.where(good, left, 1.0) / freedom
-    value = freedom * np.log(variance) + np.log(ratio) @ moments.counts + determinant
+    value = freedom * np.log(variance) + determinant
     return Objective(np.where(good, value, np.inf), variance)
-
-
-def _reduced(form: Array) -> tuple[Array, Array, Array]:
-    """log|QᵀV⁻¹Q|, rᵀP r and whether both can be computed, from the products (B, m + 1, m + 1)."""
-    try:
-        pivots = np.diagonal(np.linalg.cholesky(form), axis1=1, axis2=2)
-    except np.linalg.LinAlgError:  # one of them is not definite, and it takes longer to say which
-        return _reduced_one_by_one(form)
-    return 2.0 * np.log(pivots[:, :-1]).sum(axis=1), pivots[:, -1] ** 2, np.ones(len(form), bool)
-
-
-def _reduced_one_by_one(form: Array) -> tuple[Array, Array, Array]:
-    inner, cross, own = form[:, :-1, :-1], form[:, :-1, -1:], form[:, -1, -1]
-    sign, determinant = np.linalg.slogdet(inner)
-    good = (sign > 0) & np.isfinite(determinant)
-    left = own.copy()
-    if form.shape[-1] > 1 and good.any():
-        solved = np.linalg.solve(inner[good], cross[good])
-        left[good] -= np.einsum("bka,bka->b", cross[good], solved)
-    return determinant, left, good & (left > 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,4 +218,5 @@ def damped_steps(gradient: Array, curvature: Array) -> Array:
     size = np.maximum(np.abs(values), 1e-6)
     along = vectors.T @ gradient
     ladder = DAMPINGS * size.max()
-    return np.array([-vectors @ (along / (size + damping)) for damping in ladder])
+    steps: Array = -(along / (size + ladder[:, None])) @ vectors.T
+    return steps
