@@ -196,11 +196,11 @@ def minimise(
             if pull is not None:
                 correction = -0.5 * _solved(now.matrix, damping * unit**2, pull, moving)
                 with np.errstate(over="ignore"):  # a correction beyond all numbers is too large
-                    share = float(np.linalg.norm(scale * correction) / np.linalg.norm(scale * step))
+                    share = _length(scale * correction) / _length(scale * step)
                 if 2.0 * share <= MOST_BEND:
                     trial = within(z + step + correction, lower, upper)
                 else:
-                    length = float(np.linalg.norm((scale * step)[moving]))
+                    length = _length((scale * step)[moving])
                     least = LESS_BEND * MOST_BEND / (2.0 * share)
                     shorter = max(least, MOST_SHORTENED) * length
                     damping = _damping_for(now, moving, unit, damping, shorter)
@@ -300,6 +300,10 @@ class _Progress:
         slow = self._cost - now.cost < STALL_GAIN * variance
         self._next, self._cost = used + STALL_EVALUATIONS, now.cost
         return slow and offset <= STALL_OFFSET
+
+
+def _length(vector: Array) -> float:
+    return math.sqrt(float(vector @ vector))
 
 
 def _floored(scale: Array) -> Array:

@@ -98,9 +98,8 @@ class Problem:
         self._free_index = [parameters.names.index(name) for name in self.free]
         self._log_scaled = np.array([parameters[name].scale == "log" for name in self.free], bool)
         self._tied = tie_function(parameters)
-        at_start = parameters.values_vector()
-        if self._tied is not None:
-            at_start = self._tied(at_start)
+        self._values = parameters.values_vector()
+        at_start = self._values if self._tied is None else self._tied(self._values)
         self.has_equilibrium = all(
             np.isfinite(model.static_output(at_start, s.input[:1], self.outputs[0])[0])
             for s in self.segments
@@ -312,9 +311,9 @@ class Problem:
 
     def theta(self, z: Array) -> Array:
         """All parameter values at the unknowns, shape (K,)."""
-        values = self.parameters.values_vector()
+        values = self._values.copy()
         free = z[: len(self.free)].copy()
-        free[self._log_scaled] = np.exp(free[self._log_scaled])
+        np.exp(free, out=free, where=self._log_scaled)
         values[self._free_index] = free
         return values if self._tied is None else self._tied(values)
 

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from softid.kernels.burg_recursion import raise_order
 from softid.kernels.lagged_products import add_lagged_products
 
 Array = npt.NDArray[np.float64]
@@ -17,8 +18,9 @@ MIN_LEFT = 1e-6
 """Share of the residual's power below which no prediction is believed: a thousandth of its size is
 quantisation, rounding or the smoothness of a noise-free simulation, and no memory of a noise."""
 
-LONG_RUN = 10_000
-"""Samples of the shortest stretch from which the recursion goes by lags, where it takes less."""
+LONG_RUN = 50_000
+"""Samples of the shortest stretch from which the recursion goes by lags: its errors would not stay
+in the processor's cache from order to order."""
 
 
 def burg(runs: Sequence[Array], max_order: int) -> Array:
@@ -41,19 +43,16 @@ def burg(runs: Sequence[Array], max_order: int) -> Array:
     """
     if min((run.size for run in runs), default=0) >= max(LONG_RUN, 4 * max_order):
         return _by_lags(runs, max_order)
-    forward = [run[1:] for run in runs]
-    backward = [run[:-1] for run in runs]
-    out, left = np.zeros(max_order), 1.0
+    pairs = [(np.array(run, np.float64), np.array(run, np.float64)) for run in runs]
+    out, left, k = np.zeros(max_order), 1.0, 0.0
     for m in range(max_order):
-        cross = sum(float(f @ b) for f, b in zip(forward, backward, strict=True))
-        power = sum(float(f @ f + b @ b) for f, b in zip(forward, backward, strict=True))
-        k = _coefficient(cross, power, left)
-        if k is None:
+        sums = [raise_order(f, b, k) for f, b in pairs]
+        found = _coefficient(sum(c for c, _ in sums), sum(p for _, p in sums), left)
+        if found is None:
             break
-        out[m], left = k, left * (1.0 - k * k)
-        pairs = [(f - k * b, b - k * f) for f, b in zip(forward, backward, strict=True)]
-        forward = [f[1:] for f, _ in pairs]
-        backward = [b[:-1] for _, b in pairs]
+        out[m] = k = found
+        left *= 1.0 - k * k
+        pairs = [(f[1:], b[:-1]) for f, b in pairs]
     return out
 
 
