@@ -225,6 +225,8 @@ def lost_intervals(time_s: Array) -> IntArray:
     [3]
     """
     interval_s = np.diff(time_s)
+    if interval_s.max(initial=0.0) <= GAP_PERIODS * interval_s.min(initial=np.inf):
+        return np.empty(0, np.int64)  # what follows would ask for more periods than that
     period_s = float(np.median(interval_s))
     spread_s = MAD_TO_STD * float(np.median(np.abs(interval_s - period_s)))
     longest_s = max(GAP_PERIODS * period_s, period_s + GAP_SPREADS * spread_s)

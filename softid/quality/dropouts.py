@@ -7,6 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from softid.channels import read_only
+from softid.kernels.excursions import measure_depths
 from softid.quality.findings import Dropout, DropoutCause
 from softid.quality.trace import MIN_DISTINCT, Runs, Trace, weighted_median
 
@@ -104,10 +106,8 @@ def may_drop_out(values: Array) -> bool:
 
 def _depth(runs: Runs) -> Array:
     """How far each inner run lies off both neighbours on the same side, shape (r − 2,)."""
-    move = np.diff(runs.value)
-    size = np.abs(move)
-    turns = move[:-1] * move[1:] < 0.0
-    depth: Array = np.where(turns, np.minimum(size[:-1], size[1:]), 0.0)
+    depth = np.empty(runs.value.size - 2)
+    measure_depths(read_only(runs.value), depth)  # one type for the compiler, as in a log
     return depth
 
 
