@@ -107,7 +107,7 @@ def _rates(mass: float, damping: Array, stiffness: Array, radau: Array, rk4: Arr
 
 @njit(nogil=True, error_model="numpy", fastmath=NO_REORDERING)
 def _counts(
-    rate: Array, time_s: Array, bend: Array, limit: float, counts: Counts
+    rate: Array, time_s: Array, u: Array, bend: float, limit: float, counts: Counts
 ) -> tuple[int, int]:
     """Counts from 1 to MAX_SUBSTEPS; what is not finite asks for one step.
 
@@ -119,7 +119,8 @@ def _counts(
         a = rate[i] if rate[i] < _HUGE else 0.0
         b = rate[i + 1] if rate[i + 1] < _HUGE else 0.0
         wanted = max(a, b) * (time_s[i + 1] - time_s[i])
-        turn = bend[i] if bend[i] < _HUGE and wanted > BRIEF else 0.0
+        turn = abs(u[i + 1] - u[i]) * bend
+        turn = turn if turn < _HUGE and wanted > BRIEF else 0.0
         wanted = max(wanted, turn / limit)
         beyond += 1 if wanted > MAX_SUBSTEPS else 0
         steps = min(max(np.ceil(wanted), 1.0), MAX_SUBSTEPS)
@@ -134,7 +135,8 @@ def count_steps(
     damping: Array,
     stiffness: Array,
     time_s: Array,
-    bend: Array,
+    u: Array,
+    bend: float,
     radau: Counts,
     rk4: Counts,
 ) -> tuple[float, float]:
@@ -146,10 +148,10 @@ def count_steps(
         m ≥ 0.
     damping, stiffness
         n and q at the samples, each of shape (n,).
-    time_s
-        Sample times, shape (n,).
+    time_s, u
+        Sample times and input, each of shape (n,).
     bend
-        Change of the coefficients' exponents over every interval, shape (n − 1,).
+        How much the coefficients' exponents change with the input.
     radau, rk4
         Receive the counts, each of shape (n − 1,).
 
@@ -160,8 +162,8 @@ def count_steps(
     """
     implicit, explicit = np.empty(damping.size), np.empty(damping.size)
     _rates(mass, damping, stiffness, implicit, explicit)
-    total, _ = _counts(implicit, time_s, bend, MAX_EXPONENT_PER_STEP, radau)
-    total_explicit, unsafe = _counts(explicit, time_s, bend, RK4_MAX_EXPONENT, rk4)
+    total, _ = _counts(implicit, time_s, u, bend, MAX_EXPONENT_PER_STEP, radau)
+    total_explicit, unsafe = _counts(explicit, time_s, u, bend, RK4_MAX_EXPONENT, rk4)
     for rate in explicit:
         unsafe += 0 if rate < _HUGE else 1
     return float(total), float(total_explicit) if unsafe == 0 else np.inf

@@ -164,14 +164,13 @@ def divide(law: Law, time_s: Array, u: Array, *, implicit_only: bool = False) ->
     time_s, u = held(time_s), held(u)
     radau, rk4 = np.empty(time_s.size - 1, np.int16), np.empty(time_s.size - 1, np.int16)
     implicit = explicit = 0.0
+    bend = law.exponent_rate()
     for first in range(0, radau.size, _CHUNK):
         chunk = slice(first, first + _CHUNK)
         points = slice(first, first + _CHUNK + 1)
         damping, stiffness, _ = law.coefficients(u[points])
-        bend = np.abs(np.diff(u[points])) * law.exponent_rate()
-        found = count_steps(
-            law.mass, damping, stiffness, time_s[points], bend, radau[chunk], rk4[chunk]
-        )
+        at = time_s[points], u[points]
+        found = count_steps(law.mass, damping, stiffness, *at, bend, radau[chunk], rk4[chunk])
         implicit, explicit = implicit + found[0], explicit + found[1]
     if not implicit_only and law.affine() is not None and explicit <= RADAU_COST * implicit:
         return Division(time_s, u, rk4, "rk4")
