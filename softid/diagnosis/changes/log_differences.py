@@ -30,9 +30,10 @@ LEAST_TAKEN = 0.9
 RIVAL_SHARE = 0.97
 """Kinds that take away so much of what the best does are told beside it."""
 
-SAME_SHARE = 0.9999
-"""Kinds that take away so much of what the best does are the same here, and the first that is
-declared stands for them: a gain of the reading and one of the pressure, in a linear model."""
+SAME_SQUARES = 1.0
+"""Kinds whose sums of squares differ by less, in variances of the noise, are the same here, and the
+first that is declared stands for them: a gain of the reading and one of the pressure, in a linear
+model."""
 
 LARGEST_SHARE = 0.55
 """A change by a larger share is no small difference of one rig."""
@@ -122,7 +123,8 @@ def log_differences(
     if not most > LEAST_TAKEN:
         return None
     alike = [k for k in ranked.tolist() if falls[k] > RIVAL_SHARE * most]
-    level = sorted(k for k in alike if falls[k] > SAME_SHARE * most)  # as they are declared
+    variance = noise / sum(log.time_s.size for log in logs)
+    level = sorted(k for k in alike if (most - falls[k]) * misfit < SAME_SQUARES * variance)
     alike = [*level, *(k for k in alike if k not in level)]
     outside = [k for k in alike if changes[k].kind not in reference.problem.free]
     alike = outside or alike  # what has a name of its own comes before a parameter

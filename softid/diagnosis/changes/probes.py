@@ -123,8 +123,9 @@ class ReadingProbe(Probe, OutputEffect):
 
 
 PROBES: tuple[type[MotionProbe | InputProbe | ReadingProbe], ...] = (
-    ReadingProbe,
     MotionProbe,
+    ReadingProbe,
     InputProbe,
 )
-"""Laws of the differences between logs that are neither a zero nor a parameter of the model."""
+"""Laws of the differences between logs that are neither a zero nor a parameter of the model; of two
+that are the same on some logs the first stands for both."""
