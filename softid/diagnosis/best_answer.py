@@ -14,7 +14,7 @@ from softid.diagnosis.plainer_model import ModelSearch, PlainerModels
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.issues import unsure_issues
 from softid.diagnosis.report.other_explanations import OtherExplanations
-from softid.diagnosis.report.other_model import with_other_model
+from softid.diagnosis.report.other_model import unasked_model_issues, with_other_model
 from softid.diagnosis.residual.one_step import is_one_step
 from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis.search.rival_in_place import with_rivals_in_place
@@ -62,6 +62,20 @@ def best_answer(
     alone = search.explained_by_moments()
     if alone is not None:
         return _answer(alone, search)
+    best = _over_best_model(recordings, request, search, others, is_in_doubt=is_in_doubt)
+    told = unasked_model_issues(recordings, request, search, best[2])
+    return _with_issues(best, told) if best[0].verdict is Verdict.UNKNOWN else best
+
+
+def _over_best_model(
+    recordings: Recordings,
+    request: Request,
+    search: CauseSearch,
+    others: OtherExplanations,
+    *,
+    is_in_doubt: bool,
+) -> Answered:
+    """The same, where the base leaves more than the moments of jumps explain."""
     models = PlainerModels(recordings, request, search)
     over = search_with_intersample if is_in_doubt else search_causes
 

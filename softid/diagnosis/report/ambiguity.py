@@ -298,6 +298,8 @@ def what_next(
     if remainder.misses_held_out and not remainder.structured:
         return _to_judge(laws, in_blocks=in_blocks)
     if verdict is Verdict.UNKNOWN and not remainder.structured:
+        if any(law.doubt is Doubt.TOO_SLOW for law in laws):
+            return "record several times as long, with holds and a rest that last"
         return "record more levels and more moves, which would show how sure the description is"
     if verdict is Verdict.UNKNOWN or verdict is Verdict.PARTIAL:
         return _to_see_more(remainder)

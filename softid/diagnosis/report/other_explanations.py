@@ -16,6 +16,7 @@ from softid.diagnosis.report.changes import (
     difference_issues,
     spell_issues,
 )
+from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.phrases import listed, lowered, percent
 from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
 from softid.diagnosis.residual.assessment import excess_of, noise_variance
@@ -37,6 +38,10 @@ UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
 
 ONE_STEP = "one-step"
 """Code of the remark that a single step leaves the parameters open that what is held out needs."""
+
+FAR_MORE, LEAST_LEFT = 3.0, 0.01
+"""A law in no catalogue is not told where it leaves so many times what descriptions leave of the
+misfit above the noise; what these leave counts as a hundredth at least."""
 
 MOST_LAWS = 3
 """Most laws of no catalogue that a sentence names."""
@@ -82,16 +87,21 @@ class OtherExplanations:
             return found
         return spell_issues(base) or change_issues(candidate, base.scale, excess)
 
-    def laws(self, base: BaseFit) -> tuple[Issue, ...]:
+    def laws(self, base: BaseFit, taken: float = 0.0) -> tuple[Issue, ...]:
         """A law in no catalogue; nothing where none accounts for the misfit.
 
         Parameters
         ----------
         base
             The base fit.
+        taken
+            Share of the misfit above the noise that descriptions take away: a law that leaves many
+            times as much is not what is missing.
         """
         found = self._beyond(base)
-        return (unlisted_issue(found),) if found is not None else ()
+        if found is None or 1.0 - found.share > FAR_MORE * max(1.0 - taken, LEAST_LEFT):
+            return ()
+        return (unlisted_issue(found),)
 
     def outdo(self, base: BaseFit, cause: Candidate) -> bool:
         """Whether a law in no catalogue leaves nothing to look for beside a cause.
@@ -114,15 +124,15 @@ class OtherExplanations:
         self._laws[base] = other
         return True
 
-    def all(self, base: BaseFit) -> tuple[Issue, ...]:
+    def all(self, base: BaseFit, taken: float = 0.0) -> tuple[Issue, ...]:
         """The events, or where there is none a law in no catalogue.
 
         Parameters
         ----------
-        base
-            The base fit.
+        base, taken
+            As in `laws`.
         """
-        return self.events(base) or self.laws(base)
+        return self.events(base) or self.laws(base, taken)
 
     def _beyond(self, base: BaseFit) -> BeyondCatalogue | None:
         if base not in self._laws:
@@ -150,6 +160,9 @@ def with_other_explanations(
     known = tuple(issue for issue in answer.issues if issue.code == HELD_OUT_CHANGE)
     is_unknown, leaves = answer.verdict is Verdict.UNKNOWN, answer.remainder.structured
     told: tuple[Issue, ...] = ()
+    unasked = [issue.remedy for issue in answer.issues if issue.code == UNASKED_MODEL]
+    if unasked:
+        return replace(answer, alternatives=(), next_experiment=unasked[0])
     if any(cause.doubt is Doubt.ONE_STEP for cause in answer.descriptive):
         return answer  # what is slow behind a step would begin at a moment
     if is_unknown and not (leaves or answer.descriptive) and is_one_step(base.candidate.problem):
@@ -164,7 +177,8 @@ def with_other_explanations(
         described = (*answer.causes, *answer.descriptive)
         answer = replace(answer, verdict=Verdict.UNKNOWN, causes=(), descriptive=described)
     elif is_unknown and (leaves or not known):
-        told = others.all(base)
+        left = answer.remainder
+        told = others.all(base, min(left.explained_share, left.held_out_share))
     following = [issue.remedy for issue in (*told, *known)]
     is_told = bool(told) and answer.verdict is Verdict.UNKNOWN
     return replace(
@@ -250,7 +264,7 @@ def _with_all_or_all_but_one(base: BaseFit, final: Candidate) -> Iterator[Candid
 def _is_told(answer: Diagnosis) -> bool:
     """Whether what the misfit is has been told already, or that something happened."""
     told = {issue.code for issue in answer.issues}
-    return bool(told & {UNLISTED_LAW, *OF_REST, *EVENTS})
+    return bool(told & {UNLISTED_LAW, UNASKED_MODEL, *OF_REST, *EVENTS})
 
 
 def one_step_issue() -> Issue:

@@ -1,16 +1,66 @@
-"""That another model explains the logs as well, with another cause in the place of one."""
+"""That another model explains the logs as well with other causes, or without any."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 
+from softid.diagnosis.base.base_fit import Recordings, Request
+from softid.diagnosis.cause_search import CauseSearch
 from softid.diagnosis.plainer_model import OtherModel
+from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.report.ambiguity import SPLITS
 from softid.diagnosis.report.phrases import titles_of
+from softid.diagnosis.search.bic_ranking import is_likelier
 from softid.diagnosis_results import Alternative, Cause, Diagnosis, Verdict
 from softid.effects import EFFECTS
 from softid.effects.base import Effect
+from softid.errors import Issue, SoftidError
+
+UNASKED_MODEL = "unasked-model"
+"""Code of the remark that another model than the one that was named explains the logs by itself."""
+
+
+def unasked_model_issues(
+    recordings: Recordings, request: Request, search: CauseSearch, final: Candidate
+) -> tuple[Issue, ...]:
+    """That the model which softid would have chosen needs no cause, where the user named another.
+
+    Parameters
+    ----------
+    recordings
+        The logs.
+    request
+        What the user asked for.
+    search
+        The search over the named model.
+    final
+        That model with all that is described, which names nothing.
+    """
+    if request.model is None:
+        return ()
+    free = replace(request, model=None, parameters=None, progress=lambda message, fraction: None)
+    try:
+        base = free.fit_base(recordings.logs, recordings.hold_out, thorough=False)
+    except SoftidError:
+        return ()
+    own, chosen = (fit.candidate.problem.model for fit in (search.base, base))
+    if (
+        chosen.name == own.name
+        or replace(search, base=base).remainder_of(base.candidate).structured
+    ):
+        return ()
+    if not is_likelier(base.candidate, final, search.base.sigma):
+        return ()
+    return (
+        Issue(
+            UNASKED_MODEL,
+            "warning",
+            f"the {chosen.label} model explains these logs by itself, down to the noise, so that "
+            f"what the {own.label} model misses is no effect but its own law",
+            f"diagnose again with --model {chosen.name}, or without --model",
+        ),
+    )
 
 
 def with_other_model(found: Diagnosis, other: OtherModel | None) -> Diagnosis:

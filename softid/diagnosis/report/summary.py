@@ -26,6 +26,7 @@ from softid.diagnosis.report.motion_shown import NEARLY_STATIC, ONE_FREQUENCY
 from softid.diagnosis.report.no_response import NO_RESPONSE
 from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
 from softid.diagnosis.report.other_explanations import EVENTS, OF_REST, ONE_STEP, UNLISTED_LAW
+from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.phrases import (
     PREDICTORS,
     VARIABLE_WORDS,
@@ -65,7 +66,7 @@ from softid.diagnosis_results import (
 from softid.quality.causality import LEADING_OUTPUT
 from softid.results import FitResult
 
-WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP, NO_RESPONSE)
+WHAT_IT_IS = (*EVENTS, UNLISTED_LAW, ONE_STEP, NO_RESPONSE, UNASKED_MODEL)
 """Codes of remarks that say what a misfit is for which no cause is named."""
 
 ALWAYS_SEEN = (ZERO_JUMP, LEADING_OUTPUT, ONE_FREQUENCY, OPEN_INTERSAMPLE)
@@ -218,7 +219,7 @@ def summarise(
     told += [sentence(mark) for mark in (*marks, *(() if changes else refused))]
     if verdict is Verdict.ADEQUATE and not next_experiment and not marks:
         told.append(teller.nothing_to_mend(remainder))
-    advice = " ".join(_next(verdict, causes, alternatives, next_experiment))
+    advice = " ".join(_next(verdict, causes, alternatives, next_experiment, remainder))
     whole = " ".join(filter(None, told))
     return "\n\n".join((whole, *each, advice)) if len(each) > 1 else f"{whole} {advice}".rstrip()
 
@@ -332,6 +333,7 @@ def _next(
     causes: Sequence[Cause],
     alternatives: Sequence[Alternative],
     next_experiment: str | None,
+    remainder: Remainder,
 ) -> list[str]:
     told = [f"Next: {next_experiment.rstrip('.')}."] if next_experiment else []
     tied = {name for a in alternatives for name in a.effects}
@@ -339,6 +341,6 @@ def _next(
     remedies = [cause.remedy for cause in sure if not cause.remedy.startswith("none")]
     if remedies and verdict is not Verdict.UNKNOWN:
         told.append(f"In hardware: {'; '.join(dict.fromkeys(remedies))}.")
-    if verdict is Verdict.UNKNOWN:
+    if verdict is Verdict.UNKNOWN and remainder.structured:
         told.append("Look at the plots of what is left against position, speed, input and time.")
     return told

@@ -281,10 +281,10 @@ def _doubt_of_values(cause: Cause, effect: Effect, extended: FitResult) -> Doubt
     bounded = bounded or any(_is_anywhere(p) for p in held)
     low = [p for p in cause.parameters if p.name in floors]
     bounded = bounded or any(p.at_bound or _reaches_lower(p) for p in low)
+    if any(p.unit == "s" and (_reaches_upper(p) or _is_at_ceiling(p)) for p in held):
+        return Doubt.TOO_SLOW
     if bounded or any(_is_at_ceiling(p) for p in cause.parameters if p.name in ceilings):
         return Doubt.AT_BOUND
-    if any(p.unit == "s" and _reaches_upper(p) for p in held):
-        return Doubt.TOO_SLOW
     zero = _covers_zero(sizes[0]) if len(sizes) == 1 else _cover_zero_together(sizes, extended)
     return Doubt.MAY_BE_ZERO if zero else None
 

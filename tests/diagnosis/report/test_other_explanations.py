@@ -61,6 +61,20 @@ def test_what_a_cause_may_do_as_well_is_tried_against_the_cause(
 
 
 @pytest.mark.parametrize(
+    ("taken", "told"), [(0.0, True), (0.97, True), (0.98, False), (1.0, False)]
+)
+def test_a_law_that_leaves_far_more_than_descriptions_is_not_told(
+    taken: float, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It leaves 7 %: three times what descriptions leave that take 97.7 %."""
+    worse = replace(LAW, share=0.93)
+    monkeypatch.setattr(other_explanations, "beyond_catalogue", lambda *a: worse)
+    monkeypatch.setattr(other_explanations, "noise_variance", lambda *a: 1.0)
+    base: Any = Base()
+    assert bool(OtherExplanations().laws(base, taken)) is told
+
+
+@pytest.mark.parametrize(
     ("answers", "events", "everything"),
     [
         ({"difference", "change", "law", "spell"}, [DIFFERS], [DIFFERS.code]),

@@ -12,7 +12,7 @@ from softid.diagnosis.report.issues import restriction_issues
 from softid.diagnosis.report.phrases import PREDICTORS
 from softid.diagnosis.report.summary import summarise, write_summary
 from softid.diagnosis.verdict.equivalence import PRESLIDING
-from softid.diagnosis_results import Alternative, Diagnosis, Evidence, Verdict
+from softid.diagnosis_results import Alternative, Diagnosis, Doubt, Evidence, Verdict
 from softid.effects import EFFECTS
 
 
@@ -169,13 +169,6 @@ def test_slow_noise_of_the_size_of_a_rest_is_noise() -> None:
     text = told(replace(found, remainder=left))
     assert "looks like the noise of the rests: it is no larger." in text
     assert "13 %" not in text
-
-
-def test_every_named_cause_has_its_remedy() -> None:
-    """Those of two causes are both told."""
-    second = replace(DELAY, added_to=(FRICTION.key,), remedy="move the valve to the actuator")
-    found = replace(diagnosis(Verdict.NAMED), causes=(replace(FRICTION, remedy="oil it"), second))
-    assert "In hardware: oil it; move the valve to the actuator." in told(found)
 
 
 def test_a_cause_that_gains_only_with_others_is_told() -> None:
@@ -383,6 +376,10 @@ def test_what_only_lacks_a_name_asks_for_more_of_the_same() -> None:
     asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=rest)
     assert asked is not None
     assert asked.startswith("record more levels")
+    slow = replace(DELAY, doubt=Doubt.TOO_SLOW)
+    asked = what_next(Verdict.UNKNOWN, alternatives=(), remainder=rest, laws=(slow,))
+    assert asked is not None
+    assert asked.startswith("record several times as long")
 
 
 @pytest.mark.parametrize(("linear", "model"), [(True, "oscillator"), (False, "muscle")])

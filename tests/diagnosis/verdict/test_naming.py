@@ -234,6 +234,13 @@ def test_nothing_rings_for_ever(
     assert doubt is (None if named else Doubt.AT_BOUND)
 
 
+def test_a_creep_at_its_longest_time_is_too_slow_for_the_logs() -> None:
+    """Not another law, as a bound of a size would say: a longer log would tell."""
+    tau = replace(estimate("creep_tau", 96.0, "s"), upper=96.0, at_bound=True, ci95=None)
+    told = cause("creep", [estimate("creep_k", 1.0, "1"), tau], before=2.0, after=1.0)
+    assert doubt_of(told, effect_of("creep"), fit_result(), WHOLE) is Doubt.TOO_SLOW
+
+
 @pytest.mark.parametrize(("at_bound", "named"), [(True, False), (False, True)])
 def test_a_time_twenty_times_as_long_at_one_level_is_not_named(at_bound: bool, named: bool) -> None:
     """No chamber swells so far: the lag stands for something else that differs by level."""
