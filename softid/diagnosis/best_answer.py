@@ -63,8 +63,10 @@ def best_answer(
     if alone is not None:
         return _answer(alone, search)
     best = _over_best_model(recordings, request, search, others, is_in_doubt=is_in_doubt)
+    if best[0].verdict is not Verdict.UNKNOWN:
+        return best
     told = unasked_model_issues(recordings, request, search, best[2])
-    return _with_issues(best, told) if best[0].verdict is Verdict.UNKNOWN else best
+    return _with_issues(best, told) if told else best
 
 
 def _over_best_model(

@@ -67,5 +67,6 @@ def test_a_richer_model_where_a_plainer_one_leaves_something(
     monkeypatch.setattr(module, "search_causes", lambda *args: (None, None))
     monkeypatch.setattr(module, "is_one_step", lambda problem: False)
     monkeypatch.setattr(module, "is_likelier", lambda *args: likelier)
-    found, _, _ = best_answer(NOTHING, NOTHING, search, NOTHING, is_in_doubt=False)
+    request: Any = SimpleNamespace(model=None)
+    found, _, _ = best_answer(NOTHING, request, search, NOTHING, is_in_doubt=False)
     assert (found is rich) is is_rich
