@@ -109,7 +109,7 @@ def better_intersample(
         if refitted is None:
             return -np.inf
         found = _fall_with_moments(candidate, refitted)
-        return found * _independent_share(refitted) if found >= needed else -np.inf
+        return found * independent_share(refitted) if found >= needed else -np.inf
 
     falls = in_parallel(fall, others)
     if max(falls) <= BETTER_BY:
@@ -158,7 +158,7 @@ def intersample_after_first_cause(
     if intersample != "zoh":
         return intersample
     held, other = refitted_as(candidate, sigma, intersample), _delayed(candidate, scale, sigma)
-    if held is None or _fall(held, other) * _independent_share(other) > BETTER_BY:
+    if held is None or _fall(held, other) * independent_share(other) > BETTER_BY:
         return None
     return intersample
 
@@ -168,7 +168,7 @@ def _held_with_less(
 ) -> Intersample | None:
     """How the input may be held, so that the base or a single delay explains as much."""
     gained = max(_fall(base, candidate), 0.0)
-    needed = max(BETTER_BY / _independent_share(candidate), LITTLE_OF_GAIN * gained)
+    needed = max(BETTER_BY / independent_share(candidate), LITTLE_OF_GAIN * gained)
     delay_s = _delay_of_second_order(candidate)
     for intersample in (one for one in choices_of(candidate.problem.logs) if one in HELD):
         held = refitted_as(base, sigma, intersample)
@@ -241,7 +241,7 @@ def intersample_after_all_causes(
     return intersample
 
 
-def _independent_share(candidate: Candidate) -> float:
+def independent_share(candidate: Candidate) -> float:
     """Share of the samples of the first output that count as independent for a mean square.
 
     It is 1/(1 + 2 Σ ρ²). White noise adds L/n to a sum of ρ̂² over L lags, which is subtracted.
@@ -294,7 +294,7 @@ def explained_alike(
     refitted = refitted_as(candidate, sigma, intersample)
     if refitted is None:
         return None
-    fall = _fall_with_moments(refitted, candidate) * _independent_share(candidate)
+    fall = _fall_with_moments(refitted, candidate) * independent_share(candidate)
     return refitted if fall <= BETTER_BY else None
 
 

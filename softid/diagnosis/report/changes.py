@@ -21,6 +21,7 @@ from softid.diagnosis.changes.log_differences import (
     log_differences,
     squares_of,
 )
+from softid.diagnosis.changes.pooling import own_parameters
 from softid.diagnosis.changes.spells import Spells, spells_elsewhere, spells_of
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs
@@ -91,6 +92,12 @@ LOOK_THEN = (
     "lost samples, and diagnose what comes before and after it apart"
 )
 """What to do about a moment or a spell."""
+
+APART = (
+    "look at what was changed between the logs, such as a load, a mount or a calibration, and "
+    "diagnose each of them apart"
+)
+"""What to do about logs that differ."""
 
 MOST_KINDS = 3
 """Most kinds of a difference that a sentence names."""
@@ -291,6 +298,37 @@ def difference_issues(base: BaseFit, model: Candidate | None = None) -> tuple[Is
     return ()
 
 
+def own_parameter_issues(base: BaseFit) -> tuple[Issue, ...]:
+    """That the fitted logs ask for parameters of their own, however little one model leaves.
+
+    Parameters
+    ----------
+    base
+        The base fit to the logs, of which nothing else is told.
+    """
+    own = None if base.is_negligible else own_parameters(base)
+    if own is None:
+        return ()
+    first, *others = base.whole_logs
+    output = first.channels[first.outputs[0]]
+    apart, together = (
+        f"{left * output.display_factor:.3g} {output.display_unit}"
+        for left in (own.apart, own.together)
+    )
+    pairs = zip(others, own.changes, strict=True) if own.name else ()
+    rows = [f"{100.0 * change:+.0f} % in {log.name}" for log, change in pairs]
+    most = f"; most of all {own.name} differs from that in {first.name}, by {listed(rows)}"
+    return (
+        Issue(
+            LOG_DIFFERENCES,
+            "warning",
+            f"the logs differ: models of their own leave {apart} rms of {output.name}, and one for "
+            f"all leaves {together}, which is more than chance allows{most if rows else ''}",
+            APART,
+        ),
+    )
+
+
 def _over(logs: Sequence[Log], model: Candidate) -> tuple[Problem, Array]:
     """A model over whole logs of which it was fitted to parts, and its unknowns there."""
     if len(logs) == len(model.problem.logs) and all(map(is_, logs, model.problem.logs)):
@@ -328,8 +366,7 @@ def _told(
         "warning",
         f"the logs differ: against {reference} {_title(kind)} changes by {listed(rows)}, which "
         f"takes away {percent(found.share)} of the misfit of {output}{_or_else(found)}",
-        "look at what was changed between the logs, such as a load, a mount or a calibration, and "
-        "diagnose each of them apart",
+        APART,
     )
 
 

@@ -14,6 +14,7 @@ from softid.diagnosis.report.changes import (
     LOG_DIFFERENCES,
     change_issues,
     difference_issues,
+    own_parameter_issues,
     spell_issues,
 )
 from softid.diagnosis.report.other_model import UNASKED_MODEL
@@ -163,6 +164,9 @@ def with_other_explanations(
     unasked = [issue.remedy for issue in answer.issues if issue.code == UNASKED_MODEL]
     if unasked:
         return replace(answer, alternatives=(), next_experiment=unasked[0])
+    own = own_parameter_issues(base) if answer.verdict is Verdict.ADEQUATE else ()
+    if own:
+        return _with_differences(answer, difference_issues(base) or own)
     if any(cause.doubt is Doubt.ONE_STEP for cause in answer.descriptive):
         return answer  # what is slow behind a step would begin at a moment
     if is_unknown and not (leaves or answer.descriptive) and is_one_step(base.candidate.problem):
@@ -187,6 +191,12 @@ def with_other_explanations(
         issues=(*answer.issues, *told),
         next_experiment=following[0] if following else answer.next_experiment,
     )
+
+
+def _with_differences(answer: Diagnosis, differing: Sequence[Issue]) -> Diagnosis:
+    """A diagnosis of which nothing else is told, with what differs between the logs."""
+    issues, following = (*answer.issues, *differing), differing[0].remedy
+    return replace(answer, verdict=Verdict.UNKNOWN, issues=issues, next_experiment=following)
 
 
 def with_law_beside(
