@@ -55,6 +55,10 @@ CHEAP_ENTRIES = 50_000
 """Largest Jacobian that is kept at every evaluation: it stays in the processor's cache. Of a larger
 one the columns are kept where they are asked for at the end."""
 
+LONGEST_KEPT = 300_000
+"""Samples up to which the last evaluation keeps its residuals: the column saves one more simulation
+of a dozen, and beyond is a third of the log's own memory."""
+
 
 @dataclass(frozen=True, eq=False)
 class Prior:
@@ -112,10 +116,11 @@ class Objective:
         """The normal equations without the prior; the last ones are kept, to begin a run with.
 
         Columns are kept where that is cheap, and where they are asked for; where they would be too
-        many, the residuals.
+        many, the residuals; of the longest logs neither.
         """
         keeps = self._entries <= (SUMMED_ENTRIES if columns else CHEAP_ENTRIES)
-        keep: Keep = 1 if keeps else "residual" if columns else 0
+        is_long = self.problem.n_samples > LONGEST_KEPT
+        keep: Keep = 1 if keeps else "residual" if columns and not is_long else 0
         last = self._last
         if (
             last is not None
