@@ -56,8 +56,8 @@ CHEAP_ENTRIES = 50_000
 one the columns are kept where they are asked for at the end."""
 
 LONGEST_KEPT = 300_000
-"""Samples up to which the last evaluation keeps its residuals: the column saves one more simulation
-of a dozen, and beyond is a third of the log's own memory."""
+"""Samples up to which the last evaluation keeps its residuals: the column saves a simulation,
+and takes a third of the memory of a log of three channels."""
 
 
 @dataclass(frozen=True, eq=False)

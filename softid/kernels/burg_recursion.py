@@ -6,12 +6,9 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from softid.kernels.decorators import kernel
+from softid.kernels.decorators import SUMMING, kernel
 
 Array = npt.NDArray[np.float64]
-
-SUMMING = {"contract", "nsz", "reassoc"}
-"""What summing may rearrange, so that it takes vector instructions."""
 
 
 @njit(nogil=True, error_model="numpy", fastmath=SUMMING, forceinline=True)

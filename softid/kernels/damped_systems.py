@@ -6,13 +6,10 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from softid.kernels.decorators import kernel
+from softid.kernels.decorators import SUMMING, kernel
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
-
-SUMMING = {"contract", "nsz", "reassoc"}
-"""What the sums along two rows may rearrange, so that they take vector instructions."""
 
 
 @njit(nogil=True, error_model="numpy", fastmath=SUMMING, forceinline=True)

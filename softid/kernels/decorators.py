@@ -22,6 +22,9 @@ _OPTIONS: dict[str, Any] = {
     "fastmath": {"contract", "nsz"},
 }
 
+SUMMING = {"contract", "nsz", "reassoc"}
+"""What a function that only sums may rearrange, so that it takes vector instructions."""
+
 
 def kernel(function: F) -> Dispatcher[F]:
     """Compile a function that is called from Python, and keep it on disk.

@@ -6,12 +6,9 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from softid.kernels.decorators import kernel
+from softid.kernels.decorators import SUMMING, kernel
 
 Array = npt.NDArray[np.float64]
-
-SUMMING = {"contract", "nsz", "reassoc"}
-"""What summing may rearrange, so that it takes vector instructions."""
 
 CHUNK = 2048
 """Samples that all lags are taken of before the next ones: they stay in the fastest cache."""

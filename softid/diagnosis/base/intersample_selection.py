@@ -245,6 +245,11 @@ def independent_share(candidate: Candidate) -> float:
     """Share of the samples of the first output that count as independent for a mean square.
 
     It is 1/(1 + 2 Σ ρ²). White noise adds L/n to a sum of ρ̂² over L lags, which is subtracted.
+
+    Parameters
+    ----------
+    candidate
+        The model that leaves them.
     """
     (residuals, *_) = residuals_by_channel(candidate.problem, candidate.minimum.point)
     lags = min(MOST_LAGS, max(residual.size for residual in residuals) // 4)

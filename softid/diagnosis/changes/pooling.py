@@ -16,7 +16,7 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.base.intersample_selection import independent_share
 from softid.diagnosis.changes.log_differences import squares_of
 from softid.diagnosis.refit.candidates import Candidate
-from softid.diagnosis.refit.parts_of_logs import refitted
+from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
 from softid.errors import IdentificationError, InputError
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
@@ -25,11 +25,9 @@ from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
 
-EVALUATIONS = 40
-"""Simulations with derivatives of the refit to one log."""
-
 LEAST_FALL = 10.0
-"""The BIC of models of their own must be so much lower: as much as an effect needs to be named."""
+"""The BIC of models of their own must be so much lower, which speaks very strongly for them (Kass
+and Raftery, J. Am. Stat. Assoc. 90, 1995)."""
 
 LEAST_DIFFERENCE = 4.0
 """A parameter is told where its values are so many standard errors apart."""
@@ -72,7 +70,7 @@ def own_parameters(base: BaseFit) -> OwnParameters | None:
         problem = Problem(model.problem.model, held, (log,))
         pooled = squares_of(problem, refit_nuisance(problem).unknowns)
         try:
-            return pooled, refitted(model, base.sigma, [log], EVALUATIONS)
+            return pooled, refitted(model, base.sigma, [log], REFIT_EVALUATIONS)
         except (IdentificationError, InputError):  # it is too short, or nothing moves in it
             return pooled, None
 

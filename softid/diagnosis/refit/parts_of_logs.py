@@ -14,6 +14,9 @@ from softid.log import Log
 EXACT = 1000
 """Most steps in a sampling interval: as many as the law asks for, since noise is what is left."""
 
+REFIT_EVALUATIONS = 40
+"""Simulations with derivatives of a refit to a part of what the base was fitted to."""
+
 SETTLED_SHARE = 0.99
 """A refit goes on under a lighter prior while a run leaves less than this share of the squares."""
 

@@ -25,7 +25,7 @@ from softid.diagnosis.changes.pooling import own_parameters
 from softid.diagnosis.changes.spells import Spells, spells_elsewhere, spells_of
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs
-from softid.diagnosis.refit.parts_of_logs import refitted
+from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
 from softid.diagnosis.report.motion_shown import sine_lag
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import noise_variance
@@ -104,9 +104,6 @@ MOST_KINDS = 3
 
 FOLLOWED_RATIO = 2.0
 """A log is followed where no more than so many times the noise of all logs is left."""
-
-REFIT_EVALUATIONS = 40
-"""Simulations with derivatives of a refit to a part of what the base was fitted to."""
 
 REFERENCES = 3
 """Logs that are tried as the one which the others are compared with."""

@@ -15,8 +15,8 @@ from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.search.forward_selection import Link
 from softid.diagnosis.verdict.chain_consistency import may_hold_more
 from softid.diagnosis.verdict.refitted_laws import PROMISING_RATIO, refitted_with, standing_of
+from softid.diagnosis.verdict.two_memories import MEMORIES
 from softid.diagnosis.verdict.unlisted_laws import Law
-from softid.diagnosis.verdict.unlisted_memories import SecondCreep, SecondHysteresis
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.effects import extended_name
 from softid.errors import Issue
@@ -24,12 +24,11 @@ from softid.errors import Issue
 SEVERAL_ELEMENTS = "several-elements"
 """Code of the remark that a second element of the same kind stands beside a named one."""
 
-SECOND: Mapping[str, tuple[type[Law], str, str]] = {
-    "creep": (SecondCreep, "tau", "creeps with more than one time"),
-    "hysteresis": (SecondHysteresis, "zs", "gives way over more than one distance"),
+SECOND: Mapping[str, tuple[str, str]] = {
+    "creep": ("tau", "creeps with more than one time"),
+    "hysteresis": ("zs", "gives way over more than one distance"),
 }
-"""Named cause → the law of a second element beside it, which of its parameters tells the two apart,
-and what both together are."""
+"""Named cause → which parameter tells a second element from it, and what both together are."""
 
 MOST_OF_THE_REST = 0.5
 """Share of what the named causes leave above the noise that a second element takes at least."""
@@ -55,7 +54,11 @@ def with_several_elements(
     base
         What that extends.
     """
-    rows = [SECOND[link.added.name] for link in links if link.added.name in SECOND]
+    rows = [
+        (MEMORIES[link.added.name], *SECOND[link.added.name])
+        for link in links
+        if link.added.name in SECOND
+    ]
     is_open = may_hold_more(found.remainder) or bool(found.descriptive)
     if not (rows and is_open and found.verdict in (Verdict.NAMED, Verdict.PARTIAL)):
         return found

@@ -21,8 +21,8 @@ MEMORIES = {"creep": SecondCreep, "hysteresis": SecondHysteresis}
 
 LEAVES_MORE = 4.0
 """Two elements of one kind leave at least so many times of what the two kinds leave above the noise
-where both act. Beside a creep, a Bouc–Wen model with another exponent or slipping elements made it
-six to nineteen times; a fractional creep, which is one law, less than once."""
+where both act; a judgement. Of a fractional creep, which is one law, two creeps leave less than a
+creep and a hysteresis do."""
 
 
 def are_two_laws(final: Candidate, base: BaseFit, remainder: Remainder) -> bool:
