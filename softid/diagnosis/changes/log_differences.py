@@ -2,6 +2,7 @@
 
 Something was changed between two logs, and one model is to follow both. A model that follows one of
 them is put to the others with one change for each, which is fitted with its zero and initial state.
+Where one does not do, a second is freed beside it: a payload adds inertia and weight.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import elastic_force
 from softid.diagnosis.refit.extension import extend, named_values
+from softid.diagnosis.residual.noise_floor import SMALLEST_EXCESS
 from softid.effects.scale import Scale
 from softid.fitters.output_error import refit_nuisance
 from softid.fitters.problem import Problem
@@ -23,6 +25,8 @@ from softid.log import Log
 from softid.parallel import in_parallel
 
 Array = npt.NDArray[np.float64]
+Sizes = tuple[float, ...] | None
+"""Of what was freed in a log; None where it is not known."""
 
 LEAST_TAKEN = 0.9
 """A difference must take away so much of the misfit above the noise."""
@@ -37,6 +41,16 @@ model."""
 
 LARGEST_SHARE = 0.55
 """A change by a larger share is no small difference of one rig."""
+
+LARGEST_PAYLOAD = 5.0
+"""An inertia may be so many times as large all the same, for a payload changes it, or a mount."""
+
+MUST_LEAVE = 0.5
+"""Share of what one change leaves of the misfit that a second one beside it may leave at most."""
+
+LEAST_START = 0.25
+"""Share of the misfit above the noise that a change takes away by itself before a second one is
+tried beside it."""
 
 ZERO = "zero"
 """Kind of a difference that every log has anyway."""
@@ -65,11 +79,15 @@ class LogDifferences:
         longest log, a delay in s; no numbers for a zero.
     share
         Share of the misfit above the noise that goes.
+    beside
+        What differs besides, where one number for each log does not take so much; its share is that
+        of both.
     """
 
     kinds: tuple[str, ...]
     sizes: tuple[float, ...]
     share: float
+    beside: LogDifferences | None = None
 
 
 def log_differences(
@@ -103,33 +121,36 @@ def log_differences(
     Returns
     -------
     LogDifferences or None
-        None where no kind takes so much.
+        None where neither one kind nor two take so much.
     """
     misfit = before - noise
     if not misfit > 0.0:
         return None
-    changes = _changes(reference, scale)
-    fitted = in_parallel(lambda change: [change.on(log) for log in logs], changes)
-    falls = [
-        (before - own - sum(left for left, _ in rows)) / misfit
-        if change.may_be([size for _, size in rows])
-        else -np.inf
-        for change, rows in zip(changes, fitted, strict=True)
-    ]
-    ranked = np.argsort(falls[1:])[::-1] + 1
-    if zero_counts and falls[0] > RIVAL_SHARE * falls[ranked[0]]:
-        ranked = np.zeros(1, np.intp)
-    most = falls[ranked[0]]
-    if not most > LEAST_TAKEN:
-        return None
-    alike = [k for k in ranked.tolist() if falls[k] > RIVAL_SHARE * most]
-    variance = noise / sum(log.time_s.size for log in logs)
-    level = sorted(k for k in alike if (most - falls[k]) * misfit < SAME_SQUARES * variance)
-    alike = [*level, *(k for k in alike if k not in level)]
-    outside = [k for k in alike if changes[k].kind not in reference.problem.free]
-    alike = outside or alike  # what has a name of its own comes before a parameter
-    sizes = tuple(size for _, size in fitted[alike[0]] if size is not None)
-    return LogDifferences(tuple(changes[k].kind for k in alike), sizes, min(falls[alike[0]], 1.0))
+    problem, values = reference.problem, reference.parameters
+    same = SAME_SQUARES * noise / (misfit * sum(log.time_s.size for log in logs))
+
+    def tried(changes: Sequence[_Change]) -> _Tried:
+        fitted = in_parallel(lambda change: [change.on(log) for log in logs], changes)
+        rows = [[sizes for _, sizes in each] for each in fitted]
+        left = [sum(squares for squares, _ in each) for each in fitted]
+        falls = [
+            (before - own - squares) / misfit if change.may_be(sizes) else -np.inf
+            for change, squares, sizes in zip(changes, left, rows, strict=True)
+        ]
+        return _Tried(changes, rows, np.array(falls), same)
+
+    single = tried(_changes(reference, scale))
+    if zero_counts:
+        zero = tried([_Change((ZERO,), (), problem, values)])
+        if zero.most > max(LEAST_TAKEN, RIVAL_SHARE * single.most):
+            return zero.told(problem.free)
+    left = misfit * (1.0 - single.most)
+    pairs = single.joined_with_best() if single.most > LEAST_START else []
+    if pairs and (single.most <= LEAST_TAKEN or left > SMALLEST_EXCESS * noise):
+        both = tried(pairs)
+        if both.most > max(LEAST_TAKEN, 1.0 - MUST_LEAVE * (1.0 - single.most)):
+            return both.told(problem.free)
+    return single.told(problem.free) if single.most > LEAST_TAKEN else None
 
 
 def squares_of(problem: Problem, z: Array) -> float:
@@ -149,79 +170,153 @@ def squares_of(problem: Problem, z: Array) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Change:
-    """One free parameter beside others that stay, or none.
+    """Free parameters beside others that stay, or none.
 
     Attributes
     ----------
-    kind
-        As in `LogDifferences`; not its name where it is that of a probe.
-    name
-        The parameter; empty where only the zero differs.
+    kinds
+        As in `LogDifferences`, one for each parameter; not its name where it is that of a probe.
+    names
+        The parameters; none where only the zero differs.
     problem
         The model over the logs that it was fitted to.
     values
-        The values that stay, and that of the parameter as it was.
+        The values that stay, and those of the parameters as they were.
     """
 
-    kind: str
-    name: str
+    kinds: tuple[str, ...]
+    names: tuple[str, ...]
     problem: Problem
     values: Mapping[str, float]
 
-    def may_be(self, sizes: Sequence[float | None]) -> bool:
-        """Whether changes are small enough for one rig; only its bounds limit a delay."""
-        return all(s is not None and (self.kind == DELAY or abs(s) <= LARGEST_SHARE) for s in sizes)
+    def joined_with(self, other: _Change) -> _Change | None:
+        """Both at once; None where no model holds the parameters of both."""
+        wider = self if len(self.values) >= len(other.values) else other
+        names = (*self.names, *other.names)
+        if not other.names or not set(names) <= set(wider.values):
+            return None
+        return replace(wider, kinds=(*self.kinds, *other.kinds), names=names)
 
-    def on(self, log: Log) -> tuple[float, float | None]:
-        """What is left of a log, and the change: of a parameter of the model as a share of it.
+    def may_be(self, sizes: Sequence[Sizes]) -> bool:
+        """Whether changes are small enough for one rig; only its bounds limit a delay."""
+        return all(row is not None and all(map(self._is_small, self.kinds, row)) for row in sizes)
+
+    def _is_small(self, kind: str, size: float) -> bool:
+        if kind == self.problem.model.inertia_parameter:
+            return 1.0 / LARGEST_PAYLOAD <= 1.0 + size <= LARGEST_PAYLOAD
+        return kind == DELAY or abs(size) <= LARGEST_SHARE
+
+    def on(self, log: Log) -> tuple[float, Sizes]:
+        """What is left of a log, and the changes: of parameters of the model as shares of them.
 
         No change is known at a bound, nor of a parameter of the model that was 0, which has no
         share; the sizes of a probe are about 0 and stand for themselves.
         """
-        others = {name: value for name, value in self.values.items() if name != self.name}
+        others = {name: value for name, value in self.values.items() if name not in self.names}
         declared = self.problem.parameters.with_values(self.values).with_fixed(others)
         problem = Problem(self.problem.model, declared, (log,))
         z = refit_nuisance(problem).unknowns
         left = squares_of(problem, z)
-        if not self.name:
-            return left, 0.0
-        if problem.at_bound(z)[problem.free.index(self.name)]:
+        at_bound, found = problem.at_bound(z), problem.values(z)
+        if any(at_bound[problem.free.index(name)] for name in self.names):
             return left, None
-        value, known = float(problem.values(z)[self.name]), self.values[self.name]
-        if self.kind != self.name:  # that of a probe
-            return left, value
-        return left, value / known - 1.0 if known else None
+        sizes = []
+        for kind, name in zip(self.kinds, self.names, strict=False):
+            value, known = float(found[name]), self.values[name]
+            if kind == name and not known:
+                return left, None
+            sizes.append(value / known - 1.0 if kind == name else value)
+        return left, tuple(sizes)
 
 
 @dataclass(frozen=True, eq=False)
 class _Turn(_Change):
     """The sign of the first output, where that of some logs is turned."""
 
-    def may_be(self, sizes: Sequence[float | None]) -> bool:
-        """Whether any is; without one it is a zero of their own."""
-        return any(sizes)
+    def joined_with(self, other: _Change) -> None:
+        """None: what is turned is looked at again when it is mended."""
 
-    def on(self, log: Log) -> tuple[float, float | None]:
+    def may_be(self, sizes: Sequence[Sizes]) -> bool:
+        """Whether any is; without one it is a zero of their own."""
+        return any(size for row in sizes for size in row or ())
+
+    def on(self, log: Log) -> tuple[float, Sizes]:
         """What is left of a log with the better sign, and its change."""
         channel = log.channels[self.problem.outputs[0]]
         turned = replace(channel, values=-channel.values)
         as_it_is, _ = super().on(log)
         left, _ = super().on(replace(log, channels={**log.channels, channel.name: turned}))
-        return (as_it_is, 0.0) if as_it_is <= left else (left, TURNED)
+        return (as_it_is, (0.0,)) if as_it_is <= left else (left, (TURNED,))
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """Changes that were put to logs.
+
+    Attributes
+    ----------
+    changes
+        What was changed.
+    rows
+        For each change and each log, the sizes.
+    falls
+        Shares of the misfit above the noise that they take away; −∞ for what may not be, shape
+        (changes,).
+    same
+        Falls that are no further apart are the same here.
+    """
+
+    changes: Sequence[_Change]
+    rows: Sequence[Sequence[Sizes]]
+    falls: Array
+    same: float
+
+    @property
+    def most(self) -> float:
+        """The largest share."""
+        return float(self.falls.max())
+
+    def joined_with_best(self) -> list[_Change]:
+        """The change that takes the most, with each of the others."""
+        first = self.changes[int(self.falls.argmax())]
+        joined = (first.joined_with(change) for change in self.changes if change is not first)
+        return [pair for pair in joined if pair is not None]
+
+    def told(self, own: Sequence[str]) -> LogDifferences:
+        """The kinds that take nearly as much as the best; of changes at once, the last's.
+
+        Parameters
+        ----------
+        own
+            Parameters of the model: what has a name of its own comes before them.
+        """
+        ranked = np.argsort(self.falls)[::-1].tolist()
+        alike = [k for k in ranked if self.falls[k] > RIVAL_SHARE * self.most]
+        level = sorted(k for k in alike if self.most - self.falls[k] < self.same)
+        alike = [*level, *(k for k in alike if k not in level)]
+        alike = [k for k in alike if self.changes[k].kinds[-1] not in own] or alike
+        best, share = alike[0], min(float(self.falls[alike[0]]), 1.0)
+        last = tuple(row[-1] for row in self.rows[best] if row)
+        kinds = tuple(self.changes[k].kinds[-1] for k in alike)
+        found = LogDifferences(kinds, last, share)
+        if len(self.changes[best].kinds) == 1:
+            return found
+        first = tuple(row[0] for row in self.rows[best] if row)
+        return LogDifferences(self.changes[best].kinds[:1], first, share, found)
 
 
 def _changes(reference: Candidate, scale: Scale) -> list[_Change]:
-    """Everything that may differ: the zero, every free parameter, and what the probes change."""
+    """Everything that may differ: the sign, every free parameter, and what the probes change."""
     problem, values = reference.problem, reference.parameters
     scale = _own_scale(reference, scale)
-    found = [_Change(ZERO, "", problem, values), _Turn(SIGN, "", problem, values)]
-    found += [_Change(name, name, problem, values) for name in problem.free]
+    found: list[_Change] = [_Turn((SIGN,), (), problem, values)]
+    found += [_Change((name,), (name,), problem, values) for name in problem.free]
     for law in PROBES:
         probe = law()
         own = named_values(probe, probe.starts(scale)[0])
         extended = extend(problem, (probe,), scale)
         found += [
-            _Change(kind, name, extended, {**values, **own})
+            _Change((kind,), (name,), extended, {**values, **own})
             for kind, name in zip(probe.kinds, own, strict=True)
         ]
     return found

@@ -14,18 +14,13 @@ import numpy.typing as npt
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.changes.input_levels import have_same_levels
-from softid.diagnosis.changes.log_differences import (
-    SIGN,
-    ZERO,
-    LogDifferences,
-    log_differences,
-    squares_of,
-)
+from softid.diagnosis.changes.log_differences import log_differences, squares_of
 from softid.diagnosis.changes.pooling import own_parameters
 from softid.diagnosis.changes.spells import Spells, spells_elsewhere, spells_of
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
+from softid.diagnosis.report.difference_texts import APART, LOG_DIFFERENCES, DifferenceTexts
 from softid.diagnosis.report.motion_shown import sine_lag
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import noise_variance
@@ -41,9 +36,6 @@ Array = npt.NDArray[np.float64]
 CHANGE_POINT = "change-point"
 """Code of the remark that a misfit begins at one moment."""
 
-LOG_DIFFERENCES = "logs-differ"
-"""Code of the remark that a misfit is a difference between logs."""
-
 HELD_OUT_CHANGE = "held-out-change"
 """Code of the remark that what is held out differs, from a moment on or throughout."""
 
@@ -57,29 +49,8 @@ CHANGES = {
 }
 """Kinds of a change point in words."""
 
-DIFFERENCES = {
-    ZERO: "the zero of the reading",
-    SIGN: "the sign of the reading",
-    "gain": "the gain of the reading",
-    "delay": "the delay of the reading",
-    "drift": "the drift of the reading",
-    "settling_drift": "a drift of the reading that settles, as that of a sensor that warms up,",
-    "load": "a constant load",
-    "stiffness": "the stiffness",
-    "damping": "the damping",
-    "pressure_gain": "the gain of the pressure",
-    "pressure_zero": "the zero of the pressure",
-}
-"""What may differ from log to log, in words; else it is a parameter of the model."""
-
-SIZES = {
-    "delay": "{0:+.3g} s",
-    "drift": "{1:+.1f} % of the range",
-    "settling_drift": "{1:+.1f} % of the range",
-    "load": "{1:+.1f} % of the elastic force",
-    "pressure_zero": "{1:+.1f} % of the range",
-}
-"""Format of the size of a difference by its kind; all others are told in per cent."""
+OUTSIDE_NOISE = ", outside of which no more than noise is left"
+"""Said of spells in which no change in one known way is seen."""
 
 RECURS = (
     "; what is held out has such spells, too, so that a law may be missing that acts at few "
@@ -92,15 +63,6 @@ LOOK_THEN = (
     "lost samples, and diagnose what comes before and after it apart"
 )
 """What to do about a moment or a spell."""
-
-APART = (
-    "look at what was changed between the logs, such as a load, a mount or a calibration, and "
-    "diagnose each of them apart"
-)
-"""What to do about logs that differ."""
-
-MOST_KINDS = 3
-"""Most kinds of a difference that a sentence names."""
 
 FOLLOWED_RATIO = 2.0
 """A log is followed where no more than so many times the noise of all logs is left."""
@@ -141,8 +103,9 @@ def held_out_change_issues(
         found = log_differences(
             model, scale, judged.problem.logs, before=before, noise=noise * errors.size
         )
-        told = _told(found, judged.problem.logs, judged.problem.outputs[0], "the fitted logs")
-        if told is not None:
+        if found is not None:
+            texts = DifferenceTexts.of(judged.problem)
+            told = texts.issue(found, judged.problem.logs, "the fitted logs")
             return (replace(told, code=HELD_OUT_CHANGE),)
     moments = change_issues(judged, scale, power / noise - 1.0)
     return tuple(replace(issue, code=HELD_OUT_CHANGE) for issue in moments)
@@ -218,12 +181,13 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
             noise=spells.noise,
             zero_counts=True,
         )
+        like = OUTSIDE_NOISE if change is None else DifferenceTexts.of(problem).in_spell(change)
         found.append(
             Issue(
                 CHANGE_POINT,
                 "warning",
                 f"the misfit of {first} is confined to {_when(spells, log)} of {log.name}"
-                f"{_as_if(change)}{RECURS if any(others) else ''}",
+                f"{like}{RECURS if any(others) else ''}",
                 LOOK_THEN,
             )
         )
@@ -250,19 +214,6 @@ def _when(spells: Spells, log: Log) -> str:
     )
 
 
-def _as_if(change: LogDifferences | None) -> str:
-    """What the change is like in a spell, if it is like one."""
-    if change is None:
-        return ", outside of which no more than noise is left"
-    kind = change.kinds[0]
-    sizes = listed([_size(kind, size) for size in change.sizes])
-    by = f" by {sizes}" if kind not in (ZERO, SIGN) else ""
-    return (
-        f": there {_title(kind)} changes{by}, which takes away {percent(change.share)} of it"
-        f"{_or_else(change)}"
-    )
-
-
 def difference_issues(base: BaseFit, model: Candidate | None = None) -> tuple[Issue, ...]:
     """What differs from one fitted log to another; nothing where that is not the misfit.
 
@@ -277,7 +228,6 @@ def difference_issues(base: BaseFit, model: Candidate | None = None) -> tuple[Is
     logs = base.whole_logs
     if len(logs) < 2 or not have_same_levels(logs[:1], logs[1:]):
         return ()
-    output = candidate.problem.outputs[0]
     problem, z = _over(logs, candidate)
     before = squares_of(problem, z)
     noise = problem.n_samples / len(problem.outputs) * noise_variance(candidate, base.scale)
@@ -289,9 +239,8 @@ def difference_issues(base: BaseFit, model: Candidate | None = None) -> tuple[Is
             alone = refitted(candidate, base.sigma, [reference], REFIT_EVALUATIONS)
             own = squares_of(alone.problem, alone.minimum.point)
             found = log_differences(alone, base.scale, others, before=before, noise=noise, own=own)
-            told = _told(found, others, output, reference.name)
-            if told is not None:
-                return (told,)
+            if found is not None:
+                return (DifferenceTexts.of(alone.problem).issue(found, others, reference.name),)
     return ()
 
 
@@ -344,50 +293,3 @@ def _shows_motion_of(fitted: Sequence[Log], others: Sequence[Log]) -> bool:
     """Whether logs show how the actuator moves in others: one frequency says nothing of another."""
     output = fitted[0].outputs[0]
     return sine_lag(fitted, output) is None or sine_lag((*fitted, *others), output) is not None
-
-
-def _told(
-    found: LogDifferences | None, logs: Sequence[Log], output: str, reference: str
-) -> Issue | None:
-    """A difference in words."""
-    if found is None:
-        return None
-    kind = found.kinds[0]
-    if kind == SIGN:
-        return _turned(found, logs, output, reference)
-    rows = [
-        f"{_size(kind, size)} in {log.name}" for log, size in zip(logs, found.sizes, strict=True)
-    ]
-    return Issue(
-        LOG_DIFFERENCES,
-        "warning",
-        f"the logs differ: against {reference} {_title(kind)} changes by {listed(rows)}, which "
-        f"takes away {percent(found.share)} of the misfit of {output}{_or_else(found)}",
-        APART,
-    )
-
-
-def _turned(found: LogDifferences, logs: Sequence[Log], output: str, reference: str) -> Issue:
-    """That an output has the other sign in some logs."""
-    names = [log.name for log, size in zip(logs, found.sizes, strict=True) if size]
-    return Issue(
-        LOG_DIFFERENCES,
-        "warning",
-        f"the logs differ: {output} has the other sign in {listed(names)} than in {reference}, "
-        f"which makes {percent(found.share)} of its misfit",
-        f"turn it where it is wrong, with --channel {output}=COLUMN:-UNIT or in a sidecar",
-    )
-
-
-def _or_else(change: LogDifferences) -> str:
-    """What explains nearly as much, if anything does."""
-    others = listed([_title(other) for other in change.kinds[1:MOST_KINDS]], last=" or ")
-    return f"; {others} would explain nearly as much" if others else ""
-
-
-def _title(kind: str) -> str:
-    return DIFFERENCES.get(kind, f"{kind} of the model")
-
-
-def _size(kind: str, size: float) -> str:
-    return SIZES.get(kind, "{1:+.1f} %").format(size, 100.0 * size)

@@ -11,12 +11,12 @@ from softid.diagnosis.report.ambiguity import SEVERAL_STEPS
 from softid.diagnosis.report.changes import (
     CHANGE_POINT,
     HELD_OUT_CHANGE,
-    LOG_DIFFERENCES,
     change_issues,
     difference_issues,
     own_parameter_issues,
     spell_issues,
 )
+from softid.diagnosis.report.difference_texts import LOG_DIFFERENCES
 from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.phrases import listed, lowered, percent
 from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -20,11 +21,8 @@ from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOutLogs
-from softid.diagnosis.report.changes import (
-    LOG_DIFFERENCES,
-    _shows_motion_of,
-    difference_issues,
-)
+from softid.diagnosis.report.changes import _shows_motion_of, difference_issues
+from softid.diagnosis.report.difference_texts import LOG_DIFFERENCES
 from softid.effects import EFFECTS
 from softid.effects.scale import Scale
 from softid.fitters.problem import Problem
@@ -55,9 +53,17 @@ def log_with(seed: int, kind: str = "", size: float = 0.0) -> Log:
     return Log.from_arrays(TIME_S, {"pressure": u, "angle": angle + noise}, name=f"log-{seed}")
 
 
-def fitted(log: Log) -> tuple[Candidate, Scale]:
+def log_of(seed: int, truth: Mapping[str, float]) -> Log:
+    """The linear actuator with parameters of its own."""
+    u = pressure(seed)
+    noise = NOISE * np.random.default_rng(seed).standard_normal(N)
+    angle = linear_angle(TIME_S, u, truth) + noise
+    return Log.from_arrays(TIME_S, {"pressure": u, "angle": angle}, name=f"log-{seed}")
+
+
+def fitted(log: Log, truth: Mapping[str, float] = TRUTH) -> tuple[Candidate, Scale]:
     problem = linear_problem([log])
-    base = advance(standing(problem, problem.unknowns(TRUTH)), {"angle": NOISE}, 40)
+    base = advance(standing(problem, problem.unknowns(truth)), {"angle": NOISE}, 40)
     return base, scale_of(problem, base.minimum.point)
 
 
@@ -141,7 +147,38 @@ def test_a_drift_in_one_log_is_found(kind: str, added: Array) -> None:
     assert found.sizes[0] * scale.y_span == pytest.approx(added[-1], rel=0.3)
 
 
-def test_what_one_number_does_not_explain_is_no_difference() -> None:
+@pytest.mark.parametrize(("mass", "weight"), [(3.0, 0.1), (0.4, -0.06)])
+def test_a_payload_is_two_numbers(mass: float, weight: float) -> None:
+    """Known truth: put on or taken off, it changes the inertia by a factor and the stiffness."""
+    truth = {**TRUTH, "M": 2.0}
+    loaded = {**truth, "M": mass * truth["M"], "Q": (1.0 + weight) * truth["Q"]}
+    base, scale = fitted(log_of(0, truth), truth)
+    other = log_of(1, loaded)
+    left = HeldOutLogs((other,)).first_errors(base)
+    found = log_differences(base, scale, [other], before=float(left @ left), noise=NOISE**2 * N)
+    assert found is not None
+    assert found.beside is not None
+    sizes = {found.kinds[0]: found.sizes[0], found.beside.kinds[0]: found.beside.sizes[0]}
+    assert sizes == pytest.approx({"M": mass - 1.0, "stiffness": weight}, rel=0.1)
+    assert found.share == found.beside.share == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_payload_is_told_as_one() -> None:
+    """Both numbers, and what changes them at once."""
+    truth = {**TRUTH, "M": 2.0}
+    loaded = {**truth, "M": 2.0 * truth["M"], "Q": 1.1 * truth["Q"]}
+    (issue,) = difference_issues(base_of(log_of(0, truth), log_of(1, loaded)))
+    told = re.search(
+        r"against log-0 (.*) changes by ([+-][0-9.]+) % in log-1 and (.*) changes by "
+        r"([+-][0-9.]+) % in log-1, as with another payload",
+        issue.message,
+    )
+    assert told is not None
+    sizes = {told[1]: float(told[2]), told[3]: float(told[4])}
+    assert sizes == pytest.approx({"the inertia M": 100.0, "the stiffness": 10.0}, rel=0.1)
+
+
+def test_what_two_numbers_do_not_explain_is_no_difference() -> None:
     """A swing, and noise alone."""
     swing = linear_log(noise=NOISE, seed=3, samples=N, added=0.1 * np.sin(TIME_S))
     for other in (swing, log_with(1)):
@@ -212,10 +249,10 @@ def test_a_parameter_that_was_zero_has_no_share() -> None:
     """Known truth: a drive whose input has no offset, and one of 0.2 kPa, which is no 20 %."""
     model = replace(MODEL, spring="none")
     truth = {"M": 0.4, "N": 10.0, "G": 1.0, "offset": 0.0}
-    for known, share in ((0.0, None), (0.16, 0.25)):
+    for known, share in ((0.0, None), (0.16, (0.25,))):
         values = {**truth, "offset": known}
         problem = Problem(model, model.parameters().with_values(values), [drive_log(known)])
-        left, size = _Change("offset", "offset", problem, values).on(drive_log(0.2))
+        left, size = _Change(("offset",), ("offset",), problem, values).on(drive_log(0.2))
         assert left == pytest.approx(0.0, abs=1e-6)
         assert size == (share if share is None else pytest.approx(share, abs=1e-3))
 

@@ -8,7 +8,8 @@ import pytest
 
 from softid.diagnosis.base.base_fit import Request
 from softid.diagnosis.changes.pooling import own_parameters
-from softid.diagnosis.report.changes import LOG_DIFFERENCES, own_parameter_issues
+from softid.diagnosis.report.changes import own_parameter_issues
+from softid.diagnosis.report.difference_texts import LOG_DIFFERENCES
 from softid.diagnosis.workflow import diagnose
 from softid.diagnosis_results import Verdict
 from softid.log import Log, LogSet
