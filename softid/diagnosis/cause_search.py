@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from softid.diagnosis.base.base_fit import BaseFit, Progress
+from softid.diagnosis.changes.held_out_difference import is_another_actuator
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import BETTER, NO_WORSE
 from softid.diagnosis.residual.assessment import assess
@@ -262,17 +263,6 @@ class CauseSearch:
         """
         return bool(chain.links) and self.remainder_of(chain.final).structured
 
-    def without_names(self, chain: Chain) -> SearchResult:
-        """A chain that is no more than a description.
-
-        Parameters
-        ----------
-        chain
-            The chain.
-        """
-        found = self.judged(chain, None)
-        return replace(found, is_named=(False,) * len(found.is_named))
-
     def without_causes(self) -> SearchResult | None:
         """The base alone, if its residual shows nothing but noise.
 
@@ -389,7 +379,11 @@ class CauseSearch:
         of_tie = None
         if best is not chain.final:
             of_tie = with_held_out(remainder, before, best, held_out, self.base.sigma)
-        is_named = nameable(links, chain.final, remainder, gain=1 - after / before, of_tie=of_tie)
+        another = partial(is_another_actuator, chain.final, remainder, self.base)
+        gain = 1.0 - after / before
+        is_named = nameable(
+            links, chain.final, remainder, gain=gain, of_tie=of_tie, is_another=another
+        )
         pairs = sorted(zip(links, is_named, strict=True), key=lambda pair: -pair[0].squares_before)
         return SearchResult(
             replace(chain, links=tuple(link for link, _ in pairs)),

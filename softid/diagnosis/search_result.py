@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.search.forward_selection import Chain
@@ -36,6 +36,11 @@ class SearchResult:
     is_named: tuple[bool, ...]
     first: Candidate | None = None
     met_multistart: bool = False
+
+    @property
+    def without_names(self) -> SearchResult:
+        """The same as no more than a description."""
+        return replace(self, is_named=(False,) * len(self.is_named))
 
     @property
     def came_to_nothing(self) -> bool:

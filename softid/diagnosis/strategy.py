@@ -76,7 +76,7 @@ def search_causes(
     """
     first = first or search.first_cause()
     if search.leaves_structure(first) and others.outdo(search.base, first.final):
-        return search.without_names(first), search
+        return search.judged(first, None).without_names, search
     found = search.search(first)
     if is_in_doubt and found.remainder.structured and found.chain.links:
         timed = search_with_jump_moments(recordings, request, search, found.chain)

@@ -10,8 +10,9 @@ import pytest
 from scipy import signal
 
 from softid.diagnosis import diagnose
+from softid.diagnosis.logs.one_frequency import sine_lag
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
-from softid.diagnosis.report.motion_shown import NEARLY_STATIC, sine_lag
+from softid.diagnosis.report.motion_shown import NEARLY_STATIC
 from softid.diagnosis_results import Diagnosis, Verdict
 from softid.log import Log
 from softid.models import Oscillator

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
+from softid.diagnosis.changes.held_out_difference import held_out_difference, shows_motion_of
 from softid.diagnosis.changes.input_levels import have_same_levels
 from softid.diagnosis.changes.log_differences import log_differences, squares_of
 from softid.diagnosis.changes.pooling import own_parameters
@@ -21,7 +22,6 @@ from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.held_out import HeldOut, HeldOutLogs
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
 from softid.diagnosis.report.difference_texts import APART, LOG_DIFFERENCES, DifferenceTexts
-from softid.diagnosis.report.motion_shown import sine_lag
 from softid.diagnosis.report.phrases import listed, percent
 from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis_results import Remainder
@@ -95,19 +95,14 @@ def held_out_change_issues(
     judged = held.standing(model) if remainder.misses_held_out else None
     if judged is None:
         return ()
+    found = held_out_difference(model, remainder, held, scale) if is_sure else None
+    if found is not None:
+        texts = DifferenceTexts.of(judged.problem)
+        told = texts.issue(found, judged.problem.logs, "the fitted logs")
+        return (replace(told, code=HELD_OUT_CHANGE),)
     errors = held.first_errors(model)
-    power, noise = float(np.mean(errors**2)), remainder.noise_power
-    is_right = is_sure and not remainder.structured  # else it fits none of the logs
-    if is_right and _are_comparable(model.problem.logs, judged.problem.logs):
-        before = squares_of(judged.problem, judged.minimum.point)
-        found = log_differences(
-            model, scale, judged.problem.logs, before=before, noise=noise * errors.size
-        )
-        if found is not None:
-            texts = DifferenceTexts.of(judged.problem)
-            told = texts.issue(found, judged.problem.logs, "the fitted logs")
-            return (replace(told, code=HELD_OUT_CHANGE),)
-    moments = change_issues(judged, scale, power / noise - 1.0)
+    excess = float(np.mean(errors**2)) / remainder.noise_power - 1.0
+    moments = change_issues(judged, scale, excess)
     return tuple(replace(issue, code=HELD_OUT_CHANGE) for issue in moments)
 
 
@@ -233,7 +228,7 @@ def difference_issues(base: BaseFit, model: Candidate | None = None) -> tuple[Is
     noise = problem.n_samples / len(problem.outputs) * noise_variance(candidate, base.scale)
     for k, reference in enumerate(logs[:REFERENCES]):
         others = (*logs[:k], *logs[k + 1 :])
-        if not _shows_motion_of((reference,), others):
+        if not shows_motion_of((reference,), others):
             continue
         with suppress(IdentificationError, InputError):  # one log may be too short, or at rest
             alone = refitted(candidate, base.sigma, [reference], REFIT_EVALUATIONS)
@@ -282,14 +277,3 @@ def _over(logs: Sequence[Log], model: Candidate) -> tuple[Problem, Array]:
     held = model.problem.parameters.with_fixed(model.parameters)
     problem = Problem(model.problem.model, held, logs)
     return problem, refit_nuisance(problem).unknowns
-
-
-def _are_comparable(fitted: Sequence[Log], others: Sequence[Log]) -> bool:
-    """Whether a model of some logs is to follow others: over their levels, and as fast."""
-    return have_same_levels(fitted, others) and _shows_motion_of(fitted, others)
-
-
-def _shows_motion_of(fitted: Sequence[Log], others: Sequence[Log]) -> bool:
-    """Whether logs show how the actuator moves in others: one frequency says nothing of another."""
-    output = fitted[0].outputs[0]
-    return sine_lag(fitted, output) is None or sine_lag((*fitted, *others), output) is not None

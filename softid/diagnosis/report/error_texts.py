@@ -57,6 +57,8 @@ class ErrorTexts:
         Interval of the gain of all causes.
     dropped
         Parameters of the base that the extension does without.
+    differs
+        Whether it is told how what is held out differs.
     """
 
     def __init__(
@@ -65,8 +67,11 @@ class ErrorTexts:
         gains: Sequence[Gain],
         whole_gain: tuple[float, float] | None = None,
         dropped: Sequence[str] = (),
+        *,
+        differs: bool = False,
     ) -> None:
         self.base = base
+        self.differs = differs
         self.dropped = dropped
         self.whole_gain = whole_gain
         self.first = base.outputs[0]
@@ -147,9 +152,10 @@ class ErrorTexts:
         after = self.error(lambda g: g.rmse_after)
         if self.held_out and remainder.misses_held_out:
             another = "another cause of the tie, or " if is_tied else ""
+            why = f": {another}something that the fitted ones hardly show"
             return (
                 f"The held-out samples keep more, {self.size(after)}, than noise and the errors of "
-                f"the parameters make of them: {another}something that the fitted ones hardly show."
+                f"the parameters make of them{'' if self.differs else why}."
             )
         if not (self.held_out and after > MUCH_MORE * remainder.rms):
             return ""

@@ -188,7 +188,7 @@ def summarise(
         A few plain sentences, numbers in the units of the logs. Of several causes the first
         paragraph tells the whole, one each follows, and the last says what to do.
     """
-    teller = ErrorTexts(base, gains, gain_ci95, dropped)
+    teller = ErrorTexts(base, gains, gain_ci95, dropped, differs=bool(held_out_changes))
     opening = teller.misfit(is_extended=bool(causes or descriptive))
     told = [opening, given_up(dropped), *(sentence(remark) for remark in seen)]
     each: list[str] = []

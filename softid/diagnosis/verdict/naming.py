@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -100,10 +100,12 @@ def nameable(
     *,
     gain: float,
     of_tie: Remainder | None = None,
+    is_another: Callable[[], bool] = lambda: False,
 ) -> tuple[bool, ...]:
     """Which links may be named as causes; the others are descriptions.
 
-    What is held out may speak for another member of a tie, which then is the one to carry over.
+    What is held out may speak for another member of a tie, which then is the one to carry over. It
+    does not speak against any where it is of another actuator and a chain leaves noise elsewhere.
 
     Parameters
     ----------
@@ -117,11 +119,13 @@ def nameable(
         Share by which the error on what is held out falls.
     of_tie
         The remainder with what the member of a tie leaves there that errs least; None without one.
+    is_another
+        Whether what is held out differs in a number of the actuator; asked where it is not
+        explained whole.
     """
-    if not remainder.carries_over:
-        return (False,) * len(links)
-    if not carries_over_whole(of_tie or remainder):
-        return (False,) * len(links)
+    carries_over = remainder.carries_over and carries_over_whole(of_tie or remainder)
+    if links and not carries_over:
+        return (not remainder.structured and is_another(),) * len(links)
     if explains_enough(remainder):
         return (True,) * len(links)
     if (

@@ -12,6 +12,7 @@ import pytest
 from linear_motion import MODEL, RATE_HZ, TRUTH, linear_angle, linear_log, linear_problem, standing
 
 from softid.diagnosis.base.base_fit import BaseFit, Request
+from softid.diagnosis.changes.held_out_difference import shows_motion_of
 from softid.diagnosis.changes.log_differences import (
     LogDifferences,
     _Change,
@@ -21,7 +22,7 @@ from softid.diagnosis.changes.probes import PROBES
 from softid.diagnosis.refit.candidates import Candidate, advance
 from softid.diagnosis.refit.characteristic_scales import scale_of
 from softid.diagnosis.refit.held_out import HeldOutLogs
-from softid.diagnosis.report.changes import _shows_motion_of, difference_issues
+from softid.diagnosis.report.changes import difference_issues
 from softid.diagnosis.report.difference_texts import LOG_DIFFERENCES
 from softid.effects import EFFECTS
 from softid.effects.scale import Scale
@@ -212,9 +213,9 @@ def test_one_frequency_says_nothing_of_another() -> None:
     """A log that is a sine of 0.5 Hz asks for a delay in one of 1 Hz, though nothing differs: what
     is known of mass and damping is one number. Two sines of 0.5 Hz tell of a gain."""
     half, same, whole = (sine_log(*row) for row in ((0.5, 0.0), (0.5, 0.1), (1.0, 0.0)))
-    assert not _shows_motion_of((half,), (whole,))
-    assert _shows_motion_of((half,), (same,))
-    assert _shows_motion_of((half, whole), (half,))
+    assert not shows_motion_of((half,), (whole,))
+    assert shows_motion_of((half,), (same,))
+    assert shows_motion_of((half, whole), (half,))
     assert [issue.code for issue in difference_issues(base_of(half, same))] == [LOG_DIFFERENCES]
 
 

@@ -12,11 +12,11 @@ from linear_motion import linear_angle
 
 from softid.diagnosis import diagnose
 from softid.diagnosis.base.base_fit import BaseFit, Request
+from softid.diagnosis.logs.one_frequency import sine_lag
 from softid.diagnosis.report.motion_shown import (
     NEARLY_STATIC,
     ONE_FREQUENCY,
     motion_shown_issues,
-    sine_lag,
     static_share,
 )
 from softid.diagnosis.report.summary import write_summary

@@ -70,38 +70,6 @@ def test_a_random_rest_allows_no_name_without_a_gain() -> None:
     assert nameable([bare_link(100.0)], model(20.0), left, gain=0.49) == (False,)
 
 
-def test_what_does_not_carry_over_is_not_named() -> None:
-    """Noise alone is left on the fitted samples, but on others most of the misfit stays."""
-    left = remainder(structured=False, explained=1.0)
-    for share, named in ((0.71, True), (0.69, False)):
-        told = nameable(
-            [bare_link(100.0)], model(1.0), replace(left, held_out_share=share), gain=0.5
-        )
-        assert told == (named,)
-
-
-@pytest.mark.parametrize(
-    ("misses", "share", "of_rival", "named"),
-    [
-        (True, 0.94, None, True),
-        (True, 0.92, None, False),
-        (True, 0.92, 0.94, True),
-        (True, 0.92, 0.92, False),
-        (True, 0.69, 0.94, False),
-        (False, 0.92, None, True),
-    ],
-)
-def test_beside_a_rest_that_is_held_out(
-    misses: bool, share: float, of_rival: float | None, named: bool
-) -> None:
-    """Noise alone is left on the fitted samples; what others miss a rival of the tie may not."""
-    left = remainder(structured=False, explained=1.0)
-    left = replace(left, misses_held_out=misses, held_out_share=share)
-    of_tie = replace(left, held_out_share=of_rival) if of_rival is not None else None
-    told = nameable([bare_link(100.0)], model(1.0), left, gain=0.9, of_tie=of_tie)
-    assert told == (named,)
-
-
 DRIFT = effect_of("sensor_drift")
 RATE = estimate("sensor_drift_rate", 0.01, "rad/s")
 OVER_ZERO = replace(RATE, ci95=(-0.001, 0.02))
