@@ -107,7 +107,7 @@ def mending(links: Sequence[Link], squares_left: float, remainder: Remainder) ->
 
     Of two that can be confused and that together leave more than noise, or what may be slow noise
     that no rest shows, the later one is; the earlier one, too, where it takes away less than the
-    later one.
+    later one; and what is slight beside the larger one, for that law leaves something anyway.
 
     Parameters
     ----------
@@ -129,6 +129,9 @@ def mending(links: Sequence[Link], squares_left: float, remainder: Remainder) ->
         found.add(effects[late].key)
         if taken[late] > taken[early]:
             found.add(effects[early].key)
+        most = SLIGHT * max(taken[late], taken[early])
+        others = zip(effects, taken, strict=True)
+        found |= {effect.key for effect, t in others if t < most and not effect.has_one_form}
     return frozenset(found)
 
 
