@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, field, replace
 
 from softid.diagnosis.base.base_fit import BaseFit
@@ -240,7 +240,8 @@ def with_law_beside(
 def with_event_beside(answer: Diagnosis, base: BaseFit, final: Candidate) -> Diagnosis:
     """The diagnosis with what happened beside causes: a difference between logs, or at a moment.
 
-    A slip of the sensor asks for a cause that stands for it, so each is also left out once.
+    A payload or a slip of the sensor asks for causes that stand for it, so those without a name are
+    left out first, and each once.
 
     Parameters
     ----------
@@ -253,7 +254,8 @@ def with_event_beside(answer: Diagnosis, base: BaseFit, final: Candidate) -> Dia
     """
     if not (final.effects and answer.remainder.structured) or _is_told(answer):
         return answer
-    for model in _with_all_or_all_but_one(base, final):
+    named = {cause.key for cause in answer.causes}
+    for model in _with_fewer_causes(base, final, named):
         excess = excess_of(model, base.scale)
         differences = difference_issues(base, model)
         for issue in differences or change_issues(model, base.scale, excess, alone=True):
@@ -263,12 +265,16 @@ def with_event_beside(answer: Diagnosis, base: BaseFit, final: Candidate) -> Dia
     return answer
 
 
-def _with_all_or_all_but_one(base: BaseFit, final: Candidate) -> Iterator[Candidate]:
-    """The model with all its causes, and those with one of several left out."""
+def _with_fewer_causes(base: BaseFit, final: Candidate, named: Set[str]) -> Iterator[Candidate]:
+    """The model with the causes that have names, with all that it has, and without each once."""
+    own = [effect for effect in final.effects if effect.key in named]
+    if 0 < len(own) < len(final.effects):
+        yield refit_with_fewer(final, base.candidate, own, base.scale, base.sigma)
     yield final
     for left_out in final.effects if len(final.effects) > 1 else ():
         others = [effect for effect in final.effects if effect is not left_out]
-        yield refit_with_fewer(final, base.candidate, others, base.scale, base.sigma)
+        if others != own:
+            yield refit_with_fewer(final, base.candidate, others, base.scale, base.sigma)
 
 
 def _is_told(answer: Diagnosis) -> bool:

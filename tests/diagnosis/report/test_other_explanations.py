@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
-from handmade_diagnosis import diagnosis
+from handmade_diagnosis import cause, diagnosis
 
 from softid.diagnosis.report import other_explanations
 from softid.diagnosis.report.other_explanations import (
@@ -162,18 +162,26 @@ def test_a_law_beside_causes_is_asked_where_they_leave_something(
 
 
 @pytest.mark.parametrize(
-    ("begins_beside", "asked"),
+    ("named", "begins_beside", "asked"),
     [
-        ({"creep", "delay"}, 1),
-        ({"delay"}, 2),
-        ({"creep"}, 3),
-        (set(), 3),
+        ((), {"creep", "delay"}, 1),
+        ((), {"delay"}, 2),
+        ((), {"creep"}, 3),
+        ((), set(), 3),
+        (("creep",), {"creep"}, 1),
+        (("creep",), {"creep", "delay"}, 2),
+        (("creep",), {"delay"}, 3),
+        (("creep", "delay"), {"creep", "delay"}, 1),
     ],
 )
-def test_a_moment_is_looked_for_beside_all_causes_and_all_but_one(
-    begins_beside: set[str], asked: int, monkeypatch: pytest.MonkeyPatch
+def test_a_moment_is_looked_for_beside_all_causes_and_fewer(
+    named: tuple[str, ...],
+    begins_beside: set[str],
+    asked: int,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Of two one may stand for what began then; the first model that shows a moment is told."""
+    """Of two one may stand for what began then, first of all the one without a name; the first
+    model that shows a moment is told."""
     looked: list[set[str]] = []
 
     def change(model: Any, *args: Any, alone: bool) -> tuple[Issue, ...]:
@@ -195,6 +203,7 @@ def test_a_moment_is_looked_for_beside_all_causes_and_all_but_one(
     final = cast(Any, SimpleNamespace(effects=effects))
     found = diagnosis(Verdict.UNKNOWN)
     found = replace(found, remainder=replace(found.remainder, structured=True))
+    found = replace(found, causes=tuple(cause(name, (), before=2.0, after=0.5) for name in named))
     answer = with_event_beside(found, base, final)
     assert len(looked) == asked
     told = answer.issues[len(found.issues) :]
