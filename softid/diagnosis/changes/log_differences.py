@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import is_
 
 import numpy as np
 import numpy.typing as npt
@@ -151,6 +152,23 @@ def log_differences(
         if both.most > max(LEAST_TAKEN, 1.0 - MUST_LEAVE * (1.0 - single.most)):
             return both.told(problem.free)
     return single.told(problem.free) if single.most > LEAST_TAKEN else None
+
+
+def standing_over(logs: Sequence[Log], model: Candidate) -> tuple[Problem, Array]:
+    """A model over whole logs of which it was fitted to parts, and its unknowns there.
+
+    Parameters
+    ----------
+    logs
+        The logs.
+    model
+        A model whose parameters stay.
+    """
+    if len(logs) == len(model.problem.logs) and all(map(is_, logs, model.problem.logs)):
+        return model.problem, model.minimum.point
+    held = model.problem.parameters.with_fixed(model.parameters)
+    problem = Problem(model.problem.model, held, logs)
+    return problem, refit_nuisance(problem).unknowns
 
 
 def squares_of(problem: Problem, z: Array) -> float:

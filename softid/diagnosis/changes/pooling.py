@@ -14,12 +14,10 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.base.intersample_selection import independent_share
-from softid.diagnosis.changes.log_differences import squares_of
+from softid.diagnosis.changes.log_differences import squares_of, standing_over
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.parts_of_logs import REFIT_EVALUATIONS, refitted
 from softid.errors import IdentificationError, InputError
-from softid.fitters.output_error import refit_nuisance
-from softid.fitters.problem import Problem
 from softid.log import Log
 from softid.parallel import in_parallel
 
@@ -64,11 +62,9 @@ def own_parameters(base: BaseFit) -> OwnParameters | None:
     logs, model = base.whole_logs, base.candidate
     if len(logs) < 2:
         return None
-    held = model.problem.parameters.with_fixed(model.parameters)
 
     def both(log: Log) -> tuple[float, Candidate | None]:
-        problem = Problem(model.problem.model, held, (log,))
-        pooled = squares_of(problem, refit_nuisance(problem).unknowns)
+        pooled = squares_of(*standing_over((log,), model))
         try:
             return pooled, refitted(model, base.sigma, [log], REFIT_EVALUATIONS)
         except (IdentificationError, InputError):  # it is too short, or nothing moves in it

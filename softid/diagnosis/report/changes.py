@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
-from operator import is_
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +14,11 @@ from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
 from softid.diagnosis.changes.held_out_difference import held_out_difference, shows_motion_of
 from softid.diagnosis.changes.input_levels import have_same_levels
-from softid.diagnosis.changes.log_differences import log_differences, squares_of
+from softid.diagnosis.changes.log_differences import (
+    log_differences,
+    squares_of,
+    standing_over,
+)
 from softid.diagnosis.changes.pooling import own_parameters
 from softid.diagnosis.changes.spells import Spells, spells_elsewhere, spells_of
 from softid.diagnosis.refit.candidates import Candidate
@@ -27,8 +30,6 @@ from softid.diagnosis.residual.assessment import noise_variance
 from softid.diagnosis_results import Remainder
 from softid.effects.scale import Scale
 from softid.errors import IdentificationError, InputError, Issue
-from softid.fitters.output_error import refit_nuisance
-from softid.fitters.problem import Problem
 from softid.log import Log
 
 Array = npt.NDArray[np.float64]
@@ -223,7 +224,7 @@ def difference_issues(base: BaseFit, model: Candidate | None = None) -> tuple[Is
     logs = base.whole_logs
     if len(logs) < 2 or not have_same_levels(logs[:1], logs[1:]):
         return ()
-    problem, z = _over(logs, candidate)
+    problem, z = standing_over(logs, candidate)
     before = squares_of(problem, z)
     noise = problem.n_samples / len(problem.outputs) * noise_variance(candidate, base.scale)
     for k, reference in enumerate(logs[:REFERENCES]):
@@ -258,7 +259,11 @@ def own_parameter_issues(base: BaseFit) -> tuple[Issue, ...]:
     )
     pairs = zip(others, own.changes, strict=True) if own.name else ()
     rows = [f"{100.0 * change:+.0f} % in {log.name}" for log, change in pairs]
-    most = f"; most of all {own.name} differs from that in {first.name}, by {listed(rows)}"
+    texts = DifferenceTexts.of(base.candidate.problem)
+    most = (
+        f"; most of all {texts.title(own.name)} differs from that in {first.name}, by "
+        f"{listed(rows)}{texts.payload(own.name)}"
+    )
     return (
         Issue(
             LOG_DIFFERENCES,
@@ -268,12 +273,3 @@ def own_parameter_issues(base: BaseFit) -> tuple[Issue, ...]:
             APART,
         ),
     )
-
-
-def _over(logs: Sequence[Log], model: Candidate) -> tuple[Problem, Array]:
-    """A model over whole logs of which it was fitted to parts, and its unknowns there."""
-    if len(logs) == len(model.problem.logs) and all(map(is_, logs, model.problem.logs)):
-        return model.problem, model.minimum.point
-    held = model.problem.parameters.with_fixed(model.parameters)
-    problem = Problem(model.problem.model, held, logs)
-    return problem, refit_nuisance(problem).unknowns

@@ -97,7 +97,7 @@ class DifferenceTexts:
         changed, last = self._changed(found, logs), found.beside or found
         if found.beside is not None:
             changed = f"{changed} and {self._changed(found.beside, logs)}"
-        payload = PAYLOAD if self.inertia in (found.kinds[0], last.kinds[0]) else ""
+        payload = self.payload(found.kinds[0]) or self.payload(last.kinds[0])
         return Issue(
             LOG_DIFFERENCES,
             "warning",
@@ -115,18 +115,28 @@ class DifferenceTexts:
             How it differs from the rest of the log.
         """
         kind, last = found.kinds[0], found.beside or found
-        changes = f"{self._title(kind)} changes{_by(found)}"
+        changes = f"{self.title(kind)} changes{_by(found)}"
         if found.beside is not None:
-            changes += f" and {self._title(last.kinds[0])} changes{_by(last)}"
+            changes += f" and {self.title(last.kinds[0])} changes{_by(last)}"
         return (
             f": there {changes}, which takes away {percent(last.share)} of it{self._or_else(last)}"
         )
+
+    def payload(self, kind: str) -> str:
+        """What is said of a kind that is the inertia; nothing of others.
+
+        Parameters
+        ----------
+        kind
+            As in `LogDifferences`.
+        """
+        return PAYLOAD if kind == self.inertia else ""
 
     def _changed(self, found: LogDifferences, logs: Sequence[Log]) -> str:
         """What changes by how much in which log."""
         kind, pairs = found.kinds[0], zip(logs, found.sizes, strict=True)
         rows = [f"{_size(kind, size)} in {log.name}" for log, size in pairs]
-        return f"{self._title(kind)} changes by {listed(rows)}"
+        return f"{self.title(kind)} changes by {listed(rows)}"
 
     def _turned(self, found: LogDifferences, logs: Sequence[Log], reference: str) -> Issue:
         """That an output has the other sign in some logs."""
@@ -141,10 +151,17 @@ class DifferenceTexts:
 
     def _or_else(self, found: LogDifferences) -> str:
         """What explains nearly as much, if anything does."""
-        others = listed([self._title(other) for other in found.kinds[1:MOST_KINDS]], last=" or ")
+        others = listed([self.title(other) for other in found.kinds[1:MOST_KINDS]], last=" or ")
         return f"; {others} would explain nearly as much" if others else ""
 
-    def _title(self, kind: str) -> str:
+    def title(self, kind: str) -> str:
+        """What differs, in words.
+
+        Parameters
+        ----------
+        kind
+            As in `LogDifferences`.
+        """
         if kind == self.inertia:
             return INERTIA.format(kind)
         return DIFFERENCES.get(kind, f"{kind} of the model")
