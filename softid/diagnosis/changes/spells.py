@@ -62,7 +62,7 @@ BEGINNING = 0.1
 
 INSIDE_SHARE = 0.95
 """Share of a spell whose positions lie within those outside, and quantile of its speeds that the
-fastest ones outside reach: else a law may act there alone."""
+fastest ones outside reach: else a law may act there alone, unless it is the clock that jumps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +77,15 @@ class Spells:
         The model as it is fitted outside of them.
     before, noise
         Sums of squares of the first output in the spells: what that model leaves, and the noise.
+    is_met
+        Whether the positions and speeds of the spells are met outside of them, too.
     """
 
     spans_s: tuple[tuple[float, float], ...]
     reference: Candidate
     before: float
     noise: float
+    is_met: bool
 
 
 def spells_of(log: Log, fit: Callable[[Log], Candidate], noise: float) -> Spells | None:
@@ -106,7 +109,7 @@ def spells_of(log: Log, fit: Callable[[Log], Candidate], noise: float) -> Spells
         with suppress(IdentificationError, InputError):  # a part may be at rest, or not measured
             one = _grown(log, fit, noise, outside)
             found += [one] if one is not None else []
-    return min(found, key=lambda one: sum(end - begin for begin, end in one.spans_s), default=None)
+    return min(found, key=_length, default=None)
 
 
 def spells_elsewhere(log: Log, model: Candidate, noise: float) -> int | None:
@@ -138,6 +141,11 @@ def spells_elsewhere(log: Log, model: Candidate, noise: float) -> int | None:
     if np.count_nonzero(quiet) < LEAST_OUTSIDE * quiet.size:
         return None
     return len(stretches) if float(np.mean(residual[quiet] ** 2)) <= QUIET * own else None
+
+
+def _length(spells: Spells) -> tuple[bool, float]:
+    """How long spells are; those whose motion is met elsewhere are the shorter ones."""
+    return not spells.is_met, sum(end - begin for begin, end in spells.spans_s)
 
 
 def loudest(excess: Array) -> tuple[int, int, float]:
@@ -193,7 +201,7 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
         return None
     variance = float(np.mean(residual[~inside] ** 2))
     own = max(noise, fastest_part([residual[~inside]]).variance)  # logs differ in their noise
-    if variance > QUIET * own or not _are_covered(model, outside):
+    if variance > QUIET * own:
         return None
     before = float(np.sum(residual[inside] ** 2))
     if before < LEAST_CONTRAST * variance * np.count_nonzero(inside):
@@ -205,7 +213,8 @@ def _judged(log: Log, model: Candidate, outside: BoolArray, noise: float) -> Spe
         (float(log.time_s[begin]), float(log.time_s[end - 1]))
         for begin, end in edges.reshape(-1, 2).tolist()
     )
-    return Spells(spans, model, before, variance * np.count_nonzero(inside))
+    noise_there = variance * np.count_nonzero(inside)
+    return Spells(spans, model, before, noise_there, _are_covered(model, outside))
 
 
 def _are_covered(model: Candidate, outside: BoolArray) -> bool:

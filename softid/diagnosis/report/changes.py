@@ -12,9 +12,11 @@ import numpy.typing as npt
 
 from softid.diagnosis.base.base_fit import BaseFit
 from softid.diagnosis.changes.change_point import change_point
+from softid.diagnosis.changes.clock_jumps import is_clock_jump
 from softid.diagnosis.changes.held_out_difference import held_out_difference, shows_motion_of
 from softid.diagnosis.changes.input_levels import have_same_levels
 from softid.diagnosis.changes.log_differences import (
+    LogDifferences,
     log_differences,
     squares_of,
     standing_over,
@@ -160,7 +162,7 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
     judges = base.held_out.logs if isinstance(base.held_out, HeldOutLogs) else ()
     found = []
     for log in base.whole_logs:
-        spells = spells_of(log, fit, noise)
+        spells, change = _spells_and_change(log, fit, noise, base)
         if spells is None:
             if not _is_followed(log, fit, noise):
                 return ()  # what one log has throughout is no event in another
@@ -168,15 +170,6 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
         others = [spells_elsewhere(other, spells.reference, noise) for other in judges]
         if None in others:
             return ()
-        within = [log.between(begin, np.nextafter(end, np.inf)) for begin, end in spells.spans_s]
-        change = log_differences(
-            spells.reference,
-            base.scale,
-            within,
-            before=spells.before,
-            noise=spells.noise,
-            zero_counts=True,
-        )
         like = OUTSIDE_NOISE if change is None else DifferenceTexts.of(problem).in_spell(change)
         found.append(
             Issue(
@@ -188,6 +181,26 @@ def spell_issues(base: BaseFit) -> tuple[Issue, ...]:
             )
         )
     return tuple(found)
+
+
+def _spells_and_change(
+    log: Log, fit: Callable[[Log], Candidate], noise: float, base: BaseFit
+) -> tuple[Spells | None, LogDifferences | None]:
+    """The spells of a log, if they are no law that acts there alone, and what changes in them."""
+    spells = spells_of(log, fit, noise)
+    if spells is None:
+        return None, None
+    change = log_differences(
+        spells.reference,
+        base.scale,
+        [log.between(begin, np.nextafter(end, np.inf)) for begin, end in spells.spans_s],
+        before=spells.before,
+        noise=spells.noise,
+        zero_counts=True,
+    )
+    if spells.is_met or is_clock_jump(change, spells.reference, base.scale, base.sigma):
+        return spells, change
+    return None, None
 
 
 def _is_followed(log: Log, fit: Callable[[Log], Candidate], noise: float) -> bool:

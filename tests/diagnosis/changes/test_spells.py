@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -146,6 +148,35 @@ def test_what_changes_there_is_told() -> None:
     message = issues_of(log_of(changed((25.0, 41.0))))
     assert "s to the end of log-0: there " in message
     assert "the stiffness" in message
+
+
+CHIRP = 55.0 + 45.0 * np.sin(0.5 * (TIME_S - 20.0) ** 2)
+FASTER = np.where(TIME_S < 20.0, pressure(), CHIRP)
+"""A pressure that moves faster from 20 s on than before."""
+
+
+def faster_log(angle: Array) -> Log:
+    noise = NOISE * np.random.default_rng(3).standard_normal(N)
+    return Log.from_arrays(TIME_S, {"pressure": FASTER, "angle": angle + noise}, name="log")
+
+
+def test_a_clock_that_jumps_before_fast_motion_is_told() -> None:
+    """Known truth: 0.2 s of the reading are lost at 20 s, where the fast motion begins."""
+    angle = linear_angle(TIME_S, FASTER)
+    early = np.interp(TIME_S + 0.2, TIME_S, angle)
+    message = issues_of(faster_log(np.where(TIME_S < 20.0, angle, early)))
+    told = re.search(r"the delay of the reading changes by (\S+) s", message)
+    assert told is not None
+    assert float(told[1]) == pytest.approx(-0.2, abs=0.01)
+
+
+def test_what_fast_motion_shows_is_no_clock_that_jumps() -> None:
+    """Known truth: the reading is late throughout, which the slow motion tells, too."""
+    for late_s in (0.1, 0.3):
+        late = linear_angle(TIME_S, np.interp(TIME_S - late_s, TIME_S, FASTER))
+        request = Request("oscillator", None, 0, lambda message, fraction: None)
+        base = request.fit_base(LogSet((faster_log(late),)), (), thorough=False)
+        assert spell_issues(base) == ()
 
 
 def test_a_spell_with_a_shape_of_its_own_is_told_without_a_change() -> None:
