@@ -53,6 +53,10 @@ OUTLIERS = 0.1
 """Share by which outliers add to the power of the noise at least, where there are any: without,
 two estimates of it differ by a few per cent."""
 
+LEFT_BY_MOMENTS = 0.5
+"""Share of what is more than noise that the moments of jumps leave at most where they are all that
+is unknown: one jump alone explains nothing of a misfit that goes on throughout."""
+
 LITTLE_EXPLAINED = 0.8
 """Causes that explain less than this share of a misfit explain little."""
 
@@ -75,7 +79,7 @@ def assess(
     Where that is more than noise, or what passes for slow noise without a rest that shows it, it is
     held against what is not known of the input. Where it is still more, it is looked at again with
     the moments of jumps of the input that fall between two samples as unknowns beside its own. If
-    that leaves noise, they stay so.
+    that leaves noise, and they take most of what was more, they stay so.
 
     Parameters
     ----------
@@ -106,7 +110,8 @@ def assess(
         return found
     floor = _larger(_floor_of(heard(final, jumps.parts), scale, alike), rounding)
     timed = _look(before, jumps.parts, floor, scale, final, rng=rng, driven=driven)
-    if timed.structured:
+    takes_little = timed.excess > LEFT_BY_MOMENTS * found.excess
+    if timed.structured or (takes_little and timed.excess > SMALLEST_EXCESS):
         return found
     return replace(timed, rms=found.rms, open_jumps=jumps.count, open_jumps_scatter=jumps.scatter)
 

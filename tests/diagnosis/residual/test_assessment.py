@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from handmade_diagnosis import remainder
 from linear_motion import RATE_HZ, TRUTH, linear_log, linear_problem, standing
 from noise import coloured
 
 from softid.diagnosis.refit.candidates import Candidate
 from softid.diagnosis.refit.characteristic_scales import scale_of
+from softid.diagnosis.residual import assessment
 from softid.diagnosis.residual.assessment import assess, excess_of, held_out_share, is_structured
+from softid.diagnosis.residual.motion import residual_context
 from softid.diagnosis.residual.noise_floor import NoiseFloor
 from softid.diagnosis.residual.structure import Structure
 from softid.diagnosis_results import Remainder
@@ -138,3 +144,33 @@ def test_a_little_slow_noise_is_not_told_from_a_misfit() -> None:
     assert left.structured is True
     assert left.colour_s is None
     assert 0.2 < left.excess < 0.5
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "is_explained"),
+    [(0.27, 0.25, False), (0.27, 0.13, True), (2.0, 0.9, True), (2.0, 1.1, False)],
+)
+def test_moments_of_jumps_explain_what_they_take_most_of(
+    before: float, after: float, is_explained: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the rule: one jump takes next to nothing of a misfit that goes on throughout."""
+    log = linear_log(noise=0.01)
+    problem = linear_problem([log])
+    model = standing(problem, problem.unknowns(TRUTH))
+    left = remainder(structured=True, explained=0.0)
+    looks = iter(
+        [
+            replace(left, excess=before),
+            replace(left, excess=after, structured=False),
+        ]
+    )
+    monkeypatch.setattr(assessment, "_look", lambda *args, **options: next(looks))
+    monkeypatch.setattr(
+        assessment,
+        "with_open_jumps",
+        lambda *args: SimpleNamespace(parts=residual_context(model), count=1, scatter=True),
+    )
+    scale = scale_of(problem, model.minimum.point)
+    found = assess(model, model, scale, rng=np.random.default_rng(0))
+    assert found.structured is not is_explained
+    assert found.open_jumps == int(is_explained)
