@@ -6,7 +6,8 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of, variables_left
+from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of
+from softid.diagnosis.report.rest_phrases import variables_left
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (

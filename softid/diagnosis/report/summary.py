@@ -28,21 +28,23 @@ from softid.diagnosis.report.open_intersample import OPEN_INTERSAMPLE
 from softid.diagnosis.report.other_explanations import EVENTS, OF_REST, ONE_STEP, UNLISTED_LAW
 from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.phrases import (
-    PREDICTORS,
     VARIABLE_WORDS,
     doubt_about,
     given_up,
-    known_noise,
     listed,
     lowered,
-    nature_of_rest,
     percent,
     percent_below,
     sentence,
-    structure_of_rest,
     taken_by,
     title_of,
     titles_of,
+)
+from softid.diagnosis.report.rest_phrases import (
+    PREDICTORS,
+    known_noise,
+    nature_of_rest,
+    structure_of_rest,
     variables_left,
     what_is_unknown,
     what_it_may_be,

@@ -9,7 +9,7 @@ from handmade_diagnosis import DELAY, FRICTION, TIE, cause, diagnosis, estimate,
 
 from softid.diagnosis.report.ambiguity import SPLITS, is_linear, what_next
 from softid.diagnosis.report.issues import restriction_issues
-from softid.diagnosis.report.phrases import PREDICTORS
+from softid.diagnosis.report.rest_phrases import PREDICTORS
 from softid.diagnosis.report.summary import summarise, write_summary
 from softid.diagnosis.verdict.equivalence import PRESLIDING
 from softid.diagnosis_results import Alternative, Diagnosis, Doubt, Evidence, Verdict
