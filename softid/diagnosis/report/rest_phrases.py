@@ -21,6 +21,9 @@ OF_INPUT = 0.1
 LOUDER = 0.05
 """A rest is called noise with a reserve when its power is so much above that of the noise."""
 
+BUT_A_LINE = " but for a steady line"
+"""What is said of noise where a remark tells of a line in it."""
+
 MOST_VARIABLES = 2
 """Most variables that a sentence names."""
 
@@ -43,14 +46,23 @@ def structure_of_rest(remainder: Remainder) -> str:
     return f"{share} of its power follows from {PREDICTORS}, where chance reaches {limit}"
 
 
-def nature_of_rest(remainder: Remainder) -> str:
+def nature_of_rest(remainder: Remainder, *, has_line: bool = False) -> str:
     """What is left: slow noise, a steady line, or noise, and how much louder than the known noise.
 
     Parameters
     ----------
     remainder
         What is left.
+    has_line
+        Whether a remark tells of a steady line in it: that has no correlation time, and is not
+        normal.
     """
+    if remainder.colour_s is not None and has_line:
+        return (
+            "is more than the noise between neighbouring samples, and a steady line is in it; it "
+            f"is no larger where the motion is quick{_of_input(remainder)}. No long rest shows the "
+            "noise alone, so a slow misfit could hide in it"
+        )
     if remainder.colour_s is not None:
         return (
             "is more than the noise between neighbouring samples but has the marks of slow noise "
@@ -61,7 +73,8 @@ def nature_of_rest(remainder: Remainder) -> str:
         )
     if remainder.is_a_line:
         return f"is no noise: {percent(remainder.line_share)} of its power is one steady line"
-    told = f"looks like noise{with_open_moments(remainder.open_jumps)}{_of_input(remainder)}"
+    told = "looks like noise" + (BUT_A_LINE if has_line else "")
+    told += f"{with_open_moments(remainder.open_jumps)}{_of_input(remainder)}"
     if remainder.excess <= LOUDER:
         return told
     what = known_noise(remainder) or "noise in its fastest part"

@@ -41,6 +41,7 @@ from softid.diagnosis.report.phrases import (
     titles_of,
 )
 from softid.diagnosis.report.rest_phrases import (
+    BUT_A_LINE,
     PREDICTORS,
     known_noise,
     nature_of_rest,
@@ -52,7 +53,7 @@ from softid.diagnosis.report.rest_phrases import (
 )
 from softid.diagnosis.report.rounding import OF_RECORDED_INPUT
 from softid.diagnosis.report.several_elements import SEVERAL_ELEMENTS
-from softid.diagnosis.residual.disturbances import CODES
+from softid.diagnosis.residual.disturbances import CODES, SPECTRAL_LINE
 from softid.diagnosis.smoothed_record import SMOOTHED_RECORD
 from softid.diagnosis_results import (
     NOTABLE,
@@ -125,6 +126,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         held_out_changes=[i.message for i in found.issues if i.code == HELD_OUT_CHANGE],
         joined=[i.message for i in found.issues if i.code in (ONE_CAUSE, SEVERAL_ELEMENTS)],
         dropped=dropped_from(found),
+        has_line=any(i.code == SPECTRAL_LINE for i in found.issues),
         instead=next((i.message for i in found.issues if i.code in INSTEAD), ""),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
@@ -156,6 +158,7 @@ def summarise(
     seen: Sequence[str] = (),
     joined: Sequence[str] = (),
     dropped: Sequence[str] = (),
+    has_line: bool = False,
     instead: str = "",
 ) -> str:
     """What is wrong, by how much, why we think so, what it could be confused with, what to do next.
@@ -181,6 +184,8 @@ def summarise(
         That two causes may be one, or that one has several elements.
     dropped
         Parameters of the base that the extended model does without.
+    has_line
+        Whether one of the marks is a steady line.
     instead
         The remark of `INSTEAD`; empty where there is none.
 
@@ -195,14 +200,20 @@ def summarise(
     told = [opening, given_up(dropped), *(sentence(remark) for remark in seen)]
     each: list[str] = []
     if verdict is Verdict.ADEQUATE:
-        told += [sentence(instead)] if instead else _adequate(teller, remainder, refused)
+        told += (
+            [sentence(instead)]
+            if instead
+            else _adequate(teller, remainder, refused, has_line=has_line)
+        )
     elif verdict is Verdict.UNKNOWN:
         if changes:
             told += [sentence(change) for change in changes]
         else:
             told.append(what_is_unknown(remainder))
             tried = descriptive or causes
-            told += _unknown(teller, tried, alternatives, remainder, is_told=bool(marks))
+            told += _unknown(
+                teller, tried, alternatives, remainder, is_told=bool(marks), has_line=has_line
+            )
         told += [sentence(change) for change in held_out_changes]
     else:
         each = paragraphs_of(teller, causes, alternatives, evidence, descriptive, remainder)
@@ -212,7 +223,13 @@ def summarise(
             told.append(described(descriptive, causes))
         told.append(teller.mended((*causes, *descriptive)))
         if verdict is Verdict.PARTIAL or remainder.structured:
-            told += _partial(teller, remainder, is_tied=bool(alternatives), is_told=bool(marks))
+            told += _partial(
+                teller,
+                remainder,
+                is_tied=bool(alternatives),
+                is_told=bool(marks),
+                has_line=has_line,
+            )
         else:
             looks = "does not follow from the motion" if marks else nature_of_rest(remainder)
             told.append(f"What the fit leaves, {teller.size(remainder.rms)} rms, {looks}.")
@@ -226,7 +243,9 @@ def summarise(
     return "\n\n".join((whole, *each, advice)) if len(each) > 1 else f"{whole} {advice}".rstrip()
 
 
-def _adequate(teller: ErrorTexts, remainder: Remainder, refused: Sequence[str]) -> list[str]:
+def _adequate(
+    teller: ErrorTexts, remainder: Remainder, refused: Sequence[str], *, has_line: bool
+) -> list[str]:
     left = teller.size(remainder.rms)
     chance = "None of the effects tried explains more of it than chance would."
     if refused:
@@ -234,9 +253,10 @@ def _adequate(teller: ErrorTexts, remainder: Remainder, refused: Sequence[str]) 
     if remainder.colour_s is not None:
         return [
             chance,
-            f"What is left, {left} rms on the fitted samples, {nature_of_rest(remainder)}.",
+            f"What is left, {left} rms on the fitted samples, "
+            f"{nature_of_rest(remainder, has_line=has_line)}.",
         ]
-    noise = known_noise(remainder) or "noise"
+    noise = (known_noise(remainder) or "noise") + (BUT_A_LINE if has_line else "")
     why = "it is no larger" if remainder.predictable else structure_of_rest(remainder)
     told = [
         chance,
@@ -255,6 +275,7 @@ def _unknown(
     remainder: Remainder,
     *,
     is_told: bool,
+    has_line: bool,
 ) -> list[str]:
     told = []
     if tried and remainder.explained_share < NEXT_TO_NOTHING:
@@ -269,7 +290,7 @@ def _unknown(
             told += [_not_told_apart(tie) for tie in alternatives]
     if not remainder.structured:
         left = teller.size(remainder.rms)
-        looks = nature_of_rest(remainder)
+        looks = nature_of_rest(remainder, has_line=has_line)
         told.append(f"What is left on the fitted samples, {left} rms, {looks}.")
         return [*told, teller.more_held_out(remainder)]
     return [*told, _left(teller, remainder, is_told=is_told)]
@@ -287,7 +308,7 @@ def _not_told_apart(tie: Alternative) -> str:
 
 
 def _partial(
-    teller: ErrorTexts, remainder: Remainder, *, is_tied: bool, is_told: bool
+    teller: ErrorTexts, remainder: Remainder, *, is_tied: bool, is_told: bool, has_line: bool
 ) -> list[str]:
     """The share that is explained, and what is left where that is more than noise."""
     share = percent_below(remainder.explained_share, 1.0)
@@ -304,8 +325,8 @@ def _partial(
             return [_left(teller, remainder, but="has no more power than the noise, yet ")]
         return [f"{explained}.", _left(teller, remainder, is_told=is_told)]
     left = teller.size(remainder.rms)
-    looks = f"What is left on the fitted samples, {left} rms, {nature_of_rest(remainder)}."
-    return [f"{explained}.", looks, more]
+    nature = nature_of_rest(remainder, has_line=has_line)
+    return [f"{explained}.", f"What is left on the fitted samples, {left} rms, {nature}.", more]
 
 
 def _left(teller: ErrorTexts, remainder: Remainder, *, but: str = "", is_told: bool = False) -> str:

@@ -9,7 +9,9 @@ from handmade_diagnosis import diagnosis, remainder
 
 from softid.diagnosis.report.rest_phrases import PREDICTORS, UNLIKE_NOISE, structure_of_rest
 from softid.diagnosis.report.summary import write_summary
+from softid.diagnosis.residual.disturbances import SPECTRAL_LINE
 from softid.diagnosis_results import Diagnosis, NotNoise, Verdict
+from softid.errors import Issue
 
 
 def told(found: Diagnosis) -> str:
@@ -58,6 +60,29 @@ def test_structure_that_chance_would_make_of_slow_noise_is_told() -> None:
         in text
     )
     assert "follows from no variable" not in text
+
+
+@pytest.mark.parametrize("verdict", [Verdict.ADEQUATE, Verdict.PARTIAL, Verdict.UNKNOWN])
+def test_a_rest_with_a_line_is_no_slow_noise(verdict: Verdict) -> None:
+    """A line has no correlation time and is not normal; without one the marks are told."""
+    found = diagnosis(verdict)
+    left = replace(found.remainder, colour_s=0.058, structured=False, noise_from_rest=False)
+    found = replace(found, remainder=left, issues=(), alternatives=())
+    assert "the marks of slow noise with a correlation time of 0.058 s" in told(found)
+    line = Issue(SPECTRAL_LINE, "warning", "what is left holds a steady line at 50 Hz")
+    text = told(replace(found, issues=(line,)))
+    assert "slow noise" not in text
+    assert "and a steady line is in it; it is no larger where the motion is quick" in text
+    assert "What is left holds a steady line at 50 Hz." in text
+
+
+def test_noise_with_a_line_is_noise_but_for_the_line() -> None:
+    """Of an adequate model nothing else is left."""
+    found = diagnosis(Verdict.ADEQUATE)
+    left = replace(found.remainder, structured=False, structure_share=0.0, noise_from_rest=False)
+    line = Issue(SPECTRAL_LINE, "warning", "what is left holds a steady line at 50 Hz")
+    text = told(replace(found, remainder=left, issues=(line,)))
+    assert "looks like noise but for a steady line: no more of it follows" in text
 
 
 def test_a_share_that_rounds_to_nothing_is_less_than_one() -> None:
