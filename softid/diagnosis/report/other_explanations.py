@@ -228,7 +228,8 @@ def with_law_beside(
         found = beyond_catalogue(base, noise, UNLISTED_LAWS, beside=final)
     if found is None:
         return answer
-    issue = unlisted_issue(found, of_rest=of_rest)
+    tied = {name for tie in answer.alternatives for name in tie.effects}
+    issue = unlisted_issue(found, of_rest=of_rest, is_tied=found.laws[0].name in tied)
     return replace(
         answer,
         alternatives=() if issue.code == UNLISTED_LAW else answer.alternatives,
@@ -288,7 +289,9 @@ def one_step_issue() -> Issue:
     )
 
 
-def unlisted_issue(found: BeyondCatalogue, *, of_rest: bool = False) -> Issue:
+def unlisted_issue(
+    found: BeyondCatalogue, *, of_rest: bool = False, is_tied: bool = False
+) -> Issue:
     """Laws in no catalogue that account for a misfit, in words.
 
     Parameters
@@ -297,18 +300,22 @@ def unlisted_issue(found: BeyondCatalogue, *, of_rest: bool = False) -> Issue:
         The laws.
     of_rest
         Whether they were asked about what causes leave, and not about the whole misfit.
+    is_tied
+        Whether the best is told as what may stand in the place of a cause already.
     """
     causes = listed([lowered(effect.title) for effect in found.beside])
     together = f"{causes} together with " if causes and not of_rest else ""
     take = "take" if together else "takes"
+    what = f"what is {'left' if of_rest else 'missing'} "
+    what += "speaks for " if is_tied else f"behaves like {together}a law in no catalogue, "
     law = found.laws[0]
     elsewhere = f"{law.remedy}, or " if isinstance(law, OF_LINEAR) else ""
     return Issue(
         UNLISTED_LAW if found.is_whole and not of_rest else LIKE_UNLISTED_LAW,
         "info",
-        f"what is {'left' if of_rest else 'missing'} behaves like {together}a law in no "
-        f"catalogue, {_laws_of(found)}, which {take} away {percent(found.share)} of the misfit "
-        f"above the noise, and {percent(found.held_out_share)} of it on what is held out",
+        f"{what}{_laws_of(found)}, which {take} away {percent(found.share)} of "
+        f"{'it' if of_rest else 'the misfit'} above the noise, and "
+        f"{percent(found.held_out_share)} on what is held out",
         f"{elsewhere}record {law.shown_by}, where it would show",
     )
 

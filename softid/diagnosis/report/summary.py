@@ -18,7 +18,7 @@ from softid.diagnosis.report.ambiguity import (
 from softid.diagnosis.report.cause_texts import all_in_one, paragraphs_of
 from softid.diagnosis.report.changes import HELD_OUT_CHANGE
 from softid.diagnosis.report.clipped_input import CLIPPED_INPUT
-from softid.diagnosis.report.descriptions import described
+from softid.diagnosis.report.descriptions import described, outdone
 from softid.diagnosis.report.error_texts import ErrorTexts, judged_by_blocks
 from softid.diagnosis.report.issues import NEGLIGIBLE_MISFIT, REFUSED, UNSURE
 from softid.diagnosis.report.joint_causes import ONE_CAUSE
@@ -99,6 +99,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
     following = (
         found.next_experiment
         or remedy_of_disturbance(found)
+        or _to_see_elements(found)
         or what_next(
             found.verdict,
             alternatives=alternatives,
@@ -124,12 +125,18 @@ def write_summary(found: Diagnosis) -> Diagnosis:
         changes=[i.message for i in found.issues if i.code in WHAT_IT_IS],
         seen=[i.message for i in found.issues if i.code in _seen_beside(found.verdict)],
         held_out_changes=[i.message for i in found.issues if i.code == HELD_OUT_CHANGE],
-        joined=[i.message for i in found.issues if i.code in (ONE_CAUSE, SEVERAL_ELEMENTS)],
+        joined=[i.message for i in found.issues if i.code == ONE_CAUSE],
+        elements=[i.message for i in found.issues if i.code == SEVERAL_ELEMENTS],
         dropped=dropped_from(found),
         has_line=any(i.code == SPECTRAL_LINE for i in found.issues),
         instead=next((i.message for i in found.issues if i.code in INSTEAD), ""),
     )
     return replace(found, summary=summary, alternatives=alternatives, next_experiment=following)
+
+
+def _to_see_elements(found: Diagnosis) -> str | None:
+    """What shows the elements of a cause, where it has several."""
+    return next((i.remedy for i in found.issues if i.code == SEVERAL_ELEMENTS), None)
 
 
 def _seen_beside(verdict: Verdict) -> tuple[str, ...]:
@@ -157,6 +164,7 @@ def summarise(
     held_out_changes: Sequence[str] = (),
     seen: Sequence[str] = (),
     joined: Sequence[str] = (),
+    elements: Sequence[str] = (),
     dropped: Sequence[str] = (),
     has_line: bool = False,
     instead: str = "",
@@ -181,7 +189,9 @@ def summarise(
     seen
         What the logs show by themselves, without a model.
     joined
-        That two causes may be one, or that one has several elements.
+        That two causes may be one.
+    elements
+        That one has several elements, which explain more than the descriptions do.
     dropped
         Parameters of the base that the extended model does without.
     has_line
@@ -220,14 +230,15 @@ def summarise(
         told += [all_in_one(causes, alternatives)] if len(causes) > 1 else each
         told += [sentence(remark) for remark in joined]
         if descriptive:
-            told.append(described(descriptive, causes))
+            told.append(outdone(descriptive) if elements else described(descriptive, causes))
+        told += [sentence(remark) for remark in elements]
         told.append(teller.mended((*causes, *descriptive)))
         if verdict is Verdict.PARTIAL or remainder.structured:
             told += _partial(
                 teller,
                 remainder,
                 is_tied=bool(alternatives),
-                is_told=bool(marks),
+                is_told=bool(marks or elements),
                 has_line=has_line,
             )
         else:
@@ -344,10 +355,12 @@ def _left(teller: ErrorTexts, remainder: Remainder, *, but: str = "", is_told: b
             "chance would make of slow noise"
         )
     elif remainder.noise_is_known:
-        told += "is larger than the noise, but follows from no variable that was looked at"
+        told += "is larger than the noise"
+        told += "" if is_told else ", but follows from no variable that was looked at"
     else:
-        told += "is more than the noise between neighbouring samples, and follows from no variable "
-        told += "that was looked at" + ("" if is_told else f": {what_it_may_be(remainder)}")
+        told += "is more than the noise between neighbouring samples"
+        guess = f", and follows from no variable that was looked at: {what_it_may_be(remainder)}"
+        told += "" if is_told else guess
     return f"{told}; most of it from {' and '.join(named)}." if named else f"{told}."
 
 

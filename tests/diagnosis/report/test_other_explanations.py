@@ -227,3 +227,15 @@ def test_a_law_is_told_with_its_size(found: BeyondCatalogue, code: str, told: st
     assert issue.code == code
     assert told in issue.message
     assert found.laws[0].shown_by in (issue.remedy or "")
+
+
+def test_a_law_of_what_is_left_counts_of_that() -> None:
+    """And what a tie names already is no news, but speaks for one side of it."""
+    issue = unlisted_issue(LAW, of_rest=True)
+    assert issue.code == LIKE_UNLISTED_LAW
+    assert issue.message.startswith("what is left behaves like a law in no catalogue, play between")
+    assert issue.message.endswith(
+        "which takes away 99 % of it above the noise, and 98 % on what is held out"
+    )
+    tied = unlisted_issue(LAW, of_rest=True, is_tied=True)
+    assert tied.message.startswith("what is left speaks for play between the actuator")
