@@ -6,8 +6,9 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import VARIATIONS, lowered, title_of, titles_of
+from softid.diagnosis.report.phrases import VARIATIONS, lowered, titles_of
 from softid.diagnosis.report.rest_phrases import variables_left
+from softid.diagnosis.report.splits import split_in_words, why_tied_here
 from softid.diagnosis.residual.disturbances import CODES
 from softid.diagnosis.search.contenders import INDISTINCT
 from softid.diagnosis.verdict.equivalence import (
@@ -22,7 +23,6 @@ from softid.diagnosis.verdict.equivalence import (
 )
 from softid.diagnosis.verdict.law_rivals import GIVES_WAY
 from softid.diagnosis.verdict.laws_alike import LAWS_ALIKE, LOWER_END
-from softid.diagnosis.verdict.separations import splitting_experiment, why_unsplit
 from softid.diagnosis_results import Alternative, Cause, Diagnosis, Doubt, Remainder, Verdict
 from softid.effects import EFFECTS
 from softid.effects.scale import Scale
@@ -93,7 +93,13 @@ def with_presliding(
     )
 
 
-def why_tied(alternative: Alternative, *, linear: bool, extended: FitResult | None = None) -> str:
+def why_tied(
+    alternative: Alternative,
+    *,
+    linear: bool,
+    extended: FitResult | None = None,
+    held: frozenset[str] = frozenset(),
+) -> str:
     """Why causes are not told apart, and what would do it.
 
     Parameters
@@ -104,28 +110,32 @@ def why_tied(alternative: Alternative, *, linear: bool, extended: FitResult | No
         Whether the model is linear but for these.
     extended
         The model with the causes: where their times may be the actuator's, its own are told.
+    held
+        Experiments that the logs hold, from `held_experiments`.
     """
     known = law_that_ties(alternative, linear=linear)
     if known is not None:
         own = own_times(known, extended) if extended is not None else ()
         here = f", here {' and '.join(own)}" if own else ""
         return f"{known.why}{here}{SPLITS}{known.splits}."
-    return why_unsplit(alternative.keys, alike=are_alike(alternative))
+    return why_tied_here(alternative.keys, held, alike=are_alike(alternative))
 
 
-def with_reasons(found: Diagnosis) -> tuple[Alternative, ...]:
+def with_reasons(found: Diagnosis, held: frozenset[str] = frozenset()) -> tuple[Alternative, ...]:
     """The ties of a diagnosis with why they are; words that one has already stay.
 
     Parameters
     ----------
     found
         A diagnosis in numbers.
+    held
+        As in `why_tied`.
     """
     laws, linear = (*found.causes, *found.descriptive), is_linear(found.base)
 
     def reason(tie: Alternative) -> str:
         beside = is_linear_beside(laws, tie.effects, linear=linear)
-        return tie.why or why_tied(tie, linear=beside, extended=found.extended)
+        return tie.why or why_tied(tie, linear=beside, extended=found.extended, held=held)
 
     return tuple(replace(tie, why=reason(tie)) for tie in found.alternatives)
 
@@ -265,6 +275,7 @@ def what_next(
     laws: Sequence[Cause] = (),
     linear: bool = False,
     in_blocks: bool = False,
+    held: frozenset[str] = frozenset(),
 ) -> str | None:
     """What to record next; None when nothing is open.
 
@@ -278,6 +289,8 @@ def what_next(
         Whether the base model is linear.
     in_blocks
         Whether blocks of the fitted logs judge.
+    held
+        Experiments that the logs hold, from `held_experiments`.
     """
     if any(law.doubt is Doubt.ONE_STEP for law in laws):
         return SEVERAL_STEPS
@@ -291,11 +304,9 @@ def what_next(
             return f"record {known.splits}"
         if SPLITS in alternative.why:
             return f"record {alternative.why.partition(SPLITS)[2].removesuffix('.')}"
-        split = splitting_experiment(alternative.keys)
+        split = split_in_words(alternative.keys, held)
         if split is not None:
-            first, *others = alternative.keys
-            rest = titles_of(others, last=" or ")
-            return f"record {split.experiment}, to tell {title_of(first)} from {rest}"
+            return split
     if remainder.misses_held_out and not remainder.structured:
         return _to_judge(laws, in_blocks=in_blocks)
     if verdict is Verdict.UNKNOWN and not remainder.structured:

@@ -48,6 +48,7 @@ ANY_OF: dict[str, tuple[str, ...]] = {
     HOLD: (HOLD,),
     CHIRP: (CHIRP,),
     "fast steps, or a chirp": (STEPS, CHIRP),
+    "fast steps, or a chirp beyond the ringing frequency": (STEPS,),
     "fast steps up and down between the same levels": (STEPS,),
     "a chirp up to the bandwidth of the actuator": (CHIRP,),
 }

@@ -17,6 +17,7 @@ from softid.diagnosis.report.changes import (
     own_parameter_issues,
     spell_issues,
 )
+from softid.diagnosis.report.held_excitation import held_experiments, is_held
 from softid.diagnosis.report.other_model import UNASKED_MODEL
 from softid.diagnosis.report.phrases import listed, lowered, percent
 from softid.diagnosis.report.second_input import FOLLOWS_SECOND_INPUT
@@ -102,7 +103,7 @@ class OtherExplanations:
         found = self._beyond(base)
         if found is None or 1.0 - found.share > FAR_MORE * max(1.0 - taken, LEAST_LEFT):
             return ()
-        return (unlisted_issue(found),)
+        return (unlisted_issue(found, held=held_experiments(base.candidate.problem.logs)),)
 
     def outdo(self, base: BaseFit, cause: Candidate) -> bool:
         """Whether a law in no catalogue leaves nothing to look for beside a cause.
@@ -229,7 +230,12 @@ def with_law_beside(
     if found is None:
         return answer
     tied = {name for tie in answer.alternatives for name in tie.effects}
-    issue = unlisted_issue(found, of_rest=of_rest, is_tied=found.laws[0].name in tied)
+    issue = unlisted_issue(
+        found,
+        of_rest=of_rest,
+        is_tied=found.laws[0].name in tied,
+        held=held_experiments(base.candidate.problem.logs),
+    )
     return replace(
         answer,
         alternatives=() if issue.code == UNLISTED_LAW else answer.alternatives,
@@ -290,7 +296,11 @@ def one_step_issue() -> Issue:
 
 
 def unlisted_issue(
-    found: BeyondCatalogue, *, of_rest: bool = False, is_tied: bool = False
+    found: BeyondCatalogue,
+    *,
+    of_rest: bool = False,
+    is_tied: bool = False,
+    held: frozenset[str] = frozenset(),
 ) -> Issue:
     """Laws in no catalogue that account for a misfit, in words.
 
@@ -302,22 +312,30 @@ def unlisted_issue(
         Whether they were asked about what causes leave, and not about the whole misfit.
     is_tied
         Whether the best is told as what may stand in the place of a cause already.
+    held
+        Experiments that the logs hold, from `held_experiments`.
     """
     causes = listed([lowered(effect.title) for effect in found.beside])
     together = f"{causes} together with " if causes and not of_rest else ""
     take = "take" if together else "takes"
     what = f"what is {'left' if of_rest else 'missing'} "
     what += "speaks for " if is_tied else f"behaves like {together}a law in no catalogue, "
-    law = found.laws[0]
-    elsewhere = f"{law.remedy}, or " if isinstance(law, OF_LINEAR) else ""
     return Issue(
         UNLISTED_LAW if found.is_whole and not of_rest else LIKE_UNLISTED_LAW,
         "info",
         f"{what}{_laws_of(found)}, which {take} away {percent(found.share)} of "
         f"{'it' if of_rest else 'the misfit'} above the noise, and "
         f"{percent(found.held_out_share)} on what is held out",
-        f"{elsewhere}record {law.shown_by}, where it would show",
+        _to_see_it(found.laws[0], held),
     )
+
+
+def _to_see_it(law: Effect, held: frozenset[str]) -> str:
+    """Where a law in no catalogue would show: in an experiment, or on the rig if that was done."""
+    elsewhere = f"{law.remedy}, or " if isinstance(law, OF_LINEAR) else ""
+    if is_held(law.shown_by, held):
+        return f"look for it on the rig, as these logs hold {law.shown_by} already: {law.remedy}"
+    return f"{elsewhere}record {law.shown_by}, where it would show"
 
 
 def _laws_of(found: BeyondCatalogue) -> str:

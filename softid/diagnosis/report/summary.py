@@ -86,16 +86,18 @@ NEXT_TO_NOTHING = 0.1
 """A description that takes away less of the misfit is not worth its name."""
 
 
-def write_summary(found: Diagnosis) -> Diagnosis:
+def write_summary(found: Diagnosis, held: frozenset[str] = frozenset()) -> Diagnosis:
     """The diagnosis with its paragraph, what to record next, and why ties are ties.
 
     Parameters
     ----------
     found
         A diagnosis in numbers; words that it has already stay, but for the paragraph.
+    held
+        Experiments that the fitted logs hold, which are not advised again; from `held_experiments`.
     """
     linear = is_linear(found.base)
-    alternatives = with_reasons(found)
+    alternatives = with_reasons(found, held)
     following = (
         found.next_experiment
         or remedy_of_disturbance(found)
@@ -107,6 +109,7 @@ def write_summary(found: Diagnosis) -> Diagnosis:
             laws=(*found.causes, *found.descriptive),
             linear=linear,
             in_blocks=judged_by_blocks(found.gains),
+            held=held,
         )
     )
     summary = summarise(

@@ -20,6 +20,7 @@ from softid.diagnosis.report.other_explanations import (
     with_law_beside,
 )
 from softid.diagnosis.verdict.beyond_catalogue import BeyondCatalogue
+from softid.diagnosis.verdict.separations import STEPS
 from softid.diagnosis.verdict.unlisted_laws import (
     NEAR_ONE,
     EarlyReading,
@@ -35,7 +36,8 @@ from softid.errors import Issue
 class Base:
     """What no explanation here looks at."""
 
-    candidate = scale = None
+    scale = None
+    candidate = SimpleNamespace(problem=SimpleNamespace(logs=()))
 
 
 DIFFERS, JUMPS, SPELL, MIXED = (Issue(name, "warning", name) for name in "abcd")
@@ -239,3 +241,12 @@ def test_a_law_of_what_is_left_counts_of_that() -> None:
     )
     tied = unlisted_issue(LAW, of_rest=True, is_tied=True)
     assert tied.message.startswith("what is left speaks for play between the actuator")
+
+
+def test_a_law_whose_experiment_is_on_record_is_sought_on_the_rig() -> None:
+    """A gauge that is late shows in fast steps; what to look at is what would mend it."""
+    found = BeyondCatalogue((EarlyReading(),), 0.99, 0.98, 1.0, 1.0, ((0.05, "s"),))
+    assert unlisted_issue(found).remedy == "record fast steps, where it would show"
+    assert unlisted_issue(found, held=frozenset((STEPS,))).remedy == (
+        f"look for it on the rig, as these logs hold fast steps already: {EarlyReading.remedy}"
+    )
