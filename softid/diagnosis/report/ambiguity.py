@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
-from softid.diagnosis.report.phrases import VARIATIONS, lowered, titles_of
+from softid.diagnosis.report.phrases import VARIATIONS, listed, lowered, title_of, titles_of
 from softid.diagnosis.report.rest_phrases import variables_left
 from softid.diagnosis.report.splits import split_in_words, why_tied_here
 from softid.diagnosis.residual.disturbances import CODES
@@ -28,6 +28,10 @@ from softid.effects import EFFECTS
 from softid.effects.scale import Scale
 from softid.models import MODELS
 from softid.results import FitResult
+
+MOST_TIED = 4
+"""Most causes of a tie that a sentence names, the last among them, which may stand for others; the
+record has all."""
 
 BEST_OF_UNEQUAL = "The best, though it leads by less than all of them leave unexplained"
 """Beginning of a tie whose causes do not explain the logs equally well."""
@@ -162,7 +166,7 @@ def told_as_tied(
         Whether all causes leave no more than that: what explains more beside another misfit need
         not be likelier.
     """
-    named, first = titles_of(alternative.keys, last=" or "), lowered(title)
+    named, first = _first_and_last(alternative.keys), lowered(title)
     known = law_that_ties(alternative, linear=linear)
     *others, last = alternative.keys
     if known in LIKELIER and any(last == tie.keys[-1] for tie in earlier):
@@ -178,6 +182,15 @@ def told_as_tied(
         best = "The best by a little" if are_alike(alternative) else BEST_OF_UNEQUAL
         reason = f"{best}, {first},"
     return f"one of these, {which}: {named}. {reason}"
+
+
+def _first_and_last(keys: Sequence[str]) -> str:
+    """The causes of a tie as a sentence takes them: the first of many, their number, the last."""
+    left_out = len(keys) - MOST_TIED
+    if left_out < 2:
+        return titles_of(keys, last=" or ")
+    named = listed([title_of(key) for key in keys[: MOST_TIED - 1]], last=", ")
+    return f"{named}, {left_out} more or {title_of(keys[-1])}"
 
 
 def own_places(tie: Alternative, extended: FitResult) -> tuple[str, ...]:

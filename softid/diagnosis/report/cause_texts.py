@@ -17,7 +17,7 @@ from softid.diagnosis.report.phrases import (
     unsteady,
     values_of,
 )
-from softid.diagnosis.verdict.equivalence import classes_of
+from softid.diagnosis.verdict.equivalence import EquivalenceClass, classes_of
 from softid.diagnosis_results import Alternative, Cause, Evidence, Remainder, cause_before
 
 COUNTS = {2: "Two", 3: "Three", 4: "Four", 5: "Five", 6: "Six"}
@@ -93,14 +93,21 @@ def paragraphs_of(
             what = f"{tied} would have {values}."
             inseparable = classes_of(tie.effects)
         apart = [
-            f"No log of pressure and motion tells {told_apart(known.members)}: {lowered(known.why)}"
+            f"No log of pressure and motion tells {_which_of(known, what)}: {lowered(known.why)}"
             for known in inseparable
         ]
         alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
         errors = "" if alone else _errors(teller, cause, descriptive)
         why = evidence_text(teller, cause, tie, evidence, errors)
-        told.append(" ".join(filter(None, (opening, what, *apart, why, unsteady(cause)))))
+        told.append(
+            " ".join(filter(None, (opening, what, *apart, why, unsteady(cause, "its size"))))
+        )
     return told
+
+
+def _which_of(known: EquivalenceClass, told: str) -> str:
+    """The members of a class, unless they have just been named together."""
+    return "which" if listed(known.members, last=" or ") in told else told_apart(known.members)
 
 
 def _errors(teller: ErrorTexts, cause: Cause, descriptive: Sequence[Cause]) -> str:

@@ -38,6 +38,9 @@ from softid.errors import Issue
 UNLISTED_LAW, LIKE_UNLISTED_LAW = "unlisted-law", "like-unlisted-law"
 """Codes of the remark that a law in no catalogue accounts for a misfit, or for most of it."""
 
+LAW_BESIDE = "unlisted-law-beside"
+"""Code of the remark that one accounts for what causes or descriptions leave."""
+
 ONE_STEP = "one-step"
 """Code of the remark that a single step leaves the parameters open that what is held out needs."""
 
@@ -54,7 +57,7 @@ EVENTS = (CHANGE_POINT, LOG_DIFFERENCES, FOLLOWS_SECOND_INPUT)
 EVENT_BESIDE = "event-beside"
 """Code of the remark that what causes leave begins at one moment."""
 
-OF_REST = (LIKE_UNLISTED_LAW, EVENT_BESIDE)
+OF_REST = (LAW_BESIDE, EVENT_BESIDE)
 """Codes of the remarks that say what it is that causes leave."""
 
 
@@ -281,7 +284,7 @@ def _with_all_or_all_but_one(base: BaseFit, final: Candidate) -> Iterator[Candid
 def _is_told(answer: Diagnosis) -> bool:
     """Whether what the misfit is has been told already, or that something happened."""
     told = {issue.code for issue in answer.issues}
-    return bool(told & {UNLISTED_LAW, UNASKED_MODEL, *OF_REST, *EVENTS})
+    return bool(told & {UNLISTED_LAW, UNASKED_MODEL, LIKE_UNLISTED_LAW, *OF_REST, *EVENTS})
 
 
 def one_step_issue() -> Issue:
@@ -320,8 +323,9 @@ def unlisted_issue(
     take = "take" if together else "takes"
     what = f"what is {'left' if of_rest else 'missing'} "
     what += "speaks for " if is_tied else f"behaves like {together}a law in no catalogue, "
+    whole = UNLISTED_LAW if found.is_whole else LIKE_UNLISTED_LAW
     return Issue(
-        UNLISTED_LAW if found.is_whole and not of_rest else LIKE_UNLISTED_LAW,
+        LAW_BESIDE if of_rest else whole,
         "info",
         f"{what}{_laws_of(found)}, which {take} away {percent(found.share)} of "
         f"{'it' if of_rest else 'the misfit'} above the noise, and "

@@ -243,19 +243,21 @@ def at_bounds(cause: Cause) -> str:
     )
 
 
-def unsteady(cause: Cause) -> str:
+def unsteady(cause: Cause, size_of_it: str | None = None) -> str:
     """That the size of a cause is not the same throughout; nothing where it is.
 
     Parameters
     ----------
     cause
         A cause or a description.
+    size_of_it
+        What the size is called; None for the name of the cause.
     """
     if cause.variation is None:
         return ""
     spread = cause.variation.spread
     size = f"by about {percent(spread)}" if spread > TOLD_VARIATION else "a little"
-    return (
-        f"The size of {lowered(cause.title)} is not the same throughout: it varies {size} "
-        f"with {VARIABLE_WORDS[cause.variation.by]}, so its law is not exactly this one."
+    return sentence(
+        f"{size_of_it or f'the size of {lowered(cause.title)}'} varies {size} with "
+        f"{VARIABLE_WORDS[cause.variation.by]}, so its law is not exactly this one"
     )

@@ -12,6 +12,7 @@ from handmade_diagnosis import diagnosis
 from softid.diagnosis.report import other_explanations
 from softid.diagnosis.report.other_explanations import (
     EVENT_BESIDE,
+    LAW_BESIDE,
     LIKE_UNLISTED_LAW,
     UNLISTED_LAW,
     OtherExplanations,
@@ -154,7 +155,7 @@ def test_a_law_beside_causes_is_asked_where_they_leave_something(
     assert met == asked
     told = answer.issues[len(found.issues) :]
     assert [issue.code for issue in told] == [
-        UNLISTED_LAW if name == "both" else LIKE_UNLISTED_LAW for name in asked
+        UNLISTED_LAW if name == "both" else LAW_BESIDE for name in asked
     ]
     for issue in told:
         assert ("creep of the material together with a law" in issue.message) is (
@@ -234,7 +235,7 @@ def test_a_law_is_told_with_its_size(found: BeyondCatalogue, code: str, told: st
 def test_a_law_of_what_is_left_counts_of_that() -> None:
     """And what a tie names already is no news, but speaks for one side of it."""
     issue = unlisted_issue(LAW, of_rest=True)
-    assert issue.code == LIKE_UNLISTED_LAW
+    assert issue.code == LAW_BESIDE
     assert issue.message.startswith("what is left behaves like a law in no catalogue, play between")
     assert issue.message.endswith(
         "which takes away 99 % of it above the noise, and 98 % on what is held out"

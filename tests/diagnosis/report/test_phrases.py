@@ -11,6 +11,7 @@ from handmade_diagnosis import cause, diagnosis, estimate, remainder
 from softid.diagnosis.report.descriptions import described
 from softid.diagnosis.report.phrases import (
     doubt_about,
+    lowered,
     percent_below,
     percent_range,
     taken_by,
@@ -91,9 +92,9 @@ def test_a_size_that_varies_is_told(verdict: Verdict) -> None:
     if not found.causes:
         shown = replace(shown, descriptive=(varied,))
     text = told(shown)
-    assert f"The size of {first.title[:1].lower()}{first.title[1:]} is not the same" in text
-    assert "it varies by about 12 % with the input" in text
-    assert "not the same throughout" not in told(found)
+    size = "Its size" if found.causes else f"The size of {lowered(first.title)}"
+    assert f"{size} varies by about 12 % with the input, so its law is not exactly this" in text
+    assert "so its law is not exactly this" not in told(found)
 
 
 def test_a_description_is_small_or_not_sure() -> None:
@@ -171,7 +172,7 @@ def test_a_variation_of_nothing_is_told_without_a_number(spread: float, size: st
     """A share that would round to 0 % says that nothing varies."""
     told = cause("creep", [], before=2.0, after=1.0)
     varied = replace(told, variation=Variation("x", spread, 0.1, 1e-9))
-    assert f"it varies {size} with the position" in unsteady(varied)
+    assert f"varies {size} with the position" in unsteady(varied)
 
 
 def test_a_description_of_next_to_nothing_is_not_told() -> None:
