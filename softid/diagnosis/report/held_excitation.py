@@ -99,6 +99,8 @@ def _held(log: Log) -> set[str]:
     if not np.isfinite(u).all():
         return set()
     stretches, windows = excitation_and_holds(log.time_s, u)
+    if all(stretch.kind == "rest" for stretch in stretches):
+        return set()  # its noise is all that changes
     held = set()
     if any(stretch.kind == "sine" for stretch in stretches):
         held.add(SINE)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -61,6 +63,15 @@ def test_what_a_log_holds(pressure: Array, held: set[str]) -> None:
     assert found & {STEPS, HOLD, CHIRP} == held & {STEPS, HOLD, CHIRP}
     assert held <= found
     assert moves_quickly(found) == bool(held & {STEPS, CHIRP})
+
+
+@pytest.mark.parametrize("noise_kpa", [0.0, 0.1])
+def test_a_log_at_rest_holds_nothing(noise_kpa: float) -> None:
+    """Whether its gauge shows noise or not, and where the recorder stalled once."""
+    log = recorded(np.full(TIME_S.size, 60.0), noise_kpa)
+    assert held_experiments([log]) == frozenset()
+    late_s = log.time_s + 20.0 * (log.time_s > 30.0)
+    assert held_experiments([replace(log, time_s=late_s)]) == frozenset()
 
 
 def test_logs_hold_together_what_each_does() -> None:
