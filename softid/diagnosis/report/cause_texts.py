@@ -92,22 +92,21 @@ def paragraphs_of(
             earlier.append(tie)
             what = f"{tied} would have {values}."
             inseparable = classes_of(tie.effects)
-        apart = [
-            f"No log of pressure and motion tells {_which_of(known, what)}: {lowered(known.why)}"
-            for known in inseparable
-        ]
+        apart = [_inseparable(known, what) for known in inseparable]
         alone = len(causes) == 1 and not (descriptive or teller.dropped) and bool(teller.rows)
         errors = "" if alone else _errors(teller, cause, descriptive)
         why = evidence_text(teller, cause, tie, evidence, errors)
-        told.append(
-            " ".join(filter(None, (opening, what, *apart, why, unsteady(cause, "its size"))))
-        )
+        varies = "" if tie else unsteady(cause, "its size")  # that the law is in doubt is told
+        told.append(" ".join(filter(None, (opening, what, *apart, why, varies))))
     return told
 
 
-def _which_of(known: EquivalenceClass, told: str) -> str:
-    """The members of a class, unless they have just been named together."""
-    return "which" if listed(known.members, last=" or ") in told else told_apart(known.members)
+def _inseparable(known: EquivalenceClass, told: str) -> str:
+    """That no log splits a class, and why, or its members where these are not named together."""
+    no_log = "No log of pressure and motion tells"
+    if listed(known.members, last=" or ") in told:
+        return f"{no_log} which: {lowered(known.why)}"
+    return f"{no_log} {told_apart(known.members)}."
 
 
 def _errors(teller: ErrorTexts, cause: Cause, descriptive: Sequence[Cause]) -> str:

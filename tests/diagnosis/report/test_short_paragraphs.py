@@ -10,7 +10,7 @@ from handmade_diagnosis import DELAY, TIE, cause, diagnosis
 from softid.diagnosis.logs.permanent_set import RESIDUAL_SET
 from softid.diagnosis.report.other_explanations import LAW_BESIDE, LIKE_UNLISTED_LAW
 from softid.diagnosis.report.summary import LEAVE_A_SET, write_summary
-from softid.diagnosis_results import Alternative, Diagnosis, Doubt, Verdict
+from softid.diagnosis_results import Alternative, Diagnosis, Doubt, Variation, Verdict
 from softid.effects import EFFECTS
 from softid.errors import Issue
 
@@ -79,4 +79,15 @@ def test_a_long_tie_is_told_by_its_ends(count: int, named: int) -> None:
 def test_a_class_that_is_not_named_whole_is_told_with_its_members() -> None:
     """In a tie the delay alone is named, so what no log tells it from is news."""
     text = told(replace(diagnosis(Verdict.AMBIGUOUS), alternatives=(TIE,)))
-    assert "No log of pressure and motion tells a delay of the input from an offset" in text
+    assert (
+        "No log of pressure and motion tells a delay of the input from an offset between the "
+        "clocks of the two channels. " in text
+    )
+
+
+def test_that_a_tied_law_is_not_exactly_this_one_is_told_by_the_tie() -> None:
+    """A size that varies is a doubt about a cause that is named alone."""
+    varied = replace(DELAY, variation=Variation("x", 0.02, 0.1, 1e-9))
+    found = replace(diagnosis(Verdict.PARTIAL), causes=(varied,), alternatives=())
+    assert "Its size varies by about 2 % with the position" in told(found)
+    assert "Its size" not in told(replace(found, alternatives=(TIE,)))
