@@ -18,6 +18,7 @@ from softid.diagnosis.report.phrases import (
     values_of,
 )
 from softid.diagnosis.verdict.equivalence import EquivalenceClass, classes_of
+from softid.diagnosis.verdict.unlisted_names import UNLISTED
 from softid.diagnosis_results import Alternative, Cause, Evidence, Remainder, cause_before
 
 COUNTS = {2: "Two", 3: "Three", 4: "Four", 5: "Five", 6: "Six"}
@@ -42,6 +43,8 @@ def _in_its_place(cause: Cause, alternatives: Sequence[Alternative]) -> str:
     if tie is None:
         return ""
     others = [key for key in tie.keys if key.split(".")[0] != cause.effect]
+    if len(others) == 1 and others[0] in UNLISTED:
+        return " (or a law in no catalogue)"  # which its own paragraph describes
     if len(others) == 1:
         return f" (or {title_of(others[0])})"
     return f" (or one of {len(others)} others)"
